@@ -5,18 +5,18 @@ from __future__ import annotations
 from operator import index
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
+from chordal import _chordal
 from chordal._arguments import number
 from chordal._budget import Length, Share, budget_arguments
-from chordal._combine import compiled
 from chordal._errors import BudgetError, BudgetUnmet
+from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
-    from chordal import _chordal
     from chordal._volume import Volume
 
 
-class Bakeable:
-    """What distances can be sampled to: shapes and meshes."""
+class Bakeable(Sourced):
+    """What distances can be sampled to."""
 
     __slots__ = ()
 
@@ -39,17 +39,17 @@ class Bakeable:
 
         >>> import chordal
         >>> corner = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-        >>> solid = chordal.triangles(corner, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+        >>> solid = chordal.Mesh(corner, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
         >>> solid.bake(cells=8).report["certificate"]["baked"]["solid"]["sentence"]
         'the mesh is a solid'
         >>> solid.bake(tol=0.05).bound.at_most <= 0.05
         True
         """
-        return _baked(compiled("self", self), cells=cells, tol=tol, rel=rel, band=band, bound=bound)
+        return _baked(self._source, cells=cells, tol=tol, rel=rel, band=band, bound=bound)
 
 
 def _baked(
-    source: _chordal.Source | _chordal.Outcome,
+    source: _chordal.Source,
     *,
     cells: SupportsIndex | None,
     tol: Length | None,

@@ -77,6 +77,23 @@ def budget_arguments(
     return found
 
 
+#: What needs no limit.
+NO_BUDGET: BudgetArguments = {
+    "length": None,
+    "pixels": None,
+    "angle_deg": None,
+    "uv_error": None,
+    "normal_error": None,
+    "triangles": None,
+    "segments": None,
+    "spacing": "fewest",
+    "effort": "best",
+    "require": None,
+    "extrude": None,
+    "bevel": None,
+}
+
+
 def length(name: str, value: Length) -> str:
     """A length as the command reads it."""
     return value if isinstance(value, str) else repr(number(name, value))

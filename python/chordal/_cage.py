@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from operator import index
-from typing import TYPE_CHECKING, Final, Literal, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
 from chordal._arguments import text
@@ -84,7 +84,19 @@ class Cage:
         """The cage as a `Shape`, to be inspected or meshed within a budget. `unit` is the unit of its coordinates."""
         from chordal._shape import Shape
 
-        return Shape(self._cage.source(text("unit", unit)))
+        return Shape(self._cage.source(text("unit", unit)), (Cage.shape, (self,), {"unit": unit}))
+
+    def __reduce__(self) -> Any:
+        scheme, boundary, creasing = self._cage.rules
+        tags = {"creases": self.creases, "corners": self.corners, "holes": self.holes}
+        tags |= {"scheme": scheme, "boundary": boundary, "creasing": creasing}
+        return _again, (self.positions, self.indices, self.offsets, tags)
+
+    def __copy__(self) -> Cage:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Cage:
+        return self
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -177,3 +189,10 @@ def _flattened(faces: ArrayLike | Iterable[Sequence[int]]) -> tuple[NDArray[np.u
             raise ValueError(f"faces: face {number} is no list of indices")
     flat = np.concatenate([face.reshape(-1) for face in lists]) if lists else np.zeros(0, np.uint32)
     return flat, np.cumsum([face.size for face in lists], dtype=np.int64)
+
+
+def _again(positions: Any, flat: Any, offsets: Any, tags: Any) -> Cage:
+    """A cage that was pickled."""
+    rows = flat.tolist()
+    faces = [rows[start:end] for start, end in zip(offsets[:-1], offsets[1:], strict=True)]
+    return Cage(positions, faces, **tags)

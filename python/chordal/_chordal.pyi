@@ -6,8 +6,10 @@ from typing import Any, Final, TypedDict, final, type_check_only
 from chordal._budget import BudgetArguments
 
 __all__ = [
-    "Array", "Cage", "MOST_BYTES", "Outcome", "ScriptValue", "Source", "VERSION", "combine", "command",
-    "drawing_field", "extruded", "fit", "language", "path_at", "path_facts", "path_source", "revolved", "script", "surface", "to_cubics", "view",
+    "Array", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source", "VERSION",
+    "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "language", "levels", "mend", "mesh_field",
+    "path_at", "path_facts", "path_source", "picture", "revolved", "samples", "scene_array", "scene_facts", "scene_image",
+    "scene_of_state", "scene_state", "script", "surface", "to_cubics", "view",
 ]
 
 VERSION: Final[str]
@@ -70,6 +72,45 @@ class SurfaceArguments(TypedDict):
     knots: tuple[list[float], list[float]] | None
     unit: str | None
 
+@type_check_only
+class MendArguments(TypedDict):
+    all: bool
+    weld: str | None
+    drop_duplicates: str | None
+    drop_degenerate: bool
+    resolve_t_junctions: str | None
+    split_nonmanifold: bool
+    orient: bool
+    fill_holes: int | None
+    drop_unused: bool
+
+@type_check_only
+class LodArguments(TypedDict):
+    pixels: float
+    view: str
+    nearest: float | None
+    length: tuple[str, str] | None
+    distances: Sequence[float]
+    uv_error: float | None
+    normal_error: float | None
+    normals: str | None
+    errors: str
+    tile_triangles: int | None
+    merge: bool
+    place: str | None
+    quantize: bool
+    compress: bool
+
+@type_check_only
+class PictureArguments(TypedDict):
+    show: str
+    cull: str
+    size: tuple[int, int]
+    view: str | None
+    pixels: float | None
+    length: tuple[str, str] | None
+    darkest: str | None
+
 @final
 class Array:
     @property
@@ -97,8 +138,6 @@ class Source:
     def __new__(cls, bytes: bytes | bytearray, reading: Reading) -> Source: ...
     @staticmethod
     def curves(numbers: bytes | bytearray, shape: tuple[int, int, int], unit: str | None) -> Source: ...
-    @staticmethod
-    def triangles(numbers: bytes | bytearray, indices: bytes | bytearray, unit: str | None) -> Source: ...
     @property
     def kind(self) -> str: ...
     @property
@@ -107,7 +146,7 @@ class Source:
     def name(self) -> str | None: ...
     def inspect(self) -> str: ...
     def deviation(
-        self, other: Source | Outcome, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
+        self, other: Source, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
     def surface(self, meant: Meant) -> Source: ...
     def cage(self) -> Cage: ...
@@ -123,15 +162,40 @@ class Outcome:
     @property
     def report(self) -> str: ...
     def array(self, name: str) -> Array: ...
-    def deviation(
-        self, other: Source | Outcome, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
-    ) -> str: ...
-    def bake(self, arguments: BakeArguments) -> tuple[Source, str, str | None]: ...
+    def source(self) -> Source: ...
     def remake(self, format: str, quantize: bool, compress: str | None) -> Outcome: ...
     def write(self) -> bytes: ...
     @property
     def names_files(self) -> bool: ...
     def write_files(self, stem: str) -> tuple[bytes, list[tuple[str, bytes]]]: ...
+
+@final
+class Conversion:
+    @property
+    def report(self) -> str: ...
+    @property
+    def names_files(self) -> bool: ...
+    def write(self) -> bytes: ...
+    def write_files(self, stem: str) -> tuple[bytes, list[tuple[str, bytes]]]: ...
+
+@final
+class Levels:
+    @property
+    def report(self) -> str: ...
+    def level(self, number: int) -> tuple[Source, str] | None: ...
+    def write(self, format: str) -> bytes: ...
+    def tileset(self) -> tuple[bytes, list[tuple[str, bytes]]]: ...
+
+@final
+class Picture:
+    def array(self) -> Array: ...
+    @property
+    def report(self) -> str: ...
+    @property
+    def view(self) -> str: ...
+    @property
+    def darkest(self) -> float | None: ...
+    def write(self, format: str) -> bytes: ...
 
 @final
 class ScriptValue:
@@ -165,12 +229,35 @@ class ScriptValue:
     def source(self, region: Sequence[Sequence[float]] | None) -> Source: ...
 
 def combine(
-    first: Source | Outcome,
-    others: list[tuple[str, Source | Outcome]],
+    first: Source,
+    others: list[tuple[str, Source]],
     arguments: BudgetArguments,
     format: str,
     progress: Callable[[str, int, int], object] | None,
 ) -> Outcome: ...
+def convert(
+    source: Source, format: str, packing: tuple[bool, str | None], length: tuple[str, str] | None
+) -> Conversion: ...
+def levels(
+    source: Source, arguments: LodArguments, progress: Callable[[str, int, int], object] | None
+) -> Levels: ...
+def mend(
+    source: Source, arguments: MendArguments, format: str, progress: Callable[[str, int, int], object] | None
+) -> Outcome: ...
+def picture(
+    source: Source,
+    against: Source | None,
+    arguments: PictureArguments,
+    progress: Callable[[str, int, int], object] | None,
+) -> Picture: ...
+def samples(source: Source) -> tuple[Array, list[list[float]]]: ...
+def scene_facts(source: Source) -> str: ...
+def scene_array(source: Source, part: int | None, name: str, attribute: int | None) -> Array: ...
+def scene_image(source: Source, number: int) -> tuple[bytes, str | None]: ...
+def scene_state(source: Source) -> tuple[str, list[bytes]]: ...
+def scene_of_state(text: str, blocks: Sequence[bytes], unit: str | None) -> Source: ...
+def field_of(source: Source) -> ScriptValue | None: ...
+def mesh_field(source: Source) -> tuple[ScriptValue, Source]: ...
 def path_source(value: ScriptValue, unit: str | None) -> Source: ...
 def path_facts(source: Source) -> tuple[int, int, int, bool]: ...
 def path_at(source: Source, places: bytes | bytearray, order: int) -> bytes: ...

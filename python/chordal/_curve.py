@@ -12,6 +12,7 @@ from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
 from chordal._polylines import Polylines
+from chordal._recipe import Recipe, Remakeable
 from chordal._view import View
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def bezier(control: ArrayLike, *, unit: str | None = None) -> Curve:
     coordinates, for budgets with a unit.
 
     >>> import chordal
-    >>> chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
+    >>> chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
     <Curve: 1 curve of 1 piece, 2-D>
     """
     copied = coordinates("control", control)
@@ -44,7 +45,8 @@ def bezier(control: ArrayLike, *, unit: str | None = None) -> Curve:
     if copied.ndim == 2 and (shape[0] < 4 or shape[0] % 3 != 1):
         raise ValueError(f"control: 4 points, or 3n + 1 for a chain of n pieces, not {shape[0]}")
     counts = (shape[0], 4, shape[2]) if copied.ndim == 3 else (1, shape[0], shape[1])
-    return Curve(_chordal.Source.curves(copied.tobytes(), counts, text("unit", unit)))
+    source = _chordal.Source.curves(copied.tobytes(), counts, text("unit", unit))
+    return Curve(source, None, (bezier, (copied,), {"unit": unit}))
 
 
 def spline(
@@ -62,7 +64,7 @@ def spline(
     derivatives there, by the knots. A `closed` path goes on to its first point, which is not given twice.
 
     >>> import chordal
-    >>> path = chordal.spline([(0, 0), (1, 2), (3, 1), (4, 4)])
+    >>> path = chordal.shapes.spline([(0, 0), (1, 2), (3, 1), (4, 4)])
     >>> path
     <Curve: 1 curve of 3 pieces, 2-D>
     >>> path.points_at([0, 1, 3])
@@ -88,7 +90,7 @@ def nurbs(
     + 1 of its own. `weights` are n, above 0, and 1 unless said.
 
     >>> import chordal
-    >>> quarter = chordal.nurbs([(1, 0), (1, 1), (0, 1)], degree=2, weights=[1, 0.5**0.5, 1])
+    >>> quarter = chordal.shapes.nurbs([(1, 0), (1, 1), (0, 1)], degree=2, weights=[1, 0.5**0.5, 1])
     >>> quarter.points_at([0.5]).round(4).tolist()
     [[0.7071, 0.7071]]
     """
@@ -109,7 +111,7 @@ def arc(
     unless said. It is exact: no cubics stand for it.
 
     >>> import chordal
-    >>> ring = chordal.arc(0.5, center=(2, 0)).revolve()  # a torus
+    >>> ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve()  # a torus
     >>> ring.mesh(tol=0.01).report["certificate"]["valid"]["closed"]
     True
     """
@@ -133,7 +135,7 @@ def fit(
 
     >>> import chordal, numpy
     >>> t = numpy.linspace(0, 10, 201)
-    >>> wave = chordal.fit(numpy.column_stack([t, numpy.sin(t)]), 1e-3)
+    >>> wave = chordal.shapes.fit(numpy.column_stack([t, numpy.sin(t)]), 1e-3)
     >>> wave.n_pieces < 12, wave.bound.at_most <= 1e-3, wave.bound.metric
     (True, True, 'one-sided')
     """
@@ -148,7 +150,8 @@ def fit(
         "unit": text("unit", unit),
     }
     source, bound = _chordal.fit(rows.tobytes(), how)
-    return Curve(source, bound_of(json.loads(bound)))
+    recipe = (fit, (rows, how["tolerance"], how["closed"], how["corners"]), {"unit": unit})
+    return Curve(source, bound_of(json.loads(bound)), recipe)
 
 
 def _points(name: str, points: ArrayLike) -> list[list[float]]:
@@ -164,21 +167,22 @@ def _made(name: str, unit: str | None, *args: Any) -> Curve:
     """What a function of the language of shape scripts makes."""
     value = _chordal.ScriptValue.call(name, *args)
     assert isinstance(value, _chordal.ScriptValue)
-    return Curve(_chordal.path_source(value, text("unit", unit)))
+    return Curve(_chordal.path_source(value, text("unit", unit)), None, (_made, (name, unit, *args), {}))
 
 
-class Curve:
+class Curve(Remakeable):
     """One or more curves. `bezier`, `spline`, `nurbs`, `arc` and `fit` make it; it does not change.
 
     `polygon` fills one curve of the plane, and `sweep` follows one: both make a `Field`. `revolve` and `extrude` make
     NURBS surfaces.
     """
 
-    __slots__ = ("_bound", "_source")
+    __slots__ = ("_bound", "_recipe", "_source")
 
-    def __init__(self, source: _chordal.Source, bound: Bound | None = None) -> None:
+    def __init__(self, source: _chordal.Source, bound: Bound | None = None, recipe: Recipe | None = None) -> None:
         self._source: Final = source
         self._bound: Final = bound
+        self._recipe = recipe
 
     @property
     def bound(self) -> Bound | None:
@@ -200,7 +204,7 @@ class Curve:
         `Polyline.places`. The last axis of the result is that of the coordinates.
 
         >>> import chordal
-        >>> chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).points_at(0.5)
+        >>> chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).points_at(0.5)
         array([0.5 , 0.75])
         """
         return self._at(places, 0)
@@ -210,7 +214,7 @@ class Curve:
         meet it is that of the one that starts there.
 
         >>> import chordal
-        >>> chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).derivatives([0, 0.5])
+        >>> chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).derivatives([0, 0.5])
         array([[0. , 3. ],
                [1.5, 0. ]])
         """
@@ -230,34 +234,35 @@ class Curve:
         cubics stay as they are. `bound` of the result is proved, both ways.
 
         >>> import chordal
-        >>> circle = chordal.arc(1).to_cubics(tol=1e-3)
+        >>> circle = chordal.shapes.arc(1).to_cubics(tol=1e-3)
         >>> circle, circle.bound.at_most < 2.8e-4
         (<Curve: 1 curve of 4 pieces, 2-D>, True)
         """
-        source, bound = _chordal.to_cubics(self._source, number("tol", tol))
-        return Curve(source, bound_of(json.loads(bound)))
+        length = number("tol", tol)
+        source, bound = _chordal.to_cubics(self._source, length)
+        return Curve(source, bound_of(json.loads(bound)), (Curve.to_cubics, (self,), {"tol": length}))
 
     def revolve(self) -> Shape:
         """The surface that a curve of the plane sweeps in a full turn about its y axis, which then stands along z: its
         coordinates are radius and height. An exact NURBS surface.
 
         >>> import chordal
-        >>> ball = chordal.arc(1, start=-90, degrees=180).revolve()
-        >>> tube = chordal.nurbs([(1, 0), (1, 2)], degree=1).revolve()
-        >>> cone = chordal.nurbs([(1, 0), (0, 2)], degree=1).revolve()
+        >>> ball = chordal.shapes.arc(1, start=-90, degrees=180).revolve()
+        >>> tube = chordal.shapes.nurbs([(1, 0), (1, 2)], degree=1).revolve()
+        >>> cone = chordal.shapes.nurbs([(1, 0), (0, 2)], degree=1).revolve()
         >>> [surface.mesh(tol=0.01).bound.evidence for surface in (ball, tube, cone)]
         ['proved', 'proved', 'proved']
         """
         from chordal._shape import Shape
 
-        return Shape(_chordal.revolved(self._source))
+        return Shape(_chordal.revolved(self._source), (Curve.revolve, (self,), {}))
 
     def extrude(self, along: Sequence[SupportsFloat]) -> Shape:
         """The surface that the curve sweeps along a vector of three numbers. A curve of the plane lies at z = 0. An exact
         NURBS surface, without ends.
 
         >>> import chordal
-        >>> chordal.spline([(0, 0), (1, 2), (3, 1)]).extrude((0, 0, 2)).mesh(tol=0.01).bound.evidence
+        >>> chordal.shapes.spline([(0, 0), (1, 2), (3, 1)]).extrude((0, 0, 2)).mesh(tol=0.01).bound.evidence
         'proved'
         """
         from chordal._shape import Shape
@@ -265,13 +270,13 @@ class Curve:
         vector = [number("along", x) for x in along]
         if len(vector) != 3:
             raise ValueError(f"along: three numbers, not {len(vector)}")
-        return Shape(_chordal.extruded(self._source, vector))
+        return Shape(_chordal.extruded(self._source, vector), (Curve.extrude, (self, vector), {}))
 
     def shape(self) -> Shape:
         """The curves as a `Shape`, to be inspected; `mesh` of one in the plane fills it."""
         from chordal._shape import Shape
 
-        return Shape(self._source)
+        return Shape(self._source, (Curve.shape, (self,), {}))
 
     def flatten(
         self,
@@ -296,7 +301,7 @@ class Curve:
         `Shape.mesh`. Raises `BudgetError`, `BudgetUnmet` with the best `Polylines`, and `Refused`.
 
         >>> import chordal
-        >>> arch = chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
+        >>> arch = chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
         >>> arch.flatten(tol=0.01).points.shape
         (10, 2)
         >>> arch.flatten(segments=2, spacing="even").points
@@ -307,7 +312,7 @@ class Curve:
         budget = budget_arguments(
             tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
         )
-        return Polylines.of(self._source.mesh(budget, "json", function("progress", progress)))
+        return Polylines._of(self._source.mesh(budget, "json", function("progress", progress)))
 
     def __repr__(self) -> str:
         n_curves, n_pieces, n_coordinates, _ = _chordal.path_facts(self._source)

@@ -14,7 +14,6 @@ from chordal._budget import Length, length
 from chordal._errors import BudgetError
 
 if TYPE_CHECKING:
-    from chordal._mesh import Mesh
     from chordal._shape import Shape
 
 
@@ -34,7 +33,7 @@ class OneSided:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far two shapes are apart. `Shape.deviation` and `Mesh.deviation` measure it."""
+    """How far two shapes are apart. `Shape.deviation` measures it."""
 
     #: The Hausdorff distance, which looks both ways: an interval that is proved.
     bound: Bound
@@ -55,8 +54,8 @@ class Deviation:
 
 
 def measured(
-    one: _chordal.Source | _chordal.Outcome,
-    other: Shape | Mesh,
+    one: _chordal.Source,
+    other: Shape,
     *,
     relative: SupportsFloat,
     absolute: Length | None,
@@ -64,15 +63,11 @@ def measured(
     progress: Callable[[str, int, int], object] | None,
 ) -> Deviation:
     """The distance between two shapes, whichever way they came about."""
-    from chordal._mesh import Mesh
     from chordal._shape import Shape
 
-    if isinstance(other, Shape):
-        second: _chordal.Source | _chordal.Outcome = other._source
-    elif isinstance(other, Mesh):
-        second = other._outcome
-    else:
-        raise TypeError(f"other: a Shape or a Mesh, not {type(other).__name__}")
+    if not isinstance(other, Shape):
+        raise TypeError(f"other: a Shape, not {type(other).__name__}")
+    second = other._source
     share = number("relative", relative)
     if share < 0:
         raise BudgetError(f"relative: 0 or more, not {share}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat
@@ -10,11 +11,14 @@ from chordal import _chordal
 from chordal._arguments import text as _text
 from chordal._arrays import coordinates
 from chordal._curve import Curve
+from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
+
+    from chordal._mesh import Mesh
 
 #: The lowest and the highest corner of a box.
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -35,18 +39,30 @@ def _value(value: Any) -> Any:
 
 def called(name: str, *args: Any, **named: Any) -> Any:
     """What a function of the language makes of these arguments."""
-    return _made(_chordal.ScriptValue.call(name, *map(_value, args), **{key: _value(arg) for key, arg in named.items()}))
+    made = _chordal.ScriptValue.call(name, *map(_value, args), **{key: _value(arg) for key, arg in named.items()})
+    return _made(made, (called, (name, *args), named))
 
 
-def _made(made: _chordal.ScriptValue | float) -> Any:
+def _made(made: _chordal.ScriptValue | float, recipe: Recipe) -> Any:
     if isinstance(made, float):
         return made
-    return Field(made) if made.is_shape else Formula(made)
+    return Field(made, None, recipe) if made.is_shape else Formula(made, recipe)
 
 
-def _operated(operator: str, a: Any, b: Any) -> Any:
-    made = _chordal.ScriptValue.operate(operator, _value(a), _value(b))
-    return NotImplemented if made is None else _made(made)
+def _operated(word: str, a: Any, b: Any) -> Any:
+    made = _chordal.ScriptValue.operate(word, _value(a), _value(b))
+    return NotImplemented if made is None else _made(made, (_operated, (word, a, b), {}))
+
+
+def coordinate(k: int) -> Formula:
+    """The coordinate of that number."""
+    return Formula(_chordal.ScriptValue.axis(k), (coordinate, (k,), {}))
+
+
+def field_of_mesh(mesh: Mesh) -> Field:
+    """The signed distance to triangles."""
+    value, source = _chordal.mesh_field(mesh._source)
+    return Field(value, source, (field_of_mesh, (mesh,), {}))
 
 
 def _points(points: ArrayLike) -> NDArray[np.float64]:
@@ -63,19 +79,20 @@ def _values(value: _chordal.ScriptValue, points: ArrayLike) -> NDArray[np.float6
     return np.frombuffer(value.values(found.tobytes())).reshape(found.shape[:-1])
 
 
-class Formula:
+class Formula(Remakeable):
     """A number for every point, made of the coordinates `x`, `y` and `z`. `field` makes a shape of it.
 
-    >>> from chordal import field, x, y, z
+    >>> from chordal.shapes import field, x, y, z
     >>> bowl = field(x * x + y * y - z)
     >>> bowl([[0, 0, 1], [1, 1, 1]])
     array([-1.,  1.])
     """
 
-    __slots__ = ("_value",)
+    __slots__ = ("_recipe", "_value")
 
-    def __init__(self, value: _chordal.ScriptValue) -> None:
+    def __init__(self, value: _chordal.ScriptValue, recipe: Recipe | None = None) -> None:
         self._value = value
+        self._recipe = recipe
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
         """The values at points, whose last axis is 3 long."""
@@ -108,6 +125,31 @@ class Formula:
     def __neg__(self) -> Formula:
         return _operated("neg", self, self)  # type: ignore[no-any-return]
 
+    def __pos__(self) -> Formula:
+        return self
+
+    def __pow__(self, exponent: float) -> Formula:
+        """A whole power from 1 on by multiplication, 0.5 as the square root; others are exp and log, for positive values."""
+        from chordal import _formulas
+
+        if isinstance(exponent, bool) or not isinstance(exponent, (int, float)):
+            return NotImplemented
+        if exponent == 0.5:
+            return _formulas.sqrt(self)  # type: ignore[return-value]
+        if float(exponent).is_integer() and 1 <= abs(exponent) <= _LARGEST_POWER:
+            power = _power(self, abs(int(exponent)))
+            return power if exponent > 0 else 1 / power
+        return _formulas.exp(exponent * _formulas.log(self))  # type: ignore[return-value]
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
+        """What numpy's functions make of a formula, as in `numpy.sin(x)`."""
+        name = _UFUNCS.get(ufunc.__name__)
+        if method != "__call__" or named or name is None or any(getattr(one, "ndim", 0) for one in inputs):
+            return NotImplemented
+        # numpy's numbers as Python's own, so that they do not ask here again.
+        own = [one if isinstance(one, Formula) else float(one) for one in inputs]
+        return name(*own)
+
     def __abs__(self) -> Formula:
         return _operated("abs", self, self)  # type: ignore[no-any-return]
 
@@ -118,7 +160,7 @@ class Formula:
 class Field(Shape):
     """A shape as a function: a number for every point, negative inside. `|`, `&` and `-` combine shapes.
 
-    >>> from chordal import box, cylinder
+    >>> from chordal.shapes import box, cylinder
     >>> block = box(2, 2, 1) - cylinder(0.4, 2)
     >>> block([[0, 0, 0], [0.75, 0, 0]])
     array([ 0.4 , -0.25])
@@ -128,8 +170,10 @@ class Field(Shape):
 
     __slots__ = ("_value",)
 
-    def __init__(self, value: _chordal.ScriptValue, source: _chordal.Source | None = None) -> None:
-        super().__init__(value.source(None) if source is None else source)
+    def __init__(
+        self, value: _chordal.ScriptValue, source: _chordal.Source | None = None, recipe: Recipe | None = None
+    ) -> None:
+        super().__init__(value.source(None) if source is None else source, recipe)
         self._value = value
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
@@ -163,7 +207,7 @@ class Field(Shape):
         """What was said of what it is made of, in sentences: how far the polygons are off that stand for curves.
 
         >>> import chordal
-        >>> disc = chordal.polygon(chordal.arc(1), tolerance=0.01)
+        >>> disc = chordal.shapes.polygon(chordal.shapes.arc(1), tolerance=0.01)
         >>> disc.notes[0].endswith("(proved), and no bound of the result counts that")
         True
         """
@@ -177,7 +221,8 @@ class Field(Shape):
 
     def within(self, low: Sequence[SupportsFloat], high: Sequence[SupportsFloat]) -> Field:
         """The same shape, cut off at a box for whatever is made of it."""
-        return Field(self._value, self._value.source(_box("box", (low, high))))
+        cut = self._value.source(_box("box", (low, high)))
+        return Field(self._value, cut, (Field.within, (self, tuple(map(float, low)), tuple(map(float, high))), {}))
 
     def __or__(self, other: Field) -> Field:  # type: ignore[override]
         return _operated("|", self, other)  # type: ignore[no-any-return]
@@ -237,7 +282,8 @@ def field(
         None if bounds is None else _box("bounds", bounds),
         slope,
     )
-    return Field(value)
+    named = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient}
+    return Field(value, None, (field, (what,), named))
 
 
 def _of_bytes(
@@ -275,14 +321,14 @@ def script(source: str, **parameters: SupportsFloat) -> Field:
     value, _, oddities = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
     for line, message in oddities:
         warnings.warn(f"line {line}: {message}", stacklevel=2)
-    return Field(value)
+    return Field(value, None, (script, (source,), dict(parameters)))
 
 
 def param(name: str, default: SupportsFloat) -> float:
     """A number that a shape script can be given from outside. In Python it is its default: assign another.
 
     >>> import chordal
-    >>> chordal.param("r", 0.4)
+    >>> chordal.shapes.param("r", 0.4)
     0.4
     """
     return float(default)
@@ -297,3 +343,50 @@ def check(condition: object, message: str) -> None:
 def fail(message: str) -> None:
     """Ends a shape script with a sentence: here, by a `ValueError`."""
     raise ValueError(message)
+
+
+#: Larger whole powers are rare, and cost a multiplication for each bit.
+_LARGEST_POWER = 1024
+
+
+def _power(base: Formula, exponent: int) -> Formula:
+    """By squaring, so that equal factors are shared."""
+    made: Formula | None = None
+    while exponent:
+        if exponent & 1:
+            made = base if made is None else made * base
+        exponent >>= 1
+        if exponent:
+            base = base * base
+    assert made is not None
+    return made
+
+
+def _named(name: str) -> Callable[..., Any]:
+    return lambda *args: called(name, *args)
+
+
+_UFUNCS: dict[str, Callable[..., Any]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "true_divide": operator.truediv,
+    "negative": operator.neg,
+    "positive": operator.pos,
+    "absolute": abs,
+    "fabs": abs,
+    "power": pow,
+    "float_power": pow,
+    "square": lambda one: one * one,
+    "reciprocal": lambda one: 1 / one,
+    "hypot": lambda a, b: called("sqrt", a * a + b * b),
+    "arcsin": _named("asin"),
+    "arccos": _named("acos"),
+    "arctan": _named("atan"),
+    "arctan2": _named("atan2"),
+    "minimum": _named("min"),
+    "maximum": _named("max"),
+    "deg2rad": _named("radians"),
+}
+_UFUNCS |= {name: _named(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "floor", "ceil", "radians")}

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import SupportsFloat, overload
 
-from chordal import _chordal
-from chordal._field import Formula, called
+from chordal._field import Formula, called, coordinate
 
 pi = math.pi
-x, y, z = (Formula(_chordal.ScriptValue.axis(k)) for k in range(3))
+x, y, z = (coordinate(k) for k in range(3))
 
 
 @overload

@@ -1,4 +1,4 @@
-"""The functions of shape scripts, by the same names: the text of a script also runs after `from chordal import *`.
+"""The functions of shape scripts, by the same names: the text of a script also runs after `from chordal.shapes import *`.
 
 What each of them means, and what its value is worth as a distance, is on the page on shape scripts.
 """

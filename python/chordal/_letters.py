@@ -9,7 +9,8 @@ from chordal import _chordal
 from chordal._arguments import number
 from chordal._field import Field
 from chordal._files import shown
-from chordal._shape import load
+from chordal._load import load
+from chordal._shape import Shape
 
 
 def text(
@@ -27,7 +28,7 @@ def text(
     """
     length = number("tolerance", tolerance)
     letters = load(font, format="ttf", text=text, em=em, axes=axes)
-    return Field(_chordal.drawing_field(letters._source, shown(font), length))
+    return _filled(letters, shown(font), length)
 
 
 def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
@@ -37,4 +38,11 @@ def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
     Raises `ReadError` where the file is no drawing, and `OSError` where there is none.
     """
     length = number("tolerance", tolerance)
-    return Field(_chordal.drawing_field(load(name, format="svg")._source, shown(name), length))
+    drawing = load(name, format="svg")
+    return _filled(drawing, shown(name), length)
+
+
+def _filled(drawing: Shape, name: str, tolerance: float) -> Field:
+    """What a drawing fills."""
+    value = _chordal.drawing_field(drawing._source, name, tolerance)
+    return Field(value, None, (_filled, (drawing, name, tolerance), {}))

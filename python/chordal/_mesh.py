@@ -2,74 +2,333 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, SupportsFloat
+import json
+from typing import TYPE_CHECKING, Any
 
-from chordal._bake import Bakeable
-from chordal._budget import Length
-from chordal._combine import Combinable
-from chordal._deviation import Deviation, measured
-from chordal._made import Made, counted
+from chordal import _chordal
+from chordal._arguments import text
+from chordal._arrays import coordinates, indices
+from chordal._bound import Bound, bound_of
+from chordal._interop import Interoperable
+from chordal._made import counted, of_outcome, remade, report_html
+from chordal._scene import Attribute, Kind, Node, Part, nodes_of
+from chordal._shape import Shape
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
-    from chordal._shape import Shape
+    from chordal._convert import Written
 
 
-class Mesh(Made, Combinable, Bakeable):
-    """Triangles with their bound. `Shape.mesh` makes it; it does not change.
+class Mesh(Shape, Interoperable):
+    """Triangles: made within a budget, with their bound, read from a file, or given as arrays. It does not change.
+
+    `Mesh(vertices, faces)` takes n × 3 coordinates and m × 3 indices into them; counter-clockwise is the front. Any real
+    numbers and any integers will do; they are copied. `normals` are n × 3, `uv` n × 2 with v up, `colors` n × 3 or n × 4:
+    floats from 0 to 1, or bytes. `unit` is the unit of the coordinates, for lengths with a unit.
 
     >>> import chordal
-    >>> mesh = chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj").mesh(tol=0.1)
-    >>> mesh.faces
+    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> one.faces
     array([[0, 1, 2]], dtype=int32)
-    >>> mesh.report["certificate"]["valid"]["boundary_edges"]
+    >>> one.area
+    0.5
+    >>> one.mesh(tol=0.1).report["certificate"]["valid"]["boundary_edges"]
     3
     """
 
-    __slots__ = ()
+    __slots__ = ("_bound", "_cached", "_outcome", "_text")
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        uv: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        unit: str | None = None,
+    ) -> None:
+        points, rows = coordinates("vertices", vertices), indices("faces", faces)
+        for name, array in (("vertices", points), ("faces", rows)):
+            if array.ndim != 2 or array.shape[1] != 3:
+                raise ValueError(f"{name}: rows of 3, as in (n, 3), not {array.shape}")
+        blocks, attributes = [points.tobytes(), rows.tobytes()], []
+        for kind, given, widths in (("normal", normals, (3,)), ("uv", uv, (2,)), ("color", colors, (3, 4))):
+            if given is None:
+                continue
+            values = _colors(given) if kind == "color" else coordinates(kind, given)
+            if values.ndim != 2 or values.shape[0] != len(points) or values.shape[1] not in widths:
+                raise ValueError(f"{kind}: a row of {widths[0]} for each of {len(points)} vertices, not {values.shape}")
+            of = None if kind == "normal" else 0
+            width = values.shape[1]
+            attributes.append({"kind": kind, "of": of, "domain": "vertex", "width": width, "block": len(blocks)})
+            blocks.append(values.tobytes())
+        part = {"name": "triangles", "positions": 0, "faces": 1, "attributes": attributes}
+        frame = {"texture_origin": "lower-left" if uv is not None else None}
+        state = json.dumps({"parts": [part], "frame": frame})
+        self._set(_chordal.scene_of_state(state, blocks, text("unit", unit)), None, None, None)
+
+    def _set(
+        self, source: _chordal.Source | None, outcome: _chordal.Outcome | None, bound: Bound | None, report: str | None
+    ) -> None:
+        self._held = source
+        self._recipe = None
+        self._outcome = outcome
+        self._bound = bound
+        self._text = report
+        self._cached: dict[str, Any] = {}
+
+    @classmethod
+    def _of_source(cls, source: _chordal.Source, bound: Bound | None = None, report: str | None = None) -> Mesh:
+        """Triangles that were read, or that are known to be this far from what they stand for."""
+        made = cls.__new__(cls)
+        made._set(source, None, bound, report)
+        return made
+
+    @classmethod
+    def _of(cls, outcome: _chordal.Outcome) -> Mesh:
+        """Triangles that were made, if they meet their budget."""
+        return of_outcome(outcome, cls._unjudged)
+
+    @classmethod
+    def _unjudged(cls, outcome: _chordal.Outcome) -> Mesh:
+        made = cls.__new__(cls)
+        made._set(None, outcome, None, outcome.report)
+        return made
+
+    @property
+    def _source(self) -> _chordal.Source:
+        if self._held is None:
+            assert self._outcome is not None
+            self._held = self._outcome.source()
+        return self._held
+
+    @property
+    def kind(self) -> str:
+        """"triangles"."""
+        return "triangles"
+
+    @property
+    def bound(self) -> Bound:
+        """How far it is from the true shape, and how that is known. Triangles that were read or given are the truth
+        themselves; those of a file that says how far they are from another are `report`ed on.
+        """
+        if self._bound is not None:
+            return self._bound
+        facts = None if self._text is None else json.loads(self._text)["certificate"]["bound"]
+        if facts is None:
+            return Bound(0.0, 0.0, "proved", "hausdorff", "input triangles")
+        return bound_of(facts)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The report of `chordal mesh --json` on what was made, else that of `chordal inspect`. It is yours to change."""
+        report: dict[str, Any] = self.inspect() if self._text is None else json.loads(self._text)
+        return report
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """The coordinates, n × 3. Nothing is copied, so it is for reading only; `.copy()` can be written to."""
+        """The positions of all that is shown, n × 3. Not copied where there is one part, for reading only."""
         return self._array("vertices")
 
     @property
     def faces(self) -> NDArray[np.int32]:
-        """Indices into the vertices, m × 3, counter-clockwise seen from the front. Not copied, for reading only."""
+        """The vertices of each face, m × 3, counter-clockwise from its front. As `vertices`, and in the order of a file."""
         return self._array("faces")
 
-    def deviation(
-        self,
-        other: Shape | Mesh,
-        *,
-        relative: SupportsFloat = 0.1,
-        absolute: Length | None = None,
-        max: Length | None = None,
-        progress: Callable[[str, int, int], object] | None = None,
-    ) -> Deviation:
-        """How far this shape and another one are apart, both ways: an interval that is proved.
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The meshes of the scene, each in its own coordinates and with its attributes."""
+        facts = self._scene["parts"]
+        return tuple(Part(self._source, k, part) for k, part in enumerate(facts))
 
-        The upper end is at most the share `relative` above the lower one, or the length `absolute`. With `max` only the
-        side of that limit matters, and `verdict` says it. Lengths are in units, or texts as in "0.1mm" or "0.05%", a
-        share of the diagonal of the other shape's box. Patches are meshed on the way, which is added at both ends.
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """Where the parts stand; `roots` are those without a parent."""
+        return nodes_of(self._scene)
 
-        Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` where a shape has no surface.
+    @property
+    def roots(self) -> tuple[int, ...]:
+        """The indices of nodes without a parent."""
+        return tuple(self._scene["roots"])
 
-        >>> import chordal
-        >>> one = chordal.triangles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-        >>> two = chordal.triangles([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
-        >>> found = one.deviation(two)
-        >>> found.bound.at_least <= 2 <= found.bound.at_most
-        True
+    @property
+    def materials(self) -> list[dict[str, Any]]:
+        """The materials, as glTF describes them. Number n of an attribute "group" of "material" is `materials[n - 1]`."""
+        found: list[dict[str, Any]] = json.loads(json.dumps(self._scene["materials"]))
+        return found
+
+    @property
+    def attributes(self) -> tuple[Attribute, ...]:
+        """The attributes of the only part; of several, `parts[k].attributes` are those of each."""
+        return self._only().attributes
+
+    @property
+    def normals(self) -> NDArray[np.float64] | None:
+        """The normals of the only part: n × 3, or 3 m × 3 for corners; None where there are none."""
+        return self._values("normal")
+
+    @property
+    def uv(self) -> NDArray[np.float64] | None:
+        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2; None where there are none."""
+        return self._values("uv")
+
+    @property
+    def colors(self) -> NDArray[np.float64] | None:
+        """Its first colours, n × 3 or n × 4, from 0 to 1; None where there are none."""
+        return self._values("color")
+
+    @property
+    def tangents(self) -> NDArray[np.float64] | None:
+        """Its tangents with the sign of the bitangent, n × 4; None where there are none."""
+        return self._values("tangent")
+
+    @property
+    def vertex_normals(self) -> NDArray[np.float64]:
+        """A normal for each vertex: the mesh's own, else the mean over its faces by area."""
+        import numpy as np
+
+        parts = self.parts
+        own = parts[0].attribute("normal") if len(parts) == 1 else None
+        if own is not None and own.domain == "vertex" and len(own.values) == len(self.vertices):
+            return own.values
+        sums = np.zeros_like(self.vertices)
+        for corner in range(3):
+            np.add.at(sums, self.faces[:, corner], self._crossed())
+        return _unit(sums)
+
+    @property
+    def face_normals(self) -> NDArray[np.float64]:
+        """The unit normal of each face, m × 3; 0 where a face has no area."""
+        return _unit(self._crossed())
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The lowest and the highest corner of the box, 2 × 3."""
+        import numpy as np
+
+        return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    @property
+    def extents(self) -> NDArray[np.float64]:
+        """The lengths of the box along x, y and z."""
+        low, high = self.bounds
+        extents: NDArray[np.float64] = high - low
+        return extents
+
+    @property
+    def area(self) -> float:
+        """The sum of the areas of the faces, as rounded."""
+        import numpy as np
+
+        return float(np.linalg.norm(self._crossed(), axis=1).sum() / 2)
+
+    @property
+    def volume(self) -> float:
+        """The volume that closed triangles enclose, as rounded; of others the number has no meaning."""
+        import numpy as np
+
+        a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+    @property
+    def is_watertight(self) -> bool:
+        """Whether every edge has two faces that run along it in opposite ways: counted, by positions where the file has
+        no indices.
         """
-        return measured(
-            self._outcome, other, relative=relative, absolute=absolute, max=max, progress=progress
-        )
+        return bool(self._valid["closed"])
+
+    def _crossed(self) -> NDArray[np.float64]:
+        import numpy as np
+
+        a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
+        crossed: NDArray[Any] = np.cross(b - a, c - a)
+        return crossed
+
+    @property
+    def _valid(self) -> dict[str, Any]:
+        if "valid" not in self._cached:
+            self._cached["valid"] = self.report["certificate"]["valid"]
+        found: dict[str, Any] = self._cached["valid"]
+        return found
+
+    @property
+    def _scene(self) -> dict[str, Any]:
+        if "scene" not in self._cached:
+            self._cached["scene"] = json.loads(_chordal.scene_facts(self._source))
+        found: dict[str, Any] = self._cached["scene"]
+        return found
+
+    def _only(self) -> Part:
+        parts = self.parts
+        if len(parts) != 1:
+            raise ValueError(f"this scene has {len(parts)} parts: look at those of mesh.parts")
+        return parts[0]
+
+    def _values(self, kind: Kind) -> NDArray[np.float64] | None:
+        found = self._only().attribute(kind)
+        return None if found is None else found.values
+
+    def _array(self, name: str) -> NDArray[Any]:
+        import numpy as np
+
+        if name not in self._cached:
+            outcome = self._outcome
+            array = _chordal.scene_array(self._source, None, name, None) if outcome is None else outcome.array(name)
+            self._cached[name] = np.asarray(array)
+        found: NDArray[Any] = self._cached[name]
+        return found
+
+    def _written(self, format: str, quantize: bool, compress: str | None, tol: Any, rel: Any) -> Written:
+        """GLB and STL hold single precision. Their rounding counts against the budget of what was made within one, so for
+        them the shape is meshed again, a little finer; the file is then the same, byte for byte, as the command's.
+        """
+        if self._outcome is None:
+            return super()._written(format, quantize, compress, tol, rel)
+        if tol is not None or rel is not None:
+            raise TypeError("tol, rel: they are for drawings; this was made within a budget already")
+        return remade(self._outcome, format, quantize, compress)
+
+    def __reduce__(self) -> Any:
+        state, blocks = _chordal.scene_state(self._source)
+        return _again, (state, blocks, self._bound, self._text)
 
     def _size(self) -> str:
-        output = self.report["certificate"]["output"]
-        vertices = counted(output["vertices"], "vertex", "vertices")
-        return f"{counted(output['triangles'], 'triangle', 'triangles')}, {vertices}"
+        n_faces, n_vertices = len(self.faces), len(self.vertices)
+        return f"{counted(n_faces, 'triangle', 'triangles')}, {counted(n_vertices, 'vertex', 'vertices')}"
+
+    def __repr__(self) -> str:
+        if self._text is None and self._bound is None:
+            name = f" {self._source.name}" if self._source.name else ""
+            return f"<Mesh: {self._size()}, from {self.format}{name}>"
+        return f"<Mesh: {self._size()}; {self.bound.sentence()}>"
+
+    def _repr_html_(self) -> str:
+        return report_html("Mesh", self._size(), self.bound)
+
+
+def _again(state: str, blocks: list[bytes], bound: Bound | None, report: str | None) -> Mesh:
+    """A mesh that was pickled."""
+    return Mesh._of_source(_chordal.scene_of_state(state, blocks, None), bound, report)
+
+
+def _colors(given: ArrayLike) -> NDArray[np.float64]:
+    """Colours from 0 to 1, of floats or of bytes."""
+    import numpy as np
+
+    found = np.asanyarray(given)
+    if found.dtype.kind == "u" and found.dtype.itemsize < 4:
+        return coordinates("color", found) / float(np.iinfo(found.dtype).max)
+    return coordinates("color", found)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    import numpy as np
+
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    found: NDArray[np.float64] = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
+    return found
+
+

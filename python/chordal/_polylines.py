@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, Final, overload
 
-from chordal._made import Made, counted
+from chordal import _chordal
+from chordal._bound import Bound, bound_of
+from chordal._convert import Convertible
+from chordal._made import counted, of_outcome, remade, report_html
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from chordal._convert import Written
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +33,13 @@ class Polyline:
     source: int
 
 
-class Polylines(Made, Sequence[Polyline]):
+class Polylines(Convertible, Sequence[Polyline]):
     """Points joined by straight segments, one polyline for each curve or subpath, with the bound of all.
 
     `points` of a single curve are its polyline's; of several, `lines[i].points` are those of each.
 
     >>> import chordal
-    >>> two = chordal.bezier([[(0, 0), (0, 1), (1, 1), (1, 0)], [(0, 0), (1, 0), (2, 0), (3, 0)]])
+    >>> two = chordal.shapes.bezier([[(0, 0), (0, 1), (1, 1), (1, 0)], [(0, 0), (1, 0), (2, 0), (3, 0)]])
     >>> lines = two.flatten(tol=0.1)
     >>> lines.bound.evidence, lines.bound.at_most <= 0.1
     ('proved', True)
@@ -44,7 +50,29 @@ class Polylines(Made, Sequence[Polyline]):
            [3., 0.]])
     """
 
-    __slots__ = ()
+    __slots__ = ("_arrays", "_file", "_outcome", "_text")
+
+    def __init__(self, outcome: _chordal.Outcome) -> None:
+        self._outcome: _chordal.Outcome | None = outcome
+        self._text: str = outcome.report
+        self._arrays: dict[str, Any] = {}
+        self._file: bytes = b""
+
+    @classmethod
+    def _of(cls, outcome: _chordal.Outcome) -> Polylines:
+        """Lines that were made, if they meet their budget."""
+        return of_outcome(outcome, cls)
+
+    @property
+    def bound(self) -> Bound:
+        """How far the farthest of them is from its curve, and how that is known."""
+        return bound_of(self.report["certificate"]["bound"])
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The report of `chordal mesh --json`, which `docs/schema` describes. It is yours to change."""
+        report: dict[str, Any] = json.loads(self._text)
+        return report
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -81,7 +109,55 @@ class Polylines(Made, Sequence[Polyline]):
         chosen = range(len(self))[index]
         return one(chosen) if isinstance(chosen, int) else [one(i) for i in chosen]
 
+    def _array(self, name: str) -> NDArray[Any]:
+        import numpy as np
+
+        if name not in self._arrays:
+            assert self._outcome is not None
+            self._arrays[name] = np.asarray(self._outcome.array(name))
+        found: NDArray[Any] = self._arrays[name]
+        return found
+
+    def _written(self, format: str, quantize: bool, compress: str | None, tol: Any, rel: Any) -> Written:
+        if tol is not None or rel is not None:
+            raise TypeError("tol, rel: these lines were made within a budget already")
+        if self._outcome is not None:
+            return remade(self._outcome, format, quantize, compress)
+        # It comes from another process, as the file of it.
+        return _chordal.convert(_chordal.Source(self._file, _JSON), format, (quantize, compress), None)
+
+    def __reduce__(self) -> Any:
+        names = ("points", "places", "starts", "closed", "sources")
+        content = self._file if self._outcome is None else self._outcome.remake("json", False, None).write()
+        return _again, (self._text, {name: self._array(name) for name in names}, content)
+
+    def __repr__(self) -> str:
+        return f"<Polylines: {self._size()}; {self.bound.sentence()}>"
+
+    def _repr_html_(self) -> str:
+        return report_html("Polylines", self._size(), self.bound)
+
     def _size(self) -> str:
         output = self.report["certificate"]["output"]
         segments = counted(output["segments"], "segment", "segments")
         return f"{counted(output['polylines'], 'polyline', 'polylines')}, {segments}"
+
+
+_JSON: Final[_chordal.Reading] = {
+    "name": None,
+    "format": "json",
+    "unit": None,
+    "up": None,
+    "strict": False,
+    "lenient": False,
+    "drop_nonfinite": False,
+    "surface": None,
+    "letters": None,
+}
+
+
+def _again(report: str, arrays: dict[str, Any], content: bytes) -> Polylines:
+    """Lines that were pickled."""
+    made = Polylines.__new__(Polylines)
+    made._outcome, made._text, made._arrays, made._file = None, report, arrays, content
+    return made

@@ -1,124 +1,52 @@
-"""`load` and `Shape`: what a file holds."""
+"""`Shape`: what a file holds, and all that can be done with it."""
 
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
-from chordal import _chordal, _files
-from chordal._arguments import function, number
-from chordal._arguments import text as _text
-from chordal._arrays import coordinates, indices
+from chordal import _chordal
+from chordal._arguments import function
 from chordal._bake import Bakeable
-from chordal._budget import Length, Share, budget_arguments
+from chordal._budget import NO_BUDGET, Length, Share, budget_arguments
 from chordal._combine import Combinable
+from chordal._convert import Convertible
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
-from chordal._mesh import Mesh
+from chordal._levels import Levelled
+from chordal._mend import Mendable
+from chordal._meant import meant
+from chordal._picture import Pictured
 from chordal._polylines import Polylines
+from chordal._recipe import Recipe, Remakeable
 from chordal._view import View
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from chordal._cage import Cage
+    from chordal._field import Field
+    from chordal._mesh import Mesh
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
 Progress = Callable[[str, int, int], object]
 
 
-def load(
-    source: str | os.PathLike[str] | bytes | bytearray | memoryview,
-    *,
-    format: str | None = None,
-    unit: str | None = None,
-    up: str | None = None,
-    strict: bool = False,
-    lenient: bool = False,
-    drop_nonfinite: bool = False,
-    surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
-    text: str | None = None,
-    em: SupportsFloat | None = None,
-    axes: Mapping[str, SupportsFloat] | None = None,
-) -> Shape:
-    """Read a shape from a file, or from the bytes of one.
+class Shape(Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Remakeable):
+    """What a file holds: patches, a cage, a drawing, or curves; triangles, samples and fields have classes of their own.
 
-    `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
-    `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
-    `strict` refuses a glTF file for anything that Khronos' validator calls an error, also for what viewers accept,
-    and an .obj whose faces name normals or texture coordinates that it does not have; `lenient` only warns of what is
-    wrong without touching its geometry; not both. `drop_nonfinite` drops vertices that are not finite numbers, with
-    their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
-    Catmull–Clark cage where the file has subdivision tags, else triangles. `text` is what a font sets, as a drawing;
-    `em` is the length of its em, 1 unless said, and `axes` says where axes of a variable font are, as in
-    `{"wght": 700}`.
-
-    Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
-
-    >>> import chordal
-    >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
-    <Shape: triangles, from obj>
+    `load` makes it; it does not change.
     """
-    if strict and lenient:
-        raise ValueError("strict and lenient: one of them")
-    name = None
-    if isinstance(source, (bytes, bytearray, memoryview)):
-        content = bytes(source)
-    elif isinstance(source, (str, os.PathLike)):
-        name, content = _files.shown(source), _files.read(source)
-    else:
-        raise TypeError(f"source: a path or bytes, not {type(source).__name__}")
-    if text is None and (em is not None or axes is not None):
-        raise ValueError("em, axes: they are for the text that a font sets; add text=")
-    letters = None
-    if text is not None:
-        tags = [(str(tag), number(f"axes, {tag}", value)) for tag, value in (axes or {}).items()]
-        letters = (_text("text", text) or "", 1.0 if em is None else number("em", em), tags)
-    reading: _chordal.Reading = {
-        "name": name,
-        "format": _text("format", format),
-        "unit": _text("unit", unit),
-        "up": _text("up", up),
-        "strict": bool(strict),
-        "lenient": bool(lenient),
-        "drop_nonfinite": bool(drop_nonfinite),
-        "surface": _text("surface", surface),
-        "letters": letters,
-    }
-    source_of = _chordal.Source(content, reading)
-    if source_of.kind == "volume":
-        from chordal._volume import Volume
 
-        return Volume(source_of)
-    return Shape(source_of)
+    __slots__ = ("_held", "_recipe")
 
+    def __init__(self, source: _chordal.Source, recipe: Recipe | None = None) -> None:
+        self._held: _chordal.Source | None = source
+        self._recipe: Recipe | None = recipe
 
-def triangles(vertices: ArrayLike, faces: ArrayLike, *, unit: str | None = None) -> Shape:
-    """A triangle mesh from arrays: `vertices` n × 3 coordinates, `faces` m × 3 indices into them.
-
-    Any real numbers and any integers will do; they are copied. Counter-clockwise is the front. `unit` is the unit of
-    the coordinates, for lengths with a unit.
-
-    >>> import chordal
-    >>> chordal.triangles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-    <Shape: triangles, from ply>
-    """
-    points, rows = coordinates("vertices", vertices), indices("faces", faces)
-    for name, array in (("vertices", points), ("faces", rows)):
-        if array.ndim != 2 or array.shape[1] != 3:
-            raise ValueError(f"{name}: rows of 3, as in (n, 3), not {array.shape}")
-    return Shape(_chordal.Source.triangles(points.tobytes(), rows.tobytes(), _text("unit", unit)))
-
-
-class Shape(Combinable, Bakeable):
-    """What a file holds: patches, triangles, a drawing, or curves in space. `load` makes it; it does not change."""
-
-    __slots__ = ("_source",)
-
-    def __init__(self, source: _chordal.Source) -> None:
-        self._source: Final = source
+    @property
+    def _source(self) -> _chordal.Source:
+        assert self._held is not None
+        return self._held
 
     @property
     def kind(self) -> str:
@@ -137,7 +65,7 @@ class Shape(Combinable, Bakeable):
 
     def deviation(
         self,
-        other: Shape | Mesh,
+        other: Shape,
         *,
         relative: SupportsFloat = 0.1,
         absolute: Length | None = None,
@@ -153,8 +81,8 @@ class Shape(Combinable, Bakeable):
         Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` where a shape has no surface.
 
         >>> import chordal
-        >>> one = chordal.triangles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-        >>> two = chordal.triangles([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
+        >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        >>> two = chordal.Mesh([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
         >>> found = one.deviation(two)
         >>> found.bound.at_least <= 2 <= found.bound.at_most
         True
@@ -178,6 +106,11 @@ class Shape(Combinable, Bakeable):
         require: Literal["proved", "measured", "estimated"] | None = None,
         extrude: Length | None = None,
         bevel: Length | None = None,
+        iso: SupportsFloat | None = None,
+        inside: Literal["high", "low"] | None = None,
+        border: Literal["capped", "open"] | None = None,
+        labels: Sequence[int] | Literal["all"] | None = None,
+        smooth: str | SupportsFloat | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
         """Triangles within a budget, with the bound that was reached. A drawing is filled.
@@ -196,6 +129,9 @@ class Shape(Combinable, Bakeable):
         the height to which a drawing or letters are raised, as a closed solid that stands on z = 0, and `bevel` how wide
         the edges of both its ends are cut off at 45 degrees: less than half of the height.
 
+        The words from `iso` to `smooth` say which surface of a volume is meant, as for `Volume.surface`. A volume needs no
+        budget: without any the bound is what its lattice allows.
+
         Other Python threads run meanwhile. Ctrl-C ends it within a tenth of a second. `progress` is called with the
         name of a stage, the steps done and those in all; what it raises ends the work and comes back unchanged.
 
@@ -207,24 +143,53 @@ class Shape(Combinable, Bakeable):
         >>> shape.mesh(rel="0.1%")
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
-        budget = budget_arguments(
-            tol=tol,
-            rel=rel,
-            pixels=pixels,
-            view=view,
-            angle=angle,
-            uv_error=uv_error,
-            normal_error=normal_error,
-            triangles=triangles,
-            effort=effort,
-            require=require,
-            extrude=extrude,
-            bevel=bevel,
-            counted="triangles",
-        )
+        from chordal._mesh import Mesh
+
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
-        return Mesh.of(self._source.mesh(budget, "ply", function("progress", progress)))
+        source = meant(self._source, iso=iso, inside=inside, border=border, labels=labels, smooth=smooth)
+        limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel, require)
+        if source.kind == "volume" and all(limit is None for limit in limits):
+            budget = NO_BUDGET
+        else:
+            budget = budget_arguments(
+                tol=tol,
+                rel=rel,
+                pixels=pixels,
+                view=view,
+                angle=angle,
+                uv_error=uv_error,
+                normal_error=normal_error,
+                triangles=triangles,
+                effort=effort,
+                require=require,
+                extrude=extrude,
+                bevel=bevel,
+                counted="triangles",
+            )
+        return Mesh._of(source.mesh(budget, "ply", function("progress", progress)))
+
+    def to_field(self, *, tol: Length | None = None, rel: Share | None = None) -> Field:
+        """The signed distance to the triangles, negative inside, as a `Field` that can be cut, blended, and asked at points.
+
+        Of a mesh that is a solid it is exact; of one that is open the sides are where its winding number is above a half, and
+        only they count. Other shapes are meshed first, within `tol` or `rel`, and the field is that of these triangles. Docs:
+        `docs/meshes-in-fields.md`.
+
+        >>> import chordal
+        >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        >>> solid = chordal.Mesh(corners, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+        >>> solid.to_field()([[0.25, 0.25, -2.0], [0.25, 0.25, 0.125]])
+        array([ 2.   , -0.125])
+        """
+        from chordal._field import Field, field_of_mesh
+        from chordal._mesh import Mesh
+
+        if isinstance(self, Field):
+            return self
+        if isinstance(self, Mesh):
+            return field_of_mesh(self)
+        return field_of_mesh(self.mesh(tol=tol, rel=rel))
 
     def cage(self) -> Cage:
         """The polygons of a cage. Raises `Refused` for anything else.
@@ -264,7 +229,7 @@ class Shape(Combinable, Bakeable):
         )
         if self.kind not in ("curves", "drawing"):
             raise Refused("unsupported", f"{self.kind} hold no curves to flatten: mesh them")
-        return Polylines.of(self._source.mesh(budget, "json", function("progress", progress)))
+        return Polylines._of(self._source.mesh(budget, "json", function("progress", progress)))
 
     def __repr__(self) -> str:
         name = f" {self._source.name}" if self._source.name else ""

@@ -32,7 +32,7 @@ def surface(
     Raises `ValueError` where the numbers are no such surface.
 
     >>> import chordal
-    >>> flat = chordal.surface([[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 1)]], degrees=(1, 1))
+    >>> flat = chordal.shapes.surface([[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 1)]], degrees=(1, 1))
     >>> flat
     <Shape: surfaces, from json>
     >>> flat.mesh(tol=0.01).bound.evidence
@@ -62,4 +62,5 @@ def surface(
         "knots": both,
         "unit": text("unit", unit),
     }
-    return Shape(_chordal.surface(points.tobytes(), heavy.tobytes(), of))
+    named = {"weights": heavy, "knots": both, "degrees": (along_u, along_v), "unit": unit}
+    return Shape(_chordal.surface(points.tobytes(), heavy.tobytes(), of), (surface, (points,), named))

@@ -1,36 +1,97 @@
-"""`volume` and `Volume`: samples on a lattice, and the surfaces of them."""
+"""`volume`, `labels` and `Volume`: samples on a lattice, and the surfaces of them."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal import _chordal
-from chordal._arguments import function, text
+from chordal._arguments import text
 from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
-from chordal._budget import BudgetArguments, Length, Share, budget_arguments
-from chordal._mesh import Mesh
+from chordal._images import Imaged, lattice_of
+from chordal._meant import meant
 from chordal._shape import Shape
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from chordal._view import View
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 _TYPES = {"u1": "uint8", "i1": "int8", "u2": "uint16", "i2": "int16", "u4": "uint32", "i4": "int32"}
 _TYPES |= {"u8": "uint64", "i8": "int64", "f4": "float", "f8": "double", "b1": "uint8"}
 
 
-class Volume(Shape):
-    """Samples on a lattice. `volume` makes it of an array, `load` of a file, and `bake` of another shape."""
+class Volume(Shape, Imaged):
+    """Samples on a lattice. `volume` makes it of an array, `load` of a file, and `bake` of another shape.
 
-    __slots__ = ("_report",)
+    >>> import chordal, numpy
+    >>> i, j, k = numpy.indices((9, 9, 9)) - 4.0
+    >>> ball = chordal.volume(numpy.sqrt(i * i + j * j + k * k) - 3, spacing=0.5, origin=(-2, -2, -2))
+    >>> ball.shape, ball.spacing, ball.origin
+    ((9, 9, 9), (0.5, 0.5, 0.5), (-2.0, -2.0, -2.0))
+    >>> round(float(ball.mesh(iso=0).vertices.max()), 3)
+    1.5
+    """
 
-    def __init__(self, source: _chordal.Source, report: str | None = None) -> None:
+    __slots__ = ("_meant", "_report")
+
+    def __init__(
+        self, source: _chordal.Source, report: str | None = None, meant: dict[str, Any] | None = None
+    ) -> None:
         super().__init__(source)
         self._report = report
+        self._meant = meant or {}
+
+    @property
+    def array(self) -> NDArray[Any]:
+        """The samples in their own type: `array[i, j, k]` is that at x = i, y = j, z = k of the lattice. Not copied, for
+        reading only; x runs fastest in memory.
+        """
+        import numpy as np
+
+        samples, _ = _chordal.samples(self._source)
+        array: NDArray[Any] = np.asarray(samples).T
+        return array
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        import numpy as np
+
+        return np.array(self.array, dtype=dtype, copy=True) if copy else np.asarray(self.array, dtype=dtype)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """How many samples there are along i, j and k."""
+        i, j, k = self.array.shape
+        return i, j, k
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type of a sample."""
+        return self.array.dtype
+
+    @property
+    def affine(self) -> NDArray[np.float64]:
+        """The 4 × 4 matrix that takes (i, j, k, 1) to space."""
+        import numpy as np
+
+        _, rows = _chordal.samples(self._source)
+        return np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """The distance of neighbours along i, j and k."""
+        import numpy as np
+
+        i, j, k = np.linalg.norm(self.affine[:3, :3], axis=0)
+        return float(i), float(j), float(k)
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Where the first sample is."""
+        x, y, z = self.affine[:3, 3]
+        return float(x), float(y), float(z)
 
     @property
     def report(self) -> dict[str, Any] | None:
@@ -43,101 +104,67 @@ class Volume(Shape):
         facts = None if self._report is None else json.loads(self._report)["certificate"]["bound"]
         return None if facts is None else bound_of(facts)
 
-    def mesh(
+    def surface(
         self,
         *,
         iso: SupportsFloat | None = None,
         inside: Literal["high", "low"] | None = None,
-        border: Literal["capped", "open"] = "capped",
+        border: Literal["capped", "open"] | None = None,
         labels: Sequence[int] | Literal["all"] | None = None,
         smooth: str | SupportsFloat | None = None,
-        tol: Length | None = None,
-        rel: Share | None = None,
-        pixels: SupportsFloat | None = None,
-        view: str | View | None = None,
-        angle: SupportsFloat | None = None,
-        uv_error: SupportsFloat | None = None,
-        normal_error: SupportsFloat | None = None,
-        triangles: SupportsIndex | None = None,
-        effort: Literal["best", "fast"] = "best",
-        require: Literal["proved", "measured", "estimated"] | None = None,
-        extrude: Length | None = None,
-        bevel: Length | None = None,
-        progress: Callable[[str, int, int], object] | None = None,
-    ) -> Mesh:
-        """The surface of the samples at the level `iso`, with its bound against their trilinear interpolant.
+    ) -> Volume:
+        """The same samples with the surface of them that is meant by `mesh`, `lod`, `render` and the rest.
 
-        Without a level it is 0.5 for masks and occupancies and 0 for distances; anything else is `Refused`. `inside`
-        says on which side of the level the shape is. A shape that reaches the border is closed there, unless `border`
-        is "open". With `labels`, a list or "all", every label has a surface of its own; within a budget two that
-        meet still have the same triangles there, and `triangles` is for all together, whatever the `effort`. `smooth`, as in
+        It is that of the level `iso`: without one it is 0.5 for masks and occupancies and 0 for distances; anything else is
+        `Refused`. `inside` says on which side of the level the shape is. A shape that reaches the border is closed there,
+        unless `border` is "open". With `labels`, a list or "all", every label has a surface of its own; within a budget
+        two that meet still have the same triangles there, and a count of triangles is for all together. `smooth`, as in
         "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the bound stays against the
-        unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost. A budget is one as for
-        `Shape.mesh`; without any the bound is what the lattice allows. `extrude` and `bevel` are for drawings, and refused.
+        unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost.
 
         >>> import chordal, numpy
         >>> i, j, k = numpy.indices((9, 9, 9)) - 4.0
-        >>> ball = chordal.volume(numpy.sqrt(i * i + j * j + k * k) - 3, spacing=0.5, origin=(-2, -2, -2))
-        >>> round(float(ball.mesh(iso=0).vertices.max()), 3)
-        1.5
+        >>> scan = chordal.volume(1000 - 200 * numpy.sqrt(i * i + j * j + k * k))
+        >>> len(scan.surface(iso=500).lod(tol=0.05)) > 1
+        True
         """
-        meant: _chordal.Meant = {
-            "iso": None if iso is None else float(iso),
-            "inside": text("inside", inside),
-            "border": border,
-            "labels": None if labels is None else [] if labels == "all" else _labels(labels),
-            "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(float(smooth)),
-        }
-        source = self._source.surface(meant)
-        limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel)
-        nothing = all(limit is None for limit in limits)
-        budget = (
-            _NO_BUDGET
-            if nothing
-            else budget_arguments(
-                tol=tol,
-                rel=rel,
-                pixels=pixels,
-                view=view,
-                angle=angle,
-                uv_error=uv_error,
-                normal_error=normal_error,
-                triangles=triangles,
-                counted="triangles",
-                effort=effort,
-                require=require,
-                extrude=extrude,
-                bevel=bevel,
-            )
-        )
-        return Mesh.of(source.mesh(budget, "ply", function("progress", progress)))
+        words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
+        said = {name: value for name, value in words.items() if value is not None}
+        source = meant(self._source, iso=iso, inside=inside, border=border, labels=labels, smooth=smooth)
+        return Volume(source, self._report, said)
+
+    def __reduce__(self) -> Any:
+        content = _chordal.convert(self._source, "nrrd", (False, None), None).write()
+        return _again, (content, self._report, self._meant)
+
+    def __repr__(self) -> str:
+        i, j, k = self.shape
+        steps = ", ".join(f"{step:.6g}" for step in self.spacing)
+        return f"<Volume: {i} × {j} × {k} of {self.dtype}, spacing {steps}>"
 
 
-_NO_BUDGET: BudgetArguments = {
-    "length": None,
-    "pixels": None,
-    "angle_deg": None,
-    "uv_error": None,
-    "normal_error": None,
-    "triangles": None,
-    "segments": None,
-    "spacing": "fewest",
-    "effort": "best",
-    "require": None,
-    "extrude": None,
-    "bevel": None,
-}
+def _again(content: bytes, report: str | None, words: dict[str, Any]) -> Volume:
+    """A volume that was pickled."""
+    made = Volume(_chordal.Source(content, _reading("nrrd", None)), report)
+    return made.surface(**words) if words else made
 
 
-def _labels(labels: Sequence[int] | str) -> list[int]:
-    found = [int(label) for label in labels]
-    if not found:
-        raise ValueError("labels: one label at least, or 'all'")
-    return found
+def _reading(format: str, unit: str | None) -> _chordal.Reading:
+    return {
+        "name": None,
+        "format": format,
+        "unit": unit,
+        "up": None,
+        "strict": False,
+        "lenient": False,
+        "drop_nonfinite": False,
+        "surface": None,
+        "letters": None,
+    }
 
 
 def volume(
-    array: ArrayLike,
+    array: ArrayLike | str | os.PathLike[str] | Any,
     *,
     spacing: SupportsFloat | Sequence[SupportsFloat] | None = None,
     origin: Sequence[SupportsFloat] | None = None,
@@ -148,14 +175,24 @@ def volume(
 
     `spacing` is the step along each axis, one number or three, and `origin` the place of the first sample; or `affine`
     is the 4 × 4 matrix, or its first three rows, that takes (i, j, k, 1) to space. The samples are copied in their own
-    type. NaN is outside.
+    type; 64-bit integers must fit in 32. NaN is outside.
+
+    It also takes a file, an image of nibabel or SimpleITK, and a DataArray of xarray, which say where their samples are:
+    nibabel's in its own coordinates (right, front, head), SimpleITK's in its own (left, back, head), both in millimetres.
 
     >>> import chordal, numpy
     >>> chordal.volume(numpy.eye(4)[:, :, None] * numpy.ones(4), spacing=2)
-    <Volume: volume, from nrrd>
+    <Volume: 4 × 4 × 4 of float64, spacing 2, 2, 2>
     """
     import numpy as np
 
+    if isinstance(array, (str, os.PathLike)):
+        return _of_file(array, spacing, origin, affine, unit)
+    known = lattice_of(array)
+    if known is not None:
+        if affine is not None or spacing is not None or origin is not None:
+            raise TypeError("spacing, origin, affine: this image says them already; pass its array to say others")
+        array, affine, unit = known.array, known.affine, unit or known.unit
     found = np.asanyarray(array)
     kind = f"{found.dtype.kind}{found.dtype.itemsize}"
     if found.ndim != 3:
@@ -182,18 +219,39 @@ def volume(
         ]
     )
     samples = found.astype(found.dtype.newbyteorder("<"), copy=False).tobytes(order="F")
-    reading: _chordal.Reading = {
-        "name": None,
-        "format": "nrrd",
-        "unit": text("unit", unit),
-        "up": None,
-        "strict": False,
-        "lenient": False,
-        "drop_nonfinite": False,
-        "surface": None,
-        "letters": None,
-    }
-    return Volume(_chordal.Source(header.encode() + samples, reading))
+    return Volume(_chordal.Source(header.encode() + samples, _reading("nrrd", text("unit", unit))))
+
+
+def labels(
+    array: ArrayLike | str | os.PathLike[str] | Any,
+    *,
+    spacing: SupportsFloat | Sequence[SupportsFloat] | None = None,
+    origin: Sequence[SupportsFloat] | None = None,
+    affine: ArrayLike | None = None,
+    unit: str | None = None,
+    only: Sequence[int] | None = None,
+) -> Volume:
+    """A volume of labels, each with a surface of its own: `volume(…)` with `surface(labels=…)`, all but 0 or `only` some.
+
+    >>> import chordal, numpy
+    >>> halves = numpy.ones((6, 6, 6), numpy.uint8)
+    >>> halves[3:] = 2
+    >>> [part.name for part in chordal.labels(halves).mesh().parts]
+    ['label 1', 'label 2']
+    """
+    found = volume(array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+    return found.surface(labels="all" if only is None else only)
+
+
+def _of_file(path: Any, spacing: Any, origin: Any, affine: Any, unit: str | None) -> Volume:
+    from chordal._load import load
+
+    found = load(path, unit=unit)
+    if not isinstance(found, Volume):
+        raise TypeError(f"array: {os.fspath(path)} holds {found.kind}, not samples on a lattice: load it")
+    if spacing is None and origin is None and affine is None:
+        return found
+    return volume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
 
 
 def _steps(spacing: Any, origin: Any, affine: Any) -> Any:

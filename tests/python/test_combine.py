@@ -14,7 +14,7 @@ def cuboid(low: Corner, high: Corner, turned: bool = False) -> chordal.Shape:
     corners = [[(low, high)[i >> k & 1][k] for k in range(3)] for i in range(8)]
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     faces = np.array([face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))])
-    return chordal.triangles(corners, faces[:, ::-1] if turned else faces)
+    return chordal.Mesh(corners, faces[:, ::-1] if turned else faces)
 
 
 def volume(mesh: chordal.Mesh) -> float:
@@ -39,7 +39,7 @@ def test_operators_are_union_difference_and_intersection() -> None:
 
 def test_steps_go_from_left_to_right_and_other_shapes_take_a_length() -> None:
     """As on the command line."""
-    ball = chordal.sphere(0.5)
+    ball = chordal.shapes.sphere(0.5)
     with pytest.raises(chordal.Refused, match="within a length"):
         A.combine(("difference", ball))
     made = A.combine(("union", B), ("difference", ball), tol=0.01)
@@ -56,7 +56,7 @@ def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="at least one"):
         A.combine()
     with pytest.raises(chordal.Refused, match="one triangle only"):
-        A - chordal.triangles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        A - chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     with pytest.raises(chordal.Refused, match="nothing would be left"):
         A - A
     assert volume(cuboid((0, 0, 0), (2, 2, 2), turned=True) - B) == pytest.approx(7)

@@ -41,7 +41,7 @@ def test_no_point_of_a_curve_is_farther_away_than_the_bound(
     n_coordinates: int, spacing: Any, budget: dict[str, Any]
 ) -> None:
     control = np.random.default_rng(SEED).uniform(-1, 1, (40, 4, n_coordinates))
-    lines = chordal.bezier(control).flatten(spacing=spacing, **budget)
+    lines = chordal.shapes.bezier(control).flatten(spacing=spacing, **budget)
     bound = lines.bound
     assert bound.at_most is not None and bound.evidence == "proved" and bound.reference == "curves"
     assert bound.at_most <= budget.get("tol", np.inf)
@@ -51,30 +51,30 @@ def test_no_point_of_a_curve_is_farther_away_than_the_bound(
 
 @pytest.mark.parametrize("spacing", ["fewest", "even"])
 def test_points_lie_at_their_places(spacing: Any) -> None:
-    lines = chordal.bezier(ARCH).flatten(tol=1e-4, spacing=spacing)
+    lines = chordal.shapes.bezier(ARCH).flatten(tol=1e-4, spacing=spacing)
     assert np.allclose(lines.points, at(ARCH, lines.places), rtol=0, atol=1e-15)
     assert (np.diff(lines.places) > 0).all() and lines.places[[0, -1]].tolist() == [0, 1]
     assert lines.starts.tolist() == [0, len(lines.points)]
 
 
 def test_even_spacing_with_a_count_is_equal_steps() -> None:
-    lines = chordal.bezier(ARCH).flatten(segments=8, spacing="even")
+    lines = chordal.shapes.bezier(ARCH).flatten(segments=8, spacing="even")
     assert lines.places.tolist() == [i / 8 for i in range(9)]
 
 
 def test_a_chain_is_one_polyline_and_a_batch_many() -> None:
     chain = np.concatenate([ARCH, ARCH[1:] + [1, 0]])
-    lines = chordal.bezier(chain).flatten(tol=0.01)
+    lines = chordal.shapes.bezier(chain).flatten(tol=0.01)
     assert len(lines) == 1 and lines.places[-1] == 2
     assert [1, 0] in lines.points.tolist(), "where pieces join there is a point"
-    batch = chordal.bezier(np.stack([ARCH, ARCH + [1, 0]])).flatten(tol=0.01)
+    batch = chordal.shapes.bezier(np.stack([ARCH, ARCH + [1, 0]])).flatten(tol=0.01)
     assert len(batch) == 2
-    assert np.array_equal(batch[0].points, chordal.bezier(ARCH).flatten(tol=0.01).points)
+    assert np.array_equal(batch[0].points, chordal.shapes.bezier(ARCH).flatten(tol=0.01).points)
     assert np.array_equal(np.concatenate([line.points for line in batch]), batch.points)
 
 
 def test_a_curve_in_the_plane_is_that_of_space_at_z_0() -> None:
-    flat, space = chordal.bezier(ARCH), chordal.bezier(np.pad(ARCH, ((0, 0), (0, 1))))
+    flat, space = chordal.shapes.bezier(ARCH), chordal.shapes.bezier(np.pad(ARCH, ((0, 0), (0, 1))))
     view = chordal.View.camera(eye=(0, 0, 5), target=(0, 0, 0), fov_deg=40, size_px=(800, 600))
     budgets: list[dict[str, Any]] = [{"tol": 0.001}, {"pixels": 0.5, "view": view}]
     for budget in budgets:
@@ -84,22 +84,22 @@ def test_a_curve_in_the_plane_is_that_of_space_at_z_0() -> None:
 
 
 def test_shares_are_of_the_diagonal_of_the_curve_s_own_box() -> None:
-    relative = chordal.bezier(ARCH).flatten(rel=0.01)
+    relative = chordal.shapes.bezier(ARCH).flatten(rel=0.01)
     assert relative.report["certificate"]["budget"]["length"] == pytest.approx(0.01 * np.hypot(1, 0.75))
-    assert relative.bound == chordal.bezier(ARCH).flatten(rel="1%").bound
+    assert relative.bound == chordal.shapes.bezier(ARCH).flatten(rel="1%").bound
 
 
 def test_a_length_in_a_unit_needs_a_curve_in_one() -> None:
-    metric = chordal.bezier(ARCH, unit="cm").flatten(tol="0.1mm")
-    assert np.array_equal(metric.points, chordal.bezier(ARCH).flatten(tol=0.01).points)
+    metric = chordal.shapes.bezier(ARCH, unit="cm").flatten(tol="0.1mm")
+    assert np.array_equal(metric.points, chordal.shapes.bezier(ARCH).flatten(tol=0.01).points)
     with pytest.raises(chordal.BudgetError, match="give unit="):
-        chordal.bezier(ARCH).flatten(tol="0.1mm")
+        chordal.shapes.bezier(ARCH).flatten(tol="0.1mm")
     with pytest.raises(ValueError, match="unit"):
-        chordal.bezier(ARCH, unit="ell")
+        chordal.shapes.bezier(ARCH, unit="ell")
 
 
 def test_polylines_are_a_sequence() -> None:
-    lines = chordal.bezier(np.stack([ARCH, ARCH + 1, ARCH + 2])).flatten(tol=0.1)
+    lines = chordal.shapes.bezier(np.stack([ARCH, ARCH + 1, ARCH + 2])).flatten(tol=0.1)
     assert [line.source for line in lines] == [0, 1, 2] and not any(line.closed for line in lines)
     assert np.array_equal(lines[-1].points, lines[2].points) and [line.source for line in lines[1:]] == [1, 2]
     assert np.shares_memory(lines[1].points, lines.points) and len(lines[1].places) == len(lines[1].points)
@@ -135,7 +135,7 @@ def test_the_points_are_those_of_the_command_bit_for_bit(
     )
     assert done.returncode == 0, done.stderr
     theirs = json.loads(done.stdout)
-    ours = chordal.bezier(curves if curves.shape[1] == 4 else curves[0]).flatten(**budget)
+    ours = chordal.shapes.bezier(curves if curves.shape[1] == 4 else curves[0]).flatten(**budget)
     assert np.array_equal(ours.points, np.concatenate([line["points"] for line in theirs["polylines"]]))
     assert [len(line.points) for line in ours] == [len(line["points"]) for line in theirs["polylines"]]
     certificate, other = ours.report["certificate"], theirs["report"]["certificate"]
@@ -173,7 +173,7 @@ def test_shapes_without_curves_are_not_flattened_and_curves_in_space_not_meshed(
 
 def test_a_budget_that_is_not_met_brings_the_best() -> None:
     with pytest.raises(chordal.BudgetUnmet) as caught:
-        chordal.bezier(ARCH).flatten(tol=1e-6, segments=3)
+        chordal.shapes.bezier(ARCH).flatten(tol=1e-6, segments=3)
     best = caught.value.best
     assert isinstance(best, chordal.Polylines) and len(best.points) <= 4
     assert best.bound.at_most is not None and best.bound.at_most > 1e-6 and caught.value.bound == best.bound
@@ -191,11 +191,11 @@ def test_a_budget_that_is_not_met_brings_the_best() -> None:
 )
 def test_a_budget_without_sense_is_a_value_error(budget: dict[str, Any], part: str) -> None:
     with pytest.raises(ValueError, match=part):
-        chordal.bezier(ARCH).flatten(**budget)
+        chordal.shapes.bezier(ARCH).flatten(**budget)
 
 
 def test_curves_without_size_need_a_length_in_units() -> None:
-    point = chordal.bezier(np.ones((4, 3)))
+    point = chordal.shapes.bezier(np.ones((4, 3)))
     assert point.flatten(tol=1).points.tolist() == [[1, 1, 1]]
     with pytest.raises(chordal.Refused) as caught:
         point.flatten(rel=0.1)
@@ -203,7 +203,7 @@ def test_curves_without_size_need_a_length_in_units() -> None:
 
 
 def test_arrays_are_for_reading_only_and_outlive_their_polyline() -> None:
-    lines = chordal.bezier(ARCH).flatten(tol=0.01)
+    lines = chordal.shapes.bezier(ARCH).flatten(tol=0.01)
     arrays = (lines.points, lines.starts, lines.places)
     assert [array.dtype for array in arrays] == [np.float64, np.int64, np.float64]
     del lines
@@ -214,8 +214,8 @@ def test_arrays_are_for_reading_only_and_outlive_their_polyline() -> None:
 
 
 def test_what_is_shown_is_short() -> None:
-    curve = chordal.bezier(np.zeros((3, 4, 2)))
+    curve = chordal.shapes.bezier(np.zeros((3, 4, 2)))
     assert repr(curve) == "<Curve: 3 curves of 1 piece, 2-D>"
-    lines = chordal.bezier(ARCH).flatten(segments=1)
+    lines = chordal.shapes.bezier(ARCH).flatten(segments=1)
     assert repr(lines).startswith("<Polylines: 1 polyline, 1 segment; between 0.7")
     assert lines._repr_html_().count("<tr>") == 2

@@ -16,7 +16,7 @@ FACES = np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def test_a_shifted_square_is_as_far_as_it_was_shifted() -> None:
-    below, above = chordal.triangles(SQUARE, FACES), chordal.triangles(SQUARE + [0, 0, 0.25], FACES[:, ::-1])
+    below, above = chordal.Mesh(SQUARE, FACES), chordal.Mesh(SQUARE + [0, 0, 0.25], FACES[:, ::-1])
     found = below.deviation(above)
     assert found.bound.evidence == "proved" and found.reached and found.verdict is None
     assert found.bound.at_most is not None
@@ -57,25 +57,25 @@ def test_the_ends_are_those_of_the_command(cargo_chordal: Command, tmp_path: Pat
 )
 def test_arrays_that_are_no_mesh_are_named(vertices: object, faces: object, error: type[Exception], said: str) -> None:
     with pytest.raises(error, match=said):
-        chordal.triangles(vertices, faces)  # type: ignore[arg-type]
+        chordal.Mesh(vertices, faces)  # type: ignore[arg-type]
 
 
 def test_arguments_that_make_no_sense_are_named() -> None:
-    shape = chordal.triangles(SQUARE, FACES)
-    with pytest.raises(TypeError, match="other: a Shape or a Mesh"):
+    shape = chordal.Mesh(SQUARE, FACES)
+    with pytest.raises(TypeError, match="other: a Shape"):
         shape.deviation(SQUARE)  # type: ignore[arg-type]
     with pytest.raises(chordal.BudgetError, match="relative"):
         shape.deviation(shape, relative=-1)
     with pytest.raises(ValueError, match="max"):
         shape.deviation(shape, max="abc")
     with pytest.raises(chordal.Refused, match="no triangle"):
-        shape.deviation(chordal.triangles(SQUARE, np.zeros((0, 3), int)))
+        shape.deviation(chordal.Mesh(SQUARE, np.zeros((0, 3), int)))
     drawing = chordal.load(b'<svg xmlns="http://www.w3.org/2000/svg"><circle r="1"/></svg>')
     with pytest.raises(chordal.Refused, match="no surface"):
         drawing.deviation(shape)
 
 
 def test_arrays_of_any_kind_will_do() -> None:
-    shape = chordal.triangles(SQUARE.astype(np.float32)[::1], FACES.astype(np.uint8))
+    shape = chordal.Mesh(SQUARE.astype(np.float32)[::1], FACES.astype(np.uint8))
     assert shape.inspect()["certificate"]["output"]["triangles"] == 2
-    assert chordal.triangles(SQUARE.tolist(), FACES.tolist()).deviation(shape).bound.at_most == 0
+    assert chordal.Mesh(SQUARE.tolist(), FACES.tolist()).deviation(shape).bound.at_most == 0

@@ -18,9 +18,9 @@ POINTS = np.random.default_rng(4).uniform(-3, 3, (500, 3))
 
 
 def in_python(text: str) -> chordal.Field:
-    """What the last expression of a text is after `from chordal import *`."""
+    """What the last expression of a text is after `from chordal.shapes import *`."""
     names: dict[str, object] = {}
-    exec("from chordal import *", names)
+    exec("from chordal.shapes import *", names)
     tree = ast.parse(text)
     last = tree.body.pop()
     assert isinstance(last, ast.Expr)
@@ -56,8 +56,8 @@ def test_texts_are_the_same_in_starlark_and_in_python(text: str) -> None:
 
 def test_every_function_of_the_language_is_there_with_its_arguments() -> None:
     for name, usage, _, _ in _chordal.language():
-        function = getattr(chordal, name)
-        assert name in chordal.__all__
+        function = getattr(chordal.shapes, name)
+        assert name in chordal.shapes.__all__
         if name == "field":
             continue
         shown = [str(p).split(":")[0] for p in inspect.signature(function).parameters.values()]
@@ -70,7 +70,7 @@ def test_every_function_of_the_language_is_there_with_its_arguments() -> None:
 def test_what_a_function_does_is_said_in_the_same_words_as_by_the_command() -> None:
     n_same = 0
     for name, _, does, worth in _chordal.language():
-        function = getattr(chordal, name)
+        function = getattr(chordal.shapes, name)
         # Paths take arrays, and `field` takes functions of points: of these Python says more.
         if function.__module__ not in ("chordal._language", "chordal._formulas"):
             continue
@@ -98,7 +98,7 @@ def test_a_function_of_points_is_called_with_many_at_once() -> None:
     assert (field.evidence, field.distance) == ("proved-if", ("lower bound", "lower bound"))
     assert "changes by no more than 1" in field.assumptions[0]
     assert chordal.field(ball).evidence == "measured"
-    both = field - chordal.box(1, 1, 9)
+    both = field - chordal.shapes.box(1, 1, 9)
     assert both(np.array([[0, 0, 0], [0.75, 0, 0]])).tolist() == [0.5, -0.25]
     assert np.allclose(field.gradient([[3, 0, 0]]), [[1, 0, 0]], atol=1e-6)
 
@@ -137,22 +137,22 @@ def test_what_a_function_raises_comes_back_as_it_is() -> None:
         raise Mine("no")
 
     with pytest.raises(Mine, match="no"):
-        (chordal.field(broken) | chordal.sphere(1))(POINTS)
+        (chordal.field(broken) | chordal.shapes.sphere(1))(POINTS)
     with pytest.raises(ValueError, match="gave back"):
         chordal.field(lambda points: points)(POINTS)
 
 
 def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match=r"box\(\) needs a number for 'z', not a shape"):
-        chordal.box(1, 2, chordal.sphere(1))  # type: ignore[arg-type]
+        chordal.shapes.box(1, 2, chordal.shapes.sphere(1))  # type: ignore[arg-type]
     with pytest.raises(TypeError):
-        chordal.sphere(1) | 2  # type: ignore[operator]
+        chordal.shapes.sphere(1) | 2  # type: ignore[operator]
     with pytest.raises(chordal.ReadError, match="line 2, column 1"):
         chordal.script("a = 1\nbox(1, 2)")
     with pytest.raises(chordal.ReadError, match="no parameter 'q'"):
         chordal.script("sphere(param('r', 1))", q=2)
     with pytest.raises(ValueError, match="rows of 3"):
-        chordal.sphere(1)([[1, 2]])
+        chordal.shapes.sphere(1)([[1, 2]])
     assert chordal.script("sphere(param('r', 1))", r=2)([[0, 0, 0]]).tolist() == [-2]
 
 

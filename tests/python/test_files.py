@@ -116,7 +116,7 @@ def test_a_write_that_fails_half_way_leaves_the_old_file(tmp_path: Path, monkeyp
 
 
 def test_materials_of_fields_are_those_of_the_file() -> None:
-    from chordal import color, material, move, sphere
+    from chordal.shapes import color, material, move, sphere
 
     both = material(sphere(2), "sea", "#08f", metallic=0.25) | color(move(sphere(1), 2, 0), (1, 0, 0))
     data = both.mesh(tol=0.1).to_bytes("glb")

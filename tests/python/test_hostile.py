@@ -20,7 +20,7 @@ CHAIN = np.array([[0, 0], [0, 3], [4, 3], [4, 0], [4, -3], [9, -3], [9, 1]], dty
 
 
 def flattened(control: Any) -> NDArray[np.float64]:
-    return chordal.bezier(control).flatten(tol=0.01).points
+    return chordal.shapes.bezier(control).flatten(tol=0.01).points
 
 
 @pytest.mark.parametrize("control", [ARCH, CHAIN, np.stack([ARCH, ARCH + 1]), np.pad(CHAIN, ((0, 0), (0, 1)))])
@@ -70,7 +70,7 @@ def h81_an_array_that_cannot_be_written_is_read() -> None:
 )
 def h81_what_is_no_array_of_real_numbers_is_a_type_error(control: Any) -> None:
     with pytest.raises(TypeError, match="control: an array of real numbers"):
-        chordal.bezier(control)
+        chordal.shapes.bezier(control)
 
 
 @pytest.mark.parametrize(
@@ -100,18 +100,18 @@ def h81_what_is_no_array_of_real_numbers_is_a_type_error(control: Any) -> None:
 )
 def h81_a_wrong_shape_or_number_is_a_value_error(control: Any, part: str) -> None:
     with pytest.raises(ValueError, match=f"control: .*{part}"):
-        chordal.bezier(control)
+        chordal.shapes.bezier(control)
 
 
 def h81_numbers_that_overflow_on_the_way_are_refused() -> None:
     with pytest.raises(chordal.Refused) as caught:
-        chordal.bezier(ARCH * 1e300).flatten(rel=0.1)
+        chordal.shapes.bezier(ARCH * 1e300).flatten(rel=0.1)
     assert caught.value.code == "not-finite"
 
 
 def h81_what_goes_in_and_what_comes_out_share_nothing() -> None:
     control = ARCH.copy()
-    curve = chordal.bezier(control)
+    curve = chordal.shapes.bezier(control)
     before = curve.flatten(tol=0.01).points
     assert not np.shares_memory(before, control)
     control[:] = 7
@@ -127,7 +127,7 @@ def h81_an_array_that_fails_to_become_one_raises_its_own_exception() -> None:
             raise Stubborn
 
     with pytest.raises(Stubborn):
-        chordal.bezier(Array())
+        chordal.shapes.bezier(Array())
 
 
 def h82_an_array_that_another_thread_writes_to_is_copied_first() -> None:
@@ -145,7 +145,7 @@ def h82_an_array_that_another_thread_writes_to_is_copied_first() -> None:
     writer.start()
     try:
         for _ in range(20):
-            curve = chordal.bezier(control)
+            curve = chordal.shapes.bezier(control)
             first, second = curve.flatten(tol=0.1), curve.flatten(tol=0.1)
             assert first.points.tobytes() == second.points.tobytes()
             assert np.isfinite(first.points).all() and (first.points == np.floor(first.points)).any()

@@ -24,7 +24,7 @@ def sampled(curve: chordal.Curve, steps: int = 200) -> NDArray[np.float64]:
 def test_splines_pass_their_points_and_are_smooth_by_their_knots(width: int, knots: Any) -> None:
     points = np.random.default_rng(SEED).uniform(-1, 1, (8, width))
     for closed in (False, True):
-        path = chordal.spline(points, closed, knots)
+        path = chordal.shapes.spline(points, closed, knots)
         n = len(points) if closed else len(points) - 1
         assert (path.n_pieces, path.closed) == (n, closed)
         assert np.array_equal(path.points_at(np.arange(len(points))), points)
@@ -43,7 +43,7 @@ def test_splines_pass_their_points_and_are_smooth_by_their_knots(width: int, kno
 
 
 def test_tangents_are_those_at_the_ends() -> None:
-    path = chordal.spline([(0, 0), (1, 1), (2, 0)], knots="uniform", tangents=[(1, 0), (0, -2)])
+    path = chordal.shapes.spline([(0, 0), (1, 1), (2, 0)], knots="uniform", tangents=[(1, 0), (0, -2)])
     assert np.allclose(path.derivatives([0, 2]), [(1, 0), (0, -2)])
 
 
@@ -60,23 +60,23 @@ def test_a_nurbs_is_the_sum_of_its_basis() -> None:
             found += 0 if a == b else (t - a) / (b - a) * basis(j, p - 1, t)
         return found
 
-    curve = chordal.nurbs(control, 3, weights, knots)
+    curve = chordal.shapes.nurbs(control, 3, weights, knots)
     for t in np.linspace(0, 3.99, 40):
         shares = weights * [basis(i, 3, t) for i in range(7)]
         assert np.allclose(curve.points_at(t), shares @ control / shares.sum(), atol=1e-13)
-    assert np.allclose(chordal.nurbs(control, 3, weights).points_at(curve.points_at(0)[:0]), np.zeros((0, 3)))
+    assert np.allclose(chordal.shapes.nurbs(control, 3, weights).points_at(curve.points_at(0)[:0]), np.zeros((0, 3)))
 
 
 def test_arcs_are_circles_and_end_where_quarters_do() -> None:
-    circle = chordal.arc(2, center=(1, 0))
+    circle = chordal.shapes.arc(2, center=(1, 0))
     assert circle.closed and np.allclose(np.linalg.norm(sampled(circle) - (1, 0), axis=1), 2, atol=1e-14)
-    half = chordal.arc(1, start=-90, degrees=180)
+    half = chordal.shapes.arc(1, start=-90, degrees=180)
     assert half.points_at([0, 1]).tolist() == [[0, -1], [0, 1]]
-    assert chordal.arc(1, 30, 20).flatten(tol=1e-3).bound.evidence == "proved"
+    assert chordal.shapes.arc(1, 30, 20).flatten(tol=1e-3).bound.evidence == "proved"
 
 
 def test_cubics_are_within_their_bound() -> None:
-    for curve in (chordal.arc(3), chordal.nurbs([(1, 0), (1, 1), (0, 1)], 2, [1, 0.5**0.5, 1])):
+    for curve in (chordal.shapes.arc(3), chordal.shapes.nurbs([(1, 0), (1, 1), (0, 1)], 2, [1, 0.5**0.5, 1])):
         radius = np.linalg.norm(curve.points_at(0))
         for tol in (1e-2, 1e-5, 1e-9):
             cubics = curve.to_cubics(tol=tol)
@@ -84,7 +84,7 @@ def test_cubics_are_within_their_bound() -> None:
             assert cubics.bound.evidence == "proved" and 0 < cubics.bound.at_most <= tol
             off = np.abs(np.linalg.norm(sampled(cubics), axis=1) - radius)
             assert 0.5 * cubics.bound.at_most < off.max() <= cubics.bound.at_most
-    plain = chordal.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
+    plain = chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
     kept = plain.to_cubics(tol=1e-3)
     assert plain.bound is None and kept.bound is not None and kept.bound.at_most == 0
     assert np.array_equal(sampled(kept), sampled(plain))
@@ -93,7 +93,7 @@ def test_cubics_are_within_their_bound() -> None:
 def test_a_fitted_path_is_near_its_points_and_no_nearer_than_it_says() -> None:
     t = np.linspace(0, 2 * np.pi, 500, endpoint=False)
     points = np.column_stack([3 * np.cos(t), 2 * np.sin(t)])
-    path = chordal.fit(points, 1e-3, closed=True)
+    path = chordal.shapes.fit(points, 1e-3, closed=True)
     assert path.closed and path.n_pieces < 12
     assert path.bound is not None and path.bound.at_most is not None
     line = sampled(path, 1000)
@@ -107,11 +107,11 @@ def test_a_fitted_path_is_near_its_points_and_no_nearer_than_it_says() -> None:
 @pytest.mark.parametrize(
     ("surface", "value"),
     [
-        (chordal.arc(0.5, center=(2, 0)).revolve(), lambda x, y, z: np.hypot(np.hypot(x, y) - 2, z) - 0.5),
-        (chordal.arc(1, start=-90, degrees=180).revolve(), lambda x, y, z: np.sqrt(x * x + y * y + z * z) - 1),
-        (chordal.nurbs([(1, 0), (1, 2)], 1).revolve(), lambda x, y, z: np.hypot(x, y) - 1),
-        (chordal.nurbs([(1, 0), (0, 2)], 1).revolve(), lambda x, y, z: (np.hypot(x, y) - 1 + z / 2) / np.hypot(1, 0.5)),
-        (chordal.arc(1).extrude((0, 0, 3)), lambda x, y, z: np.hypot(x, y) - 1),
+        (chordal.shapes.arc(0.5, center=(2, 0)).revolve(), lambda x, y, z: np.hypot(np.hypot(x, y) - 2, z) - 0.5),
+        (chordal.shapes.arc(1, start=-90, degrees=180).revolve(), lambda x, y, z: np.sqrt(x * x + y * y + z * z) - 1),
+        (chordal.shapes.nurbs([(1, 0), (1, 2)], 1).revolve(), lambda x, y, z: np.hypot(x, y) - 1),
+        (chordal.shapes.nurbs([(1, 0), (0, 2)], 1).revolve(), lambda x, y, z: (np.hypot(x, y) - 1 + z / 2) / np.hypot(1, 0.5)),
+        (chordal.shapes.arc(1).extrude((0, 0, 3)), lambda x, y, z: np.hypot(x, y) - 1),
     ],
     ids=["torus", "sphere", "cylinder", "cone", "tube"],
 )
@@ -126,7 +126,7 @@ def test_surfaces_of_curves_are_meshed_within_a_proved_bound(surface: chordal.Sh
 
 
 def test_the_torus_and_the_ball_are_closed_and_face_outwards() -> None:
-    for surface in (chordal.arc(0.5, center=(2, 0)).revolve(), chordal.arc(1, -90, 180).revolve()):
+    for surface in (chordal.shapes.arc(0.5, center=(2, 0)).revolve(), chordal.shapes.arc(1, -90, 180).revolve()):
         mesh = surface.mesh(tol=0.01)
         valid = mesh.report["certificate"]["valid"]
         assert valid["closed"] and valid["manifold"]
@@ -138,45 +138,45 @@ def test_a_surface_is_the_one_of_its_arrays() -> None:
     control = np.zeros((4, 5, 3))
     control[..., 0], control[..., 1] = np.meshgrid(np.arange(5), np.arange(4))
     control[..., 2] = np.random.default_rng(SEED).uniform(-1, 1, (4, 5))
-    mesh = chordal.surface(control, degrees=(2, 3)).mesh(tol=1e-2)
+    mesh = chordal.shapes.surface(control, degrees=(2, 3)).mesh(tol=1e-2)
     assert mesh.bound.evidence == "proved"
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     assert np.allclose(low[:2], 0) and np.allclose(high[:2], (4, 3))
-    same = chordal.surface(control, weights=np.ones((4, 5)), knots=([0, 0, 0, 1, 2, 3, 3, 3], [0] * 4 + [1] * 4), degrees=(2, 3))
+    same = chordal.shapes.surface(control, weights=np.ones((4, 5)), knots=([0, 0, 0, 1, 2, 3, 3, 3], [0] * 4 + [1] * 4), degrees=(2, 3))
     assert np.array_equal(same.mesh(tol=1e-2).vertices, mesh.vertices)
 
 
 def test_curves_are_shapes_of_fields_as_in_scripts() -> None:
     points = [[2, 0], [0, 2], [-2, 0], [0, -1]]
-    outline = chordal.spline(points, closed=True)
+    outline = chordal.shapes.spline(points, closed=True)
     places = np.random.default_rng(SEED).uniform(-3, 3, (2000, 3))
     for made, text in [
-        (chordal.polygon(outline, 0.01), f"polygon(spline({points}, closed=True), 0.01)"),
-        (chordal.polygon(chordal.arc(2)), "polygon(arc(2))"),
-        (chordal.polygon(np.array(points)), f"polygon({points})"),
-        (chordal.extrude(chordal.circle(1), 2, bevel=0.25), "extrude(circle(1), 2, bevel=0.25)"),
-        (chordal.sweep(outline, 0.5, 0.01), f"sweep(spline({points}, closed=True), 0.5, 0.01)"),
-        (chordal.sweep(chordal.arc(2), chordal.rectangle(1, 0.5)), "sweep(arc(2), rectangle(1, 0.5))"),
+        (chordal.shapes.polygon(outline, 0.01), f"polygon(spline({points}, closed=True), 0.01)"),
+        (chordal.shapes.polygon(chordal.shapes.arc(2)), "polygon(arc(2))"),
+        (chordal.shapes.polygon(np.array(points)), f"polygon({points})"),
+        (chordal.shapes.extrude(chordal.shapes.circle(1), 2, bevel=0.25), "extrude(circle(1), 2, bevel=0.25)"),
+        (chordal.shapes.sweep(outline, 0.5, 0.01), f"sweep(spline({points}, closed=True), 0.5, 0.01)"),
+        (chordal.shapes.sweep(chordal.shapes.arc(2), chordal.shapes.rectangle(1, 0.5)), "sweep(arc(2), rectangle(1, 0.5))"),
         (
-            chordal.sweep(chordal.fit(points, 0.1, True), chordal.circle(0.25), 0.05),
+            chordal.shapes.sweep(chordal.shapes.fit(points, 0.1, True), chordal.shapes.circle(0.25), 0.05),
             f"sweep(fit({points}, 0.1, True), circle(0.25), 0.05)",
         ),
     ]:
         script = chordal.script(text)
         assert np.array_equal(made(places), script(places)), text
         assert set(made.notes) <= set(script.notes)
-    solid = chordal.extrude(chordal.polygon(outline, 0.01), 1, bevel=0.2)
+    solid = chordal.shapes.extrude(chordal.shapes.polygon(outline, 0.01), 1, bevel=0.2)
     assert len(solid.notes) == 1 and "straight lines within" in solid.notes[0]
     warnings = solid.inspect()["certificate"]["input"]["warnings"]
     assert [warning["code"] for warning in warnings] == ["script-said"]
 
 
 def test_shapes_along_curves_are_meshed_within_a_proved_bound() -> None:
-    path = chordal.spline([(0, 0, 0), (2, 0, 1), (2, 2, 2)])
+    path = chordal.shapes.spline([(0, 0, 0), (2, 0, 1), (2, 2, 2)])
     for field in (
-        chordal.sweep(path, 0.25, 0.01),
-        chordal.sweep(path, chordal.rectangle(0.5, 0.25), 0.01),
-        chordal.extrude(chordal.polygon(chordal.spline([(2, 0), (0, 2), (-2, 0)], True), 0.02), 1, bevel=0.2),
+        chordal.shapes.sweep(path, 0.25, 0.01),
+        chordal.shapes.sweep(path, chordal.shapes.rectangle(0.5, 0.25), 0.01),
+        chordal.shapes.extrude(chordal.shapes.polygon(chordal.shapes.spline([(2, 0), (0, 2), (-2, 0)], True), 0.02), 1, bevel=0.2),
     ):
         mesh = field.mesh(tol=0.02)
         assert mesh.bound.evidence == "proved" and mesh.bound.at_most is not None and mesh.bound.at_most <= 0.02
@@ -195,13 +195,13 @@ def test_a_font_sets_a_text_as_a_solid_and_as_a_field(tmp_path: Path) -> None:
     cut = letters.mesh(tol=1e-2, extrude="2", bevel=0.5)
     assert cut.report["certificate"]["valid"]["closed"] and cut.bound.evidence in ("proved", "proved-if")
     assert len(letters.flatten(tol=1e-3)) == 2
-    field = chordal.text("A A", font, 0.01, em=10)
+    field = chordal.shapes.text("A A", font, 0.01, em=10)
     assert field([[2.5, 3.5, 0], [7, 3.5, 0], [11.5, 3.5, 0]]).tolist() == [-2.5, 2, -2.5]
     # Straight lines, but for the rounding of where they are placed.
     assert float(field.notes[0].split("within ")[1].split()[0]) < 1e-12
     drawing = tmp_path / "a.svg"
     drawing.write_text("<svg xmlns='http://www.w3.org/2000/svg'><circle r='2'/></svg>")
-    disc = chordal.svg(drawing, 0.01)
+    disc = chordal.shapes.svg(drawing, 0.01)
     assert abs(disc([[0, 0, 0]])[0] + 2) <= 0.01 and "polygons within" in disc.notes[0]
 
 
@@ -220,9 +220,9 @@ def test_texts_that_a_font_cannot_set_are_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(chordal.ReadError):
         chordal.load(whole, text="A", axes={"wght": 700})
     with pytest.raises(TypeError, match="tolerance: a number"):
-        chordal.text("A", tmp_path / "none.ttf", "much")  # type: ignore[arg-type]
+        chordal.shapes.text("A", tmp_path / "none.ttf", "much")  # type: ignore[arg-type]
     with pytest.raises(FileNotFoundError):
-        chordal.text("A", tmp_path / "none.ttf", 0.1)
+        chordal.shapes.text("A", tmp_path / "none.ttf", 0.1)
     random = np.random.default_rng(SEED)
     outcomes = set()
     for _ in range(300):
@@ -240,26 +240,26 @@ def test_texts_that_a_font_cannot_set_are_one_sentence(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "part"),
     [
-        (lambda: chordal.spline([(0, 0)]), "at least 2 points"),
-        (lambda: chordal.spline([[0, 1, 2, 3], [0, 1, 2, 3]]), "rows of 2 or 3 coordinates"),
-        (lambda: chordal.spline([(0, 0), (1, 1)], knots="odd"), "chordal. or .uniform"),  # type: ignore[arg-type]
-        (lambda: chordal.nurbs([(0, 0), (1, 1)], 3), "control points"),
-        (lambda: chordal.nurbs([(0, 0), (1, 1)], 1, [1, 0]), "weight"),
-        (lambda: chordal.arc(0), "radius above 0"),
-        (lambda: chordal.arc(1).points_at(np.nan), "not finite"),
-        (lambda: chordal.arc(1).derivatives(0, 3), "order: 1 or 2"),  # type: ignore[arg-type]
-        (lambda: chordal.arc(2).revolve(), "radius"),
-        (lambda: chordal.spline([(0, 0, 0), (1, 1, 1)]).revolve(), "one of the plane"),
-        (lambda: chordal.arc(2).extrude((0, 1)), "three numbers"),
-        (lambda: chordal.arc(2).to_cubics(tol=-1), "tol"),
-        (lambda: chordal.bezier(np.zeros((2, 4, 2))).points_at(0), "these are 2"),
-        (lambda: chordal.polygon(chordal.spline([(0, 0, 0), (1, 1, 1)])), "a path of the plane"),
-        (lambda: chordal.surface(np.zeros((2, 2))), "rows of points in space"),
-        (lambda: chordal.surface(np.zeros((2, 2, 3))), "control points"),
-        (lambda: chordal.surface(np.zeros((2, 2, 3)), degrees=(1,)), "two of them"),
-        (lambda: chordal.surface(np.zeros((2, 2, 3)), weights=[1, 1], degrees=(1, 1)), "one for each control point"),
-        (lambda: chordal.fit([(0, 0), (1, 1)], 0), "tolerance"),
-        (lambda: chordal.fit(np.zeros(3), 1), "rows of 2 or 3"),
+        (lambda: chordal.shapes.spline([(0, 0)]), "at least 2 points"),
+        (lambda: chordal.shapes.spline([[0, 1, 2, 3], [0, 1, 2, 3]]), "rows of 2 or 3 coordinates"),
+        (lambda: chordal.shapes.spline([(0, 0), (1, 1)], knots="odd"), "chordal. or .uniform"),  # type: ignore[arg-type]
+        (lambda: chordal.shapes.nurbs([(0, 0), (1, 1)], 3), "control points"),
+        (lambda: chordal.shapes.nurbs([(0, 0), (1, 1)], 1, [1, 0]), "weight"),
+        (lambda: chordal.shapes.arc(0), "radius above 0"),
+        (lambda: chordal.shapes.arc(1).points_at(np.nan), "not finite"),
+        (lambda: chordal.shapes.arc(1).derivatives(0, 3), "order: 1 or 2"),  # type: ignore[arg-type]
+        (lambda: chordal.shapes.arc(2).revolve(), "radius"),
+        (lambda: chordal.shapes.spline([(0, 0, 0), (1, 1, 1)]).revolve(), "one of the plane"),
+        (lambda: chordal.shapes.arc(2).extrude((0, 1)), "three numbers"),
+        (lambda: chordal.shapes.arc(2).to_cubics(tol=-1), "tol"),
+        (lambda: chordal.shapes.bezier(np.zeros((2, 4, 2))).points_at(0), "these are 2"),
+        (lambda: chordal.shapes.polygon(chordal.shapes.spline([(0, 0, 0), (1, 1, 1)])), "a path of the plane"),
+        (lambda: chordal.shapes.surface(np.zeros((2, 2))), "rows of points in space"),
+        (lambda: chordal.shapes.surface(np.zeros((2, 2, 3))), "control points"),
+        (lambda: chordal.shapes.surface(np.zeros((2, 2, 3)), degrees=(1,)), "two of them"),
+        (lambda: chordal.shapes.surface(np.zeros((2, 2, 3)), weights=[1, 1], degrees=(1, 1)), "one for each control point"),
+        (lambda: chordal.shapes.fit([(0, 0), (1, 1)], 0), "tolerance"),
+        (lambda: chordal.shapes.fit(np.zeros(3), 1), "rows of 2 or 3"),
     ],
 )
 def test_what_is_no_path_is_a_sentence(make: Any, part: str) -> None:

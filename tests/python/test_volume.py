@@ -70,7 +70,7 @@ def test_settings_are_spelled_as_arguments() -> None:
     with pytest.raises(chordal.Refused, match=r"give labels= alone, or iso=$"):
         chordal.volume((BALL < 0).astype(np.uint8)).mesh(iso=0.5, labels="all")
     with pytest.raises(chordal.Refused, match=r"cut it off at a box \(within\(\)\)$"):
-        chordal.complement(chordal.sphere(1)).mesh(tol=0.1)
+        chordal.shapes.complement(chordal.shapes.sphere(1)).mesh(tol=0.1)
 
 
 def test_certificates_are_spelled_as_the_command_does() -> None:
@@ -80,7 +80,7 @@ def test_certificates_are_spelled_as_the_command_does() -> None:
 def test_a_cube_comes_back_from_its_distances() -> None:
     corners = np.indices((2, 2, 2)).reshape(3, -1).T * 2.0 - 1
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    cube = chordal.triangles(corners, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    cube = chordal.Mesh(corners, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     for made in (cube, cube.mesh(tol=0.1)):
         baked = made.bake(cells=20)
         facts = baked.report["certificate"]["baked"]  # type: ignore[index]
@@ -90,7 +90,7 @@ def test_a_cube_comes_back_from_its_distances() -> None:
 
 
 def test_a_field_becomes_triangles_and_what_it_raises_comes_through() -> None:
-    block = chordal.box(2, 2, 1) - chordal.cylinder(0.4, 2)
+    block = chordal.shapes.box(2, 2, 1) - chordal.shapes.cylinder(0.4, 2)
     mesh = block.mesh(tol=0.05)
     assert mesh.bound.at_most is not None and mesh.bound.at_most <= 0.05 and mesh.bound.evidence == "proved"
     assert mesh.report["certificate"]["valid"]["closed"]

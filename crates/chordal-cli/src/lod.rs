@@ -16,12 +16,13 @@ use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{SummaryLines, attribute};
 use chordal::budget::advice::Spell;
-use chordal::budget::camera::MinDistanceView;
-use chordal::budget::{Length, Pixels, View};
+use chordal::budget::{Length, Pixels};
 use chordal_io::tiles::GeoPlace;
 use chordal_io::{Format, picture_extensions};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
-use chordal_verbs::{Input, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod};
+use chordal_verbs::{
+    Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod,
+};
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::Path;
@@ -50,7 +51,7 @@ pub struct LodArgs {
 
     /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as
     /// --nearest
-    #[arg(long, help_heading = "Budget", value_name = "VIEW", default_value = "1920x1080 fov=60", value_parser = lens)]
+    #[arg(long, help_heading = "Budget", value_name = "VIEW", default_value = "1920x1080 fov=60")]
     pub view: LodLens,
 
     /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said:
@@ -119,31 +120,6 @@ pub enum TileErrorsArg {
     Plain,
 }
 
-/// A screen and a lens, and a distance where one was given.
-#[derive(Clone, Copy, Debug)]
-pub struct LodLens {
-    closest: MinDistanceView,
-    has_distance: bool,
-}
-
-/// A view from any side; without a distance, which is then nobody's.
-fn lens(text: &str) -> Result<LodLens, String> {
-    let says = |key: &str| text.split_whitespace().any(|word| word.starts_with(key));
-    let has_distance = says("dist=");
-    let is_whole = has_distance || says("eye=") || says("target=") || says("height=");
-    let whole = if is_whole { text.to_owned() } else { format!("{text} dist=1") };
-    match whole.parse::<View>().map_err(|error| error.to_string())? {
-        View::MinDistance(closest) if closest.focal_px().is_none() => {
-            Err("levels change with the distance, which parallel rays do not see: say fov instead of height"
-                .to_owned())
-        }
-        View::MinDistance(closest) => Ok(LodLens { closest, has_distance }),
-        View::Camera(_) => {
-            Err("levels of detail are for every direction: leave out eye and target".to_owned())
-        }
-    }
-}
-
 fn distance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
@@ -172,11 +148,10 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let input_triangles = input.shape.n_triangles();
     // A folder is made when there is an input.
     let output = output.open(args, &input)?;
-    let own = args.view.has_distance.then_some(args.view.closest.distance);
     let spec = LodSpec {
         pixels: args.px,
         lens: args.view.closest,
-        nearest: args.nearest.or(own),
+        nearest: args.nearest.or(args.view.distance()),
         length: args.tol,
         distances: args.distances.clone(),
         normals: args.normals,

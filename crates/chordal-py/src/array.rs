@@ -4,37 +4,69 @@
 //! array lives as long as anybody looks at it, nothing is copied, and no line here is unsafe: what is shown
 //! never changes, and numpy is told that it may not write. Nor can a user allow it: numpy asks the owner, and
 //! this one offers no buffer.
+use chordal::implicit::Samples;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::sync::Arc;
 
-/// Numbers in rows, as they lie in memory.
+/// Numbers as they lie in memory, the last axis fastest.
 pub(crate) struct ArrayData {
     start: *const u8,
-    n_numbers: usize,
-    /// Numbers in a row; 1 for a plain list.
-    width: usize,
+    shape: Vec<usize>,
     /// The type of one number in numpy's words, without the order of its bytes.
     kind: &'static str,
 }
 
 impl ArrayData {
+    fn new<T>(numbers: &[T], shape: Vec<usize>, kind: &'static str) -> Self {
+        debug_assert_eq!(shape.iter().product::<usize>(), numbers.len(), "numpy would read beyond the numbers");
+        Self { start: numbers.as_ptr().cast(), shape, kind }
+    }
+
+    /// Rows of so many numbers; a plain list for a width of 1.
     pub(crate) fn from_f64(numbers: &[f64], width: usize) -> Self {
-        Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width, kind: "f8" }
+        Self::new(numbers, rows(numbers.len(), width), "f8")
     }
 
     pub(crate) fn from_i64(numbers: &[i64]) -> Self {
-        Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width: 1, kind: "i8" }
+        Self::new(numbers, vec![numbers.len()], "i8")
     }
 
     /// Numbers below 2³¹, whose bits are the same with a sign.
     pub(crate) fn from_u32_below_sign(numbers: &[u32], width: usize) -> Self {
-        Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width, kind: "i4" }
+        Self::new(numbers, rows(numbers.len(), width), "i4")
     }
 
-    fn shape(&self) -> Vec<usize> {
-        if self.width == 1 { vec![self.n_numbers] } else { vec![self.n_numbers / self.width, self.width] }
+    /// Bytes, with the lengths of their axes.
+    pub(crate) fn from_bytes(bytes: &[u8], shape: Vec<usize>) -> Self {
+        Self::new(bytes, shape, "u1")
     }
+
+    /// Nothing.
+    pub(crate) fn empty() -> Self {
+        Self::from_bytes(&[], vec![0])
+    }
+
+    /// Samples of a lattice of so many along x, y and z, where x runs fastest; `None` for a type of number that is not
+    /// known here.
+    pub(crate) fn from_samples(samples: &Samples, [nx, ny, nz]: [usize; 3]) -> Option<Self> {
+        let shape = vec![nz, ny, nx];
+        Some(match samples {
+            Samples::F32(numbers) => Self::new(numbers, shape, "f4"),
+            Samples::F64(numbers) => Self::new(numbers, shape, "f8"),
+            Samples::U8(numbers) => Self::new(numbers, shape, "u1"),
+            Samples::I8(numbers) => Self::new(numbers, shape, "i1"),
+            Samples::U16(numbers) => Self::new(numbers, shape, "u2"),
+            Samples::I16(numbers) => Self::new(numbers, shape, "i2"),
+            Samples::U32(numbers) => Self::new(numbers, shape, "u4"),
+            Samples::I32(numbers) => Self::new(numbers, shape, "i4"),
+            _ => return None,
+        })
+    }
+}
+
+fn rows(n_numbers: usize, width: usize) -> Vec<usize> {
+    if width == 1 { vec![n_numbers] } else { vec![n_numbers / width, width] }
 }
 
 /// Numbers that numpy sees in place: `numpy.asarray` copies nothing.
@@ -44,7 +76,10 @@ pub(crate) struct Array(Box<dyn Fn() -> ArrayData + Send + Sync>);
 impl Array {
     /// Some numbers of an owner that stays as long as the array does. That it is shared keeps it from
     /// changing.
-    pub(crate) fn new<T: Send + Sync + 'static>(owner: &Arc<T>, rows: fn(&T) -> ArrayData) -> Self {
+    pub(crate) fn new<T: Send + Sync + 'static>(
+        owner: &Arc<T>,
+        rows: impl Fn(&T) -> ArrayData + Send + Sync + 'static,
+    ) -> Self {
         let owner = Arc::clone(owner);
         Self(Box::new(move || rows(&owner)))
     }
@@ -60,7 +95,7 @@ impl Array {
         let interface = PyDict::new(py);
         interface.set_item("version", 3)?;
         interface.set_item("typestr", format!("{order}{}", rows.kind))?;
-        interface.set_item("shape", PyTuple::new(py, rows.shape())?)?;
+        interface.set_item("shape", PyTuple::new(py, &rows.shape)?)?;
         interface.set_item("data", (rows.start as usize, true))?;
         Ok(interface)
     }

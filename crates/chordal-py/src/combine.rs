@@ -1,7 +1,8 @@
 //! Solids combined from left to right, from Python's arguments.
-use crate::deviation::{NamedInput, Other};
+use crate::deviation::NamedInput;
 use crate::failure;
-use crate::outcome::{MeshOrder, Outcome};
+use crate::outcome::{MeshOrder, MeshTask, Outcome};
+use crate::source::Source;
 use crate::spec::BudgetArguments;
 use chordal::boolean::BooleanOp;
 use chordal_io::{Format, UnknownFormat};
@@ -12,26 +13,27 @@ use pyo3::prelude::*;
 #[pyfunction]
 pub(crate) fn combine(
     py: Python<'_>,
-    first: Other,
-    others: Vec<(String, Other)>,
+    first: &Source,
+    others: Vec<(String, Py<Source>)>,
     arguments: BudgetArguments,
     format: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Outcome> {
     let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
     let mut calls = first.calls();
-    let NamedInput { input, name } = first.named_input(py)?;
+    let NamedInput { input, name } = first.named_input();
     let mut operands = Vec::new();
     for (number, (op, other)) in (1..).zip(others) {
+        let other = other.get();
         calls.extend(other.calls());
         let op = [BooleanOp::Union, BooleanOp::Difference, BooleanOp::Intersection]
             .into_iter()
             .find(|known| known.as_str() == op)
             .ok_or_else(|| failure::argument("steps", format!("'{op}' is no operation")))?;
-        let NamedInput { input, name } = other.named_input(py)?;
+        let NamedInput { input, name } = other.named_input();
         let name = name.unwrap_or_else(|| format!("step {number}"));
         operands.push(BooleanOperand { op, name, input: Input::clone(&input) });
     }
-    let order = MeshOrder { input, name, others: operands, spec: arguments.spec(py)?, calls };
+    let order = MeshOrder { input, name, task: MeshTask::Combine(operands, arguments.spec(py)?), calls };
     Outcome::new(py, order, to.into(), progress)
 }

@@ -1,7 +1,4 @@
 //! How far two shapes are apart, from Python's arguments.
-use crate::outcome::Outcome;
-use crate::python_leaf::CallLog;
-use crate::source::Source;
 use crate::spec::parse_argument;
 use crate::{failure, work};
 use chordal::budget::Length;
@@ -10,13 +7,6 @@ use chordal_cli::spelling::CommandLine;
 use chordal_verbs::{DeviationSpec, Input, deviation};
 use pyo3::prelude::*;
 use std::sync::Arc;
-
-/// The other shape: as it was read, or made.
-#[derive(FromPyObject)]
-pub(crate) enum Other {
-    Read(Py<Source>),
-    Made(Py<Outcome>),
-}
 
 /// How well the distance is to be known, as Python passes it.
 #[derive(FromPyObject)]
@@ -33,32 +23,14 @@ pub(crate) struct NamedInput {
     pub name: Option<String>,
 }
 
-impl Other {
-    /// The calls of the Python functions in it.
-    pub(crate) fn calls(&self) -> Vec<Arc<CallLog>> {
-        match self {
-            Self::Read(source) => source.get().calls(),
-            Self::Made(outcome) => outcome.get().calls(),
-        }
-    }
-
-    pub(crate) fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
-        match self {
-            Self::Read(source) => Ok(source.get().named_input()),
-            Self::Made(outcome) => outcome.get().named_input(py),
-        }
-    }
-}
-
 /// The report of `chordal deviation`, as JSON.
 pub(crate) fn report(
     py: Python<'_>,
     shape: NamedInput,
-    other: &Other,
+    other: NamedInput,
     arguments: DeviationArguments,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let other = other.named_input(py)?;
     let spec = DeviationSpec {
         relative: arguments.relative,
         absolute: parse_argument::<Length>("absolute", arguments.absolute.as_deref())?,

@@ -7,20 +7,25 @@ mod array;
 mod cage;
 mod combine;
 mod command;
+mod conversion;
 mod curve;
 mod deviation;
 mod failure;
+mod levels;
+mod mend;
 mod outcome;
 mod path;
+mod picture;
 mod pool;
 mod python_leaf;
 mod rows;
+mod scene;
+mod scene_state;
 mod script_value;
 mod source;
 mod spec;
 mod spelling;
 mod surface;
-mod triangles;
 mod view;
 mod volume;
 mod work;
@@ -33,11 +38,23 @@ mod _chordal {
     #[pymodule_export]
     use super::combine::combine;
     #[pymodule_export]
+    use super::conversion::{Conversion, convert};
+    #[pymodule_export]
+    use super::levels::{Levels, levels};
+    #[pymodule_export]
+    use super::mend::mend;
+    #[pymodule_export]
     use super::path::{drawing_field, fit, path_at, path_facts, path_source, to_cubics};
     #[pymodule_export]
-    use super::script_value::{ScriptValue, language, script};
+    use super::picture::{Picture, picture};
+    #[pymodule_export]
+    use super::scene::{scene_array, scene_facts, scene_image, scene_of_state, scene_state};
+    #[pymodule_export]
+    use super::script_value::{ScriptValue, field_of, language, mesh_field, script};
     #[pymodule_export]
     use super::surface::{extruded, revolved, surface};
+    #[pymodule_export]
+    use super::volume::samples;
     #[pymodule_export]
     use super::{array::Array, cage::Cage, command::command, outcome::Outcome, source::Source, view::view};
     use chordal_io::Limits;

@@ -1,19 +1,18 @@
 //! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
 use crate::array::Array;
-use crate::deviation::{self, DeviationArguments, NamedInput, Other};
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
-use crate::volume::{BakeArguments, BakedVolume, bake_input};
+use crate::source::Source;
 use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::glb::GltfPacking;
-use chordal_io::{FileSet, Format};
+use chordal_io::{FileSet, Format, Scene};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
-    BooleanOperand, BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation, mesh,
-    mesh_boolean, sha256,
+    BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation, mend,
+    mesh, mesh_boolean, sha256,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -26,11 +25,36 @@ pub(crate) struct MeshOrder {
     pub input: Arc<Input>,
     /// The file that it was read from.
     pub name: Option<String>,
-    /// What is combined with it.
-    pub others: Vec<BooleanOperand>,
-    pub spec: BudgetSpec,
+    pub task: MeshTask,
     /// The calls of the Python functions in it.
     pub calls: Vec<Arc<CallLog>>,
+}
+
+/// What is done with it.
+#[derive(Clone)]
+pub(crate) enum MeshTask {
+    Mesh(BudgetSpec),
+    /// It is combined with others, from left to right.
+    Combine(Vec<BooleanOperand>, BudgetSpec),
+    Mend(MendSpec),
+}
+
+impl MeshTask {
+    /// The verb in a report.
+    fn verb(&self) -> &'static str {
+        match self {
+            Self::Mesh(_) | Self::Combine(..) => "mesh",
+            Self::Mend(_) => "mend",
+        }
+    }
+
+    fn apply(&self, input: Input, to: OutputForm, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+        match self {
+            Self::Mesh(spec) => mesh(input, spec, to, job),
+            Self::Combine(others, spec) => mesh_boolean(input, others.clone(), spec, to, job),
+            Self::Mend(spec) => mend(input, spec, to, job),
+        }
+    }
 }
 
 /// What came of it.
@@ -57,12 +81,7 @@ impl MeshOrder {
         let start = Instant::now();
         let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
         let before = asked();
-        let input = Input::clone(&self.input);
-        let made = if self.others.is_empty() {
-            mesh(input, &self.spec, to, job)
-        } else {
-            mesh_boolean(input, self.others.clone(), &self.spec, to, job)
-        };
+        let made = self.task.apply(Input::clone(&self.input), to, job);
         let (outcome, unmet) = match made {
             Ok(outcome) => (outcome, None),
             Err(failure) => match (failure.to_string(), failure) {
@@ -109,36 +128,6 @@ impl Outcome {
     }
 }
 
-impl Outcome {
-    /// The calls of the Python functions in what it was made of.
-    pub(crate) fn calls(&self) -> Vec<Arc<CallLog>> {
-        self.order.calls.clone()
-    }
-
-    /// The triangles as a shape of their own: what a file of them holds.
-    pub(crate) fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
-        let outcome = Arc::clone(&self.filled.outcome);
-        let input = work::run(py, None, move |_| {
-            let scene = outcome.scene()?.clone();
-            let mut bytes = Vec::new();
-            outcome.write(&mut bytes).ok()?;
-            let (shape, format) = (Shape::Scene(scene), outcome.format);
-            let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));
-            Some(Input {
-                shape,
-                format,
-                n_bytes,
-                sha256,
-                files: Vec::new(),
-                warnings: Vec::new(),
-                letters: None,
-            })
-        })?;
-        let input = input.ok_or_else(|| failure::internal(py, "there are no triangles"))?;
-        Ok(NamedInput { input: Arc::new(input), name: None })
-    }
-}
-
 #[pymethods]
 impl Outcome {
     /// Why it misses its budget, in a sentence, if it does.
@@ -152,7 +141,13 @@ impl Outcome {
     fn report(&self) -> String {
         let MeshRun { outcome, took, evaluations, .. } = &self.filled;
         let (input, seconds) = (self.order.name.clone(), Some(took.as_secs_f64()));
-        let run = RunFacts { verb: "mesh", input, seconds, evaluations: *evaluations, ..RunFacts::default() };
+        let run = RunFacts {
+            verb: self.order.task.verb(),
+            input,
+            seconds,
+            evaluations: *evaluations,
+            ..RunFacts::default()
+        };
         Report::new(outcome.certificate.clone(), run).to_value().to_string()
     }
 
@@ -166,35 +161,33 @@ impl Outcome {
         array.ok_or_else(|| failure::internal(py, &format!("there are no {name}, or too many")))
     }
 
-    /// The report of `chordal deviation` of the triangles from another shape, as JSON.
-    fn deviation(
-        &self,
-        py: Python<'_>,
-        other: Other,
-        arguments: DeviationArguments,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<String> {
-        deviation::report(py, self.named_input(py)?, &other, arguments, progress)
-    }
-
-    /// Distances to the triangles on a lattice, and the report.
-    fn bake(&self, py: Python<'_>, arguments: BakeArguments) -> PyResult<BakedVolume> {
-        bake_input(py, self.named_input(py)?, arguments)
+    /// The triangles as a shape of their own, as a file of them holds it: with the certificate, so that what is made of
+    /// them knows how far they are from what they were made of.
+    fn source(&self, py: Python<'_>) -> PyResult<Source> {
+        let outcome = Arc::clone(&self.filled.outcome);
+        let input = work::run(py, None, move |_| {
+            let certificate = Some(outcome.certificate.to_value());
+            let scene = Scene { certificate, ..outcome.scene()?.clone() };
+            let mut bytes = Vec::new();
+            outcome.write(&mut bytes).ok()?;
+            Some(Input {
+                shape: Shape::Scene(scene),
+                format: outcome.format,
+                n_bytes: bytes.len() as u64,
+                sha256: sha256(&bytes),
+                files: Vec::new(),
+                warnings: Vec::new(),
+                letters: None,
+            })
+        })?;
+        let input = input.ok_or_else(|| failure::internal(py, "there are no triangles"))?;
+        Ok(Source::from_input(input, Vec::new()))
     }
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be
     /// quantized, and compressed by a codec.
     fn remake(&self, py: Python<'_>, format: &str, quantize: bool, compress: Option<&str>) -> PyResult<Self> {
-        let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
-        if compress.is_some_and(|codec| codec != "meshopt") {
-            return Err(failure::argument("compress", "'meshopt' is the one codec"));
-        }
-        let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: quantize };
-        if packing != GltfPacking::default() && !matches!(to, Format::Glb | Format::Gltf) {
-            let name = if quantize { "quantize" } else { "compress" };
-            return Err(failure::argument(name, format!("it is for glb and gltf; {to} holds plain numbers")));
-        }
-        let form = OutputForm { format: to, packing };
+        let form = form_of(format, quantize, compress)?;
         if form == self.form {
             return Ok(Self { order: self.order.clone(), form, filled: self.filled.clone() });
         }
@@ -223,11 +216,29 @@ impl Outcome {
         let outcome = Arc::clone(&self.filled.outcome);
         let written =
             work::run(py, None, move |_| outcome.write_files(&stem).map(|files| files.into_owned()))?;
-        let FileSet { document, beside } = written.map_err(|error| failure::write(py, &error))?;
-        let beside = beside.iter().map(|file| (file.name.clone(), PyBytes::new(py, &file.bytes)));
-        Ok((PyBytes::new(py, &document), beside.collect()))
+        Ok(file_bytes(py, written.map_err(|error| failure::write(py, &error))?))
     }
 }
 
+/// A format, and how a glTF stores its numbers.
+pub(crate) fn form_of(format: &str, quantize: bool, compress: Option<&str>) -> PyResult<OutputForm> {
+    let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
+    if compress.is_some_and(|codec| codec != "meshopt") {
+        return Err(failure::argument("compress", "'meshopt' is the one codec"));
+    }
+    let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: quantize };
+    if packing != GltfPacking::default() && !matches!(to, Format::Glb | Format::Gltf) {
+        let name = if quantize { "quantize" } else { "compress" };
+        return Err(failure::argument(name, format!("it is for glb and gltf; {to} holds plain numbers")));
+    }
+    Ok(OutputForm { format: to, packing })
+}
+
+/// A file and those beside it, as Python sees them.
+pub(crate) fn file_bytes<'py>(py: Python<'py>, files: FileSet<'_>) -> FileBytes<'py> {
+    let beside = files.beside.iter().map(|file| (file.name.clone(), PyBytes::new(py, &file.bytes)));
+    (PyBytes::new(py, &files.document), beside.collect())
+}
+
 /// The bytes of a file, and those beside it with their names.
-type FileBytes<'py> = (Bound<'py, PyBytes>, Vec<(String, Bound<'py, PyBytes>)>);
+pub(crate) type FileBytes<'py> = (Bound<'py, PyBytes>, Vec<(String, Bound<'py, PyBytes>)>);

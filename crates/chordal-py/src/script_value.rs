@@ -11,7 +11,7 @@ use chordal::implicit::{Distance, DistanceQuality, Expr, Field};
 use chordal::math::Box3;
 use chordal_io::{FileLocation, Format, Frame, Warning};
 use chordal_script::language::{Arg, CallError, ScriptPath, function, functions, operate};
-use chordal_verbs::{ImplicitShape, Input, Shape, sha256};
+use chordal_verbs::{ImplicitShape, Input, Shape, scene_to_field, sha256};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -280,10 +280,16 @@ impl ScriptValue {
 
     /// The shape as one that was read, cut off at a box.
     fn source(&self, region: Option<[[f64; 3]; 2]>) -> PyResult<Source> {
+        self.source_in(region, Frame::default())
+    }
+}
+
+impl ScriptValue {
+    fn source_in(&self, region: Option<[[f64; 3]; 2]>, frame: Frame) -> PyResult<Source> {
         let implicit = ImplicitShape {
             field: self.field()?.clone(),
             region: region.map(|[min, max]| Box3 { min, max }),
-            frame: Frame::default(),
+            frame,
             parameters: Vec::new(),
             bodies: Vec::new(),
         };
@@ -298,6 +304,28 @@ impl ScriptValue {
         };
         Ok(Source::from_input(input, self.calls.clone()))
     }
+}
+
+/// The value of a field that was read, or none for other shapes.
+#[pyfunction]
+pub(crate) fn field_of(source: &Source) -> Option<ScriptValue> {
+    let Shape::Field(implicit) = source.shape() else { return None };
+    Some(ScriptValue { arg: Arg::shape(implicit.field.clone()), calls: source.calls(), notes: Vec::new() })
+}
+
+/// The signed distance to triangles, as a value and as a shape that was read.
+#[pyfunction]
+pub(crate) fn mesh_field(py: Python<'_>, source: &Source) -> PyResult<(ScriptValue, Source)> {
+    let Shape::Scene(scene) = source.shape() else {
+        return Err(failure::internal(py, "these are no triangles"));
+    };
+    let (scene, frame) = (scene.clone(), source.frame());
+    let made = work::run(py, None, move |job| scene_to_field(scene, job))?;
+    let made = made.map_err(|error| failure::mesh(py, error.into()))?;
+    let notes = made.notes.into_iter().map(|(_, note)| note).collect();
+    let value = ScriptValue::from_field(made.field, notes);
+    let shape = value.source_in(None, frame)?;
+    Ok((value, shape))
 }
 
 /// A sentence as a warning of the input, as a script's report has it.

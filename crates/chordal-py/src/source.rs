@@ -1,12 +1,11 @@
 //! `Source`: a shape as it was read.
 use crate::cage::Cage;
 use crate::curve::curves;
-use crate::deviation::{self, DeviationArguments, NamedInput, Other};
-use crate::outcome::{MeshOrder, Outcome};
+use crate::deviation::{self, DeviationArguments, NamedInput};
+use crate::outcome::{MeshOrder, MeshTask, Outcome};
 use crate::python_leaf::CallLog;
 use crate::script_value::take_exception;
 use crate::spec::{BudgetArguments, parse_argument};
-use crate::triangles::triangles;
 use crate::volume::{BakeArguments, BakedVolume, Meant, bake_input};
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
@@ -123,22 +122,6 @@ impl Source {
         Ok(Self::from_input(input, Vec::new()))
     }
 
-    /// Triangles: `numbers` are three coordinates a vertex in double precision, `indices` three vertices a
-    /// face in 32 bits, both in the byte order of the machine.
-    #[staticmethod]
-    fn triangles(
-        py: Python<'_>,
-        numbers: PyBackedBytes,
-        indices: PyBackedBytes,
-        unit: Option<&str>,
-    ) -> PyResult<Self> {
-        let metres_per_unit = parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
-        let frame = Frame { up: None, metres_per_unit, ..Frame::default() };
-        let made = work::run(py, None, move |_| triangles(&numbers, &indices, frame))?;
-        let input = made.map_err(|error| failure::argument("faces", error))?;
-        Ok(Self::from_input(input, Vec::new()))
-    }
-
     /// The name of the kind, as in "patches".
     #[getter]
     fn kind(&self) -> &'static str {
@@ -169,11 +152,11 @@ impl Source {
     fn deviation(
         &self,
         py: Python<'_>,
-        other: Other,
+        other: &Self,
         arguments: DeviationArguments,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        deviation::report(py, self.named_input(), &other, arguments, progress)
+        deviation::report(py, self.named_input(), other.named_input(), arguments, progress)
     }
 
     /// A volume with the surface of it that is meant.
@@ -202,7 +185,7 @@ impl Source {
     /// Distances to the shape on a lattice, the report, and why a budget was not met.
     fn bake(&self, py: Python<'_>, arguments: BakeArguments) -> PyResult<BakedVolume> {
         bake_input(py, self.named_input(), arguments)
-            .map_err(|error| take_exception(&self.calls).unwrap_or(error))
+            .map_err(|error| self.raised().unwrap_or(error))
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.
@@ -214,16 +197,9 @@ impl Source {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Outcome> {
         let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
-        let spec = arguments.spec(py)?;
-        let order = MeshOrder {
-            input: Arc::clone(&self.input),
-            name: self.name.clone(),
-            others: Vec::new(),
-            spec,
-            calls: self.calls.clone(),
-        };
+        let order = self.order(MeshTask::Mesh(arguments.spec(py)?));
         Outcome::new(py, order, to.into(), progress)
-            .map_err(|error| take_exception(&self.calls).unwrap_or(error))
+            .map_err(|error| self.raised().unwrap_or(error))
     }
 }
 
@@ -231,6 +207,20 @@ impl Source {
     /// A shape that was made, and the calls of the functions in it.
     pub(crate) fn from_input(input: Input, calls: Vec<Arc<CallLog>>) -> Self {
         Self { input: Arc::new(input), name: None, calls }
+    }
+
+    /// Something to be done with it that gives a mesh.
+    pub(crate) fn order(&self, task: MeshTask) -> MeshOrder {
+        MeshOrder { input: Arc::clone(&self.input), name: self.name.clone(), task, calls: self.calls.clone() }
+    }
+
+    /// What a Python function in it raised, once.
+    pub(crate) fn raised(&self) -> Option<PyErr> {
+        take_exception(&self.calls)
+    }
+
+    pub(crate) fn input(&self) -> &Arc<Input> {
+        &self.input
     }
 
     pub(crate) fn shape(&self) -> &Shape {

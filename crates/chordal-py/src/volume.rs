@@ -1,4 +1,5 @@
 //! Volumes for Python: which surface of the samples is meant, and distances of triangles on a lattice.
+use crate::array::{Array, ArrayData};
 use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::{failure, work};
@@ -12,6 +13,27 @@ use chordal_verbs::{
     sha256,
 };
 use pyo3::prelude::*;
+
+/// Samples as an array, z, y and x, x fastest, and the three rows that take an index (x, y, z, 1) to space.
+#[pyfunction]
+pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64; 4]; 3])> {
+    let Shape::Volume(sampled) = source.shape() else {
+        return Err(failure::internal(py, "this is no volume"));
+    };
+    let grid = &sampled.volume.grid;
+    if ArrayData::from_samples(grid.samples(), grid.size()).is_none() {
+        return Err(failure::internal(py, "numpy has no such samples"));
+    }
+    let affine = grid.affine().rows();
+    let array = Array::new(source.input(), |input| match &input.shape {
+        Shape::Volume(sampled) => {
+            let grid = &sampled.volume.grid;
+            ArrayData::from_samples(grid.samples(), grid.size()).unwrap_or_else(ArrayData::empty)
+        }
+        _ => ArrayData::empty(),
+    });
+    Ok((array, affine))
+}
 
 /// Which surface of a volume is meant, in Python's words.
 #[derive(FromPyObject)]

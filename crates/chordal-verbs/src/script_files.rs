@@ -1,10 +1,10 @@
 //! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
 use crate::drawing_to_field::drawing_to_field;
 use crate::file_extension::extension;
-use crate::{Shape, flatten, merged_parts};
-use chordal::convert::mesh_to_field;
+use crate::Shape;
+use crate::scene_to_field::scene_to_field;
 use chordal::implicit::Field;
-use chordal::{Job, Mesh, Tolerance};
+use chordal::{Job, Tolerance};
 use chordal_io::font::{Letters, read_letters};
 use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Warning};
 use chordal_script::{FileUse, FontText, OpenedFile, ScriptFiles};
@@ -49,8 +49,8 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
         Ok(bytes)
     }
 
-    /// The triangles of a file in its own coordinates, all placements in one.
-    fn triangles(&self, path: &str) -> Result<Mesh, String> {
+    /// The distance to the triangles of a file, in its own coordinates.
+    fn mesh(&self, path: &str, job: &Job) -> Result<Field, String> {
         let bytes = self.bytes(path)?;
         let by_name = extension(path).and_then(Format::from_packed_extension);
         let content =
@@ -64,7 +64,7 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
             return Err(format!("this {format} holds no triangles: mesh it first"));
         };
         let frame = scene.frame;
-        let placed = flatten::flatten(scene).map_err(|error| error.to_string())?;
+        let made = scene_to_field(scene, job).map_err(|error| error.to_string())?;
         let mut read = self.read.borrow_mut();
         let warn = |code: &'static str, what: String| Warning {
             code,
@@ -78,10 +78,7 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
             .map(|warning| Warning { count: warning.count, ..warn(warning.code, warning.to_string()) })
             .collect();
         read.warnings.extend(told);
-        if placed.moved_at_most > 0.0 {
-            let what = format!("placing its parts rounded corners by up to {:e}", placed.moved_at_most);
-            read.warnings.push(warn("placements-rounded", what));
-        }
+        read.warnings.extend(made.notes.into_iter().map(|(code, what)| warn(code, what)));
         match read.frame {
             Some(known) if known != frame => {
                 let what = "its unit or its axes are others than those of the first mesh: coordinates are taken as they are";
@@ -90,17 +87,9 @@ impl<'a, 'b> FilesBeside<'a, 'b> {
             Some(_) => {}
             None => read.frame = Some(frame),
         }
-        let mesh = merged_parts::one_mesh(&placed.scene).map_err(|error| error.to_string())?.into_owned();
-        if mesh.faces().is_empty() {
-            return Err("it has no triangles".to_owned());
-        }
-        Ok(mesh)
+        Ok(made.field)
     }
 }
-
-/// Bytes for each triangle of a mesh as a field, at most: its boxes, moments, corners and its own copy.
-/// Measured: a tree and its moments take 160.
-const BYTES_A_TRIANGLE: u64 = 400;
 
 impl ScriptFiles for FilesBeside<'_, '_> {
     fn open(&self, name: &str, wanted: FileUse, job: &Job) -> Result<OpenedFile, String> {
@@ -122,31 +111,6 @@ impl ScriptFiles for FilesBeside<'_, '_> {
             }
             FileUse::Mesh => self.mesh(name, job).map(|field| OpenedFile::Shape(field, Vec::new())),
         }
-    }
-}
-
-impl FilesBeside<'_, '_> {
-    fn mesh(&self, name: &str, job: &Job) -> Result<Field, String> {
-        let mesh = self.triangles(name)?;
-        let n_faces = mesh.faces().len() as u64;
-        if n_faces > job.triangle_limit {
-            return Err(format!("it has {n_faces} triangles; the limit is {}", job.triangle_limit));
-        }
-        let bytes = BYTES_A_TRIANGLE * n_faces;
-        if bytes > job.memory_limit {
-            let limit = job.memory_limit;
-            return Err(format!("{n_faces} triangles take {bytes} bytes of memory; the limit is {limit}"));
-        }
-        let made = mesh_to_field(&mesh, job).map_err(|error| error.to_string())?;
-        if !made.solid.is_solid() {
-            self.read.borrow_mut().warnings.push(Warning {
-                code: "mesh-not-solid",
-                count: 1,
-                place: FileLocation::File,
-                message: format!("{name}: {}", made.solid).into(),
-            });
-        }
-        Ok(made.field)
     }
 }
 

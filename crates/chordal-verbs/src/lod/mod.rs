@@ -1,5 +1,6 @@
 //! `lod`: levels of detail of any surface, each with its own bound, as one glTF or as 3D Tiles.
 mod gltf_levels;
+mod lens;
 mod level_finisher;
 mod level_mesh;
 mod outcome;
@@ -28,6 +29,7 @@ use scene_levels::SceneLevels;
 use source::{LevelSource, SourceLevels};
 use tile_hierarchy::TileHierarchy;
 
+pub use lens::LodLens;
 pub use outcome::LodOutcome;
 
 /// Options for levels of detail.

@@ -1,0 +1,74 @@
+//! Repairs, from Python's arguments.
+use crate::failure;
+use crate::outcome::{MeshTask, Outcome};
+use crate::source::Source;
+use chordal::budget::Length;
+use chordal_io::{Format, UnknownFormat};
+use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance};
+use pyo3::prelude::*;
+
+/// The cures that are asked for, in Python's words.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct MendArguments {
+    all: bool,
+    /// An empty text for equal coordinates, or a length.
+    weld: Option<String>,
+    /// "any" or "alike".
+    drop_duplicates: Option<String>,
+    drop_degenerate: bool,
+    /// As `weld`.
+    resolve_t_junctions: Option<String>,
+    split_nonmanifold: bool,
+    orient: bool,
+    /// 0 for all holes.
+    fill_holes: Option<usize>,
+    drop_unused: bool,
+}
+
+fn closeness(name: &str, text: &str) -> PyResult<WeldTolerance> {
+    if text.is_empty() {
+        return Ok(WeldTolerance::Exact);
+    }
+    text.parse::<Length>().map(WeldTolerance::Within).map_err(|error| failure::argument(name, error))
+}
+
+impl MendArguments {
+    fn spec(self) -> PyResult<MendSpec> {
+        let usual = if self.all { MendSpec::ALL } else { MendSpec::default() };
+        let weld = self.weld.map(|text| closeness("weld", &text)).transpose()?;
+        let resolved = self.resolve_t_junctions.map(|text| closeness("resolve_t_junctions", &text));
+        let duplicates = self.drop_duplicates.map(|which| match which.as_str() {
+            "any" => Ok(Duplicates::EitherWay),
+            "alike" => Ok(Duplicates::SameWay),
+            _ => Err(failure::argument("drop_duplicates", format!("'any' or 'alike', not '{which}'"))),
+        });
+        let holes = self.fill_holes.map(|most| match most {
+            0 => HoleSelection::All,
+            most => HoleSelection::UpTo(most),
+        });
+        Ok(MendSpec {
+            weld: weld.or(usual.weld),
+            drop_duplicates: duplicates.transpose()?.or(usual.drop_duplicates),
+            drop_degenerate: self.drop_degenerate || usual.drop_degenerate,
+            resolve_t_junctions: resolved.transpose()?.or(usual.resolve_t_junctions),
+            split_non_manifold: self.split_nonmanifold || usual.split_non_manifold,
+            orient: self.orient || usual.orient,
+            fill_holes: holes.or(usual.fill_holes),
+            drop_unused: self.drop_unused || usual.drop_unused,
+        })
+    }
+}
+
+/// The triangles after repairs, as a file of that format would have them.
+#[pyfunction]
+pub(crate) fn mend(
+    py: Python<'_>,
+    source: &Source,
+    arguments: MendArguments,
+    format: &str,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Outcome> {
+    let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
+    Outcome::new(py, source.order(MeshTask::Mend(arguments.spec()?)), to.into(), progress)
+}

@@ -1,0 +1,143 @@
+//! Pictures, from Python's arguments.
+use crate::array::{Array, ArrayData};
+use crate::source::Source;
+use crate::spec::parse_argument;
+use crate::{failure, work};
+use chordal::budget::advice::Spell;
+use chordal::budget::camera::Screen;
+use chordal::budget::{Length, Pixels, View};
+use chordal::render::{CullMode, RenderOptions, RenderStyle, Viewpoint};
+use chordal_cli::spelling::CommandLine;
+use chordal_io::PictureFormat;
+use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::{PictureTolerance, RenderOutcome, render, render_against, render_comb};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::sync::Arc;
+
+/// What a picture shows and from where, in Python's words.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct PictureArguments {
+    show: String,
+    cull: String,
+    size: (u32, u32),
+    view: Option<String>,
+    pixels: Option<f64>,
+    length: Option<(String, String)>,
+    darkest: Option<String>,
+}
+
+const STYLES: [(&str, RenderStyle); 6] = [
+    ("shaded", RenderStyle::Shaded),
+    ("flat", RenderStyle::Flat),
+    ("wire", RenderStyle::Wire),
+    ("normals", RenderStyle::Normals),
+    ("zebra", RenderStyle::Zebra),
+    ("overshade", RenderStyle::Overshade),
+];
+
+impl PictureArguments {
+    fn options(&self, py: Python<'_>) -> PyResult<RenderOptions> {
+        let view = self.view.as_deref().map(str::parse::<View>).transpose();
+        let view = view.map_err(|error| failure::budget(py, &format!("view: {error}")))?;
+        let (width_px, height_px) = self.size;
+        let viewpoint = match view {
+            Some(View::Camera(camera)) => Viewpoint::Camera(camera),
+            Some(View::MinDistance(_)) => {
+                let message = "view: a picture is taken from one place: add eye= and target=";
+                return Err(failure::budget(py, message));
+            }
+            None => Viewpoint::Automatic(Screen { width_px, height_px }),
+        };
+        let show = STYLES.iter().find(|(name, _)| *name == self.show).map_or(RenderStyle::Shaded, |(_, style)| *style);
+        let cull = match self.cull.as_str() {
+            "none" => CullMode::None,
+            "back" => CullMode::Back,
+            "front" => CullMode::Front,
+            other => return Err(failure::argument("cull", format!("'none', 'back' or 'front', not '{other}'"))),
+        };
+        Ok(RenderOptions { show, cull, viewpoint, ..RenderOptions::default() })
+    }
+
+    fn fineness(&self, py: Python<'_>) -> PyResult<Option<PictureTolerance>> {
+        if let Some(pixels) = self.pixels {
+            let pixels = Pixels::new(pixels).map_err(|error| failure::budget(py, &format!("pixels: {error}")))?;
+            return Ok(Some(PictureTolerance::Pixels(pixels)));
+        }
+        let Some((name, text)) = &self.length else { return Ok(None) };
+        let length = text.parse::<Length>().map_err(|error| failure::budget(py, &format!("{name}: {error}")))?;
+        Ok(Some(PictureTolerance::Length(length)))
+    }
+}
+
+/// A picture with its certificate.
+#[pyclass(frozen, module = "chordal._chordal")]
+pub(crate) struct Picture {
+    made: Arc<RenderOutcome>,
+    name: Option<String>,
+}
+
+/// A picture of a shape, or of its distance from another one.
+#[pyfunction]
+pub(crate) fn picture(
+    py: Python<'_>,
+    source: &Source,
+    against: Option<&Source>,
+    arguments: PictureArguments,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Picture> {
+    let (options, fineness) = (arguments.options(py)?, arguments.fineness(py)?);
+    let darkest = parse_argument::<Length>("darkest", arguments.darkest.as_deref())?;
+    let (input, other) = (Arc::clone(source.input()), against.map(|other| Arc::clone(other.input())));
+    let is_comb = arguments.show == "comb";
+    let made = work::run(py, progress, move |job| match other {
+        Some(other) => render_against((*input).clone(), (*other).clone(), darkest, &options, job),
+        None if is_comb => render_comb(&input, &options, job),
+        None => render(&input, &options, fineness, job),
+    })?;
+    let made = made.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
+    Ok(Picture { made: Arc::new(made.spelled(&CommandLine)), name: source.named_input().name })
+}
+
+#[pymethods]
+impl Picture {
+    /// Red, green, blue and alpha: rows from the top, pixels from the left.
+    fn array(&self) -> Array {
+        Array::new(&self.made, |made| {
+            let picture = &made.picture;
+            ArrayData::from_bytes(&picture.rgba, vec![picture.height as usize, picture.width as usize, 4])
+        })
+    }
+
+    /// The report of `chordal render`, as JSON.
+    #[getter]
+    fn report(&self) -> String {
+        let run = RunFacts { verb: "render", input: self.name.clone(), ..RunFacts::default() };
+        Report::new(self.made.certificate.clone(), run).to_value().to_string()
+    }
+
+    /// The view that it was taken from, as text.
+    #[getter]
+    fn view(&self) -> String {
+        View::Camera(self.made.camera).to_string()
+    }
+
+    /// The distance of the darkest colour, in a picture of distances.
+    #[getter]
+    fn darkest(&self) -> Option<f64> {
+        self.made.darkest
+    }
+
+    /// The bytes of a picture file: "png", "jpg" or "webp".
+    fn write<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let format = PictureFormat::from_extension(format)
+            .ok_or_else(|| failure::argument("format", format!("'png', 'jpg' or 'webp', not '{format}'")))?;
+        let made = Arc::clone(&self.made);
+        let written = work::run(py, None, move |_| {
+            let mut bytes = Vec::new();
+            made.write(format, &mut bytes).map(|()| bytes)
+        })?;
+        Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
+    }
+}

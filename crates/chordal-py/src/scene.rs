@@ -1,0 +1,184 @@
+//! What is in a scene of triangles, as Python sees it: facts as JSON, numbers as arrays that are not copied.
+use crate::array::{Array, ArrayData};
+use crate::scene_state::{SceneState, attribute_names};
+use crate::source::Source;
+use crate::{failure, work};
+use chordal::budget::Unit;
+use chordal_io::{Format, Scene};
+use chordal_verbs::{Input, Shape, sha256};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+fn scene_in(input: &Input) -> Option<&Scene> {
+    if let Shape::Scene(scene) = &input.shape { Some(scene) } else { None }
+}
+
+/// Names, sizes, attributes, nodes and materials of a scene, as JSON.
+#[pyfunction]
+pub(crate) fn scene_facts(py: Python<'_>, source: &Source) -> PyResult<String> {
+    let scene = scene_in(source.input()).ok_or_else(|| failure::internal(py, "these are no triangles"))?;
+    let parts: Value = scene
+        .parts
+        .iter()
+        .map(|part| {
+            let attributes: Value = part.mesh.attributes().iter().map(attribute_names).collect();
+            json!({
+                "name": part.name,
+                "vertices": part.mesh.positions().len(),
+                "faces": part.mesh.faces().len(),
+                "attributes": attributes,
+            })
+        })
+        .collect();
+    let nodes: Value = scene
+        .nodes
+        .iter()
+        .map(|node| {
+            json!({ "name": node.name, "matrix": *node.matrix, "children": node.children, "part": node.part })
+        })
+        .collect();
+    let frame = &scene.frame;
+    let facts = json!({
+        "parts": parts,
+        "nodes": nodes,
+        "roots": scene.roots,
+        "groups": scene.groups,
+        "materials": scene.assets.materials,
+        "images": scene.assets.images.len(),
+        "textures": scene.assets.textures,
+        "up": frame.up.map(chordal_io::Axis::letter),
+        "metres_per_unit": frame.metres_per_unit,
+    });
+    Ok(facts.to_string())
+}
+
+/// Numbers of a part of a scene in its own coordinates: "vertices", "faces", "position_ids", or the attribute of a
+/// number. Without a part "vertices" and "faces" of all that is shown, in the scene's coordinates.
+#[pyfunction]
+pub(crate) fn scene_array(
+    py: Python<'_>,
+    source: &Source,
+    part: Option<usize>,
+    name: &str,
+    attribute: Option<usize>,
+) -> PyResult<Array> {
+    let unknown = || failure::internal(py, &format!("there is no {name}, or too much of it"));
+    let Some(part) = part else { return shown_array(py, source, name) };
+    let owner = source.input();
+    let own = scene_in(owner).and_then(|scene| scene.parts.get(part)).ok_or_else(unknown)?;
+    if let Some(k) = attribute {
+        own.mesh.attributes().get(k).ok_or_else(unknown)?;
+    } else {
+        i32::try_from(own.mesh.positions().len()).map_err(|_| unknown())?;
+    }
+    let (name, has_ids) = (name.to_owned(), own.mesh.position_id().is_some());
+    if !matches!((name.as_str(), has_ids), ("vertices" | "faces" | "attribute", _) | ("position_ids", true)) {
+        return Err(unknown());
+    }
+    Ok(Array::new(owner, move |input| {
+        let Some(part) = scene_in(input).and_then(|scene| scene.parts.get(part)) else {
+            return ArrayData::from_f64(&[], 3);
+        };
+        let mesh = &part.mesh;
+        match (name.as_str(), attribute.and_then(|k| mesh.attributes().get(k))) {
+            (_, Some(attribute)) => ArrayData::from_f64(&attribute.values, attribute.width),
+            ("vertices", _) => ArrayData::from_f64(mesh.positions().as_flattened(), 3),
+            ("faces", _) => ArrayData::from_u32_below_sign(mesh.faces().as_flattened(), 3),
+            _ => ArrayData::from_u32_below_sign(mesh.position_id().unwrap_or_default(), 1),
+        }
+    }))
+}
+
+/// The rows of all that a scene shows, one after the other.
+struct ShownRows {
+    vertices: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+}
+
+/// Not copied where the scene shows one part as it is.
+fn shown_array(py: Python<'_>, source: &Source, name: &str) -> PyResult<Array> {
+    let owner = source.input();
+    let unknown = || failure::internal(py, &format!("there are no {name}"));
+    let scene = scene_in(owner).ok_or_else(unknown)?;
+    let meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
+    if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &scene.parts[..]) {
+        return scene_array(py, source, Some(0), name, None);
+    }
+    let mut rows = ShownRows { vertices: Vec::new(), faces: Vec::new() };
+    for (_, mesh) in &meshes {
+        let first = u32::try_from(rows.vertices.len()).map_err(|_| unknown())?;
+        rows.vertices.extend_from_slice(mesh.positions());
+        i32::try_from(rows.vertices.len()).map_err(|_| unknown())?;
+        rows.faces.extend(mesh.faces().iter().map(|face| face.map(|index| first + index)));
+    }
+    let rows = Arc::new(rows);
+    match name {
+        "vertices" => Ok(Array::new(&rows, |rows| ArrayData::from_f64(rows.vertices.as_flattened(), 3))),
+        "faces" => Ok(Array::new(&rows, |rows| ArrayData::from_u32_below_sign(rows.faces.as_flattened(), 3))),
+        _ => Err(unknown()),
+    }
+}
+
+/// The bytes of a picture of a scene, and its media type.
+#[pyfunction]
+pub(crate) fn scene_image<'py>(
+    py: Python<'py>,
+    source: &Source,
+    number: usize,
+) -> PyResult<(Bound<'py, PyBytes>, Option<String>)> {
+    let image = scene_in(source.input()).and_then(|scene| scene.assets.images.get(number));
+    let Some((image, chordal_io::ImageContent::Bytes(bytes))) = image.map(|image| (image, &image.content)) else {
+        return Err(failure::internal(py, "there is no such picture"));
+    };
+    let kind = image.properties.get("mimeType").and_then(Value::as_str).map(str::to_owned);
+    Ok((PyBytes::new(py, bytes), kind))
+}
+
+/// A text and blocks of bytes.
+type StateBytes<'py> = (String, Vec<Bound<'py, PyBytes>>);
+
+/// All of a scene: what [`scene_of_state`] makes the same scene of.
+#[pyfunction]
+pub(crate) fn scene_state<'py>(py: Python<'py>, source: &Source) -> PyResult<StateBytes<'py>> {
+    let input = Arc::clone(source.input());
+    let made = work::run(py, None, move |_| {
+        let SceneState { mut facts, blocks } = SceneState::from_scene(scene_in(&input)?);
+        facts["format"] = input.format.to_string().into();
+        facts["n_bytes"] = input.n_bytes.into();
+        facts["sha256"] = input.sha256.as_str().into();
+        Some((facts.to_string(), blocks))
+    })?;
+    let (text, blocks) = made.ok_or_else(|| failure::internal(py, "these are no triangles"))?;
+    Ok((text, blocks.iter().map(|block| PyBytes::new(py, block)).collect()))
+}
+
+/// The scene of such a text and blocks. What the text leaves out is as in a file that does not say it; without a
+/// digest, that of the blocks stands for the file that there is not.
+#[pyfunction]
+pub(crate) fn scene_of_state(
+    py: Python<'_>,
+    text: &str,
+    blocks: Vec<PyBackedBytes>,
+    unit: Option<&str>,
+) -> PyResult<Source> {
+    let facts: Value = serde_json::from_str(text).map_err(|error| failure::argument("state", error))?;
+    let metres_per_unit = crate::spec::parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
+    let format = facts["format"].as_str().unwrap_or("ply").parse::<Format>();
+    let format = format.map_err(|error| failure::argument("state", error))?;
+    let made = work::run(py, None, move |_| {
+        let n_bytes = blocks.iter().map(|block| block.len() as u64).sum::<u64>();
+        let digest = facts["sha256"].as_str().map(str::to_owned);
+        let sha256 = digest.unwrap_or_else(|| sha256(&blocks.iter().flat_map(|block| block.iter().copied()).collect::<Vec<u8>>()));
+        let n_bytes = facts["n_bytes"].as_u64().unwrap_or(n_bytes);
+        let blocks = blocks.iter().map(|block| block.to_vec()).collect();
+        let mut scene = SceneState { facts, blocks }.into_scene()?;
+        scene.frame.metres_per_unit = metres_per_unit.or(scene.frame.metres_per_unit);
+        let shape = Shape::Scene(scene);
+        Ok(Input { shape, format, n_bytes, sha256, files: Vec::new(), warnings: Vec::new(), letters: None })
+    })?;
+    made.map(|input| Source::from_input(input, Vec::new())).map_err(|error: String| failure::argument("faces", error))
+}

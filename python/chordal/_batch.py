@@ -1,0 +1,59 @@
+"""`batch`: one verb for many files, each in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, SupportsFloat, SupportsIndex
+
+from chordal._arguments import number, positive
+from chordal._errors import Error
+
+# The exit codes of the command after which the manifest says how each file went: all well, or some not.
+_DONE = (0, 1, 3, 4, 5, 6)
+
+
+def batch(
+    verb: Literal["mesh", "lod", "mend", "bake", "render", "convert", "inspect"],
+    files: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    output: str | os.PathLike[str],
+    *,
+    options: Sequence[str] = (),
+    to: str | None = None,
+    base: str | os.PathLike[str] | None = None,
+    jobs: SupportsIndex | None = None,
+    timeout: SupportsFloat | None = None,
+    redo: bool = False,
+    force: bool = False,
+) -> list[dict[str, Any]]:
+    """One verb for many files: what `chordal batch` does, which goes on where it was interrupted.
+
+    `files` are files, folders or patterns, as in "assets/**/*.glb"; `output` is the folder of the results. `options` are
+    those of the verb, in the command's words, as in `["--px", "1"]`. `to` is the extension of the results, `base` the folder
+    that the places of inputs are counted from, `jobs` how many files are done at once, and `timeout` the most seconds for
+    one. `redo` does again what was done, and `force` replaces files that no batch wrote.
+
+    Gives back the last line of the manifest for each file: "input", "output", "exit" (0 where it went well), "error",
+    "triangles_out", "bound" and more. Raises `Error` where nothing was begun. It costs a process for each file.
+    """
+    inputs = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    words = [sys.executable, "-m", "chordal", "batch", verb, *(os.fspath(file) for file in inputs), "-o", os.fspath(output)]
+    words += ["--redo"] * redo + ["--force"] * force
+    for name, value in (("to", to), ("base", base)):
+        words += [] if value is None else [f"--{name}", os.fspath(value)]
+    words += [] if jobs is None else ["--jobs", str(positive("jobs", jobs))]
+    words += [] if timeout is None else ["--timeout", repr(number("timeout", timeout))]
+    done = subprocess.run([*words, "--", *options], capture_output=True, text=True, check=False)
+    manifest = os.path.join(os.fspath(output), "manifest.jsonl")
+    if done.returncode not in _DONE or not os.path.exists(manifest):
+        raise Error(done.stderr.strip().removeprefix("chordal: "))
+    last: dict[str, dict[str, Any]] = {}
+    with open(manifest, encoding="utf-8") as lines:
+        for line in lines:
+            row = json.loads(line)
+            if isinstance(row.get("input"), str):
+                last[row["input"]] = row
+    return list(last.values())

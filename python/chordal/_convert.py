@@ -1,0 +1,101 @@
+"""The same shape in another format."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from typing import TYPE_CHECKING, Any, Literal
+
+from chordal import _chordal, _files
+from chordal._budget import Length, Share, budget_arguments
+from chordal._sourced import Sourced
+
+if TYPE_CHECKING:
+    #: What is written: made within a budget, or converted.
+    Written = _chordal.Outcome | _chordal.Conversion
+
+
+class Convertible(Sourced):
+    """What can be written as it is."""
+
+    __slots__ = ()
+
+    def export(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        quantize: bool = False,
+        compress: Literal["meshopt"] | None = None,
+        tol: Length | None = None,
+        rel: Share | None = None,
+    ) -> dict[str, Any]:
+        """Write a file, in the format that its extension names, and return the report on what is in it.
+
+        The shape is written as it is: triangles, polygons, samples, straight lines; `report["certificate"]["notes"]` says
+        what the format does not hold, and the bound what its numbers round. A file of that name is replaced, by a whole
+        one and at the end. What is no mesh yet and would be written as one is `Refused`: `mesh` it first.
+
+        An OBJ with materials gets a material library and pictures beside it, whose names begin like its own; files of
+        these names are replaced too. For GLB and glTF: `quantize` rounds positions to steps of 16 bits and attributes to 8
+        and 16; `compress="meshopt"` compresses what is left without loss. For SVG: arcs and rational curves become cubics
+        within `tol` or `rel`.
+
+        >>> import chordal, tempfile, os
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     name = os.path.join(folder, "one.stl")
+        ...     report = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 0.1, 0)], [(0, 1, 2)]).export(name)
+        >>> 0 < report["certificate"]["bound"]["at_most"] < 1e-8  # 0.1 in single precision
+        True
+        """
+        extension = extension_of(path)
+        return write(self._written(extension, quantize, compress, tol, rel), path)
+
+    def to_bytes(
+        self,
+        format: str,
+        *,
+        quantize: bool = False,
+        compress: Literal["meshopt"] | None = None,
+        tol: Length | None = None,
+        rel: Share | None = None,
+    ) -> bytes:
+        """The file of that format, as `export` writes it.
+
+        Gives a `UserWarning` where `export` would write files beside it, as an OBJ has its materials.
+        """
+        written = self._written(format, quantize, compress, tol, rel)
+        if written.names_files:
+            warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
+        return written.write()
+
+    def _written(
+        self, format: str, quantize: bool, compress: str | None, tol: Length | None, rel: Share | None
+    ) -> Written:
+        budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
+        return _chordal.convert(self._source, format, (quantize, compress), budget["length"])
+
+
+def extension_of(path: str | os.PathLike[str]) -> str:
+    """The extension that names the format."""
+    extension = os.path.splitext(os.fspath(path))[1].lstrip(".")
+    if not extension:
+        raise ValueError(f"path: the name does not say the format: {_files.shown(path)}")
+    return extension
+
+
+def write(written: Written, path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Write what was made ready, with the files beside it first, and return its report."""
+    if written.names_files:
+        target = os.path.realpath(path)
+        _files.refuse_irregular_target(target, path)
+        folder, name = os.path.split(target)
+        content, beside = written.write_files(os.path.splitext(name)[0])
+        for own, content_of_own in beside:
+            _files.replace(os.path.join(folder, own), content_of_own)
+    else:
+        content = written.write()
+    _files.replace(path, content)
+    report: dict[str, Any] = json.loads(written.report)
+    report["run"].update(output=_files.shown(path), bytes=len(content))
+    return report

@@ -1,0 +1,129 @@
+"""Images of other libraries as volumes, and volumes as theirs. Nothing of these libraries is imported before it is asked
+for: an object is known by what it says of itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Samples, the matrix that takes their indices to space, and the unit of that."""
+
+    array: Any
+    affine: NDArray[np.float64]
+    unit: str | None
+
+
+def lattice_of(thing: Any) -> Lattice | None:
+    """What an image of another library says; None for anything else."""
+    if hasattr(thing, "dataobj") and hasattr(thing, "affine"):
+        return _of_nibabel(thing)
+    if hasattr(thing, "GetDirection") and hasattr(thing, "GetSpacing") and hasattr(thing, "GetOrigin"):
+        return _of_simpleitk(thing)
+    if hasattr(thing, "dims") and hasattr(thing, "coords") and hasattr(thing, "values"):
+        return _of_xarray(thing)
+    return None
+
+
+def _of_nibabel(image: Any) -> Lattice:
+    import numpy as np
+
+    # The numbers as they are stored where nothing scales them, else as they are meant.
+    header = image.header
+    slope, inter = header.get_slope_inter() if hasattr(header, "get_slope_inter") else (None, None)
+    is_plain = slope in (None, 1) and inter in (None, 0)
+    array = np.asarray(image.dataobj) if is_plain else image.get_fdata(dtype=np.float64)
+    unit = None
+    if hasattr(header, "get_xyzt_units"):
+        unit = {"mm": "mm", "meter": "m", "micron": "um"}.get(header.get_xyzt_units()[0])
+    return Lattice(array, np.asarray(image.affine, dtype=np.float64), unit)
+
+
+def _of_simpleitk(image: Any) -> Lattice:
+    import numpy as np
+
+    if image.GetDimension() != 3:
+        raise ValueError(f"array: an image of three axes, not {image.GetDimension()}")
+    import SimpleITK
+
+    array = SimpleITK.GetArrayViewFromImage(image)
+    affine = np.eye(4)
+    affine[:3, :3] = np.reshape(image.GetDirection(), (3, 3)) * np.asarray(image.GetSpacing())
+    affine[:3, 3] = image.GetOrigin()
+    return Lattice(array.transpose(2, 1, 0), affine, "mm")
+
+
+def _of_xarray(data: Any) -> Lattice:
+    import numpy as np
+
+    if len(data.dims) != 3:
+        raise ValueError(f"array: a DataArray of three dimensions, not {len(data.dims)}")
+    names = ("x", "y", "z") if set(data.dims) == {"x", "y", "z"} else tuple(data.dims)
+    affine = np.eye(4)
+    for axis, name in enumerate(names):
+        if name not in data.coords:
+            continue
+        places = np.asarray(data.coords[name].values, dtype=np.float64)
+        steps = np.diff(places)
+        if len(steps) and not np.allclose(steps, steps[0], rtol=1e-6, atol=0):
+            raise ValueError(f"array: the coordinates along {name!r} are not evenly spaced")
+        affine[axis, 3] = places[0]
+        affine[axis, axis] = (places[-1] - places[0]) / len(steps) if len(steps) else 1.0
+    units = {str(data.coords[name].attrs.get("units")) for name in names if name in data.coords}
+    known = {"um", "mm", "cm", "m", "km", "in", "ft"}
+    return Lattice(data.transpose(*names).values, affine, units.pop() if len(units) == 1 and units <= known else None)
+
+
+class Imaged:
+    """A volume as an image of another library."""
+
+    __slots__ = ()
+    array: Any
+    affine: Any
+
+    def to_nibabel(self) -> Any:
+        """An image of nibabel, with this volume's matrix as it is."""
+        import nibabel
+        import numpy as np
+
+        array = self.array
+        # NIfTI-1 has these, and nibabel asks for 64-bit integers to be meant.
+        image = nibabel.Nifti1Image(np.asarray(array), self.affine, dtype=array.dtype)
+        return image
+
+    def to_simpleitk(self) -> Any:
+        """An image of SimpleITK. Raises `ValueError` where the axes are not at right angles, which it cannot say."""
+        import numpy as np
+        import SimpleITK
+
+        steps = self.affine[:3, :3]
+        spacing = np.linalg.norm(steps, axis=0)
+        direction = steps / spacing
+        if not np.allclose(direction.T @ direction, np.eye(3), atol=1e-6):
+            raise ValueError("the axes are not at right angles, and SimpleITK has no others")
+        image = SimpleITK.GetImageFromArray(np.ascontiguousarray(self.array.transpose(2, 1, 0)))
+        image.SetSpacing(spacing.tolist())
+        image.SetOrigin(self.affine[:3, 3].tolist())
+        image.SetDirection(direction.ravel().tolist())
+        return image
+
+    def to_xarray(self) -> Any:
+        """A DataArray of xarray along x, y and z. Raises `ValueError` where the axes are turned, which it cannot say."""
+        import numpy as np
+        import xarray
+
+        steps = self.affine[:3, :3]
+        if np.any(steps != np.diag(np.diag(steps))):
+            raise ValueError("the axes are not those of space, and coordinates along dimensions cannot say that")
+        coords = {
+            name: self.affine[axis, 3] + steps[axis, axis] * np.arange(self.array.shape[axis])
+            for axis, name in enumerate("xyz")
+        }
+        return xarray.DataArray(self.array, dims=("x", "y", "z"), coords=coords)

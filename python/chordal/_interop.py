@@ -1,0 +1,233 @@
+"""Meshes of other libraries as ours, and ours as theirs. Nothing of these libraries is imported before it is asked for: an
+object is known by what it says of itself.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from chordal import _chordal
+
+if TYPE_CHECKING:
+    from chordal._mesh import Mesh
+
+
+def mesh_of(thing: Any) -> Mesh | None:
+    """The mesh of an object of another library, with its normals, texture coordinates and colours; None where it is none."""
+    from chordal._mesh import Mesh
+
+    for is_one, arrays in _KNOWN:
+        if is_one(thing):
+            return Mesh(**arrays(thing))
+    return None
+
+
+def _is_open3d(thing: Any) -> bool:
+    return hasattr(thing, "triangles") and hasattr(thing, "vertex_normals") and hasattr(thing, "vertices")
+
+
+def _of_open3d(thing: Any) -> dict[str, Any]:
+    import numpy as np
+
+    found: dict[str, Any] = {"vertices": np.asarray(thing.vertices), "faces": np.asarray(thing.triangles)}
+    if thing.has_vertex_normals():
+        found["normals"] = np.asarray(thing.vertex_normals)
+    if thing.has_vertex_colors():
+        found["colors"] = np.asarray(thing.vertex_colors)
+    return found
+
+
+def _is_pyvista(thing: Any) -> bool:
+    return hasattr(thing, "regular_faces") and hasattr(thing, "points")
+
+
+def _of_pyvista(thing: Any) -> dict[str, Any]:
+    import numpy as np
+
+    mesh = thing if thing.is_all_triangles else thing.triangulate()
+    found: dict[str, Any] = {"vertices": np.asarray(mesh.points), "faces": np.asarray(mesh.regular_faces)}
+    if mesh.active_texture_coordinates is not None:
+        found["uv"] = np.asarray(mesh.active_texture_coordinates)
+    if "Normals" in mesh.point_data:
+        found["normals"] = np.asarray(mesh.point_data["Normals"])
+    return found
+
+
+def _is_manifold(thing: Any) -> bool:
+    return hasattr(thing, "to_mesh") and hasattr(thing, "genus")
+
+
+def _of_manifold(thing: Any) -> dict[str, Any]:
+    import numpy as np
+
+    # Double precision where this version has it.
+    mesh = thing.to_mesh64() if hasattr(thing, "to_mesh64") else thing.to_mesh()
+    return {"vertices": np.asarray(mesh.vert_properties)[:, :3], "faces": np.asarray(mesh.tri_verts).astype(np.int64)}
+
+
+def _is_meshio(thing: Any) -> bool:
+    return hasattr(thing, "cells_dict") and hasattr(thing, "points") and hasattr(thing, "point_data")
+
+
+def _of_meshio(thing: Any) -> dict[str, Any]:
+    import numpy as np
+
+    cells = thing.cells_dict
+    others = sorted(kind for kind in cells if kind not in ("triangle", "quad", "vertex", "line"))
+    if others or not ("triangle" in cells or "quad" in cells):
+        raise ValueError(f"a mesh of triangles and quads, not of {', '.join(others) or 'no faces'}")
+    rows = [np.asarray(cells["triangle"])] if "triangle" in cells else []
+    for quads in (np.asarray(cells["quad"]),) if "quad" in cells else ():
+        rows += [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
+    points = np.asarray(thing.points)
+    flat = np.zeros((len(points), 3 - points.shape[1]))
+    return {"vertices": np.hstack([points, flat]), "faces": np.concatenate(rows)}
+
+
+def _is_trimesh(thing: Any) -> bool:
+    return hasattr(thing, "vertices") and hasattr(thing, "faces") and not isinstance(thing, _chordal.Source)
+
+
+def _of_trimesh(thing: Any) -> dict[str, Any]:
+    import numpy as np
+
+    found: dict[str, Any] = {"vertices": np.asarray(thing.vertices), "faces": np.asarray(thing.faces)}
+    visual = getattr(thing, "visual", None)
+    uv = getattr(visual, "uv", None)
+    if uv is not None and len(uv) == len(found["vertices"]):
+        found["uv"] = np.asarray(uv)
+    if visual is not None and getattr(visual, "kind", None) == "vertex":
+        found["colors"] = np.asarray(visual.vertex_colors)
+    # Normals that were only computed are not part of the mesh.
+    cache = getattr(thing, "_cache", None)
+    if cache is not None and "vertex_normals" in getattr(cache, "cache", {}):
+        found["normals"] = np.asarray(thing.vertex_normals)
+    return found
+
+
+# Asked in this order: the last takes whatever has vertices and faces.
+_KNOWN = (
+    (_is_open3d, _of_open3d),
+    (_is_pyvista, _of_pyvista),
+    (_is_manifold, _of_manifold),
+    (_is_meshio, _of_meshio),
+    (_is_trimesh, _of_trimesh),
+)
+
+
+class Interoperable:
+    """A mesh as one of another library."""
+
+    __slots__ = ()
+    vertices: Any
+    faces: Any
+    normals: Any
+    uv: Any
+    colors: Any
+    parts: Any
+
+    @classmethod
+    def from_(cls, thing: Any) -> Mesh:
+        """The mesh of an object of trimesh, PyVista, Open3D, manifold3d or meshio, or of anything that has `vertices` and
+        `faces`: positions, faces, and normals, texture coordinates and colours of vertices. Materials and other data of
+        theirs stay behind; to keep these, go through a file.
+
+        >>> import chordal, types
+        >>> other = types.SimpleNamespace(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)])
+        >>> chordal.Mesh.from_(other)
+        <Mesh: 1 triangle, 3 vertices, from ply>
+        """
+        found = mesh_of(thing)
+        if found is None:
+            raise TypeError(f"thing: a mesh of another library, not {type(thing).__name__}")
+        return found
+
+    def _vertex_rows(self, kind: str) -> Any:
+        """An attribute of the only part with one row for each vertex; None where there is no such one."""
+        if len(self.parts) != 1:
+            return None
+        found = self.parts[0].attribute(kind)
+        return found.values if found is not None and found.domain == "vertex" else None
+
+    def to_trimesh(self) -> Any:
+        """A `trimesh.Trimesh` with the same vertices and faces, unmerged, and what these have of normals, texture
+        coordinates and colours. The bound is in its `metadata["chordal"]`.
+        """
+        import numpy as np
+        import trimesh
+
+        colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
+        visual = None
+        if uv is not None:
+            visual = trimesh.visual.TextureVisuals(uv=np.array(uv))
+        made = trimesh.Trimesh(
+            vertices=np.array(self.vertices),
+            faces=self.faces.astype(np.int64),
+            vertex_normals=None if normals is None else np.array(normals),
+            vertex_colors=None if colors is None or uv is not None else np.rint(np.array(colors) * 255).astype(np.uint8),
+            visual=visual,
+            process=False,
+            metadata={"chordal": self._about()},
+        )
+        return made
+
+    def to_pyvista(self) -> Any:
+        """A `pyvista.PolyData` with the same vertices and faces, and what these have of normals, texture coordinates and
+        colours. The bound is in its field data "chordal".
+        """
+        import numpy as np
+        import pyvista
+
+        made = pyvista.PolyData.from_regular_faces(np.array(self.vertices), self.faces.astype(np.int64))
+        colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
+        if normals is not None:
+            made.point_data["Normals"] = np.array(normals)
+        if uv is not None:
+            made.active_texture_coordinates = np.array(uv)
+        if colors is not None:
+            made.point_data["colors"] = np.array(colors)
+        made.add_field_data([str(self._about())], "chordal")
+        return made
+
+    def to_open3d(self) -> Any:
+        """An `open3d.geometry.TriangleMesh` with the same vertices and faces, and normals and colours of vertices."""
+        import numpy as np
+        import open3d
+
+        made = open3d.geometry.TriangleMesh(
+            open3d.utility.Vector3dVector(np.array(self.vertices)), open3d.utility.Vector3iVector(np.array(self.faces))
+        )
+        colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
+        if normals is not None:
+            made.vertex_normals = open3d.utility.Vector3dVector(np.array(normals))
+        if colors is not None:
+            made.vertex_colors = open3d.utility.Vector3dVector(np.array(colors[:, :3]))
+        if uv is not None:
+            made.triangle_uvs = open3d.utility.Vector2dVector(np.array(uv)[self.faces.ravel()])
+        return made
+
+    def to_manifold3d(self) -> Any:
+        """A `manifold3d.Manifold` of closed triangles. Raises `ValueError` where it takes them for none."""
+        import manifold3d
+        import numpy as np
+
+        mesh = manifold3d.Mesh64(np.array(self.vertices), self.faces.astype(np.uint64))
+        made = manifold3d.Manifold(mesh)
+        status = made.status()
+        if status != manifold3d.Error.NoError:
+            raise ValueError(f"manifold3d takes this for no solid: {status.name}")
+        return made
+
+    def to_meshio(self) -> Any:
+        """A `meshio.Mesh` with the same vertices and faces, and what these have of normals, texture coordinates, colours."""
+        import meshio
+        import numpy as np
+
+        names = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))
+        rows = {name: self._vertex_rows(kind) for kind, name in names}
+        data = {name: np.array(values) for name, values in rows.items() if values is not None}
+        return meshio.Mesh(np.array(self.vertices), [("triangle", np.array(self.faces))], point_data=data)
+
+    def _about(self) -> dict[str, Any]:
+        bound = self.bound  # type: ignore[attr-defined]
+        return {"at_least": bound.at_least, "at_most": bound.at_most, "evidence": bound.evidence}

@@ -1,0 +1,195 @@
+"""`Levels`: levels of detail, each with its bound."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex, overload
+
+from chordal import _chordal, _files
+from chordal._arguments import function, number, positive, text
+from chordal._bound import Bound, bound_of
+from chordal._budget import Length, Share, budget_arguments
+from chordal._sourced import Sourced
+from chordal._view import View
+
+if TYPE_CHECKING:
+    from chordal._mesh import Mesh
+    from chordal._shape import Progress
+
+
+@dataclass(frozen=True)
+class Level:
+    """One of `Levels`."""
+
+    #: Its triangles.
+    mesh: Mesh
+    #: How far they are from the shape itself.
+    bound: Bound
+    #: From this distance of the eye to the shape's box on it may be shown; None where no distance is far enough.
+    distance: float | None
+
+
+class Levels(Sequence[Level]):
+    """Levels of detail, the finest first, each proved against the shape itself. `Shape.lod` makes them.
+
+    `levels.at(distance)` is the one to show; `export` writes all as one glTF or as 3D Tiles.
+    """
+
+    __slots__ = ("_facts", "_levels", "_own")
+
+    def __init__(self, levels: _chordal.Levels) -> None:
+        self._levels: Final = levels
+        self._facts: Final[dict[str, Any]] = json.loads(levels.report)
+        self._own: dict[int, Level] = {}
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The report of `chordal lod --json`, which `docs/schema` describes. It is yours to change."""
+        report: dict[str, Any] = json.loads(self._levels.report)
+        return report
+
+    @property
+    def bound(self) -> Bound:
+        """That of the finest level."""
+        return bound_of(self._facts["certificate"]["bound"])
+
+    @property
+    def distances(self) -> tuple[float | None, ...]:
+        """For each level the distance from the eye to the box from which on it may be shown."""
+        return tuple(level["distance"] for level in self._rows())
+
+    def _rows(self) -> list[dict[str, Any]]:
+        rows: list[dict[str, Any]] = self._facts["certificate"]["levels"]["levels"]
+        return rows
+
+    def at(self, distance: SupportsFloat) -> Level:
+        """The coarsest level that may be shown from a distance; the finest where none may."""
+        far = number("distance", distance)
+        shown = [k for k, start in enumerate(self.distances) if start is not None and start <= far]
+        return self[max(shown, default=0)]
+
+    def __len__(self) -> int:
+        return len(self._rows())
+
+    @overload
+    def __getitem__(self, index: int) -> Level: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Level]: ...
+
+    def __getitem__(self, index: int | slice) -> Level | list[Level]:
+        chosen = range(len(self))[index]
+        return self._one(chosen) if isinstance(chosen, int) else [self._one(k) for k in chosen]
+
+    def _one(self, k: int) -> Level:
+        from chordal._mesh import Mesh
+
+        if k not in self._own:
+            found = self._levels.level(k)
+            if found is None:
+                raise LookupError("the finest level is cut into tiles: export it as 3D Tiles")
+            source, facts = found
+            bound = bound_of(json.loads(facts))
+            self._own[k] = Level(Mesh._of_source(source, bound), bound, self.distances[k])
+        return self._own[k]
+
+    def export(self, path: str | os.PathLike[str]) -> dict[str, Any]:
+        """Write all levels and return the report: one glTF where the name ends in .glb or .gltf (`MSFT_lod`), else a folder
+        of 3D Tiles with its `tileset.json`.
+
+        Files of these names are replaced, each by a whole one; `tileset.json` comes last.
+        """
+        name = os.fspath(path)
+        extension = os.path.splitext(name)[1].lower().lstrip(".")
+        report = self.report
+        if extension in ("glb", "gltf"):
+            content = self._levels.write(extension)
+            _files.replace(path, content)
+        elif extension:
+            raise ValueError(f"path: levels are written as .glb, .gltf, or into a folder as 3D Tiles: {_files.shown(path)}")
+        else:
+            content, beside = self._levels.tileset()
+            os.makedirs(name, exist_ok=True)
+            for own, content_of_own in beside:
+                _files.replace(os.path.join(name, own), content_of_own)
+            _files.replace(os.path.join(name, "tileset.json"), content)
+        report["run"].update(output=_files.shown(path), bytes=len(content))
+        return report
+
+    def to_bytes(self, format: Literal["glb", "gltf"]) -> bytes:
+        """One glTF of all levels, as `export` writes it."""
+        return self._levels.write(format)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{row['triangles']:,}" for row in self._rows()[:6])
+        more = ", …" if len(self) > 6 else ""
+        return f"<Levels: {len(self)} of {counts}{more} triangles; the finest {self.bound.sentence()}>"
+
+
+class Levelled(Sourced):
+    """What has levels of detail: shapes with a surface."""
+
+    __slots__ = ()
+
+    def lod(
+        self,
+        *,
+        pixels: SupportsFloat = 1,
+        view: str | View = "1920x1080 fov=60",
+        nearest: SupportsFloat | None = None,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        distances: Iterable[SupportsFloat] = (),
+        uv_error: SupportsFloat | None = None,
+        normal_error: SupportsFloat | None = None,
+        normals: str | None = None,
+        errors: Literal["scaled", "plain"] = "scaled",
+        tile_triangles: SupportsIndex | None = None,
+        merge: bool = False,
+        at: str | None = None,
+        quantize: bool = False,
+        compress: Literal["meshopt"] | None = None,
+        progress: Progress | None = None,
+    ) -> Levels:
+        """Levels of detail for every distance, each proved against the shape itself and at most `pixels` off on the screen.
+
+        `view` is the screen and the lens. `nearest` is how near the eye comes to the shape's box, or `tol` or `rel` what the
+        finest level may lose; without them the box fills the height of the screen there. `distances` adds rows to the
+        table in the report. `merge` makes one mesh of all parts, so that small ones can vanish into others. `tile_triangles`
+        cuts a finest level with more triangles in space, for 3D Tiles; `at` is where on the Earth these stand, as in
+        "47.37,8.54,400", and `errors` what they say of theirs: "scaled", so that the formula of viewers keeps the pixels
+        everywhere on the screen, or "plain". `quantize` and `compress` are as for `Mesh.export`.
+
+        Raises as `Shape.mesh`. Docs: `docs/lod.md`.
+
+        >>> import chordal
+        >>> ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve()
+        >>> levels = ring.lod(pixels=1, tol=0.01)
+        >>> len(levels) > 3 and len(levels[0].mesh.faces) > 2 * len(levels[2].mesh.faces)
+        True
+        >>> levels.at(1e6).bound.at_most <= ring.mesh(triangles=40).bound.at_most * 40
+        True
+        """
+        budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
+        if compress not in (None, "meshopt"):
+            raise ValueError("compress: 'meshopt' is the one codec")
+        arguments: _chordal.LodArguments = {
+            "pixels": number("pixels", pixels),
+            "view": str(view),
+            "nearest": None if nearest is None else number("nearest", nearest),
+            "length": budget["length"],
+            "distances": [number("distances", distance) for distance in distances],
+            "uv_error": None if uv_error is None else number("uv_error", uv_error),
+            "normal_error": None if normal_error is None else number("normal_error", normal_error),
+            "normals": text("normals", normals),
+            "errors": text("errors", errors) or "",
+            "tile_triangles": None if tile_triangles is None else positive("tile_triangles", tile_triangles),
+            "merge": bool(merge),
+            "place": text("at", at),
+            "quantize": bool(quantize),
+            "compress": compress is not None,
+        }
+        return Levels(_chordal.levels(self._source, arguments, function("progress", progress)))

@@ -1,0 +1,146 @@
+"""`load`: what a file holds; and whatever else functions take for a shape."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any, Literal, SupportsFloat, overload
+
+from chordal import _chordal, _files
+from chordal._arguments import number
+from chordal._arguments import text as _text
+from chordal._field import Field
+from chordal._mesh import Mesh
+from chordal._shape import Shape
+from chordal._volume import Volume
+
+#: A file, or the bytes of one.
+File = str | os.PathLike[str] | bytes | bytearray | memoryview
+#: The names of formats by what `load` makes of them.
+TriangleFormat = Literal[
+    "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "vtk"
+]
+VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "mha", "mhd", "vti", "slc"]
+FieldFormat = Literal["star", "vm"]
+
+
+@overload
+def load(
+    source: File,
+    *,
+    format: VolumeFormat,
+    unit: str | None = None,
+    up: str | None = None,
+    strict: bool = False,
+    lenient: bool = False,
+) -> Volume: ...
+@overload
+def load(
+    source: File,
+    *,
+    format: FieldFormat,
+    unit: str | None = None,
+    up: str | None = None,
+    strict: bool = False,
+    lenient: bool = False,
+) -> Field: ...
+@overload
+def load(
+    source: File,
+    *,
+    format: TriangleFormat,
+    unit: str | None = None,
+    up: str | None = None,
+    strict: bool = False,
+    lenient: bool = False,
+    drop_nonfinite: bool = False,
+    surface: None = None,
+) -> Mesh: ...
+@overload
+def load(
+    source: File,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    strict: bool = False,
+    lenient: bool = False,
+    drop_nonfinite: bool = False,
+    surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
+    text: str | None = None,
+    em: SupportsFloat | None = None,
+    axes: Mapping[str, SupportsFloat] | None = None,
+) -> Shape: ...
+def load(
+    source: File,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    strict: bool = False,
+    lenient: bool = False,
+    drop_nonfinite: bool = False,
+    surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
+    text: str | None = None,
+    em: SupportsFloat | None = None,
+    axes: Mapping[str, SupportsFloat] | None = None,
+) -> Shape:
+    """Read a shape from a file, or from the bytes of one: triangles as a `Mesh`, samples as a `Volume`, a script as a
+    `Field`, anything else as a `Shape`.
+
+    `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
+    `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
+    `strict` refuses a glTF file for anything that Khronos' validator calls an error, also for what viewers accept,
+    and an .obj whose faces name normals or texture coordinates that it does not have; `lenient` only warns of what is
+    wrong without touching its geometry; not both. `drop_nonfinite` drops vertices that are not finite numbers, with
+    their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
+    Catmull–Clark cage where the file has subdivision tags, else triangles. `text` is what a font sets, as a drawing;
+    `em` is the length of its em, 1 unless said, and `axes` says where axes of a variable font are, as in
+    `{"wght": 700}`.
+
+    Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
+
+    >>> import chordal
+    >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
+    <Mesh: 1 triangle, 3 vertices, from obj>
+    """
+    if strict and lenient:
+        raise ValueError("strict and lenient: one of them")
+    name = None
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        content = bytes(source)
+    elif isinstance(source, (str, os.PathLike)):
+        name, content = _files.shown(source), _files.read(source)
+    else:
+        raise TypeError(f"source: a path or bytes, not {type(source).__name__}")
+    if text is None and (em is not None or axes is not None):
+        raise ValueError("em, axes: they are for the text that a font sets; add text=")
+    letters = None
+    if text is not None:
+        tags = [(str(tag), number(f"axes, {tag}", value)) for tag, value in (axes or {}).items()]
+        letters = (_text("text", text) or "", 1.0 if em is None else number("em", em), tags)
+    reading: _chordal.Reading = {
+        "name": name,
+        "format": _text("format", format),
+        "unit": _text("unit", unit),
+        "up": _text("up", up),
+        "strict": bool(strict),
+        "lenient": bool(lenient),
+        "drop_nonfinite": bool(drop_nonfinite),
+        "surface": _text("surface", surface),
+        "letters": letters,
+    }
+    return read(content, reading)
+
+
+def read(content: bytes, reading: _chordal.Reading) -> Shape:
+    """The shape of some bytes, of the class for what it is."""
+    source = _chordal.Source(content, reading)
+    # Triangles and samples are pickled as they are; what else there is is small, and its bytes are kept for that.
+    if source.kind == "triangles":
+        return Mesh._of_source(source)
+    if source.kind == "volume":
+        return Volume(source)
+    value = _chordal.field_of(source)
+    recipe = (read, (content, reading), dict[str, Any]())
+    return Shape(source, recipe) if value is None else Field(value, source, recipe)

@@ -1,0 +1,42 @@
+"""Which surface of a volume is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, SupportsFloat
+
+from chordal import _chordal
+from chordal._arguments import number, text
+
+
+def meant(
+    source: _chordal.Source,
+    *,
+    iso: SupportsFloat | None,
+    inside: Literal["high", "low"] | None,
+    border: Literal["capped", "open"] | None,
+    labels: Sequence[int] | Literal["all"] | None,
+    smooth: str | SupportsFloat | None,
+) -> _chordal.Source:
+    """A volume with the surface that is meant; the same shape where nothing is said of one."""
+    words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
+    said = [name for name, value in words.items() if value is not None]
+    if not said:
+        return source
+    if source.kind != "volume":
+        raise TypeError(f"{', '.join(said)}: for samples on a lattice; these are {source.kind}")
+    arguments: _chordal.Meant = {
+        "iso": None if iso is None else number("iso", iso),
+        "inside": text("inside", inside),
+        "border": text("border", border) or "capped",
+        "labels": None if labels is None else [] if labels == "all" else _labels(labels),
+        "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(number("smooth", smooth)),
+    }
+    return source.surface(arguments)
+
+
+def _labels(labels: Sequence[int] | str) -> list[int]:
+    found = [int(label) for label in labels]
+    if not found:
+        raise ValueError("labels: one label at least, or 'all'")
+    return found

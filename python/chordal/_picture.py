@@ -1,0 +1,129 @@
+"""`Picture`: what a shape looks like."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
+
+from chordal import _chordal, _files
+from chordal._arguments import function, number, positive, text
+from chordal._budget import Length, budget_arguments, length
+from chordal._sourced import Sourced
+from chordal._view import View
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from chordal._shape import Progress, Shape
+
+Style = Literal["shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb"]
+
+
+class Picture:
+    """A picture of a shape, with the bound of the triangles that it shows. `Shape.render` makes it."""
+
+    __slots__ = ("_picture",)
+
+    def __init__(self, picture: _chordal.Picture) -> None:
+        self._picture: Final = picture
+
+    @property
+    def array(self) -> NDArray[np.uint8]:
+        """Red, green, blue and alpha: height × width × 4, from the top left. Not copied, for reading only."""
+        import numpy as np
+
+        array: NDArray[np.uint8] = np.asarray(self._picture.array())
+        return array
+
+    @property
+    def view(self) -> View:
+        """The view that it was taken from: the same picture again."""
+        return View(self._picture.view)
+
+    @property
+    def darkest(self) -> float | None:
+        """The distance of the darkest colour, where distances are shown."""
+        return self._picture.darkest
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The report of `chordal render --json`."""
+        report: dict[str, Any] = json.loads(self._picture.report)
+        return report
+
+    def to_bytes(self, format: Literal["png", "jpg", "webp"] = "png") -> bytes:
+        """The picture as a file, with the certificate in it."""
+        return self._picture.write(format)
+
+    def export(self, path: str | os.PathLike[str]) -> dict[str, Any]:
+        """Write it as PNG, JPEG or WebP, as the name says, and return the report."""
+        extension = os.path.splitext(os.fspath(path))[1].lstrip(".").lower()
+        content = self._picture.write(extension)
+        _files.replace(path, content)
+        report = self.report
+        report["run"].update(output=_files.shown(path), bytes=len(content))
+        return report
+
+    def _repr_png_(self) -> bytes:
+        return self.to_bytes("png")
+
+    def __repr__(self) -> str:
+        height, width, _ = self.array.shape
+        return f"<Picture: {width} × {height} pixels>"
+
+
+class Pictured(Sourced):
+    """What can be looked at: shapes with a surface, and drawings."""
+
+    __slots__ = ()
+
+    def render(
+        self,
+        *,
+        show: Style = "shaded",
+        size: tuple[int, int] = (1280, 960),
+        view: str | View | None = None,
+        cull: Literal["none", "back", "front"] = "none",
+        against: Shape | None = None,
+        darkest: Length | None = None,
+        pixels: SupportsFloat | None = None,
+        tol: Length | None = None,
+        progress: Progress | None = None,
+    ) -> Picture:
+        """A picture, ray traced: smooth shapes are meshed within half a pixel of it, or within `pixels` or `tol`; fields are
+        traced themselves.
+
+        `show` is what one sees: "shaded", "flat" (no smooth normals), "wire" (edges), "normals", "zebra" (reflected stripes),
+        "overshade" (how often a graphics processor shades each pixel), "comb" (the curvature of a drawing), or "deviation"
+        from the shape `against`, whose darkest colour is for the distance `darkest`, or for the largest. `view` is the
+        camera, as in "1280x960 fov=30 eye=4,-6,3 target=0,0,1"; without it one that frames the shape, of a `size` in pixels.
+
+        Raises as `Shape.mesh`.
+
+        >>> import chordal
+        >>> picture = chordal.shapes.sphere(1).render(size=(64, 48))
+        >>> picture.array.shape
+        (48, 64, 4)
+        """
+        width, height = (positive("size", side) for side in size)
+        if (show == "deviation") != (against is not None):
+            raise ValueError("against: for show='deviation', which needs it")
+        if pixels is not None and tol is not None:
+            raise ValueError("pixels, tol: give one of them")
+        budget = budget_arguments(tol=tol, rel=None, pixels=None, view=None, counted="triangles", is_needed=False)
+        styles = ("shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb")
+        if show not in styles:
+            raise ValueError(f"show: one of {', '.join(styles)}, not {show!r}")
+        arguments: _chordal.PictureArguments = {
+            "show": show,
+            "cull": text("cull", cull) or "",
+            "size": (width, height),
+            "view": None if view is None else str(view),
+            "pixels": None if pixels is None else number("pixels", pixels),
+            "length": budget["length"],
+            "darkest": None if darkest is None else length("darkest", darkest),
+        }
+        other = None if against is None else against._source
+        return Picture(_chordal.picture(self._source, other, arguments, function("progress", progress)))

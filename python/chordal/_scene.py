@@ -1,0 +1,108 @@
+"""What is in a scene: `Part`, `Node`, and the `Attribute` of a part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from chordal import _chordal
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Kind = Literal["normal", "tangent", "uv", "color", "group", "custom", "blended"]
+Domain = Literal["vertex", "corner", "face"]
+
+
+@dataclass(frozen=True, eq=False)
+class Attribute:
+    """What a mesh says beside its positions."""
+
+    #: What it is: "normal", "tangent", "uv", "color", "group" (the number of a material or group), "custom" (anything else
+    #: of the file), or "blended" (morph targets and weights of joints).
+    kind: Kind
+    #: Which one: the number of a set of texture coordinates or colours, or a name.
+    of: int | str | None
+    #: What its rows belong to: "vertex"; "corner", three rows for each face; or "face".
+    domain: Domain
+    #: The rows: n, or n × k. Not copied, for reading only.
+    values: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        name = self.kind if self.of in (None, 0) else f"{self.kind} {self.of}"
+        return f"<Attribute: {name}, one row for each {self.domain}, {self.values.shape}>"
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node of a scene: where a part stands."""
+
+    #: The name in the file, or empty.
+    name: str
+    #: The index of the part that it shows, if it shows one.
+    part: int | None
+    #: The indices of its children.
+    children: tuple[int, ...]
+    #: Its 4 × 4 matrix, rows first, from its own space to that of its parent.
+    matrix: tuple[tuple[float, float, float, float], ...]
+
+
+class Part:
+    """One mesh of a scene, in its own coordinates."""
+
+    __slots__ = ("_facts", "_index", "_source")
+
+    def __init__(self, source: _chordal.Source, index: int, facts: dict[str, Any]) -> None:
+        self._source: Final = source
+        self._index: Final = index
+        self._facts: Final = facts
+
+    @property
+    def name(self) -> str:
+        """The name in the file, or empty."""
+        return str(self._facts["name"])
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """The positions, n × 3. Not copied, for reading only."""
+        return self._array("vertices")
+
+    @property
+    def faces(self) -> NDArray[np.int32]:
+        """The vertices of each face, m × 3, counter-clockwise from its front. Not copied, for reading only."""
+        return self._array("faces")
+
+    @property
+    def attributes(self) -> tuple[Attribute, ...]:
+        """Normals, texture coordinates, colours, materials, and whatever else the file says."""
+        return tuple(
+            Attribute(facts["kind"], facts["of"], facts["domain"], self._array("attribute", k))
+            for k, facts in enumerate(self._facts["attributes"])
+        )
+
+    def attribute(self, kind: Kind, of: int | str | None = None) -> Attribute | None:
+        """The attribute of that kind, the first or that of a number or name; None where there is none."""
+        wanted = of if of is not None or kind not in ("uv", "color") else 0
+        found = (a for a in self.attributes if a.kind == kind and (wanted is None or a.of == wanted))
+        return next(found, None)
+
+    def _array(self, name: str, attribute: int | None = None) -> NDArray[Any]:
+        import numpy as np
+
+        return np.asarray(_chordal.scene_array(self._source, self._index, name, attribute))
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<Part{name}: {self._facts['faces']:,} triangles, {self._facts['vertices']:,} vertices>"
+
+
+def nodes_of(facts: dict[str, Any]) -> tuple[Node, ...]:
+    """The nodes of a scene."""
+
+    def rows(matrix: list[float]) -> Any:
+        return tuple(tuple(float(matrix[4 * column + row]) for column in range(4)) for row in range(4))
+
+    return tuple(
+        Node(node["name"], node["part"], tuple(node["children"]), rows(node["matrix"])) for node in facts["nodes"]
+    )

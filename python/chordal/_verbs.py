@@ -1,0 +1,105 @@
+"""The verbs as functions: of a shape, or of a file."""
+
+from __future__ import annotations
+
+import functools
+import inspect as _inspect
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+
+from chordal._interop import mesh_of
+from chordal._load import File, load
+from chordal._mesh import Mesh
+from chordal._shape import Shape
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+if TYPE_CHECKING:
+    #: A shape, a file, the bytes of one, or a mesh of another library (see `Mesh.from_`).
+    Shaped = Shape | File | Any
+
+
+def shaped(name: str, thing: Any) -> Shape:
+    """A shape, whatever it is that stands for it."""
+    if isinstance(thing, Shape):
+        return thing
+    if isinstance(thing, (str, os.PathLike, bytes, bytearray, memoryview)):
+        return load(thing)
+    found = mesh_of(thing)
+    if found is None:
+        raise TypeError(f"{name}: a shape, a path, bytes, or a mesh of another library, not {type(thing).__name__}")
+    return found
+
+
+def _verb(method: Callable[Concatenate[Shape, P], R]) -> Callable[Concatenate[Shaped, P], R]:
+    """The function of a method of shapes."""
+
+    @functools.wraps(method)
+    def verb(shape: Shaped, *args: P.args, **named: P.kwargs) -> R:
+        # By its name, for a kind of shape may have a method of its own.
+        found: R = getattr(shaped("shape", shape), method.__name__)(*args, **named)
+        return found
+
+    own = _inspect.signature(method)
+    first = _inspect.Parameter("shape", _inspect.Parameter.POSITIONAL_ONLY)
+    signature = own.replace(parameters=[first, *list(own.parameters.values())[1:]])
+    verb.__signature__ = signature  # type: ignore[attr-defined]
+    verb.__module__, verb.__qualname__ = "chordal", method.__name__
+    # The examples are tried where the method is.
+    verb.__doc__ = f"`Shape.{method.__name__}` of a shape, a file, or the bytes of one.\n\n{_without_examples(method)}"
+    return verb  # type: ignore[return-value]
+
+
+def _without_examples(method: Callable[..., Any]) -> str:
+    return _inspect.cleandoc(method.__doc__ or "").split(">>>")[0].rstrip()
+
+
+mesh = _verb(Shape.mesh)
+flatten = _verb(Shape.flatten)
+lod = _verb(Shape.lod)
+inspect = _verb(Shape.inspect)
+mend = _verb(Shape.mend)
+bake = _verb(Shape.bake)
+render = _verb(Shape.render)
+
+
+def deviation(shape: Shaped, other: Shaped, /, **options: Any) -> Any:
+    """How far two shapes are apart, both ways: `Shape.deviation`, of shapes or files.
+
+    >>> import chordal
+    >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> lifted = chordal.Mesh([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
+    >>> chordal.deviation(triangle, lifted, max=3).verdict
+    'within'
+    """
+    return shaped("shape", shape).deviation(shaped("other", other), **options)
+
+
+def convert(shape: Shaped, path: str | os.PathLike[str], /, **options: Any) -> dict[str, Any]:
+    """Write a shape, or a file, in the format that the name of `path` says, as it is: `Shape.export`.
+
+    Nothing is made simpler, and the report says what the format does not hold. What is no mesh yet needs a budget: `mesh`.
+    """
+    return shaped("shape", shape).export(path, **options)
+
+
+def union(first: Shaped, /, *others: Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+    """What is in any of some solids, as one closed mesh: `Shape.combine`."""
+    return _combined("union", first, others, tol=tol, rel=rel, progress=progress)
+
+
+def difference(first: Shaped, /, *others: Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+    """A solid without others, as one closed mesh: `Shape.combine`."""
+    return _combined("difference", first, others, tol=tol, rel=rel, progress=progress)
+
+
+def intersection(first: Shaped, /, *others: Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+    """What is in all of some solids, as one closed mesh: `Shape.combine`."""
+    return _combined("intersection", first, others, tol=tol, rel=rel, progress=progress)
+
+
+def _combined(operation: Any, first: Shaped, others: tuple[Shaped, ...], **options: Any) -> Mesh:
+    steps = [(operation, shaped("others", other)) for other in others]
+    return shaped("first", first).combine(*steps, **options)
