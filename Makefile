@@ -204,7 +204,7 @@ test-python: tested need-python
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
 	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q -n auto
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
-		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
+		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest --mypy-config-file pyproject.toml chordal
 
 # What `make test` leaves to this, so that it takes half an hour from cold and not hours: nine of ten random cases of every sweep that asks
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields. The modules of the
@@ -215,6 +215,8 @@ test-long: LONG := CHORDAL_LONG=1
 test-long: need-rust need-fuzz test-viewers test-web test-studio test-python ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
+	$(VENV)/bin/python -m pip install -q -r tests/python/requirements-long.txt
+	$(VENV)/bin/python -m pytest -q tests/python/test_interop.py
 	$(MAKE) fuzz
 
 # What a release takes for each reader: two hours of one core.

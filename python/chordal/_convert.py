@@ -5,15 +5,22 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal, Protocol
 
 from chordal import _chordal, _files
 from chordal._budget import Length, Share, budget_arguments
 from chordal._sourced import Sourced
 
-if TYPE_CHECKING:
-    #: What is written: made within a budget, or converted.
-    Written = _chordal.Outcome | _chordal.Conversion
+
+class Written(Protocol):
+    """What is ready to be written: made within a budget, or converted."""
+
+    @property
+    def report(self) -> str: ...
+    @property
+    def names_files(self) -> bool: ...
+    def write(self) -> bytes: ...
+    def write_files(self, stem: str) -> tuple[bytes, list[tuple[str, bytes]]]: ...
 
 
 class Convertible(Sourced):

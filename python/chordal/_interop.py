@@ -23,7 +23,7 @@ def mesh_of(thing: Any) -> Mesh | None:
 
 
 def _is_open3d(thing: Any) -> bool:
-    return hasattr(thing, "triangles") and hasattr(thing, "vertex_normals") and hasattr(thing, "vertices")
+    return hasattr(thing, "triangles") and hasattr(thing, "has_vertex_normals")
 
 
 def _of_open3d(thing: Any) -> dict[str, Any]:

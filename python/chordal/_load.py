@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any, Literal, SupportsFloat, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, overload
 
 from chordal import _chordal, _files
 from chordal._arguments import number
@@ -16,19 +16,21 @@ from chordal._volume import Volume
 
 #: A file, or the bytes of one.
 File = str | os.PathLike[str] | bytes | bytearray | memoryview
-#: The names of formats by what `load` makes of them.
-TriangleFormat = Literal[
-    "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "vtk"
-]
-VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "mha", "mhd", "vti", "slc"]
-FieldFormat = Literal["star", "vm"]
+
+if TYPE_CHECKING:
+    # The names of formats by what `load` makes of them.
+    _TriangleFormat = Literal[
+        "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "vtk"
+    ]
+    _VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "mha", "mhd", "vti", "slc"]
+    _FieldFormat = Literal["star", "vm"]
 
 
 @overload
 def load(
     source: File,
     *,
-    format: VolumeFormat,
+    format: _VolumeFormat,
     unit: str | None = None,
     up: str | None = None,
     strict: bool = False,
@@ -38,7 +40,7 @@ def load(
 def load(
     source: File,
     *,
-    format: FieldFormat,
+    format: _FieldFormat,
     unit: str | None = None,
     up: str | None = None,
     strict: bool = False,
@@ -48,7 +50,7 @@ def load(
 def load(
     source: File,
     *,
-    format: TriangleFormat,
+    format: _TriangleFormat,
     unit: str | None = None,
     up: str | None = None,
     strict: bool = False,

@@ -11,7 +11,7 @@ from chordal._arrays import coordinates, indices
 from chordal._bound import Bound, bound_of
 from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade, report_html
-from chordal._scene import Attribute, Kind, Node, Part, nodes_of
+from chordal._scene import Attribute, Node, Part, nodes_of
 from chordal._shape import Shape
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from chordal._convert import Written
+    from chordal._scene import _Kind
 
 
 class Mesh(Shape, Interoperable):
@@ -267,7 +268,7 @@ class Mesh(Shape, Interoperable):
             raise ValueError(f"this scene has {len(parts)} parts: look at those of mesh.parts")
         return parts[0]
 
-    def _values(self, kind: Kind) -> NDArray[np.float64] | None:
+    def _values(self, kind: _Kind) -> NDArray[np.float64] | None:
         found = self._only().attribute(kind)
         return None if found is None else found.values
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from chordal._shape import Progress, Shape
 
-Style = Literal["shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb"]
+    _Style = Literal["shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb"]
 
 
 class Picture:
@@ -82,7 +82,7 @@ class Pictured(Sourced):
     def render(
         self,
         *,
-        show: Style = "shaded",
+        show: _Style = "shaded",
         size: tuple[int, int] = (1280, 960),
         view: str | View | None = None,
         cull: Literal["none", "back", "front"] = "none",

@@ -124,6 +124,8 @@ class Polylines(Convertible, Sequence[Polyline]):
         if self._outcome is not None:
             return remade(self._outcome, format, quantize, compress)
         # It comes from another process, as the file of it.
+        if format == "json" and not quantize and compress is None:
+            return _Kept(self._file, self._text)
         return _chordal.convert(_chordal.Source(self._file, _JSON), format, (quantize, compress), None)
 
     def __reduce__(self) -> Any:
@@ -154,6 +156,22 @@ _JSON: Final[_chordal.Reading] = {
     "surface": None,
     "letters": None,
 }
+
+
+class _Kept:
+    """A file that is there already."""
+
+    names_files: Final = False
+
+    def __init__(self, content: bytes, report: str) -> None:
+        self.report: Final = report
+        self._content: Final = content
+
+    def write(self) -> bytes:
+        return self._content
+
+    def write_files(self, stem: str) -> tuple[bytes, list[tuple[str, bytes]]]:
+        return self._content, []
 
 
 def _again(report: str, arrays: dict[str, Any], content: bytes) -> Polylines:

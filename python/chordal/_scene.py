@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Kind = Literal["normal", "tangent", "uv", "color", "group", "custom", "blended"]
-Domain = Literal["vertex", "corner", "face"]
+    _Kind = Literal["normal", "tangent", "uv", "color", "group", "custom", "blended"]
+    _Domain = Literal["vertex", "corner", "face"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,11 +21,11 @@ class Attribute:
 
     #: What it is: "normal", "tangent", "uv", "color", "group" (the number of a material or group), "custom" (anything else
     #: of the file), or "blended" (morph targets and weights of joints).
-    kind: Kind
+    kind: _Kind
     #: Which one: the number of a set of texture coordinates or colours, or a name.
     of: int | str | None
     #: What its rows belong to: "vertex"; "corner", three rows for each face; or "face".
-    domain: Domain
+    domain: _Domain
     #: The rows: n, or n × k. Not copied, for reading only.
     values: NDArray[np.float64]
 
@@ -81,7 +81,7 @@ class Part:
             for k, facts in enumerate(self._facts["attributes"])
         )
 
-    def attribute(self, kind: Kind, of: int | str | None = None) -> Attribute | None:
+    def attribute(self, kind: _Kind, of: int | str | None = None) -> Attribute | None:
         """The attribute of that kind, the first or that of a number or name; None where there is none."""
         wanted = of if of is not None or kind not in ("uv", "color") else 0
         found = (a for a in self.attributes if a.kind == kind and (wanted is None or a.of == wanted))

@@ -18,7 +18,7 @@ R = TypeVar("R")
 
 if TYPE_CHECKING:
     #: A shape, a file, the bytes of one, or a mesh of another library (see `Mesh.from_`).
-    Shaped = Shape | File | Any
+    _Shaped = Shape | File | Any
 
 
 def shaped(name: str, thing: Any) -> Shape:
@@ -33,11 +33,11 @@ def shaped(name: str, thing: Any) -> Shape:
     return found
 
 
-def _verb(method: Callable[Concatenate[Shape, P], R]) -> Callable[Concatenate[Shaped, P], R]:
+def _verb(method: Callable[Concatenate[Shape, P], R]) -> Callable[Concatenate[_Shaped, P], R]:
     """The function of a method of shapes."""
 
     @functools.wraps(method)
-    def verb(shape: Shaped, *args: P.args, **named: P.kwargs) -> R:
+    def verb(shape: _Shaped, *args: P.args, **named: P.kwargs) -> R:
         # By its name, for a kind of shape may have a method of its own.
         found: R = getattr(shaped("shape", shape), method.__name__)(*args, **named)
         return found
@@ -65,7 +65,7 @@ bake = _verb(Shape.bake)
 render = _verb(Shape.render)
 
 
-def deviation(shape: Shaped, other: Shaped, /, **options: Any) -> Any:
+def deviation(shape: _Shaped, other: _Shaped, /, **options: Any) -> Any:
     """How far two shapes are apart, both ways: `Shape.deviation`, of shapes or files.
 
     >>> import chordal
@@ -77,7 +77,7 @@ def deviation(shape: Shaped, other: Shaped, /, **options: Any) -> Any:
     return shaped("shape", shape).deviation(shaped("other", other), **options)
 
 
-def convert(shape: Shaped, path: str | os.PathLike[str], /, **options: Any) -> dict[str, Any]:
+def convert(shape: _Shaped, path: str | os.PathLike[str], /, **options: Any) -> dict[str, Any]:
     """Write a shape, or a file, in the format that the name of `path` says, as it is: `Shape.export`.
 
     Nothing is made simpler, and the report says what the format does not hold. What is no mesh yet needs a budget: `mesh`.
@@ -85,21 +85,21 @@ def convert(shape: Shaped, path: str | os.PathLike[str], /, **options: Any) -> d
     return shaped("shape", shape).export(path, **options)
 
 
-def union(first: Shaped, /, *others: Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+def union(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
     """What is in any of some solids, as one closed mesh: `Shape.combine`."""
     return _combined("union", first, others, tol=tol, rel=rel, progress=progress)
 
 
-def difference(first: Shaped, /, *others: Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+def difference(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
     """A solid without others, as one closed mesh: `Shape.combine`."""
     return _combined("difference", first, others, tol=tol, rel=rel, progress=progress)
 
 
-def intersection(first: Shaped, /, *others: Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+def intersection(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
     """What is in all of some solids, as one closed mesh: `Shape.combine`."""
     return _combined("intersection", first, others, tol=tol, rel=rel, progress=progress)
 
 
-def _combined(operation: Any, first: Shaped, others: tuple[Shaped, ...], **options: Any) -> Mesh:
+def _combined(operation: Any, first: _Shaped, others: tuple[_Shaped, ...], **options: Any) -> Mesh:
     steps = [(operation, shaped("others", other)) for other in others]
     return shaped("first", first).combine(*steps, **options)

@@ -20,9 +20,7 @@ use chordal::budget::{Length, Pixels};
 use chordal_io::tiles::GeoPlace;
 use chordal_io::{Format, picture_extensions};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
-use chordal_verbs::{
-    Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod,
-};
+use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::Path;

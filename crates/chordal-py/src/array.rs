@@ -19,7 +19,11 @@ pub(crate) struct ArrayData {
 
 impl ArrayData {
     fn new<T>(numbers: &[T], shape: Vec<usize>, kind: &'static str) -> Self {
-        debug_assert_eq!(shape.iter().product::<usize>(), numbers.len(), "numpy would read beyond the numbers");
+        debug_assert_eq!(
+            shape.iter().product::<usize>(),
+            numbers.len(),
+            "numpy would read beyond the numbers"
+        );
         Self { start: numbers.as_ptr().cast(), shape, kind }
     }
 

@@ -11,9 +11,7 @@ use chordal_io::glb::GltfPacking;
 use chordal_io::tiles::GeoPlace;
 use chordal_io::{FileSet, Format};
 use chordal_verbs::report::{BoundFacts, Report, RunFacts};
-use chordal_verbs::{
-    Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, Shape, TileErrors, lod, sha256,
-};
+use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, Shape, TileErrors, lod, sha256};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -45,12 +43,15 @@ impl LodArguments {
     fn spec(self, py: Python<'_>) -> PyResult<LodSpec> {
         let wrong = |name: &str, error: String| failure::budget(py, &format!("{name}: {error}"));
         let lens: LodLens = self.view.parse().map_err(|error| wrong("view", error))?;
-        let length = self.length.map(|(name, text)| {
-            text.parse::<Length>().map_err(|error| wrong(&name, error.to_string()))
-        });
+        let length = self
+            .length
+            .map(|(name, text)| text.parse::<Length>().map_err(|error| wrong(&name, error.to_string())));
         let length = length.transpose()?;
         if lens.has_distance && (self.nearest.is_some() || length.is_some()) {
-            return Err(wrong("view", "it says a distance, and so does nearest=, or tol= in its place".to_owned()));
+            return Err(wrong(
+                "view",
+                "it says a distance, and so does nearest=, or tol= in its place".to_owned(),
+            ));
         }
         let attributes = AttributeLimits::new(self.uv_error, self.normal_error);
         Ok(LodSpec {
@@ -63,7 +64,9 @@ impl LodArguments {
             errors: match self.errors.as_str() {
                 "scaled" => TileErrors::Scaled,
                 "plain" => TileErrors::Plain,
-                other => return Err(failure::argument("errors", format!("'scaled' or 'plain', not '{other}'"))),
+                other => {
+                    return Err(failure::argument("errors", format!("'scaled' or 'plain', not '{other}'")));
+                }
             },
             tile_triangles: self.tile_triangles,
             attributes: attributes.map_err(|error| wrong("uv_error, normal_error", error.to_string()))?,

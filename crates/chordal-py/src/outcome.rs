@@ -11,8 +11,8 @@ use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format, Scene};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
-    BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation, mend,
-    mesh, mesh_boolean, sha256,
+    BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
+    mend, mesh, mesh_boolean, sha256,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;

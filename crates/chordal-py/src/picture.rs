@@ -50,23 +50,30 @@ impl PictureArguments {
             }
             None => Viewpoint::Automatic(Screen { width_px, height_px }),
         };
-        let show = STYLES.iter().find(|(name, _)| *name == self.show).map_or(RenderStyle::Shaded, |(_, style)| *style);
+        let show = STYLES
+            .iter()
+            .find(|(name, _)| *name == self.show)
+            .map_or(RenderStyle::Shaded, |(_, style)| *style);
         let cull = match self.cull.as_str() {
             "none" => CullMode::None,
             "back" => CullMode::Back,
             "front" => CullMode::Front,
-            other => return Err(failure::argument("cull", format!("'none', 'back' or 'front', not '{other}'"))),
+            other => {
+                return Err(failure::argument("cull", format!("'none', 'back' or 'front', not '{other}'")));
+            }
         };
         Ok(RenderOptions { show, cull, viewpoint, ..RenderOptions::default() })
     }
 
     fn fineness(&self, py: Python<'_>) -> PyResult<Option<PictureTolerance>> {
         if let Some(pixels) = self.pixels {
-            let pixels = Pixels::new(pixels).map_err(|error| failure::budget(py, &format!("pixels: {error}")))?;
+            let pixels =
+                Pixels::new(pixels).map_err(|error| failure::budget(py, &format!("pixels: {error}")))?;
             return Ok(Some(PictureTolerance::Pixels(pixels)));
         }
         let Some((name, text)) = &self.length else { return Ok(None) };
-        let length = text.parse::<Length>().map_err(|error| failure::budget(py, &format!("{name}: {error}")))?;
+        let length =
+            text.parse::<Length>().map_err(|error| failure::budget(py, &format!("{name}: {error}")))?;
         Ok(Some(PictureTolerance::Length(length)))
     }
 }

@@ -131,7 +131,8 @@ pub(crate) fn scene_image<'py>(
     number: usize,
 ) -> PyResult<(Bound<'py, PyBytes>, Option<String>)> {
     let image = scene_in(source.input()).and_then(|scene| scene.assets.images.get(number));
-    let Some((image, chordal_io::ImageContent::Bytes(bytes))) = image.map(|image| (image, &image.content)) else {
+    let Some((image, chordal_io::ImageContent::Bytes(bytes))) = image.map(|image| (image, &image.content))
+    else {
         return Err(failure::internal(py, "there is no such picture"));
     };
     let kind = image.properties.get("mimeType").and_then(Value::as_str).map(str::to_owned);
@@ -172,7 +173,9 @@ pub(crate) fn scene_of_state(
     let made = work::run(py, None, move |_| {
         let n_bytes = blocks.iter().map(|block| block.len() as u64).sum::<u64>();
         let digest = facts["sha256"].as_str().map(str::to_owned);
-        let sha256 = digest.unwrap_or_else(|| sha256(&blocks.iter().flat_map(|block| block.iter().copied()).collect::<Vec<u8>>()));
+        let sha256 = digest.unwrap_or_else(|| {
+            sha256(&blocks.iter().flat_map(|block| block.iter().copied()).collect::<Vec<u8>>())
+        });
         let n_bytes = facts["n_bytes"].as_u64().unwrap_or(n_bytes);
         let blocks = blocks.iter().map(|block| block.to_vec()).collect();
         let mut scene = SceneState { facts, blocks }.into_scene()?;
@@ -180,5 +183,6 @@ pub(crate) fn scene_of_state(
         let shape = Shape::Scene(scene);
         Ok(Input { shape, format, n_bytes, sha256, files: Vec::new(), warnings: Vec::new(), letters: None })
     })?;
-    made.map(|input| Source::from_input(input, Vec::new())).map_err(|error: String| failure::argument("faces", error))
+    made.map(|input| Source::from_input(input, Vec::new()))
+        .map_err(|error: String| failure::argument("faces", error))
 }

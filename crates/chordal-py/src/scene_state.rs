@@ -72,7 +72,11 @@ impl SceneState {
         let mut nodes = list(&facts["nodes"]).iter().map(node_of).collect::<Result<Vec<_>, _>>()?;
         let mut roots = indices_in(&facts["roots"])?;
         if facts["nodes"].is_null() {
-            let shown = |(k, part): (usize, &Part)| Node { name: part.name.clone(), part: Some(k), ..Node::default() };
+            let shown = |(k, part): (usize, &Part)| Node {
+                name: part.name.clone(),
+                part: Some(k),
+                ..Node::default()
+            };
             nodes = parts.iter().enumerate().map(shown).collect();
             roots = (0..nodes.len()).collect();
         }
@@ -99,7 +103,8 @@ impl SceneState {
 
 fn part_facts(part: &Part, blocks: &mut BlockList) -> Value {
     let mesh = &part.mesh;
-    let attributes: Value = mesh.attributes().iter().map(|attribute| attribute_facts(attribute, blocks)).collect();
+    let attributes: Value =
+        mesh.attributes().iter().map(|attribute| attribute_facts(attribute, blocks)).collect();
     let marks: Value = part.marks.iter().map(|marks| marks_facts(marks, blocks)).collect();
     json!({
         "name": part.name,
@@ -163,7 +168,9 @@ fn frame_facts(frame: &Frame) -> Value {
 
 fn assets_facts(assets: &SceneAssets, blocks: &mut BlockList) -> Value {
     let image = |image: &SceneImage| match &image.content {
-        ImageContent::Bytes(bytes) => json!({ "properties": image.properties, "block": blocks.put(bytes.to_vec()) }),
+        ImageContent::Bytes(bytes) => {
+            json!({ "properties": image.properties, "block": blocks.put(bytes.to_vec()) })
+        }
         ImageContent::Uri(uri) => json!({ "properties": image.properties, "uri": uri }),
     };
     let images: Value = assets.images.iter().map(image).collect();
@@ -216,7 +223,10 @@ impl Blocks<'_> {
 
     fn accessors(&self, all: &Value) -> Result<Vec<PackedAccessor>, String> {
         let one = |facts: &Value| {
-            Ok(PackedAccessor { properties: map(&facts["properties"]), bytes: Arc::from(self.get(&facts["block"])?) })
+            Ok(PackedAccessor {
+                properties: map(&facts["properties"]),
+                bytes: Arc::from(self.get(&facts["block"])?),
+            })
         };
         list(all).iter().map(one).collect()
     }
@@ -268,7 +278,12 @@ fn attribute_of(facts: &Value, blocks: Blocks<'_>) -> Result<Attribute, String> 
     };
     let width = index(&facts["width"])?;
     if !widths.contains(&width) {
-        return Err(format!("{}: rows of {} to {} numbers, not {width}", facts["kind"], widths.start(), widths.end()));
+        return Err(format!(
+            "{}: rows of {} to {} numbers, not {width}",
+            facts["kind"],
+            widths.start(),
+            widths.end()
+        ));
     }
     let values = blocks.numbers(&facts["block"])?;
     if values.iter().any(|value| !value.is_finite()) && !matches!(semantic, Semantic::Custom(_)) {
@@ -279,7 +294,11 @@ fn attribute_of(facts: &Value, blocks: Blocks<'_>) -> Result<Attribute, String> 
 
 fn marks_of(facts: &Value, blocks: Blocks<'_>) -> Result<Marks, String> {
     let material = Some(&facts["material"]).filter(|material| !material.is_null()).map(index).transpose()?;
-    Ok(Marks { primitive: map(&facts["primitive"]), material, accessors: blocks.accessors(&facts["accessors"])? })
+    Ok(Marks {
+        primitive: map(&facts["primitive"]),
+        material,
+        accessors: blocks.accessors(&facts["accessors"])?,
+    })
 }
 
 fn node_of(facts: &Value) -> Result<Node, String> {

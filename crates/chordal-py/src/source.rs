@@ -184,8 +184,7 @@ impl Source {
 
     /// Distances to the shape on a lattice, the report, and why a budget was not met.
     fn bake(&self, py: Python<'_>, arguments: BakeArguments) -> PyResult<BakedVolume> {
-        bake_input(py, self.named_input(), arguments)
-            .map_err(|error| self.raised().unwrap_or(error))
+        bake_input(py, self.named_input(), arguments).map_err(|error| self.raised().unwrap_or(error))
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.
@@ -198,8 +197,7 @@ impl Source {
     ) -> PyResult<Outcome> {
         let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
         let order = self.order(MeshTask::Mesh(arguments.spec(py)?));
-        Outcome::new(py, order, to.into(), progress)
-            .map_err(|error| self.raised().unwrap_or(error))
+        Outcome::new(py, order, to.into(), progress).map_err(|error| self.raised().unwrap_or(error))
     }
 }
 

@@ -1,7 +1,7 @@
 //! `FilesBeside`: the scripts, drawings and triangles that a script names, read through the opener of a shell.
+use crate::Shape;
 use crate::drawing_to_field::drawing_to_field;
 use crate::file_extension::extension;
-use crate::Shape;
 use crate::scene_to_field::scene_to_field;
 use chordal::implicit::Field;
 use chordal::{Job, Tolerance};

@@ -30,10 +30,10 @@ impl FromStr for LodLens {
         let is_whole = has_distance || says("eye=") || says("target=") || says("height=");
         let whole = if is_whole { text.to_owned() } else { format!("{text} dist=1") };
         match whole.parse::<View>().map_err(|error| error.to_string())? {
-            View::MinDistance(closest) if closest.focal_px().is_none() => {
-                Err("levels change with the distance, which parallel rays do not see: say fov instead of height"
-                    .to_owned())
-            }
+            View::MinDistance(closest) if closest.focal_px().is_none() => Err(
+                "levels change with the distance, which parallel rays do not see: say fov instead of height"
+                    .to_owned(),
+            ),
             View::MinDistance(closest) => Ok(Self { closest, has_distance }),
             View::Camera(_) => {
                 Err("levels of detail are for every direction: leave out eye and target".to_owned())

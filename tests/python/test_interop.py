@@ -1,0 +1,155 @@
+"""Meshes and images of other libraries, taken and given: of those that are installed."""
+
+from __future__ import annotations
+
+import types
+from typing import Any
+
+import numpy as np
+import pytest
+
+from conftest import SQUARE
+
+import chordal
+
+
+POINTS = np.array([(0.1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+FACES = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+NORMALS = POINTS / np.linalg.norm(POINTS, axis=1, keepdims=True)
+UV = np.array([(0, 0), (1, 0), (0, 1), (0.25, 0.5)])
+COLORS = np.array([(255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 255, 255), (9, 8, 7, 128)], np.uint8)
+
+
+def library(name: str) -> Any:
+    return pytest.importorskip(name, reason=f"{name} is not installed: what is taken from and given to it is not tried")
+
+
+def test_whatever_has_vertices_and_faces_is_a_mesh() -> None:
+    other = types.SimpleNamespace(vertices=POINTS, faces=FACES)
+    assert np.array_equal(chordal.Mesh.from_(other).vertices, POINTS)
+    assert chordal.mesh(other, tol=0.1).is_watertight
+    with pytest.raises(TypeError, match="a mesh of another library, not int"):
+        chordal.Mesh.from_(3)
+
+
+def test_trimesh_comes_and_goes() -> None:
+    trimesh = library("trimesh")
+    ours = chordal.Mesh(POINTS, FACES, normals=NORMALS, uv=UV)
+    theirs = ours.to_trimesh()
+    assert isinstance(theirs, trimesh.Trimesh) and theirs.is_watertight
+    assert np.array_equal(theirs.vertices, POINTS) and np.array_equal(theirs.faces, FACES)
+    assert np.array_equal(theirs.visual.uv, UV) and np.allclose(theirs.vertex_normals, NORMALS)
+    assert theirs.metadata["chordal"] == {"at_least": 0.0, "at_most": 0.0, "evidence": "proved"}
+    back = chordal.Mesh.from_(theirs)
+    assert np.array_equal(back.vertices, POINTS) and np.array_equal(back.uv, UV)  # type: ignore[arg-type]
+    painted = chordal.Mesh(POINTS, FACES, colors=COLORS).to_trimesh()
+    assert np.array_equal(painted.visual.vertex_colors, COLORS)
+    again = chordal.Mesh.from_(painted).colors
+    assert again is not None and np.array_equal(np.rint(again * 255), COLORS)
+    assert abs(ours.volume - theirs.volume) < 1e-15 and abs(ours.area - theirs.area) < 1e-15
+
+
+def test_numbers_of_a_mesh_are_those_of_trimesh() -> None:
+    library("trimesh")
+    ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve().mesh(tol=0.01)
+    theirs = ring.to_trimesh()
+    assert np.allclose(ring.bounds, theirs.bounds) and np.allclose(ring.extents, theirs.extents)
+    assert np.isclose(ring.volume, theirs.volume) and np.isclose(ring.area, theirs.area)
+    assert np.allclose(ring.face_normals, theirs.face_normals, atol=1e-9)
+    assert ring.is_watertight and theirs.is_watertight
+
+
+def test_pyvista_comes_and_goes() -> None:
+    pyvista = library("pyvista")
+    theirs = chordal.Mesh(POINTS, FACES, normals=NORMALS, uv=UV).to_pyvista()
+    assert isinstance(theirs, pyvista.PolyData) and theirs.n_open_edges == 0
+    back = chordal.Mesh.from_(theirs)
+    assert np.array_equal(back.vertices, POINTS) and np.array_equal(back.faces, FACES)
+    assert np.array_equal(back.uv, UV) and np.allclose(back.normals, NORMALS)  # type: ignore[arg-type]
+
+
+def test_manifold3d_comes_and_goes() -> None:
+    library("manifold3d")
+    theirs = chordal.Mesh(POINTS, FACES).to_manifold3d()
+    assert theirs.num_tri() == 4 and abs(theirs.volume() - chordal.Mesh(POINTS, FACES).volume) < 1e-12
+    back = chordal.Mesh.from_(theirs)
+    assert sorted(map(tuple, back.vertices)) == sorted(map(tuple, POINTS))
+    with pytest.raises(ValueError, match="no solid"):
+        chordal.Mesh(POINTS, FACES[:3]).to_manifold3d()
+
+
+def test_meshio_comes_and_goes() -> None:
+    meshio = library("meshio")
+    theirs = chordal.Mesh(POINTS, FACES, uv=UV).to_meshio()
+    assert np.array_equal(theirs.point_data["uv"], UV)
+    assert np.array_equal(chordal.Mesh.from_(theirs).faces, FACES)
+    quads = meshio.Mesh([(0, 0), (1, 0), (1, 1), (0, 1)], [("quad", np.array([(0, 1, 2, 3)]))])
+    assert chordal.Mesh.from_(quads).area == 1
+    with pytest.raises(ValueError, match="not of tetra"):
+        chordal.Mesh.from_(meshio.Mesh(POINTS, [("tetra", np.array([(0, 1, 2, 3)]))]))
+
+
+def test_open3d_comes_and_goes() -> None:
+    library("open3d")
+    theirs = chordal.Mesh(POINTS, FACES, normals=NORMALS).to_open3d()
+    back = chordal.Mesh.from_(theirs)
+    assert np.array_equal(back.vertices, POINTS) and np.array_equal(back.faces, FACES)
+    assert np.allclose(back.normals, NORMALS)  # type: ignore[arg-type]
+
+
+SAMPLES = np.arange(3 * 4 * 5, dtype=np.int16).reshape(3, 4, 5)
+TURNED = np.array([(0, -0.5, 0, 10), (2, 0, 0, 20), (0, 0, 3, 30), (0, 0, 0, 1)], float)
+
+
+def test_nibabel_comes_and_goes() -> None:
+    nibabel = library("nibabel")
+    image = nibabel.Nifti1Image(SAMPLES, TURNED)
+    image.header.set_xyzt_units("mm")
+    ours = chordal.volume(image)
+    assert np.array_equal(ours.array, SAMPLES) and ours.dtype == np.int16
+    assert np.array_equal(ours.affine, TURNED) and ours.spacing == (2, 0.5, 3)
+    back = ours.to_nibabel()
+    assert np.array_equal(back.dataobj, SAMPLES) and np.array_equal(back.affine, TURNED)
+    scaled = nibabel.Nifti1Image(SAMPLES, TURNED)
+    scaled.header.set_slope_inter(2, 1)
+    assert chordal.volume(nibabel.Nifti1Image.from_bytes(scaled.to_bytes())).array[2, 3, 4] == 2 * 59 + 1
+
+
+def test_simpleitk_comes_and_goes() -> None:
+    library("SimpleITK")
+    ours = chordal.volume(SAMPLES, affine=TURNED)
+    image = ours.to_simpleitk()
+    assert image.GetSize() == (3, 4, 5) and image[2, 3, 4] == SAMPLES[2, 3, 4]
+    assert image.TransformIndexToPhysicalPoint((1, 2, 3)) == tuple((TURNED @ (1, 2, 3, 1))[:3])
+    back = chordal.volume(image)
+    assert np.array_equal(back.array, SAMPLES) and np.allclose(back.affine, TURNED, atol=1e-12)
+    with pytest.raises(ValueError, match="right angles"):
+        chordal.volume(SAMPLES, affine=[(1, 1, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)]).to_simpleitk()
+
+
+def test_xarray_comes_and_goes() -> None:
+    xarray = library("xarray")
+    coords = {"z": np.array([1.0, 1.5, 2.0]), "y": np.arange(4) * 2.0, "x": np.arange(5) - 7.0}
+    data = xarray.DataArray(SAMPLES, dims=("z", "y", "x"), coords=coords)
+    ours = chordal.volume(data)
+    assert ours.shape == (5, 4, 3) and ours.spacing == (1, 2, 0.5) and ours.origin == (-7, 0, 1)
+    assert ours.array[4, 3, 2] == SAMPLES[2, 3, 4]
+    back = ours.to_xarray()
+    assert np.array_equal(back.transpose("z", "y", "x").values, SAMPLES)
+    assert all(np.array_equal(back.coords[name], data.coords[name]) for name in "xyz")
+    coords["x"][1] = 0
+    with pytest.raises(ValueError, match="not evenly spaced"):
+        chordal.volume(xarray.DataArray(SAMPLES, dims=("z", "y", "x"), coords=coords))
+
+
+def test_an_image_says_where_it_is() -> None:
+    image = types.SimpleNamespace(dims=("x", "y", "z"), coords={}, values=SAMPLES)
+    image.transpose = lambda *_: image
+    assert chordal.volume(image).shape == (3, 4, 5)
+    with pytest.raises(TypeError, match="says them already"):
+        chordal.volume(image, spacing=2)
+
+
+def test_a_square_of_a_file_is_given_with_what_it_has() -> None:
+    library("trimesh")
+    assert len(chordal.load(SQUARE, format="obj").mesh(tol=0.1).to_trimesh().faces) == 2
