@@ -17,6 +17,7 @@ The words of shape scripts (`box`, `sphere`, `union`, `spline`, `x`, …) are in
 
 from chordal import shapes
 from chordal._batch import batch
+from chordal._blocks import Block, BlockVolume, block_volume
 from chordal._bound import Bound
 from chordal._cage import Cage
 from chordal._chordal import VERSION as __version__
@@ -59,6 +60,8 @@ from chordal._volume import Volume, labels, volume
 
 __all__ = [
     "Attribute",
+    "Block",
+    "BlockVolume",
     "Bound",
     "BudgetError",
     "BudgetUnmet",
@@ -87,6 +90,7 @@ __all__ = [
     "__version__",
     "bake",
     "batch",
+    "block_volume",
     "convert",
     "deviation",
     "difference",

@@ -6,8 +6,8 @@ from typing import Any, Final, TypedDict, final, type_check_only
 from chordal._budget import BudgetArguments
 
 __all__ = [
-    "Array", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source", "VERSION",
-    "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "language", "levels", "mend", "mesh_field",
+    "Array", "Block", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source", "VERSION",
+    "block", "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "joined", "language", "levels", "mend", "mesh_field",
     "path_at", "path_facts", "path_source", "picture", "revolved", "samples", "scene_array", "scene_facts", "scene_image",
     "scene_of_state", "scene_state", "script", "surface", "to_cubics", "view",
 ]
@@ -111,10 +111,29 @@ class PictureArguments(TypedDict):
     length: tuple[str, str] | None
     darkest: str | None
 
+@type_check_only
+class BlockArguments(TypedDict):
+    iso: float
+    inside: str
+    capped: list[list[bool]]
+    offset: list[int]
+    affine: list[list[float]]
+
 @final
 class Array:
     @property
     def __array_interface__(self) -> dict[str, Any]: ...
+
+@final
+class Block:
+    @property
+    def n_faces(self) -> int: ...
+    def array(self, name: str) -> Array: ...
+    @property
+    def bound(self) -> str | None: ...
+    def state(self) -> tuple[list[bytes], tuple[float, float, list[float] | None] | None]: ...
+    @staticmethod
+    def of_state(blocks: list[bytes], bound: tuple[float, float, list[float] | None] | None) -> Block: ...
 
 @final
 class Cage:
@@ -235,6 +254,8 @@ def combine(
     format: str,
     progress: Callable[[str, int, int], object] | None,
 ) -> Outcome: ...
+def block(samples: Source, arguments: BlockArguments) -> Block: ...
+def joined(blocks: Sequence[Block], metres_per_unit: float | None) -> tuple[Source, str]: ...
 def convert(
     source: Source, format: str, packing: tuple[bool, str | None], length: tuple[str, str] | None
 ) -> Conversion: ...

@@ -4,6 +4,7 @@
 //! says best. What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects
 //! that hold shapes.
 mod array;
+mod block;
 mod cage;
 mod combine;
 mod command;
@@ -35,6 +36,8 @@ use pyo3::prelude::*;
 /// The compiled part of chordal.
 #[pymodule]
 mod _chordal {
+    #[pymodule_export]
+    use super::block::{Block, block, joined};
     #[pymodule_export]
     use super::combine::combine;
     #[pymodule_export]

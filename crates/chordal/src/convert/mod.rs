@@ -15,6 +15,7 @@ mod fields;
 mod fields_with_meshes;
 mod fitting;
 mod gradient_normals;
+mod grid_blocks;
 mod grid_to_mesh;
 mod grid_to_polyline;
 mod labels_to_meshes;
@@ -100,6 +101,7 @@ pub mod gpu {
 /// Isosurfaces on a lattice, vertex by vertex.
 pub mod lattices {
     pub use super::cubes::marching_cubes::Coordinate;
+    pub use super::grid_blocks::{FaceKey, GridBlock, grid_to_block, join_blocks};
     pub use super::grid_to_mesh::{TriangleArrays, VertexKey, grid_to_triangles, vertex_keys};
     pub use super::labels_to_meshes::{LabelOptions, labels_to_meshes};
     pub use super::lattice::Lattice;

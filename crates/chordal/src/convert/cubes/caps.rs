@@ -89,6 +89,31 @@ pub(super) fn write(plan: &MarchingPlan, affine: &Affine3, faces: &mut [[u32; 3]
     });
 }
 
+/// Visits the triangles that [`write`] makes, in their order: the axis and the end of its border, the first corner of its
+/// square along the next two axes, and its number there.
+pub(super) fn for_each_triangle(bits: &SignBits, mut each: impl FnMut(usize, usize, [usize; 2], u8)) {
+    for_each_square(bits, |square| {
+        let (axis, end) = border_of(&square, bits.size);
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+        let first = [u, v].map(|k| square.iter().map(|at| at[k]).min().unwrap_or(0));
+        let mut number = 0;
+        triangles(
+            square.map(|at| bits.is_inside(at)),
+            |_| 0,
+            |_| {
+                each(axis, end, first, number);
+                number += 1;
+            },
+        );
+    });
+}
+
+/// The axis whose border a square is in, and which end of it.
+fn border_of(square: &CapSquare, size: [usize; 3]) -> (usize, usize) {
+    let axis = (0..3).find(|&k| square.iter().all(|at| at[k] == square[0][k])).unwrap_or(0);
+    (axis, usize::from(square[0][axis] + 1 == size[axis]))
+}
+
 /// The vertex between two neighbouring samples of different sides.
 fn crossing(plan: &MarchingPlan, a: [usize; 3], b: [usize; 3]) -> u32 {
     let axis = (0..3).find(|&k| a[k] != b[k]).unwrap_or(0);

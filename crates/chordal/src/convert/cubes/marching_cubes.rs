@@ -176,6 +176,11 @@ impl MarchingPlan {
         all
     }
 
+    /// Visits the triangles of the caps, which come after those of all cells: see [`caps::for_each_triangle`].
+    pub(crate) fn for_each_cap_triangle(&self, each: impl FnMut(usize, usize, [usize; 2], u8)) {
+        caps::for_each_triangle(&self.bits, each);
+    }
+
     /// Splits an array with one entry a vertex into a part for each slab.
     fn parts<'a, T>(&'a self, all: &'a mut [T]) -> Vec<(&'a LatticeSlab, &'a mut [T])> {
         let mut rest = all;

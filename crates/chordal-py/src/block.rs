@@ -1,0 +1,211 @@
+//! Blocks of a volume, meshed one by one in any process, and joined.
+use crate::array::{Array, ArrayData};
+use crate::source::Source;
+use crate::{failure, work};
+use chordal::budget::{Bound, Evidence, JobError, Reference};
+use chordal::convert::lattices::{FaceKey, GridBlock, VertexKey, grid_to_block, join_blocks};
+use chordal::convert::{Border, Inside, Polygonize};
+use chordal::implicit::{Affine3, Grid};
+use chordal_io::{Format, Frame, Scene};
+use chordal_verbs::report::BoundFacts;
+use chordal_verbs::{Input, Shape, sha256};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+use std::sync::Arc;
+
+/// Where a block is in its volume, and which surface is meant.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct BlockArguments {
+    iso: f64,
+    /// "high" or "low".
+    inside: String,
+    /// For each axis whether its low and its high side are capped.
+    capped: [[bool; 2]; 3],
+    /// The index of the first sample in the volume.
+    offset: [i64; 3],
+    /// The rows that take indices of the volume to space.
+    affine: [[f64; 4]; 3],
+}
+
+/// The triangles of a block.
+#[pyclass(frozen, module = "chordal._chordal")]
+pub(crate) struct Block(Arc<GridBlock>);
+
+/// Meshes a block, whose samples are those of a volume.
+#[pyfunction]
+pub(crate) fn block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<Block> {
+    let Shape::Volume(sampled) = samples.shape() else {
+        return Err(failure::internal(py, "this is no volume"));
+    };
+    let inside = match arguments.inside.as_str() {
+        "high" => Inside::High,
+        "low" => Inside::Low,
+        other => return Err(failure::argument("inside", format!("'high' or 'low', not '{other}'"))),
+    };
+    let border = |capped| if capped { Border::Capped } else { Border::Open };
+    let rule = Polygonize {
+        inside,
+        border: arguments.capped.map(|ends| ends.map(border)),
+        offset: arguments.offset,
+        ..Polygonize::above(arguments.iso)
+    };
+    let affine = Affine3::new(arguments.affine).map_err(|error| failure::argument("affine", error))?;
+    let grid: Grid = sampled.volume.grid.clone().with_affine(affine);
+    let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, job))?;
+    let made = made.map_err(|error| failure::mesh(py, error.into()))?;
+    Ok(Block(Arc::new(made)))
+}
+
+/// The mesh of the whole and its bound as JSON.
+#[pyfunction]
+pub(crate) fn joined(
+    py: Python<'_>,
+    blocks: Vec<Py<Block>>,
+    metres_per_unit: Option<f64>,
+) -> PyResult<(Source, String)> {
+    let blocks: Vec<GridBlock> = blocks.iter().map(|block| GridBlock::clone(&block.get().0)).collect();
+    let made = work::run(py, None, move |job| {
+        let joined = join_blocks(blocks, job)?;
+        let bound = serde_json::to_string(&BoundFacts::new(&joined.bound)).unwrap_or_default();
+        let numbers = joined.shape.positions().as_flattened().iter().flat_map(|x| x.to_ne_bytes());
+        let digest = sha256(&numbers.collect::<Vec<u8>>());
+        let frame = Frame { metres_per_unit, ..Frame::default() };
+        let shape = Shape::Scene(Scene::from_mesh("surface", joined.shape, frame));
+        let format = Format::Ply;
+        let input = Input {
+            shape,
+            format,
+            n_bytes: 0,
+            sha256: digest,
+            files: vec![],
+            warnings: vec![],
+            letters: None,
+        };
+        Ok::<_, JobError>((input, bound))
+    })?;
+    let (input, bound) = made.map_err(|error| failure::mesh(py, error.into()))?;
+    Ok((Source::from_input(input, Vec::new()), bound))
+}
+
+/// Numbers of one key of a vertex in a row: x, y, z, kind.
+const VERTEX_ROW: usize = 4;
+/// Numbers of one key of a triangle in a row: whether it is a cap, three of its place, its number.
+const FACE_ROW: usize = 5;
+
+/// Some numbers.
+type BlockArrayBytes<'py> = pyo3::Bound<'py, PyBytes>;
+
+/// The ends of a bound and where it is worst.
+type BoundState = (f64, f64, Option<[f64; 3]>);
+
+#[pymethods]
+impl Block {
+    /// The number of triangles.
+    #[getter]
+    fn n_faces(&self) -> usize {
+        self.0.faces.len()
+    }
+
+    /// "positions" or "faces".
+    fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
+        match name {
+            "positions" => {
+                Ok(Array::new(&self.0, |block| ArrayData::from_f64(block.positions.as_flattened(), 3)))
+            }
+            "faces" => {
+                Ok(Array::new(&self.0, |block| ArrayData::from_u32_below_sign(block.faces.as_flattened(), 3)))
+            }
+            _ => Err(failure::internal(py, &format!("there are no {name}"))),
+        }
+    }
+
+    /// The bound as JSON; nothing for a block without triangles.
+    #[getter]
+    fn bound(&self) -> Option<String> {
+        serde_json::to_string(&BoundFacts::new(self.0.bound.as_ref()?)).ok()
+    }
+
+    /// All of it as bytes: what [`Self::of_state`] makes the same block of.
+    fn state<'py>(&self, py: Python<'py>) -> (Vec<BlockArrayBytes<'py>>, Option<BoundState>) {
+        let block = &self.0;
+        let bytes = |numbers: Vec<u8>| PyBytes::new(py, &numbers);
+        let vertex = |key: &VertexKey| [key.lattice[0], key.lattice[1], key.lattice[2], i64::from(key.kind)];
+        let face = |key: &FaceKey| {
+            let [a, b, c] = key.place;
+            [i64::from(key.is_cap), a, b, c, i64::from(key.number)]
+        };
+        let whole = |numbers: Vec<i64>| bytes(numbers.iter().flat_map(|n| n.to_le_bytes()).collect());
+        let blocks = vec![
+            bytes(block.positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect()),
+            bytes(block.faces.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect()),
+            whole(block.vertex_keys.iter().flat_map(vertex).collect()),
+            whole(block.face_keys.iter().flat_map(face).collect()),
+        ];
+        let bound = block
+            .bound
+            .as_ref()
+            .map(|bound| (bound.at_least(), bound.at_most().unwrap_or(f64::INFINITY), bound.at));
+        (blocks, bound)
+    }
+
+    /// The block of such a state.
+    #[staticmethod]
+    fn of_state(blocks: [PyBackedBytes; 4], bound: Option<BoundState>) -> PyResult<Self> {
+        let wrong = |what: &str| failure::argument("state", what);
+        let [positions, faces, vertex_keys, face_keys] = &blocks;
+        let (numbers, odd) = positions.as_chunks::<8>();
+        let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        let (indices, odd_index) = faces.as_chunks::<4>();
+        let indices: Vec<u32> = indices.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
+        let whole = |bytes: &[u8]| -> Vec<i64> {
+            bytes.as_chunks::<8>().0.iter().map(|bytes| i64::from_le_bytes(*bytes)).collect()
+        };
+        let small = |n: i64| u8::try_from(n).map_err(|_| wrong("a key is no key"));
+        let (vertex_rows, face_rows) = (whole(vertex_keys), whole(face_keys));
+        let vertex_keys: Vec<VertexKey> = vertex_rows
+            .as_chunks::<VERTEX_ROW>()
+            .0
+            .iter()
+            .map(|[x, y, z, kind]| {
+                Ok(VertexKey { lattice: [*x, *y, *z], level: 0, kind: small(*kind)?, sheet: 0 })
+            })
+            .collect::<PyResult<_>>()?;
+        let face_keys: Vec<FaceKey> = face_rows
+            .as_chunks::<FACE_ROW>()
+            .0
+            .iter()
+            .map(|[cap, a, b, c, number]| {
+                Ok(FaceKey { is_cap: *cap != 0, place: [*a, *b, *c], number: small(*number)? })
+            })
+            .collect::<PyResult<_>>()?;
+        let (points, half) = numbers.as_chunks::<3>();
+        let (corners, half_face) = indices.as_chunks::<3>();
+        let fits = odd.is_empty()
+            && odd_index.is_empty()
+            && half.is_empty()
+            && half_face.is_empty()
+            && vertex_keys.len() == points.len()
+            && face_keys.len() == corners.len()
+            && numbers.iter().all(|x| x.is_finite())
+            && indices.iter().all(|i| (*i as usize) < points.len());
+        if !fits {
+            return Err(wrong("these are no arrays of a block"));
+        }
+        let bound = bound.map(|(least, most, at)| {
+            let most = Some(most).filter(|most| most.is_finite());
+            let mut bound = Bound::with_evidence(least, most, Evidence::Proved, Reference::Trilinear);
+            bound.at = at;
+            bound
+        });
+        Ok(Self(Arc::new(GridBlock {
+            positions: points.to_vec(),
+            normals: Vec::new(),
+            faces: corners.to_vec(),
+            vertex_keys,
+            face_keys,
+            bound,
+        })))
+    }
+}

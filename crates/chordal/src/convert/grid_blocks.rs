@@ -1,0 +1,241 @@
+//! Blocks of a volume that are meshed one by one, and joined to the mesh of the whole: `grid_to_block`, `join_blocks`.
+use super::cubes::bound::IsosurfaceProof;
+use super::cubes::case_table::TABLE;
+use super::cubes::marching_cubes::{Isosurface, MarchingPlan, march, refusal};
+use super::cubes::normals::gradient_normals;
+use super::cubes::rule::{Normals, Polygonize};
+use super::cubes::source::DenseSamples;
+use super::grid_to_mesh::{VertexKey, bound, check, vertex_errors};
+use crate::budget::{Bound, Bounded, Evidence, Job, JobError, Reference, RefusalCode};
+use crate::explicit::{Attribute, Mesh};
+use crate::implicit::{Grid, with_samples};
+
+/// The place of a triangle in the order of the whole: cells row by row, then the caps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FaceKey {
+    /// Whether it closes the shape at the border of the lattice.
+    pub is_cap: bool,
+    /// For a cell z, y and x of its lowest sample; for a cap the border (2 a + 1 for the high end of axis a), and the
+    /// indices along the second and the first axis after it.
+    pub place: [i64; 3],
+    /// Its number among those of this place.
+    pub number: u8,
+}
+
+/// The triangles of a block of a volume, with what joins them to those of other blocks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridBlock {
+    /// n × 3 coordinates.
+    pub positions: Vec<[f64; 3]>,
+    /// A normal for each position, where the rule asks for them.
+    pub normals: Vec<[f64; 3]>,
+    /// m × 3 indices into the positions.
+    pub faces: Vec<[u32; 3]>,
+    /// The key of each position.
+    pub vertex_keys: Vec<VertexKey>,
+    /// The key of each triangle.
+    pub face_keys: Vec<FaceKey>,
+    /// The distance between the triangles and the surface of the interpolant in this block; `None` where it has none.
+    pub bound: Option<Bound>,
+}
+
+/// Meshes a block of a volume: what [`grid_to_mesh`](super::grid_to_mesh()) makes of the whole without a budget, in the
+/// cells of this grid.
+///
+/// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
+/// whole, and `rule.border` is [`Border::Open`](super::Border::Open) where another block goes on. A block without surface
+/// has no triangles. Normals at a side that another block shares come from its own samples alone, so a rule with
+/// [`Normals::Gradient`] is refused where a side is open.
+///
+/// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole.
+///
+/// # Errors
+/// As for [`grid_to_triangles`](super::lattices::grid_to_triangles).
+pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBlock, JobError> {
+    let (size, affine) = (grid.size(), grid.affine());
+    check(size, affine, rule)?;
+    let is_open = rule.border.iter().flatten().any(|border| *border == super::Border::Open);
+    if rule.normals != Normals::None && is_open {
+        let message =
+            "normals at an open side would be those of this block alone: ask for them after joining";
+        return Err(refusal(RefusalCode::Unsupported, message.into()));
+    }
+    job.run(|| {
+        with_samples!(grid.samples(), values => {
+            let source = DenseSamples { values, size, rule: *rule };
+            let Isosurface { positions, faces, plan } = march::<f64, _>(&source, affine, rule, job)?;
+            let vertex_keys = plan.for_each_vertex(job, |kind, at| VertexKey {
+                lattice: [0, 1, 2].map(|k| rule.offset[k] + at[k] as i64),
+                level: 0,
+                kind: kind as u8,
+                sheet: 0,
+            });
+            let face_keys = face_keys(&plan, rule, job);
+            debug_assert_eq!(face_keys.len(), faces.len(), "every triangle has a key");
+            let errors = vertex_errors(affine, rule, size);
+            let bound = (!faces.is_empty()).then(|| {
+                let farthest = IsosurfaceProof::new(&source, affine, rule, errors).max_distance(&plan, job);
+                bound(farthest, Evidence::Proved, affine, rule, size)
+            });
+            let normals = match rule.normals {
+                Normals::None => Vec::new(),
+                Normals::Gradient => gradient_normals(&source, affine, rule, &plan, job),
+            };
+            if job.is_cancelled() {
+                return Err(JobError::Cancelled);
+            }
+            Ok(GridBlock { positions, normals, faces, vertex_keys, face_keys, bound })
+        })
+    })
+}
+
+fn face_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<FaceKey> {
+    let of_slabs = plan.for_each_slab(job, |_, walk| {
+        let mut keys = Vec::new();
+        walk(&mut |[i, j, k], signs| {
+            let place = [k, j, i];
+            let place = [0, 1, 2].map(|axis| rule.offset[2 - axis] + place[axis] as i64);
+            let cell = |number| FaceKey { is_cap: false, place, number };
+            keys.extend((0..TABLE.upright[usize::from(signs)].triangles).map(cell));
+        });
+        keys
+    });
+    let mut keys = of_slabs.concat();
+    plan.for_each_cap_triangle(|axis, end, [p, q], number| {
+        let along = |axis: usize, index: usize| rule.offset[axis % 3] + index as i64;
+        let place = [2 * axis as i64 + end as i64, along(axis + 2, q), along(axis + 1, p)];
+        keys.push(FaceKey { is_cap: true, place, number });
+    });
+    keys
+}
+
+/// Where a vertex is in the order of the whole.
+fn order(key: &VertexKey) -> (i64, i64, u8, i64) {
+    let [x, y, z] = key.lattice;
+    (z, y, key.kind, x)
+}
+
+/// Joins blocks to the mesh of the whole: the same positions and triangles in the same order as
+/// [`grid_to_mesh`](super::grid_to_mesh()) has them, bit for bit, in whatever order the blocks come.
+///
+/// The bound is the largest of all blocks, proved.
+///
+/// Cost: O(n log n) in the vertices and triangles.
+///
+/// # Errors
+/// [`JobError::Refused`]: no block has triangles ([`RefusalCode::Empty`]); vertices of one key lie apart or carry other
+/// normals, or a triangle comes twice: these are no blocks of one volume ([`RefusalCode::Unsupported`]); more than a mesh
+/// or the job may have ([`RefusalCode::TooManyTriangles`]).
+///
+/// ```
+/// use chordal::Job;
+/// use chordal::convert::lattices::{grid_to_block, join_blocks};
+/// use chordal::convert::{Border, Polygonize};
+/// use chordal::implicit::{Affine3, Grid, Samples};
+/// // One voxel of a mask: an octahedron, in two halves.
+/// let mask: Vec<u8> = (0..27).map(|n| u8::from(n == 13)).collect();
+/// let mut blocks = Vec::new();
+/// for low in [0, 1] {
+///     let half = Samples::U8(mask[9 * low..9 * low + 18].to_vec());
+///     let mut rule = Polygonize { offset: [0, 0, low as i64], ..Polygonize::above(0.5) };
+///     rule.border[2][1 - low] = Border::Open;
+///     let grid = Grid::new([3, 3, 2], half, Affine3::IDENTITY)?;
+///     blocks.push(grid_to_block(&grid, &rule, &Job::default()).expect("a block"));
+/// }
+/// let joined = join_blocks(blocks, &Job::default()).expect("blocks of one volume");
+/// assert_eq!((joined.shape.positions().len(), joined.shape.faces().len()), (6, 8));
+/// # Ok::<(), chordal::implicit::InvalidGrid>(())
+/// ```
+pub fn join_blocks(
+    blocks: impl IntoIterator<Item = GridBlock>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, JobError> {
+    let blocks: Vec<GridBlock> = blocks.into_iter().filter(|block| !block.faces.is_empty()).collect();
+    let triangles = blocks.iter().map(|block| block.faces.len() as u64).sum::<u64>();
+    if triangles == 0 {
+        return Err(refusal(RefusalCode::Empty, "no block has a surface".into()));
+    }
+    if triangles > job.triangle_limit {
+        let limit = job.triangle_limit;
+        let message = format!("the blocks have {triangles} triangles; the limit is {limit}");
+        return Err(refusal(RefusalCode::TooManyTriangles, message));
+    }
+    // Every vertex of every block, in the order of the whole.
+    let mut entries: Vec<(usize, u32)> = Vec::new();
+    for (k, block) in blocks.iter().enumerate() {
+        entries.extend((0..block.positions.len() as u32).map(|row| (k, row)));
+    }
+    let key_of = |(k, row): &(usize, u32)| &blocks[*k].vertex_keys[*row as usize];
+    entries.sort_by_cached_key(|entry| order(key_of(entry)));
+    let mut numbers: Vec<Vec<u32>> = blocks.iter().map(|block| vec![0; block.positions.len()]).collect();
+    let (mut positions, mut normals): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (Vec::new(), Vec::new());
+    let mut last: Option<(usize, u32)> = None;
+    for entry in entries {
+        let (k, row) = entry;
+        let block = &blocks[k];
+        let here = (bits(block.positions[row as usize]), block.normals.get(row as usize).copied().map(bits));
+        let is_new = last.is_none_or(|before| key_of(&before) != key_of(&entry));
+        if is_new {
+            if positions.len() as u64 >= u64::from(u32::MAX) - 1 {
+                return Err(refusal(
+                    RefusalCode::TooManyTriangles,
+                    "there are more vertices than one mesh has".into(),
+                ));
+            }
+            positions.push(block.positions[row as usize]);
+            normals.extend(block.normals.get(row as usize));
+            last = Some(entry);
+        } else if last.is_some_and(|(k, row)| {
+            let block = &blocks[k];
+            (bits(block.positions[row as usize]), block.normals.get(row as usize).copied().map(bits)) != here
+        }) {
+            return Err(refusal(
+                RefusalCode::Unsupported,
+                format!(
+                    "vertices of one key lie apart: these are no blocks of one volume ({:?})",
+                    key_of(&entry).lattice
+                ),
+            ));
+        }
+        numbers[k][row as usize] = positions.len() as u32 - 1;
+    }
+    let mut faces: Vec<(FaceKey, [u32; 3])> = Vec::with_capacity(triangles as usize);
+    for (block, numbers) in blocks.iter().zip(&numbers) {
+        let face = |face: &[u32; 3]| face.map(|row| numbers[row as usize]);
+        faces.extend(block.face_keys.iter().copied().zip(block.faces.iter().map(face)));
+    }
+    faces.sort_unstable_by_key(|(key, _)| *key);
+    if let Some(pair) = faces.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        let message =
+            format!("a triangle comes twice: blocks overlap by more than a sample ({:?})", pair[0].0.place);
+        return Err(refusal(RefusalCode::Unsupported, message));
+    }
+    let bound = largest(blocks.iter().filter_map(|block| block.bound.as_ref()));
+    let faces = faces.into_iter().map(|(_, face)| face).collect();
+    let mesh = Mesh::new(positions, faces)
+        .map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))?;
+    let mesh = match normals.len() == mesh.positions().len() {
+        true => mesh.with_attribute(Attribute::vertex_normals(&normals)),
+        false => Ok(mesh),
+    };
+    let mesh = mesh.map_err(|error| refusal(RefusalCode::Unsupported, error.to_string()))?;
+    Ok(Bounded { shape: mesh, bound })
+}
+
+fn bits(point: [f64; 3]) -> [u64; 3] {
+    point.map(f64::to_bits)
+}
+
+/// A bound of all blocks: none is farther than the farthest. At its lower end it says nothing: how far a point is from the
+/// triangles of its own block, it need not be from another's.
+fn largest<'a>(bounds: impl Iterator<Item = &'a Bound>) -> Bound {
+    let most_of = |bound: &Bound| bound.at_most().unwrap_or(f64::INFINITY);
+    let farthest = bounds.fold(None, |farthest: Option<&Bound>, bound| match farthest {
+        Some(before) if most_of(before) >= most_of(bound) => Some(before),
+        _ => Some(bound),
+    });
+    let most = farthest.map_or(Some(0.0), Bound::at_most);
+    let mut bound = Bound::with_evidence(0.0, most, Evidence::Proved, Reference::Trilinear);
+    bound.at = farthest.and_then(|farthest| farthest.at);
+    bound
+}

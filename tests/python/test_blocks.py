@@ -1,0 +1,121 @@
+"""Volumes that are read a block at a time: the same mesh as of the whole, bit for bit, wherever the blocks are done."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import chordal
+
+STEPS: Any = {"spacing": (0.7, 1.1, 0.5), "origin": (-3.0, 4.0, 100.0)}
+
+
+def same(one: chordal.Mesh, two: chordal.Mesh) -> bool:
+    return one.vertices.tobytes() == two.vertices.tobytes() and one.faces.tobytes() == two.faces.tobytes()
+
+
+def ball(shape: tuple[int, ...] = (23, 19, 27)) -> NDArray[np.float64]:
+    middle = (np.array(shape) - 1) / 2
+    places = np.moveaxis(np.indices(shape), 0, -1) - middle
+    found: NDArray[np.float64] = np.linalg.norm(places, axis=-1) - 0.37 * min(shape)
+    return found
+
+
+class Slow:
+    """An array that is read by slices alone, and that counts them."""
+
+    def __init__(self, array: NDArray[Any], broken: tuple[int, int, int] | None = None) -> None:
+        self._array, self.shape, self.dtype, self.broken = array, array.shape, array.dtype, broken
+        self.reads: list[tuple[slice, ...]] = []
+
+    def __getitem__(self, slices: tuple[slice, ...]) -> NDArray[Any]:
+        self.reads.append(slices)
+        if self.broken is not None and tuple(s.start for s in slices) == self.broken:
+            raise OSError("checksum of the chunk is wrong")
+        return self._array[slices]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_blocks_of_any_shape_join_to_the_whole_bit_for_bit(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shape = tuple(int(n) for n in rng.integers(2, 14, 3))
+    kinds: list[Any] = [rng.normal(size=shape), rng.integers(0, 3, shape, dtype=np.uint8), ball(shape) if min(shape) > 4 else 0]
+    samples = kinds[seed % 3] if not isinstance(kinds[seed % 3], int) else rng.normal(size=shape).astype(np.float32)
+    iso = 0.1 if seed % 2 else 0.0
+    border: Any = "capped" if seed % 2 else "open"
+    whole = chordal.volume(samples, **STEPS).mesh(iso=iso, inside="high", border=border)
+    for block in (3, 7, (2, 5, 40), (1, 1, 1) if samples.size < 200 else 11, 100):
+        made = chordal.block_volume(samples, **STEPS).mesh(iso=iso, border=border, block=block)
+        assert same(made, whole), (shape, block)
+        assert made.bound.evidence == "proved" and made.bound.at_most is not None
+        assert whole.bound.at_least <= made.bound.at_most
+    if border == "capped":
+        assert made.is_watertight
+
+
+def test_each_task_reads_its_own_block_once() -> None:
+    slow = Slow(ball())
+    made = chordal.block_volume(slow, **STEPS).mesh(iso=0, inside="low", block=10)
+    assert same(made, chordal.volume(ball(), **STEPS).mesh(iso=0, inside="low"))
+    assert len(slow.reads) == 3 * 2 * 3 and max(s.stop - s.start for read in slow.reads for s in read) == 11
+
+
+def test_a_memory_mapped_file_is_a_volume(tmp_path: Path) -> None:
+    np.save(tmp_path / "ball.npy", ball())
+    made = chordal.block_volume(tmp_path / "ball.npy", unit="mm", **STEPS).mesh(iso=0, inside="low", block=9)
+    whole = chordal.volume(ball(), unit="mm", **STEPS).mesh(iso=0, inside="low")
+    assert same(made, whole)
+    # What is done with it goes on as with any mesh.
+    assert len(made.mesh(tol="0.5mm").faces) < len(made.faces)
+
+
+def test_other_processes_do_blocks(tmp_path: Path) -> None:
+    np.save(tmp_path / "ball.npy", ball())
+    volume = chordal.block_volume(tmp_path / "ball.npy", **STEPS)
+    seen: list[tuple[str, int, int]] = []
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        made = volume.mesh(iso=0, inside="low", block=9, executor=pool, progress=lambda *told: seen.append(told))
+    assert same(made, chordal.volume(ball(), **STEPS).mesh(iso=0, inside="low"))
+    assert [done for _, done, _ in seen] == list(range(1, 3 * 2 * 3 + 1))
+
+
+
+
+def test_what_was_done_is_kept_in_a_folder(tmp_path: Path) -> None:
+    folder, whole = tmp_path / "done", chordal.volume(ball(), **STEPS).mesh(iso=0, inside="low")
+    arguments: Any = {"iso": 0, "inside": "low", "block": 10, "folder": folder}
+    broken = Slow(ball(), broken=(10, 10, 0))
+    with pytest.raises(chordal.Error, match=r"the block at \(10, 10, 0\) cannot be read: checksum of the chunk"):
+        chordal.block_volume(broken, **STEPS).mesh(**arguments)
+    n_kept = len(list(folder.glob("block_*")))
+    assert 0 < n_kept < 18
+    again = Slow(ball())
+    assert same(chordal.block_volume(again, **STEPS).mesh(**arguments), whole)
+    assert len(again.reads) == 18 - n_kept
+    # One that is damaged, and one that is gone, are done again.
+    (folder / "block_3.chordal").write_bytes((folder / "block_3.chordal").read_bytes()[:-1] + b"?")
+    (folder / "block_4.chordal").unlink()
+    third = Slow(ball())
+    assert same(chordal.block_volume(third, **STEPS).mesh(**arguments), whole) and len(third.reads) == 2
+    with pytest.raises(chordal.Error, match="blocks of another volume, level or version"):
+        chordal.block_volume(Slow(ball()), **STEPS).mesh(**{**arguments, "iso": 0.5})
+
+
+def test_arguments_are_named() -> None:
+    volume = chordal.block_volume(ball())
+    with pytest.raises(ValueError, match="block: one whole number"):
+        volume.mesh(iso=0, block=0)
+    with pytest.raises(ValueError, match="inside"):
+        volume.mesh(iso=0, inside="out")  # type: ignore[arg-type]
+    with pytest.raises(chordal.Refused, match="no block has a surface"):
+        volume.mesh(iso=1e6, inside="high")
+    with pytest.raises(ValueError, match="three axes"):
+        chordal.block_volume(np.zeros((3, 3)))
+    with pytest.raises(chordal.Refused, match="no cells"):
+        chordal.block_volume(np.zeros((3, 3, 1))).mesh(iso=0)
