@@ -122,12 +122,19 @@ type Page = PageOf<State, Answer, Texts>;
 const PAINTS = ["zero", "one", "two", "three"] as const;
 const within = (t: number) => Math.round(Math.min(Math.max(t, LOW), HIGH) * 100) / 100;
 
+/** A triangle, counter-clockwise. */
+function oneWay([a, b, c]: readonly Point[]): Point[] {
+  const turn = (b![0] - a![0]) * (c![1] - a![1]) - (b![1] - a![1]) * (c![0] - a![0]);
+  return turn < 0 ? [a!, c!, b!] : [a!, b!, c!];
+}
+
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill } = page;
   const control = FORMS[state.form];
   const now = useRef(page);
   now.current = page;
-  const hull = [0, 1, 2, 3].map((out) => path(control.filter((_, i) => i !== out))).join("");
+  // Three points at a time cover the hull; all of them run one way, or fills would cancel where they overlap.
+  const hull = [0, 1, 2, 3].map((out) => path(oneWay(control.filter((_, i) => i !== out)))).join("");
   const isWithin = state.t >= 0 && state.t <= 1;
   return (
     <Flat name={texts.figure}>

@@ -85,7 +85,7 @@ const texts: Record<Language, Texts> = {
     ],
     attempts: [
       "Move the rounds from 0 to 5. By what does the number fall each time?",
-      "Raise the sharpness to 2. For how many rounds does the error fall by less?",
+      "Raise the sharpness to 2. By what does the number fall now, round by round?",
     ],
   },
   zh: {
@@ -113,7 +113,7 @@ const texts: Record<Language, Texts> = {
     ],
     attempts: [
       "把细分次数从 0 拖到 5：数字每次降到几分之一？",
-      "把锐度提到 2：有几次误差降得较少？",
+      "把锐度提到 2：现在每次细分降到几分之一？",
     ],
   },
 };

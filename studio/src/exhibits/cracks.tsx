@@ -75,7 +75,6 @@ const texts: Record<Language, Texts> = {
     attempts: [
       "Try 6 and 12, multiples of three: are all vertices of the left side on the right one? Is the crack gone?",
       "Cut the side once, then move the slider through all its stops: 0 everywhere.",
-      "Zoom out until the crack is below a pixel. It still flickers when something moves.",
     ],
   },
   zh: {
@@ -102,7 +101,6 @@ const texts: Record<Language, Texts> = {
     attempts: [
       "取 6 和 12 这样的三的倍数：左边的顶点都在右边上吗？裂缝消失了吗？",
       "改成只分一次，再把滑块拖过每一档：始终是 0。",
-      "缩小画面，直到裂缝不足一个像素：一有运动，它仍会闪烁。",
     ],
   },
 };

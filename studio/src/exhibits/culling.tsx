@@ -96,7 +96,7 @@ const texts: Record<Language, Texts> = {
     volume: "Volume, by the order of corners",
     noVolume: "none",
     story: [
-      "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out whatever runs clockwise on the screen, *about half of all triangles*. It looks at nothing but the order.",
+      "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out whatever runs clockwise on the screen, *half of all triangles or more*. It looks at nothing but the order.",
       "Two neighbours agree when they run along their common edge in opposite ways. Turn one over and its three edges disagree. At rest, with both sides drawn, nobody sees it; lit or culled, it is a hole. That is why two meshes that look alike can behave differently.",
       "Turn over all triangles of a ball that agrees, and every edge agrees again. But now the ball is inside out: by its corners its volume would be negative.",
     ],
@@ -142,7 +142,7 @@ const texts: Record<Language, Texts> = {
     volume: "按顶点次序算出的体积",
     noVolume: "无",
     story: [
-      "文件里并没有写三角形哪面朝外，写明的是*顶点的次序*：从正面看，顶点按逆时针排列。封闭曲面的背面都在里面，所以图形处理器把屏幕上按顺时针排列的三角形全部去掉，*大约占一半*。这就是背面剔除，它只看次序。",
+      "文件里并没有写三角形哪面朝外，写明的是*顶点的次序*：从正面看，顶点按逆时针排列。封闭曲面的背面都在里面，所以图形处理器把屏幕上按顺时针排列的三角形全部去掉，*占一半以上*。这就是背面剔除，它只看次序。",
       "两个相邻三角形沿公共边的走向相反，就算一致。翻转其中一个，它的三条边就都不一致。静止地双面绘制时看不出来；一打光、一剔除，就是一个孔。两个看上去一样的网格表现不同，原因就在这里。",
       "把方向一致的球的所有三角形都翻转，每条边仍然一致，但球里外颠倒：按顶点次序算，体积成了负数。",
     ],

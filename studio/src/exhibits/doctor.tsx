@@ -96,12 +96,14 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
+const hasInside = ({ closed, manifold, oriented }: Answer) => closed && manifold && oriented;
+
 function liveNumber({ answer, say, texts }: Page): LiveNumber {
   return {
     value: answer.faults,
     shown: say.whole(answer.faults),
     label: texts.label,
-    meaning: answer.faults ? texts.sick : texts.well(say.number(answer.volume ?? 0)),
+    meaning: answer.faults ? (hasInside(answer) ? texts.left : texts.sick) : texts.well(say.number(answer.volume ?? 0)),
     tone: answer.faults ? "bad" : "good",
   };
 }
@@ -174,8 +176,8 @@ function Panel({ page }: { page: Page }) {
         <div>
           <dt>{texts.volume}</dt>
           <dd>
-            <Data name="volume" value={answer.volume}>
-              {answer.volume === null ? texts.noVolume : say.number(answer.volume)}
+            <Data name="volume" value={hasInside(answer) ? answer.volume : null}>
+              {answer.volume === null || !hasInside(answer) ? texts.noVolume : say.number(answer.volume)}
             </Data>
           </dd>
         </div>

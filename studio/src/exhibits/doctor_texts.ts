@@ -35,6 +35,7 @@ export interface Texts extends CommonTexts {
   patients: Record<Patient, string>;
   label: string;
   sick: string;
+  left: string;
   well(volume: string): string;
   findings: string;
   nothing: string;
@@ -111,7 +112,8 @@ export const DOCTOR: Record<Language, Texts> = {
       double: "twice the same",
     },
     label: "Kinds of faults",
-    sick: "Nobody can say what is inside. A slicer, a solver or a boolean would guess, or refuse.",
+    sick: "The promise is broken. A slicer, a solver or a boolean would have to guess what is inside, or refuse.",
+    left: "Closed, manifold and consistently wound: it has an inside. But something is there that a drawing or a print would show.",
     well: (volume) => `Closed, manifold and consistently wound: it has an inside, and its volume is ${volume}.`,
     findings: "Findings",
     nothing: "Nothing.",
@@ -195,7 +197,8 @@ export const DOCTOR: Record<Language, Texts> = {
       double: "重复",
     },
     label: "错误的种类",
-    sick: "谁也说不清哪里是内部。切片、求解或布尔运算只能猜，或者拒绝。",
+    sick: "约定被破坏了：切片、求解或布尔运算只能猜测哪里是内部，或者拒绝。",
+    left: "封闭、流形、环绕方向一致：它有内部。但还有多余的东西，绘制或打印时会显出来。",
     well: (volume) => `封闭、流形、环绕方向一致：它有内部，体积为 ${volume}。`,
     findings: "诊断",
     nothing: "没有发现问题。",
@@ -234,9 +237,9 @@ export const DOCTOR: Record<Language, Texts> = {
     yes: "是",
     no: "否",
     volume: "体积",
-    noVolume: "没有",
+    noVolume: "无",
     story: [
-      "网格只是一串三角形。它们能构成*有内部的曲面*，靠的是关于边的约定：每条边恰有两个三角形，且沿边走向相反。内核精确*统计*约定在哪里被破坏，但什么也不改；修复要另外指名执行。",
+      "网格只是一串三角形。它们能构成*有内部的曲面*，靠的是关于边的约定：每条边恰有两个三角形，且沿边走向相反。内核精确*统计*约定在哪里被破坏，但什么也不改；修复要由你指名，另行执行。",
       "文件违反约定的方式不多：少了一个三角形；每个三角形各有自己的顶点，彼此互不相连；邻面切得更细，新顶点落在一条不知道它的边上；有些三角形环绕方向反了；两个实体共用一条边；有东西重复了。",
       "修复会说明做了什么、曲面最多移动了多少，并且有证明。多数修复根本不移动任何点。",
       "次序很重要。三角形汤处处是边界，若先补孔，每个三角形都会多出一个背面；应当先焊接。按钮上显示的是第一个有效的修复。",

@@ -17,7 +17,7 @@ export interface Entry {
 export const PARTS: Record<Entry["part"], Both> = {
   1: { en: "The triangle is the atom", zh: "三角形是原子" },
   2: { en: "The mesh stores millions", zh: "网格存下百万个三角形" },
-  3: { en: "Authored smooth", zh: "以光滑曲面创作" },
+  3: { en: "Authored smooth", zh: "用光滑的曲线曲面造型" },
   4: { en: "The other answer: f(x) = 0", zh: "另一种回答：f(x) = 0" },
   5: { en: "The cost", zh: "代价" },
 };
@@ -109,7 +109,7 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "Where curves meet", zh: "曲线相接之处" },
     claim: {
       en: "C0 meets with a kink, C1 hides it, and only C2 lets a reflection run on.",
-      zh: "C0 有折角，C1 看不出折角，只有 C2 让映像连续通过。",
+      zh: "C0 有折角，C1 看不出折角，只有 C2 让反射的条纹连续通过。",
     },
     load: () => import("./joins"),
   },
@@ -179,7 +179,7 @@ export const EXHIBITS: readonly Entry[] = [
     title: { en: "From samples to lines", zh: "从样本到线" },
     claim: {
       en: "A lattice of samples cuts sharp corners off; a mesher that knows the parts keeps them.",
-      zh: "格点采样会切掉尖角；知道组成部分的网格化能保住它。",
+      zh: "格点采样会切掉尖角；知道形状由哪些部分组成的网格化能保住它。",
     },
     load: () => import("./squares"),
   },
@@ -198,8 +198,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
     claim: {
-      en: "The error that counts is on the screen: ten times as far away, about a tenth of the triangles.",
-      zh: "要紧的是屏幕上的误差：距离十倍，三角形约为十分之一。",
+      en: "The error that counts is on the screen: from ten times as far, a small part of the triangles shows the same.",
+      zh: "要紧的是屏幕上的误差：距离十倍，一小部分三角形就能显示同样的画面。",
     },
     load: () => import("./levels"),
   },
@@ -218,8 +218,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "What half the error costs", zh: "误差减半的代价" },
     claim: {
-      en: "Half the error takes about twice the triangles, however a surface is written down.",
-      zh: "误差减半，三角形约加倍，无论曲面怎样写下来。",
+      en: "Half the error takes about twice the triangles, whether a surface is written as patches, a cage or a field.",
+      zh: "误差减半，三角形约加倍，无论曲面写成曲面片、控制网格还是场。",
     },
     load: () => import("./budget"),
   },

@@ -71,7 +71,7 @@ const texts: Record<Language, Texts> = {
     keeps: { C0: "C0: its start", C1: "C1: direction and speed, too", C2: "C2: bending, too" },
     label: "The join",
     angle: "Kink",
-    gap: "Jump of the curvature",
+    gap: "Jump of the curvature vector",
     before: "Curvature before",
     after: "Curvature after",
     kink: (angle) => `Only the place agrees. The direction turns by ${angle}: a kink, and the stripes break off.`,
@@ -85,7 +85,7 @@ const texts: Record<Language, Texts> = {
     ],
     attempts: [
       "Choose C0 and move the handle: the class falls to C0, with an angle. Look at the stripes above the join.",
-      "Choose C2: you cannot break it. How far does the second curve go to keep up?",
+      "Choose C2: you cannot break it. Watch where the second curve goes to keep up.",
     ],
   },
   zh: {
@@ -97,21 +97,21 @@ const texts: Record<Language, Texts> = {
     keeps: { C0: "C0：起点", C1: "C1：还有方向与速度", C2: "C2：还有弯曲" },
     label: "接点的连续性",
     angle: "折角",
-    gap: "曲率突变",
+    gap: "曲率向量的突变",
     before: "接点前曲率",
     after: "接点后曲率",
     kink: (angle) => `只有位置相同，方向转了 ${angle}：有折角，条纹在此错断。`,
     jump: (before, after) => `方向和速度相同，看不出折角；但曲率从 ${before} 突变到 ${after}：曲率梳有台阶，条纹有折点。`,
     smooth: "位置、方向、速度和弯曲都一致：曲率梳和条纹连续通过。",
-    back: "把控制臂放回全部一致的位置",
+    back: "恢复控制臂",
     story: [
       "*C0*：后一段从前一段的终点开始。*C1*：方向与速度也相同。*C2*：二阶导数也相同，弯曲随之一致。曲率突变，眼睛看不出来；*曲率梳*的梳齿长度正比于曲率，一看便知。镜面也瞒不过：只有 C1 的曲面*映出的条纹有折点*。",
-      "映像取决于法线，比位置多一阶导数。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
+      "反射取决于法线，比位置多一阶导数。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
       "第一条曲线弯了，第二条就要让步：C0 不用让，C1 让出第一个控制臂，C2 让出两个点。保持得越多，自由越少。",
     ],
     attempts: [
       "选 C0，移动控制点：连续性降到 C0，出现折角。看接点上方的条纹。",
-      "选 C2：怎么拖都破坏不了。第二条曲线为此移动了多远？",
+      "选 C2：怎么拖都破坏不了。看第二条曲线怎样跟着移动。",
     ],
   },
 };

@@ -79,7 +79,7 @@ const texts: Record<Language, Texts> = {
       "One number decides which edges are hard: the angle between the normals on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two gives both what they need.",
     ],
     attempts: [
-      "Move the angle past 90° on the cube: 24 falls to 8, and the light goes wrong.",
+      "Move the angle to 90° on the cube: 24 falls to 8, and the light goes wrong.",
       "Choose the cylinder and find the angles where it is round and its rims are sharp.",
     ],
   },
@@ -107,7 +107,7 @@ const texts: Record<Language, Texts> = {
       "哪些边是硬边，由一个数决定：两侧面法线的夹角。立方体处处是 90°；24 边的圆柱侧面相邻 15°，端面边缘 90°，取两者之间的角度，就都合适。",
     ],
     attempts: [
-      "对立方体把角度移过 90°：24 降到 8，明暗也错了。",
+      "对立方体把角度移到 90°：24 降到 8，明暗也错了。",
       "选圆柱，找出侧面圆滑而边缘锐利的角度范围。",
     ],
   },

@@ -59,12 +59,12 @@ const texts: Record<Language, Texts> = {
     meaning: (triangles, area) =>
       `${triangles} triangles of ${area} pixels each. Blocks on an edge are shaded once for every triangle that has a pixel in them.`,
     cliff: (missed) =>
-      `Below a pixel: every pixel is shaded four times, and ${missed} of the triangles cover no pixel’s centre and are not seen at all.`,
+      `Every pixel is shaded four times, and ${missed} of the triangles cover no pixel’s centre and are not seen at all.`,
     triangles: "Triangles on the screen",
     area: "Pixels in a triangle",
     lanes: "Pixels that are shaded, with those thrown away",
     covered: "Pixels that are covered",
-    missed: "Triangles that nobody sees",
+    missed: "Triangles without a pixel’s centre, those at the border too",
     chart: "Shading per pixel by the size of triangles",
     chartX: "side in pixels, smaller to the right",
     chartY: "shaded per pixel",
@@ -88,12 +88,12 @@ const texts: Record<Language, Texts> = {
     label: "每个被覆盖的像素的着色次数",
     meaning: (triangles, area) =>
       `共 ${triangles} 个三角形，每个面积 ${area} 像素。压在边上的像素块，每有一个三角形占到其中的像素，就要着色一次。`,
-    cliff: (missed) => `小于一个像素：每个像素着色四次，而且 ${missed} 的三角形不含任何像素中心，根本看不见。`,
+    cliff: (missed) => `每个像素着色四次，而且 ${missed} 的三角形不含任何像素中心，根本看不见。`,
     triangles: "屏幕上的三角形",
     area: "每个三角形的像素数",
-    lanes: "着色的通道数",
+    lanes: "着色的像素数（含丢弃的）",
     covered: "被覆盖的像素",
-    missed: "看不见的三角形",
+    missed: "不含像素中心的三角形（含边界处）",
     chart: "每像素着色次数随三角形大小的变化",
     chartX: "边长（像素），越往右越小",
     chartY: "每像素着色次数",
@@ -162,7 +162,8 @@ function edges({ positions, indices }: NonNullable<Answer["mesh"]>, unit: number
 }
 
 function liveNumber({ answer, say, texts }: Page): LiveNumber {
-  const isOver = answer.area_px < 1;
+  // Where it is four to the digits that are shown.
+  const isOver = answer.ratio > 3.995;
   return {
     value: answer.ratio,
     shown: say.fixed(answer.ratio),

@@ -66,7 +66,7 @@ const texts: Record<Language, Texts> = {
     ],
     attempts: [
       "Aim just above the bar, so that the ray slides along it: how many steps now?",
-      "Aim into the gap between ball and bar, and let the steps play.",
+      "Aim into the gap between ball and bar, and take its steps one by one.",
     ],
   },
   zh: {
