@@ -21,56 +21,58 @@ export function Compare({ page }: { page: Page }) {
           <Small key={spacing} page={page} spacing={spacing} />
         ))}
       </div>
-      <table class="numbers-table">
-        <caption>{say.text("compare.caption")}</caption>
-        <thead>
-          <tr>
-            <td />
-            {BOTH.map((spacing) => (
-              <th key={spacing} scope="col">
-                {say.text(`compare.${spacing}`)}
-              </th>
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          <tr>
-            <th scope="row">{say.text("compare.measured")}</th>
-            {BOTH.map((spacing) => {
-              const gap = answers.study[spacing].gap;
-              return (
-                <td key={spacing}>
-                  <Figure name={`${spacing}-gap-pixels`} value={gap?.pixels ?? 0}>
-                    {say.pixels(gap?.pixels ?? 0)}
-                  </Figure>
-                  <small>{say.units(gap?.distance ?? 0)}</small>
-                </td>
-              );
-            })}
-          </tr>
-          <tr>
-            <th scope="row">{say.text("compare.proved")}</th>
-            {BOTH.map((spacing) => {
-              const { pixels, at_most } = answers.study[spacing].bound;
-              return (
-                <td key={spacing}>
-                  <Figure name={`${spacing}-bound-pixels`} value={pixels}>
-                    {pixels === null ? "–" : say.pixels(pixels)}
-                  </Figure>
-                  <small>{at_most === null ? "–" : say.units(at_most)}</small>
-                </td>
-              );
-            })}
-          </tr>
-          <tr>
-            <th scope="row">{say.text("compare.needed", { px: goal })}</th>
-            {BOTH.map((spacing) => (
-              <td key={spacing}>{answers.study.needed[spacing] ?? say.text("needed.none")}</td>
-            ))}
-          </tr>
-        </tbody>
-      </table>
-      <p class="aside">{say.text("compare.why")}</p>
+      <details>
+        <summary>{say.text("compare.caption")}</summary>
+        <table class="numbers-table" aria-label={say.text("compare.caption")}>
+          <thead>
+            <tr>
+              <td />
+              {BOTH.map((spacing) => (
+                <th key={spacing} scope="col">
+                  {say.text(`compare.${spacing}`)}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            <tr>
+              <th scope="row">{say.text("compare.measured")}</th>
+              {BOTH.map((spacing) => {
+                const gap = answers.study[spacing].gap;
+                return (
+                  <td key={spacing}>
+                    <Figure name={`${spacing}-gap-pixels`} value={gap?.pixels ?? 0}>
+                      {say.pixels(gap?.pixels ?? 0)}
+                    </Figure>
+                    <small>{say.units(gap?.distance ?? 0)}</small>
+                  </td>
+                );
+              })}
+            </tr>
+            <tr>
+              <th scope="row">{say.text("compare.proved")}</th>
+              {BOTH.map((spacing) => {
+                const { pixels, at_most } = answers.study[spacing].bound;
+                return (
+                  <td key={spacing}>
+                    <Figure name={`${spacing}-bound-pixels`} value={pixels}>
+                      {pixels === null ? "–" : say.pixels(pixels)}
+                    </Figure>
+                    <small>{at_most === null ? "–" : say.units(at_most)}</small>
+                  </td>
+                );
+              })}
+            </tr>
+            <tr>
+              <th scope="row">{say.text("compare.needed", { px: goal })}</th>
+              {BOTH.map((spacing) => (
+                <td key={spacing}>{answers.study.needed[spacing] ?? say.text("needed.none")}</td>
+              ))}
+            </tr>
+          </tbody>
+        </table>
+        <p class="aside">{say.text("compare.why")}</p>
+      </details>
     </>
   );
 }
