@@ -37,6 +37,7 @@ from chordal._levels import Level, Levels
 from chordal._load import load
 from chordal._mesh import Mesh
 from chordal._picture import Picture
+from chordal._plots import ErrorCurve, plot_error
 from chordal._polylines import Polyline, Polylines
 from chordal._scene import Attribute, Node, Part
 from chordal._shape import Shape
@@ -69,6 +70,7 @@ __all__ = [
     "Curve",
     "Deviation",
     "Error",
+    "ErrorCurve",
     "Field",
     "Formula",
     "InternalError",
@@ -103,6 +105,7 @@ __all__ = [
     "lod",
     "mend",
     "mesh",
+    "plot_error",
     "render",
     "script",
     "shapes",

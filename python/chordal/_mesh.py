@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from chordal._budget import Length
     from chordal._convert import Written
     from chordal._scene import _Kind
 
@@ -233,6 +234,19 @@ class Mesh(Shape, Interoperable):
 
         a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+    def vertex_deviation(self, other: Shape, *, tol: Length | None = None) -> NDArray[np.float64]:
+        """How far each vertex is from the triangles of another shape, as rounded; other shapes are meshed within `tol` first.
+        `deviation` bounds what lies between the vertices, too.
+
+        >>> import chordal
+        >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        >>> one.vertex_deviation(chordal.Mesh([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)]))
+        array([2., 2., 2.])
+        """
+        import numpy as np
+
+        return np.abs(other.to_field(tol=tol)(self.vertices))
 
     @property
     def is_watertight(self) -> bool:

@@ -220,3 +220,11 @@ def test_a_batch_says_how_each_file_went(tmp_path: Path) -> None:
     assert (tmp_path / "out/one.glb").exists()
     with pytest.raises(chordal.Error, match="nothing"):
         chordal.batch("mesh", tmp_path / "nothing", tmp_path / "out2")
+
+
+def test_half_the_error_takes_twice_the_triangles() -> None:
+    found = chordal.plot_error(chordal.load(TEAPOT), rel=[0.003, 0.001, 0.0003])
+    assert len(found.counts) == 3 and (np.diff(found.counts) > 0).all() and (np.diff(found.errors) < 0).all()
+    assert -1.3 < found.slope < -0.7
+    with pytest.raises(ValueError, match="nothing is lost"):
+        chordal.plot_error(chordal.Mesh(CORNERS, WHOLE), rel=[1e-9])
