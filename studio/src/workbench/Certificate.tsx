@@ -3,7 +3,9 @@ import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
 import { stageIn } from "./command_zh";
 import type { LaneName } from "./controller";
-import type { BoundFacts } from "./report";
+import { towards } from "./pixels";
+import { isOutdated } from "./outdated";
+import type { AttributeFacts, BoundFacts } from "./report";
 import { Said } from "./Said";
 import type { Page } from "./words";
 
@@ -21,16 +23,17 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
           <b>{fault.line ? words.atLine(fault.line) : words.error}</b> <span lang="en">{fault.text}</span>
         </p>
       )}
+      {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
       {shown?.isShort && !shown.isDraft && <p class="aside">{words.short}</p>}
       {bound && shown && (
         <>
-          <p class={`big ${shown.isDraft ? "draft" : bound.evidence}`} aria-live="polite">
+          <p class={`big ${shown.isDraft ? "draft" : shown.of === state.bench ? bound.evidence : "old"}`} aria-live="polite">
             <Figure name="bound" value={bound.at_most ?? bound.at_least}>
-              {bound.evidence === "estimated" ? words.unknown : bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most))}
+              {sizeOf(page, bound)}
             </Figure>
           </p>
           <p class="evidence">
-            <b>{evidenceOf(page, bound)}</b>
+            {isKnown(bound) && <b>{evidenceOf(page, bound)}</b>}
             {bound.pixels !== null && ` · ${words.inPixels(say.number(bound.pixels))}`}
           </p>
           {bound.assumptions?.map((one) => (
@@ -38,7 +41,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
               {one}
             </p>
           ))}
-          {shown.isDraft && <p class="aside">{words.draft}</p>}
+          {shown.isDraft && <p class="aside">{state.ended === state.bench ? words.draftOnly : words.draft}</p>}
         </>
       )}
       {isWorking && <Working page={page} lanes={["proof", "draft"]} />}
@@ -64,6 +67,12 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
               <dd>{valid.genus}</dd>
             </div>
           )}
+          {shown.certificate.attributes?.map((one) => (
+            <div key={one.name} data-attribute={one.name}>
+              <dt>{words.attributeOff(words.attributes[one.semantic], numberOf(one))}</dt>
+              <dd>{one.largest === null ? words.noNumber : one.unit === "degrees" ? say.degrees(one.largest) : say.number(one.largest)}</dd>
+            </div>
+          ))}
           <div>
             <dt>{words.seconds}</dt>
             <dd>{say.fixed(shown.seconds)}</dd>
@@ -76,7 +85,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
           onClick={() => {
             const at = control.place(bound.at!);
             mark([at]);
-            control.look({ ...state.view, target: at, distance: state.home.distance / 3 });
+            control.look(towards(at, state.view, state.home));
           }}
         >
           {words.worst}
@@ -85,6 +94,18 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
     </section>
   );
 }
+
+/** Whether anything is known of a distance: a draft's is not, and "0 or more" says nothing. */
+const isKnown = ({ evidence, at_least, at_most }: BoundFacts): boolean => evidence !== "estimated" && (at_most !== null || at_least > 0);
+
+function sizeOf({ words, say }: Page, bound: BoundFacts): string {
+  if (!isKnown(bound)) return words.unknown;
+  return bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most));
+}
+
+/** Which of several of a kind, counted from 1; a file's own name of what is of no kind. */
+const numberOf = ({ semantic, name }: AttributeFacts): string =>
+  semantic === "custom" ? name : (/ ([1-9]\d*)$/.exec(name)?.[1] ?? "").replace(/\d+/, (k) => String(Number(k) + 1));
 
 function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
   return { proved: words.proved, "proved-if": words.provedIf, measured: words.measured, estimated: words.estimated }[evidence];

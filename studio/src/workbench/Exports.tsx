@@ -4,6 +4,7 @@ import { Choice } from "../view/parts";
 import { Working } from "./Certificate";
 import type { Files } from "./command";
 import { type Line, NO_SCREEN, isDrawing, meshLine, python, reading, rust, shell, stem } from "./document";
+import { isBroken } from "./outdated";
 import type { Page } from "./words";
 
 const MESHES = ["glb", "3mf", "stl", "ply", "obj"] as const;
@@ -23,6 +24,8 @@ export function Exports({ page }: { page: Page }) {
   const name = line.at(-1)!;
   const text =
     language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, name) : rust(bench, screen, name);
+  // What the command cannot read it cannot write; the error stands in the certificate.
+  const isIdle = isBroken(state);
   const save = (line: Line, zipped?: string) =>
     void control?.export(line).then((made) => made && saveAll(made, zipped).catch(() => control.say("trapped")));
   return (
@@ -31,31 +34,33 @@ export function Exports({ page }: { page: Page }) {
         <h2>{words.export}</h2>
         <div class="row tight">
           {MESHES.map((format) => (
-            <button type="button" key={format} data-export={format} onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}>
+            <button type="button" key={format} data-export={format} disabled={isIdle} onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}>
               {format.toUpperCase()}
             </button>
           ))}
           <button
             type="button"
             data-export="tiles"
+            disabled={isIdle}
             onClick={() => save(["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${stem(bench.name)}-tiles.zip`)}
           >
             3D Tiles (.zip)
           </button>
           {isDrawing(bench) && (
-            <button type="button" data-export="svg" onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}>
+            <button type="button" data-export="svg" disabled={isIdle} onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}>
               SVG
             </button>
           )}
           <button
             type="button"
             data-export="png"
+            disabled={isIdle}
             onClick={() => save(control!.pictureLine())}
           >
             PNG
           </button>
         </div>
-        <p class="aside">{words.exportHint}</p>
+        <p class="aside">{isIdle ? words.noExport : words.exportHint}</p>
         <Working page={page} lanes={["export"]} />
       </div>
       <div class="panel line">
@@ -80,7 +85,7 @@ export function Exports({ page }: { page: Page }) {
         >
           {isCopied ? words.copied : words.copy}
         </button>
-        <p class="aside">{state.link || !control ? words.share : words.noLink}</p>
+        <p class="aside">{state.link || state.isWaiting || !control ? words.share : words.noLink}</p>
       </div>
     </section>
   );

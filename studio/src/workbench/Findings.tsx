@@ -1,7 +1,7 @@
 // What is wrong with a mesh that was opened, where, and what cures it.
 import type { Vec3 } from "../viewer";
 import { Working } from "./Certificate";
-import { cureIn, nameIn, sentenceIn } from "./command_zh";
+import { cureIn, joining, nameIn, sentenceIn } from "./command_zh";
 import { isScript, isVolume, stem } from "./document";
 import { Said } from "./Said";
 import type { Page } from "./words";
@@ -46,9 +46,9 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
                     {words.showPlaces(say.whole(here.length), here.length < finding.count)}
                   </button>
                 )}
-                {finding.cures.map((option) => (
-                  <button type="button" key={option} onClick={() => cure([option])}>
-                    {words.cure(cureIn(language, option))} <code lang="en">{option}</code>
+                {[...finding.cures, ...joining(finding.means)].map((option) => (
+                  <button type="button" key={option} data-cure={option} onClick={() => cure([option])}>
+                    {words.cure(cureIn(language, option))}
                   </button>
                 ))}
               </div>

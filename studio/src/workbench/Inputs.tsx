@@ -29,7 +29,9 @@ export function Inputs({ page }: { page: Page }) {
               if (name) control?.put(example(name));
             }}
           >
-            <option value="" hidden></option>
+            <option value="" hidden>
+              {words.ownFile}
+            </option>
             {EXAMPLES.map((name) => (
               <option key={name} value={name}>
                 {words.examples[name]}
@@ -129,7 +131,7 @@ function BudgetBar({ page }: { page: Page }) {
   const { bench } = state;
   const { budget } = bench;
   const put = (change: Partial<Bench["budget"]>) => control?.put({ ...bench, budget: { ...budget, ...change } });
-  const hint = budget.by === "px" ? words.budgetHints.px(control ? viewText(control.screen) : "") : words.budgetHints[budget.by];
+  const hint = budget.by === "px" ? words.budgetHints.px(control ? viewText(control.screen) : "", control?.isNear ?? false) : words.budgetHints[budget.by];
   return (
     <div class="budget">
       <Choice

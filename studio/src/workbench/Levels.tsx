@@ -1,6 +1,9 @@
 // Levels of detail: a slider of distance, and which level one would see from there.
 import { Slider } from "../view/parts";
 import { Working } from "./Certificate";
+import { isBroken } from "./outdated";
+import { distanceOf, pixelsOf } from "./pixels";
+import type { LevelFacts } from "./report";
 import type { Page } from "./words";
 
 /** The slider goes in powers of two, so that far and near have room; a step is an eighth of one. */
@@ -10,12 +13,12 @@ export function Levels({ page }: { page: Page }) {
   const { words, say, state, control } = page;
   const { levels, view, home } = state;
   const now = levelAt(page);
-  const away = control?.screen.distance ?? view.distance;
+  const away = control?.away ?? view.distance;
   return (
     <section class="panel">
       <h2>{words.levels}</h2>
       {!levels && (
-        <button type="button" disabled={!state.shown} onClick={() => void control?.levels()}>
+        <button type="button" disabled={!state.shown || isBroken(state)} onClick={() => void control?.levels()}>
           {words.makeLevels}
         </button>
       )}
@@ -36,7 +39,7 @@ export function Levels({ page }: { page: Page }) {
             {words.level(now + 1, levels.facts.length, say.whole(levels.facts[now]!.triangles))}
             <br />
             <span class="aside">
-              {words.levelError(say.number(levels.facts[now]!.at_most ?? levels.facts[now]!.at_least))}
+              {errorOf(page, levels.facts[now]!)}
             </span>
           </p>
           <button type="button" onClick={() => control?.withoutLevels()}>
@@ -49,11 +52,24 @@ export function Levels({ page }: { page: Page }) {
   );
 }
 
+/** Levels are made for this many pixels; what is more by no more than this share is their rounding in a line. */
+const PIXELS = 1;
+const ROUNDING = 1e-3;
+
+/** How far a level is off, and what that is on the screen from where one is. */
+function errorOf({ words, say, control }: Page, { at_least, at_most }: LevelFacts): string {
+  if (at_most === null || !control) return words.atLeast(say.number(at_least));
+  const screen = { ...control.screen, distance: control.away };
+  const pixels = pixelsOf(at_most, screen);
+  const from = pixels > PIXELS * (1 + ROUNDING) ? say.number(distanceOf(at_most, PIXELS, screen)) : null;
+  return words.levelError(say.number(at_most), Number.isFinite(pixels) ? say.number(pixels) : null, from);
+}
+
 /** The level that may be shown from here: the coarsest whose distance has been reached. */
 export function levelAt({ state, control }: Page): number | null {
   const { levels } = state;
   if (!levels || !control) return null;
-  const away = control.screen.distance;
+  const { away } = control;
   const far = levels.facts.findLastIndex(({ distance }) => distance <= away);
   return Math.max(far, 0);
 }

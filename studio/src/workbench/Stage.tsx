@@ -9,6 +9,7 @@ import { hasField, isScript } from "./document";
 import { besideOf, besides } from "./pictures";
 import { type Part, boxOf } from "./glb";
 import { levelAt } from "./Levels";
+import { isOutdated } from "./outdated";
 import { drawSlice } from "./slice";
 import type { Page } from "./words";
 
@@ -95,6 +96,7 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
           </figure>
         )}
       </div>
+      {isOutdated(state) && <p class="outdated">{words.outdated}</p>}
       <p class="aside hint" id="turn-hint">
         {words.turnHint}
       </p>

@@ -2,6 +2,7 @@
 import { useRef, useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { type Bench, stem } from "./document";
+import { isBroken } from "./outdated";
 import type { Page } from "./words";
 
 const HOWS = ["union", "minus", "intersect"] as const;
@@ -53,7 +54,7 @@ export function Steps({ page }: { page: Page }) {
         {words.cells}
         <input type="text" inputMode="numeric" value={cells} onInput={(event) => setCells(event.currentTarget.value)} />
       </label>
-      <button type="button" onClick={() => void control?.step("bake", ["--cells", cells], `${stem(bench.name)}.nrrd`)}>
+      <button type="button" disabled={isBroken(state)} onClick={() => void control?.step("bake", ["--cells", cells], `${stem(bench.name)}.nrrd`)}>
         {words.bake}
       </button>
       <p class="aside">{words.bakeHint}</p>

@@ -1,4 +1,5 @@
-// What the command says of a mesh and of its own progress, in 中文, by its English words. What is not here stays as it is.
+// What the command says of a mesh and of its own progress, as the page says it: its options in words, and in 中文 all of it, by
+// the English words. What is not here stays as it is.
 import type { Language } from "./texts";
 
 /** Words, and their language where it is not the page's. */
@@ -36,6 +37,18 @@ export const CURES: Record<string, string> = {
   "--drop-unused": "删除未使用的顶点",
 };
 
+/** The same in English. */
+export const CURES_EN: Record<string, string> = {
+  "--weld": "weld equal vertices",
+  "--drop-duplicates": "delete repeated triangles",
+  "--drop-degenerate": "delete triangles without an area",
+  "--resolve-t-junctions": "split edges at T-junctions",
+  "--split-nonmanifold": "cut apart where sheets branch",
+  "--orient": "turn triangles to one side",
+  "--fill-holes": "fill holes",
+  "--drop-unused": "delete unused vertices",
+};
+
 /** Sentences about findings. */
 const SENTENCES: Record<string, string> = {
   "the surface ends there, so that it has no inside": "曲面到此为止，因此没有内部。",
@@ -52,7 +65,7 @@ const SENTENCES: Record<string, string> = {
   "longer than 100 heights, with a weak normal": "长度超过高的 100 倍，法线不可靠。",
   "no triangle has a corner there": "没有三角形用到它。",
   "what fills it may cross the surface, which `inspect --self-intersections` tells afterwards":
-    "填补的三角形可能穿过曲面，补后可用 `inspect --self-intersections` 查出。",
+    "填补的三角形可能穿过曲面，补后请检查自相交。",
   "move them apart or unite the solids in the program that made them; winding numbers still tell what is inside":
     "请在制作它的程序中把它们移开，或合并成一个实体；环绕数仍能判断内外。",
   "mesh the true shape again, if there is one; smooth normals are safer than flat ones":
@@ -69,7 +82,7 @@ const SENTENCES: Record<string, string> = {
     "请用 `chordal mend --split-nonmanifold` 写成 OBJ 或 PLY：这种格式会把坐标相同的点重新连在一起。",
 };
 
-const NEARLY_JOINED = /^(\d+) of its boundary vertices are within (\S+) of others, which (`[^`]+`) joins$/;
+const NEARLY_JOINED = /^(\d+) of its boundary vertices are within (\S+) of others, which `mend (--weld=[^`]+)` joins$/;
 
 /** The stages of its work. */
 export const STAGES: Record<string, string> = {
@@ -90,11 +103,23 @@ function sentence(english: string): string | undefined {
   const whole = SENTENCES[english];
   if (whole !== undefined) return whole;
   const joined = NEARLY_JOINED.exec(english);
-  if (joined) return `其中 ${joined[1]} 个边界顶点与别的顶点相距不超过 ${joined[2]}，可用 ${joined[3]} 焊接。`;
+  if (joined) return `其中 ${joined[1]} 个边界顶点与别的顶点相距不超过 ${joined[2]}，焊接可使其相连。`;
   // A meaning and what one should know besides.
   const [first, ...rest] = english.split("; ");
   const [meaning, besides] = [SENTENCES[first!], rest.length ? sentence(rest.join("; ")) : undefined];
   return meaning !== undefined && besides !== undefined ? meaning + besides : undefined;
+}
+
+/** Options in sentences, in words. */
+const worded = (english: string): string =>
+  english
+    .replace("which `inspect --self-intersections` tells afterwards", "which a search for self-intersections tells afterwards")
+    .replace(/which `mend --weld=[^`]+` joins/, "which welding joins");
+
+/** The cure that a sentence names: welding over a distance, which is nobody's but the reader's to choose. */
+export function joining(english: string): readonly string[] {
+  const option = english.split("; ").map((part) => NEARLY_JOINED.exec(part)?.[3]);
+  return option.filter((one) => one !== undefined);
 }
 
 const spoken = (language: Language, english: string, chinese: string | undefined): Spoken => {
@@ -103,13 +128,17 @@ const spoken = (language: Language, english: string, chinese: string | undefined
 };
 
 /** What it says about a finding. */
-export const sentenceIn = (language: Language, english: string): Spoken => spoken(language, english, sentence(english));
+export const sentenceIn = (language: Language, english: string): Spoken => spoken(language, worded(english), sentence(english));
 
 /** The name of a finding, behind its number. */
 export const nameIn = (language: Language, { of, words }: { of: string; words: string }): Spoken =>
   spoken(language, words, NAMES[of]);
 
-/** What a cure does, where the option's own name does not say it. */
-export const cureIn = (language: Language, option: string): string => (language === "en" ? "" : (CURES[option] ?? ""));
+/** What a cure does; what is not here has the name of its option. */
+export function cureIn(language: Language, option: string): string {
+  const within = /^--weld=(.+)$/.exec(option)?.[1];
+  if (within) return language === "en" ? `weld vertices within ${within}` : `焊接相距不超过 ${within} 的顶点`;
+  return (language === "en" ? CURES_EN : CURES)[option] ?? option;
+}
 
 export const stageIn = (language: Language, stage: string): Spoken => spoken(language, stage, STAGES[stage]);

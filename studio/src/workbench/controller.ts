@@ -1,6 +1,6 @@
 // What the bench does: it keeps the state, orders runs of the command, and tells whoever draws. It computes nothing itself.
 import type { Size, Vec3, View } from "../viewer";
-import { eyeOf, fovOf } from "../viewer/view";
+import { fovOf } from "../viewer/view";
 import type { Files, Outcome, Progress } from "./command";
 import {
   type Bench,
@@ -11,6 +11,7 @@ import {
   meshLine,
   reading,
   stem,
+  viewText,
   withText,
   without,
 } from "./document";
@@ -18,6 +19,7 @@ import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood, withPictures } from "./glb";
 import { type Jobs, Stopped } from "./jobs";
 import { type Fault, type Slice, faultOf, reportOf, sliceOf } from "./outcome";
+import { type Box, awayFrom, fillingDistance } from "./pixels";
 import { type Beside, type PictureOf, besideOf, cameraText, pictureLine } from "./pictures";
 import type { Certificate, Inspection, LevelFacts } from "./report";
 import { pack } from "./share";
@@ -26,6 +28,8 @@ export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "le
 
 /** A mesh that is shown. */
 export interface Shown {
+  /** What was on the bench when it was made. */
+  of: Bench;
   parts: readonly Part[];
   certificate: Certificate;
   bytes: Uint8Array;
@@ -74,6 +78,8 @@ export interface State {
   link: string | null;
   /** Something begins once the hand has rested. */
   isWaiting: boolean;
+  /** The bench whose proof has ended, in whatever way; `null` while one is under way. */
+  ended: Bench | null;
 }
 
 export type Notice = "damaged" | "too-large" | "stopped" | "trapped" | "unloaded" | "unread" | "undrawn";
@@ -86,8 +92,11 @@ const DRAFT = "1.5%";
 const MOST_STEPS = 100;
 /** What is typed without a pause of this length is one step. */
 const PAUSE_MS = 1000;
-/** Nearer than this share of the way to the target counts as this near. */
-const NEAREST = 1e-3;
+/**
+ * Pixels are counted no nearer than at these shares of the distance at which the shape is as high as the picture. Chosen: the
+ * budget follows a look from near only to twice its triangles, for it is met without having been asked for; levels are asked for.
+ */
+const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
 /** How the command ends when it does not know an option. */
 const USAGE = 2;
 /** What a browser can hold several times over. */
@@ -129,6 +138,7 @@ export class Controller {
       notice: null,
       link: null,
       isWaiting: false,
+      ended: null,
     };
   }
 
@@ -142,21 +152,36 @@ export class Controller {
     const { counted } = this;
     // Those of the proof that is shown, which was made before its box was known.
     if (counted && counted.bench === now && counted.view === view && counted.size === size) return counted.screen;
-    const ratio = globalThis.devicePixelRatio || 1;
-    return { width: size.width * ratio, height: size.height * ratio, fovDeg: fovOf(size), distance: this.away(view) };
+    return this.screenBy(NEAREST.budget);
   }
 
   private counted: { bench: Bench; view: View; size: Size; screen: Screen } | null = null;
 
-  /** From the eye to the nearest point of the shape's box: the distance that pixels are counted by. */
-  private away(view: View): number {
-    const box = boxOf(this.state.shown?.parts ?? []);
-    if (!box) return view.distance;
-    const [[low, high], eye] = [box, eyeOf(view)];
-    const beyond = eye.map((x, k) => Math.max(low[k]! - x, x - high[k]!, 0));
-    // Within the box every distance is near.
-    return Math.max(Math.hypot(...beyond), NEAREST * view.distance);
+  private screenBy(nearest: number): Screen {
+    const { size } = this.state;
+    const ratio = globalThis.devicePixelRatio || 1;
+    const [fovDeg, { box }] = [fovOf(size), this];
+    const least = box ? nearest * fillingDistance(box, fovDeg) : 0;
+    return { width: size.width * ratio, height: size.height * ratio, fovDeg, distance: Math.max(this.away, least) };
   }
+
+  /** From the eye to the nearest point of the shape's box. */
+  get away(): number {
+    const { box } = this;
+    return box ? awayFrom(box, this.state.view) : this.state.view.distance;
+  }
+
+  /** Whether the eye is nearer than the budget's pixels are counted. */
+  get isNear(): boolean {
+    return this.away < this.screen.distance;
+  }
+
+  private get box(): Box | undefined {
+    const parts = this.state.shown?.parts ?? [];
+    if (this.boxed?.parts !== parts) this.boxed = { parts, box: boxOf(parts) };
+    return this.boxed.box;
+  }
+  private boxed: { parts: readonly Part[]; box: Box | undefined } | null = null;
 
   /** The line that makes the mesh that is asked for; of one that was not met, the best there is. */
   line(output = `${stem(this.state.bench.name)}.glb`): Line {
@@ -275,8 +300,7 @@ export class Controller {
   async levels(): Promise<void> {
     const { bench: now } = this.state;
     const name = this.outputOf(`${stem(now.name)}-levels.glb`);
-    const { width, height, fovDeg } = this.screen;
-    const screen = `${Math.round(width)}x${Math.round(height)} fov=${fovDeg.toPrecision(4)}`;
+    const screen = viewText(this.screenBy(NEAREST.levels));
     const done = await this.reads("levels", ["lod", ...reading(now), "--px", "1", "--view", screen, "-o", name], now.files, true);
     if (!done || now !== this.state.bench) return;
     const { outcome, line } = done;
@@ -394,38 +418,55 @@ export class Controller {
   private isNewer = false;
 
   private async prove(): Promise<void> {
-    const { bench: now } = this.state;
-    const output = this.outputOf(`${stem(now.name)}.glb`);
-    const { view, size } = this.state;
+    const { bench: now, view, size } = this.state;
+    const number = ++this.proofs;
     this.counted = { bench: now, view, size, screen: this.screen };
-    await this.mesh("proof", keepingBest(meshLine(now, this.counted.screen, output)), output, now);
+    this.update({ ended: null });
+    const prove = (of: Bench) => {
+      const output = this.outputOf(`${stem(of.name)}.glb`);
+      return this.mesh("proof", keepingBest(meshLine(of, this.counted!.screen, output)), output, of);
+    };
+    const isMade = await prove(now);
+    const { bench: newest, shown } = this.state;
+    // The last shape that worked may not have got beyond its draft.
+    if (isMade === false && now === newest && number === this.proofs && shown?.isDraft && shown.of !== now) await prove(shown.of);
+    if (number === this.proofs) this.update({ ended: now });
   }
+  private proofs = 0;
 
-  private async mesh(lane: "draft" | "proof", words: Line, output: string, now: Bench): Promise<void> {
+  /** Shows what a line makes. Whether there is something; `null` where nobody waits for it any more. */
+  private async mesh(lane: "draft" | "proof", words: Line, output: string, of: Bench): Promise<boolean | null> {
     const begun = performance.now();
-    const outcome = await this.run(lane, words, now.files, true);
-    if (!outcome) return;
-    const report = reportOf(outcome);
+    const outcome = await this.run(lane, words, of.files, true);
+    if (!outcome || !this.isWanted(lane, of)) return null;
+    const { certificate } = reportOf(outcome);
     const bytes = outcome.made[output];
-    const { certificate } = report;
-    if (!this.isWanted(lane, now)) return;
-    if (!bytes || !certificate) return this.update({ fault: faultOf(outcome) });
-    const up = this.upOf(now, certificate.frame.up);
+    const isNewest = of === this.state.bench;
+    if (!bytes || !certificate) {
+      if (lane === "draft" || isNewest) this.update({ fault: faultOf(outcome) });
+      return false;
+    }
+    const up = this.upOf(of, certificate.frame.up);
     const read = await drawn(() => withPictures(partsOf(bytes, certificate.frame)));
     const parts = (read ?? []).map((part) => standing(part, up));
-    if (!this.isWanted(lane, now)) return;
-    if (lane === "proof") this.provedOf = now;
+    if (!this.isWanted(lane, of)) return null;
+    if (lane === "proof") this.provedOf = of;
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
-    this.frame(now, parts, up);
-    const shown: Shown = { parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
-    this.update({ shown, fault: isShort && lane === "proof" ? faultOf(outcome) : null, ...(read ? {} : { notice: "undrawn" }) });
-    if (this.drawnOf !== now && this.drawnOf !== shown) this.later("picture", () => void this.draw());
+    this.frame(of, parts, up);
+    const shown: Shown = { of, parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
+    // What is wrong with the newest stays where an older one is proved in its place.
+    const isOld = lane === "proof" && !isNewest;
+    const fault = isOld ? this.state.fault : isShort && lane === "proof" ? faultOf(outcome) : null;
+    this.update({ shown, fault, ...(read ? {} : { notice: "undrawn" }) });
+    if (!isOld && this.drawnOf !== of && this.drawnOf !== shown) this.later("picture", () => void this.draw());
+    return true;
   }
+
   /** A proof is of this shape or of no use. An older draft of it is better than none while one drags, until the proof is there. */
   private isWanted(lane: "draft" | "proof", of: Bench): boolean {
     const { bench: now } = this.state;
-    return lane === "proof" ? of === now : of.name === now.name && this.provedOf !== now;
+    return lane === "proof" ? of === now || of === this.state.shown?.of : of.name === now.name && this.provedOf !== now;
   }
   private provedOf: Bench | null = null;
   /** What the last picture shows: the field of a bench, or triangles. */

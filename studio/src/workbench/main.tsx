@@ -32,7 +32,7 @@ let written: string | null = null;
 function draw(): void {
   frame = 0;
   render(<App language={language} state={control.state} control={control} />, root);
-  const { link, running, shown, isWaiting } = control.state;
+  const { bench, ended, link, running, isWaiting } = control.state;
   // While a link is made the old one stays; what has none leaves none.
   if (link !== written && !isWaiting) {
     written = link;
@@ -41,7 +41,7 @@ function draw(): void {
   const html = document.documentElement;
   html.dataset["ready"] = "1";
   // For whoever drives the page by program.
-  if (running.length === 0 && !isWaiting && shown && !shown.isDraft) html.dataset["settled"] = "1";
+  if (running.length === 0 && !isWaiting && ended === bench) html.dataset["settled"] = "1";
   else delete html.dataset["settled"];
 }
 

@@ -20,12 +20,21 @@ export interface LevelFacts {
   distance: number;
 }
 
+/** How far the values of one attribute are off where triangles were simplified: what was found, which is no bound. */
+export interface AttributeFacts {
+  semantic: "normal" | "tangent" | "texcoord" | "color" | "custom";
+  name: string;
+  largest: number | null;
+  unit: "degrees" | "value";
+}
+
 export interface Certificate {
   frame: { up: string | null; metres_per_unit: number | null };
   budget: { length: number | null; pixels: number | null; triangles: number | null } | null;
   bound: BoundFacts | null;
   output: { triangles?: number; vertices?: number; segments?: number } | null;
   valid: { closed: boolean; manifold: boolean; oriented: boolean; components: number; genus: number | null; witnesses?: readonly { of: string; at: Vec3 }[] } | null;
+  attributes?: readonly AttributeFacts[];
   levels?: { levels: readonly LevelFacts[] };
   baked?: { size: readonly [number, number, number]; origin: Vec3; spacing: number };
   overshade?: { in_view: number; missed: number; micro: number; covered_px: number; every: { lanes: number } };

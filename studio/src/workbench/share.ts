@@ -1,5 +1,5 @@
-// The bench in the address, compressed: a script or another small text, its values, options and budget. What is larger, is no
-// text, or is made of several files, has no link.
+// The bench in the address, compressed: a script or another small file, its values, options and budget. What is larger, or is
+// made of several files, has no link.
 import { BUDGET, type Bench, type BudgetKind, isNumber } from "./document";
 
 interface Packed {
@@ -8,6 +8,8 @@ interface Packed {
   name: string;
   /** The text of a script, or of another small text file. */
   text?: string;
+  /** The bytes of a small file that is no text, in base64. */
+  bytes?: string;
   budget: Bench["budget"];
   set: Bench["set"];
   options: string;
@@ -17,15 +19,17 @@ interface Packed {
 const MOST = 24_000;
 /** A text of more than this is no script that anybody wrote. */
 const MOST_TEXT = 400_000;
+/** Of the same length in base64, with room for what stands beside it. */
+const MOST_FILE = 290_000;
 
 export async function pack(of: Bench): Promise<string | null> {
   const { name, files, budget, set, options, combine, before } = of;
   const bytes = files[name];
-  const text = bytes && isText(bytes) ? new TextDecoder().decode(bytes) : undefined;
   // What a link would not bring back is not in one.
   const isWhole = Object.keys(files).length === 1 && !combine && before.length === 0;
-  if (text === undefined || !isWhole || !NAME.test(name) || options.length > MOST_OPTIONS) return null;
-  const packed: Packed = { v: 1, name, text, budget, set, options };
+  if (!bytes || bytes.length > MOST_FILE || !isWhole || !NAME.test(name) || options.length > MOST_OPTIONS) return null;
+  const content = isText(bytes) ? { text: new TextDecoder("utf-8", { ignoreBOM: true }).decode(bytes) } : { bytes: binary(bytes) };
+  const packed: Packed = { v: 1, name, ...content, budget, set, options };
   const squeezed = await through(new TextEncoder().encode(JSON.stringify(packed)), new CompressionStream("deflate-raw"));
   const coded = btoa(String.fromCharCode(...squeezed.slice(0, MOST))).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
   return squeezed.length > MOST ? null : coded;
@@ -51,8 +55,10 @@ const MOST_OPTIONS = 800;
 
 function read(value: unknown): Bench | null {
   if (!isRecord(value) || value["v"] !== 1) return null;
-  const { name, text, budget, set, options } = value;
-  if (typeof name !== "string" || !NAME.test(name) || typeof text !== "string") return null;
+  const { name, text, bytes, budget, set, options } = value;
+  if (typeof name !== "string" || !NAME.test(name)) return null;
+  const content = typeof text === "string" ? new TextEncoder().encode(text) : typeof bytes === "string" ? unbinary(bytes) : null;
+  if (!content) return null;
   const wanted = isRecord(budget) ? budget : {};
   const word = (key: string, usual: string) => {
     const found = wanted[key];
@@ -64,7 +70,7 @@ function read(value: unknown): Bench | null {
   );
   return {
     name,
-    files: { [name]: new TextEncoder().encode(text) },
+    files: { [name]: content },
     budget: { by, tol: word("tol", BUDGET.tol), px: word("px", BUDGET.px), triangles: word("triangles", BUDGET.triangles) },
     set: Object.fromEntries(values),
     combine: null,
@@ -74,13 +80,22 @@ function read(value: unknown): Bench | null {
 }
 
 function isText(bytes: Uint8Array): boolean {
-  if (bytes.length > MOST_TEXT) return false;
   try {
     return !new TextDecoder("utf-8", { fatal: true }).decode(bytes).includes("\0");
   } catch {
     return false;
   }
 }
+
+/** A letter for each byte, in pieces that a call takes as its arguments. */
+function binary(bytes: Uint8Array): string {
+  let letters = "";
+  for (let at = 0; at < bytes.length; at += PIECE) letters += String.fromCharCode(...bytes.subarray(at, at + PIECE));
+  return btoa(letters);
+}
+const PIECE = 8192;
+
+const unbinary = (coded: string): Uint8Array => Uint8Array.from(atob(coded), (c) => c.charCodeAt(0));
 
 /** What comes out of a stream; refused beyond a length, so that a small link cannot become gigabytes. */
 async function through(bytes: Uint8Array, stream: GenericTransformStream, most = Infinity): Promise<Uint8Array> {

@@ -1,6 +1,7 @@
 // The words of the workbench, in both languages. Sentences of the command stay as it says them.
 import type { Notice } from "./controller";
 import type { Beside } from "./pictures";
+import type { AttributeFacts } from "./report";
 
 export type Language = "en" | "zh";
 
@@ -13,6 +14,8 @@ export interface Texts {
   open: string;
   drop: string;
   example: string;
+  /** What stands in the list of examples where something else is on the bench. */
+  ownFile: string;
   examples: Record<"bracket" | "gear" | "vase" | "badge", string>;
   undo: string;
   redo: string;
@@ -24,7 +27,7 @@ export interface Texts {
   optionsHint: string;
   budget: string;
   budgets: { tol: string; px: string; triangles: string };
-  budgetHints: { tol: string; px(screen: string): string; triangles: string };
+  budgetHints: { tol: string; px(screen: string, isNear: boolean): string; triangles: string };
   mesh: string;
   field: string;
   both: string;
@@ -42,6 +45,10 @@ export interface Texts {
   bakeForSlice: string;
   certificate: string;
   draft: string;
+  /** Its proof failed or was stopped. */
+  draftOnly: string;
+  /** What is shown is of an older shape. */
+  outdated: string;
   waiting: string;
   cancel: string;
   proved: string;
@@ -58,13 +65,17 @@ export interface Texts {
   no: string;
   genus: string;
   seconds: string;
+  attributes: Record<AttributeFacts["semantic"], string>;
+  /** What was found of one; `which` of several, or the name of one that is of no kind. */
+  attributeOff(what: string, which: string): string;
+  noNumber: string;
   worst: string;
   short: string;
   findings: string;
   sound: string;
   /** So many places that were found, all of them or the first. */
   showPlaces(n: string, isPart: boolean): string;
-  /** What it does, where the option behind it does not say it. */
+  /** What it does. */
   cure(what: string): string;
   cureAll: string;
   combine: string;
@@ -75,13 +86,15 @@ export interface Texts {
   makeLevels: string;
   distance: string;
   level(k: number, n: number, triangles: string): string;
-  levelError(error: string): string;
+  /** What it is in pixels, where that is limited; the distance of one pixel, where one is nearer. */
+  levelError(error: string, pixels: string | null, from: string | null): string;
   withoutLevels: string;
   bake: string;
   cells: string;
   bakeHint: string;
   export: string;
   exportHint: string;
+  noExport: string;
   line: string;
   copy: string;
   copied: string;
@@ -106,6 +119,7 @@ export const TEXTS: Record<Language, Texts> = {
     open: "Open files…",
     drop: "Drop files here: meshes, patches, cages, drawings, fonts, volumes, scripts",
     example: "Example",
+    ownFile: "None: a file is open",
     examples: { bracket: "Bracket", gear: "Gear", vase: "Vase", badge: "Badge in three colours" },
     undo: "Undo",
     redo: "Redo",
@@ -119,7 +133,10 @@ export const TEXTS: Record<Language, Texts> = {
     budgets: { tol: "Length", px: "Pixels", triangles: "Triangles" },
     budgetHints: {
       tol: "0.1, 0.1mm, or 0.5% of the diagonal",
-      px: (screen) => `on this screen, from here or farther: ${screen}`,
+      px: (screen, isNear) =>
+        isNear
+          ? `on this screen, from where the shape is twice as high as the picture, or farther (you are nearer): ${screen}`
+          : `on this screen, from here or farther: ${screen}`,
       triangles: "the best mesh with no more than these",
     },
     mesh: "Mesh",
@@ -140,6 +157,8 @@ export const TEXTS: Record<Language, Texts> = {
     bakeForSlice: "Sample the distance",
     certificate: "Certificate",
     draft: "A draft, off by nobody knows how much. The proof is under way.",
+    draftOnly: "A draft, off by nobody knows how much: its proof failed or was stopped.",
+    outdated: "Shown is the last shape that worked, not what is there now.",
     waiting: "Working…",
     cancel: "Stop",
     proved: "proved",
@@ -156,6 +175,9 @@ export const TEXTS: Record<Language, Texts> = {
     no: "no",
     genus: "Genus",
     seconds: "Seconds",
+    attributes: { normal: "Normals", tangent: "Tangents", texcoord: "Texture coordinates", color: "Colours", custom: "Attribute" },
+    attributeOff: (what, which) => `${what}${which && ` ${which}`} off, as measured`,
+    noNumber: "no number",
     worst: "Go to the worst place",
     short: "The budget was not met; this is the best that was reached.",
     findings: "What is wrong with it",
@@ -171,18 +193,22 @@ export const TEXTS: Record<Language, Texts> = {
     makeLevels: "Make levels for one pixel",
     distance: "Distance",
     level: (k, n, triangles) => `level ${k} of ${n}: ${triangles} triangles`,
-    levelError: (error) => `off by at most ${error}, which is at most one pixel from here`,
+    levelError: (error, pixels, from) =>
+      `off by at most ${error}` +
+      (pixels === null ? "" : `, which is at most ${pixels} px from here`) +
+      (from === null ? "" : `; at most one pixel from a distance of ${from} on`),
     withoutLevels: "Back to the mesh",
     bake: "Bake into a field",
     cells: "Cells along the longest side",
     bakeHint: "The samples take the place of the shape; mesh them to come back.",
     export: "Export",
     exportHint: "Written by the command itself: the same bytes as on your machine.",
+    noExport: "There is nothing to export: what is there now makes no shape. The certificate says why.",
     line: "The line that does the same",
     copy: "Copy",
     copied: "Copied",
-    share: "The address of this page holds the script and the budget.",
-    noLink: "This file is too large for a link: the address does not hold it.",
+    share: "The address of this page holds the shape and the budget.",
+    noLink: "The address does not hold this: only one small file, as it was opened or written, fits into a link.",
     notices: {
       damaged: "The address was damaged; this is the first example.",
       "too-large": "These files are more than 600 MB, which a browser cannot hold. The command can.",
@@ -208,6 +234,7 @@ export const TEXTS: Record<Language, Texts> = {
     open: "打开文件…",
     drop: "把文件拖到这里：网格、曲面片、控制网格、图形、字体、体数据、脚本",
     example: "示例",
+    ownFile: "无（已打开文件）",
     examples: { bracket: "支架", gear: "齿轮", vase: "花瓶", badge: "三色徽章" },
     undo: "撤销",
     redo: "重做",
@@ -221,7 +248,8 @@ export const TEXTS: Record<Language, Texts> = {
     budgets: { tol: "长度", px: "像素", triangles: "三角形数" },
     budgetHints: {
       tol: "0.1、0.1mm，或对角线的 0.5%",
-      px: (screen) => `在这块屏幕上，从此处或更远处看：${screen}`,
+      px: (screen, isNear) =>
+        isNear ? `在这块屏幕上，从图形为画面两倍高处或更远处看（此处更近）：${screen}` : `在这块屏幕上，从此处或更远处看：${screen}`,
       triangles: "不超过这个数目的最佳网格",
     },
     mesh: "网格",
@@ -241,6 +269,8 @@ export const TEXTS: Record<Language, Texts> = {
     bakeForSlice: "采样距离",
     certificate: "证书",
     draft: "草稿，误差未知；证明正在进行。",
+    draftOnly: "草稿，误差未知：证明失败或已停止。",
+    outdated: "显示的是上一个成功的形状，不是现在的内容。",
     waiting: "正在计算…",
     cancel: "停止",
     proved: "已证明",
@@ -257,6 +287,9 @@ export const TEXTS: Record<Language, Texts> = {
     no: "否",
     genus: "亏格",
     seconds: "用时（秒）",
+    attributes: { normal: "法线", tangent: "切线", texcoord: "纹理坐标", color: "颜色", custom: "属性" },
+    attributeOff: (what, which) => `${what}${which && ` ${which} `}偏差（实测）`,
+    noNumber: "不是数",
     worst: "转到偏差最大处",
     short: "预算未能满足；这是达到的最好结果。",
     findings: "问题",
@@ -272,18 +305,22 @@ export const TEXTS: Record<Language, Texts> = {
     makeLevels: "按一个像素生成各层次",
     distance: "距离",
     level: (k, n, triangles) => `第 ${k} 层（共 ${n} 层）：${triangles} 个三角形`,
-    levelError: (error) => `偏差至多 ${error}，从此处看不超过一个像素`,
+    levelError: (error, pixels, from) =>
+      `偏差至多 ${error}` +
+      (pixels === null ? "" : `，从此处看至多 ${pixels} 像素`) +
+      (from === null ? "" : `；距离达到 ${from} 后不超过一个像素`),
     withoutLevels: "回到网格",
     bake: "烘焙成场",
     cells: "最长边上的格数",
     bakeHint: "采样取代原来的形状；再网格化就能回来。",
     export: "导出",
     exportHint: "由命令本身写出：与在你机器上得到的字节相同。",
+    noExport: "没有可导出的：现在的内容没有得到形状，原因见证书。",
     line: "完成同样工作的一行",
     copy: "复制",
     copied: "已复制",
-    share: "本页地址中含有脚本和预算。",
-    noLink: "文件太大，无法放进链接：地址中不含它。",
+    share: "本页地址中含有形状和预算。",
+    noLink: "地址中不含这些内容：只有单个小文件，且保持打开或写成时的样子，才能放进链接。",
     notices: {
       damaged: "地址已损坏；这是第一个示例。",
       "too-large": "这些文件超过 600 MB，浏览器装不下；命令可以处理。",

@@ -12,4 +12,22 @@ export interface Page {
   language: Language;
 }
 
-export const useWords = (language: Language): Say => useMemo(() => new Say(language), [language]);
+/** Zeros that a reader counts at a glance; with more, or with as many digits before the point, a number has its power of ten. */
+const [SMALLEST, LARGEST] = [1e-4, 1e7];
+
+/** Numbers of any size: what is proved of a mesh may be its rounding alone. */
+export class BenchSay extends Say {
+  override number(value: number): string {
+    const size = Math.abs(value);
+    return size === 0 || !Number.isFinite(size) || (size >= SMALLEST && size < LARGEST) ? super.number(value) : power(value);
+  }
+}
+
+/** 3.4·10⁻¹⁴ */
+function power(value: number): string {
+  const [digits, exponent] = value.toExponential(1).split("e");
+  const raised = [...exponent!.replace("+", "")].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)]!));
+  return `${digits!.replace("-", "−")}·10${raised.join("")}`;
+}
+
+export const useWords = (language: Language): Say => useMemo(() => new BenchSay(language), [language]);
