@@ -67,7 +67,7 @@ studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 	cmp -s $(WASM) studio/wasm/exhibits.wasm || cp $(WASM) studio/wasm/exhibits.wasm
 	$(CARGO) build --profile $(WEB_PROFILE) --locked -p chordal-cli --no-default-features --target wasm32-wasip1
 	cmp -s $(WASI) studio/wasm/command.wasm || cp $(WASI) studio/wasm/command.wasm
-	cd studio && npm run --silent build
+	cd studio && npm run --silent build && node scripts/notebook.mjs
 
 # The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is
 # the library without threads.

@@ -10,7 +10,8 @@ from chordal._arguments import text
 from chordal._arrays import coordinates, indices
 from chordal._bound import Bound, bound_of
 from chordal._interop import Interoperable
-from chordal._made import counted, of_outcome, remade, report_html
+from chordal._made import counted, of_outcome, remade
+from chordal._notebook import Shown, html_of
 from chordal._scene import Attribute, Node, Part, nodes_of
 from chordal._shape import Shape
 
@@ -320,8 +321,18 @@ class Mesh(Shape, Interoperable):
             return f"<Mesh: {self._size()}, from {self.format}{name}>"
         return f"<Mesh: {self._size()}; {self.bound.sentence()}>"
 
-    def _repr_html_(self) -> str:
-        return report_html("Mesh", self._size(), self.bound)
+    def show(self, *, wire: bool = False, deviation: Shape | None = None, height: int = 380) -> Shown:
+        """The mesh as a notebook shows it, to be turned by hand: with its edges, or coloured by how far its vertices are from
+        another shape. It needs no network, and stays in a notebook that is exported to HTML. Very large meshes are a picture.
+
+        >>> import chordal
+        >>> "<iframe" in chordal.shapes.sphere(1).mesh(tol=0.1).show()._repr_html_() or "the package has no viewer"
+        True
+        """
+        return Shown(self, html_of(self, wire=wire, against=deviation, height=height))
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
+        return {"text/plain": repr(self), "text/html": html_of(self)}
 
 
 def _again(state: str, blocks: list[bytes], bound: Bound | None, report: str | None) -> Mesh:

@@ -1,0 +1,113 @@
+"""A mesh to turn in a notebook: a page of its own in a frame, which needs no network and no package beside this one."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import html
+import json
+import os
+from typing import TYPE_CHECKING, Any, Final
+
+from chordal._made import report_html
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from chordal._mesh import Mesh
+
+#: More triangles than these make a notebook slow to open: it gets a picture of them. Chosen: some 10 MB in the file.
+MOST_FACES: Final = 250_000
+
+_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Mesh</title><style>
+html,body{{margin:0;height:100%;font:13px system-ui,sans-serif;color:#24313f;background:#fff}}
+#view{{position:absolute;inset:0 0 34px 0;outline-offset:-2px;touch-action:pan-y;cursor:grab}}
+#view canvas{{display:block;width:100%;height:100%}}
+footer{{position:absolute;inset:auto 0 0 0;height:34px;display:flex;gap:14px;align-items:center;padding:0 10px;
+white-space:nowrap;overflow:hidden}} #scale{{flex:none;width:120px;height:10px;border-radius:3px}}
+#hint{{opacity:.7;overflow:hidden;text-overflow:ellipsis}} label{{display:flex;gap:4px}}
+@media (prefers-color-scheme:dark){{html,body{{color:#dde5ee;background:#161b21}}}}
+</style><div id="view" tabindex="0" role="application" aria-label="{name}"></div>
+<footer><label><input type="checkbox" id="wire"> edges</label>{scale}<span id="hint">drag to turn, with Shift to shift; + and − for nearer and farther</span></footer>
+<script type="application/json" id="mesh">{data}</script><script>{script}</script></html>"""
+
+
+class Shown:
+    """A mesh as a notebook shows it. `Mesh.show` makes it."""
+
+    __slots__ = ("_html", "_mesh")
+
+    def __init__(self, mesh: Mesh, page: str) -> None:
+        self._mesh: Final = mesh
+        self._html: Final = page
+
+    def _repr_html_(self) -> str:
+        return self._html
+
+    def __repr__(self) -> str:
+        return repr(self._mesh)
+
+
+@functools.cache
+def _viewer() -> str | None:
+    """The viewer's script; None in a package that was built without it."""
+    path = os.path.join(os.path.dirname(__file__), "viewer.js")
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except FileNotFoundError:
+        return None
+
+
+def _base64(array: NDArray[Any], kind: str) -> str:
+    import numpy as np
+
+    return base64.b64encode(np.ascontiguousarray(array, dtype=kind).tobytes()).decode()
+
+
+def page_of(mesh: Mesh, *, wire: bool, values: NDArray[Any] | None, what: str) -> str | None:
+    """The page of a mesh, for a frame or a file; None without the viewer."""
+    import numpy as np
+
+    script = _viewer()
+    if script is None:
+        return None
+    # Small beside large coordinates would be lost in single precision.
+    middle = mesh.bounds.mean(axis=0)
+    low, high = (0.0, 1.0) if values is None else (0.0, float(values.max()) or 1.0)
+    parts = mesh.parts
+    own = parts[0].attribute("normal") if len(parts) == 1 else None
+    has_normals = own is not None and own.domain == "vertex" and len(own.values) == len(mesh.vertices)
+    facts = {
+        "positions": _base64(mesh.vertices - middle, "<f4"),
+        "faces": _base64(mesh.faces, "<u4"),
+        "normals": _base64(own.values, "<f4") if own is not None and has_normals else None,
+        "values": None if values is None else _base64(np.asarray(values), "<f4"),
+        "range": [low, high],
+        "what": what,
+        "wire": wire,
+    }
+    # No sign in it may end the element that it stands in.
+    data = json.dumps(facts).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+    scale = "" if values is None else f'<span>0</span><span id="scale"></span><span>{high:.3g} {html.escape(what)}</span>'
+    name = html.escape(mesh._size(), quote=True)
+    return _PAGE.format(name=name, scale=scale, data=data, script=script)
+
+
+def html_of(mesh: Mesh, *, wire: bool = False, against: Any = None, height: int = 380) -> str:
+    """A mesh as a notebook shows it: a frame to turn it in, or a picture where there are too many triangles or no viewer."""
+    table = report_html("Mesh", mesh._size(), mesh.bound)
+    if len(mesh.faces) == 0:
+        return table
+    values, what = None, ""
+    if against is not None:
+        values, what = mesh.vertex_deviation(against), "off, at vertices"
+    page = None if len(mesh.faces) > MOST_FACES else page_of(mesh, wire=wire, values=values, what=what)
+    if page is None:
+        show: Any = {"show": "deviation", "against": against} if against is not None else {"show": "wire" if wire else "shaded"}
+        picture = base64.b64encode(mesh.render(size=(640, height), **show).to_bytes("png")).decode()
+        return f'<img alt="{html.escape(mesh._size(), quote=True)}" src="data:image/png;base64,{picture}">{table}'
+    frame = html.escape(page, quote=True)
+    style = f"width:100%;max-width:720px;height:{height}px;border:1px solid #8884;border-radius:4px"
+    title = html.escape(mesh._size(), quote=True)
+    return f'<iframe sandbox="allow-scripts" title="{title}" style="{style}" srcdoc="{frame}"></iframe>{table}'

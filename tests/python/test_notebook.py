@@ -1,0 +1,85 @@
+"""What a notebook shows of a mesh."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import TEAPOT
+
+import chordal
+from chordal import _notebook
+
+
+def mesh() -> chordal.Mesh:
+    return chordal.load(TEAPOT).mesh(tol=0.05)
+
+
+def page_in(text: str) -> str:
+    if _notebook._viewer() is None:
+        pytest.skip("the package was built without the viewer of notebooks: make studio-page builds it")
+    found = re.search(r'srcdoc="([^"]*)"', text)
+    assert found is not None
+    return html.unescape(found[1])
+
+
+def facts_in(page: str) -> dict[str, Any]:
+    found = re.search(r'<script type="application/json" id="mesh">(.*?)</script>', page, re.S)
+    assert found is not None
+    facts: dict[str, Any] = json.loads(found[1])
+    return facts
+
+
+def test_a_mesh_says_its_bound_and_carries_its_triangles() -> None:
+    made = mesh()
+    bundle = made._repr_mimebundle_()
+    assert bundle["text/plain"] == repr(made) and html.escape(made.bound.sentence()) in bundle["text/html"]
+    facts = facts_in(page_in(bundle["text/html"]))
+    faces = np.frombuffer(base64.b64decode(facts["faces"]), "<u4").reshape(-1, 3)
+    places = np.frombuffer(base64.b64decode(facts["positions"]), "<f4").reshape(-1, 3)
+    assert np.array_equal(faces, made.faces)
+    assert np.allclose(places + made.bounds.mean(axis=0), made.vertices, atol=1e-5)
+
+
+def test_it_shows_edges_and_how_far_another_shape_is() -> None:
+    made, fine = mesh(), chordal.load(TEAPOT).mesh(tol=0.01)
+    facts = facts_in(page_in(made.show(wire=True, deviation=fine)._repr_html_()))
+    values = np.frombuffer(base64.b64decode(facts["values"]), "<f4")
+    assert facts["wire"] is True and len(values) == len(made.vertices) and 0 < values.max() <= 0.06
+    assert facts["range"] == [0, pytest.approx(float(values.max()))]
+
+
+def test_the_page_needs_nothing_from_elsewhere() -> None:
+    page = page_in(mesh().show()._repr_html_())
+    assert not re.search(r'(src|href)="(?!data:)', page.split("<script>")[0])
+    assert page.count("<script>") == 1 and page.count("</script>") == 2
+
+
+def test_large_meshes_and_packages_without_a_viewer_show_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_notebook, "MOST_FACES", 10)
+    assert '<img alt="' in mesh().show()._repr_html_()
+    monkeypatch.setattr(_notebook, "MOST_FACES", 10**6)
+    monkeypatch.setattr(_notebook, "_viewer", lambda: None)
+    assert 'src="data:image/png;base64,' in mesh().show()._repr_html_()
+
+
+def test_a_browser_draws_it(tmp_path: Path) -> None:
+    browser = os.environ.get("CHROMIUM") or shutil.which("chromium")
+    if browser is None:
+        pytest.skip("there is no Chromium: what a notebook shows is not drawn")
+    page = tmp_path / "notebook.html"
+    page.write_text(page_in(mesh().show(wire=True)._repr_html_()), encoding="utf-8")
+    words = ["--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--use-angle=swiftshader"]
+    words += [f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=8000", "--window-size=760,480"]
+    done = subprocess.run([browser, *words, "--dump-dom", page.as_uri()], check=True, capture_output=True, timeout=120)
+    shown = done.stdout.decode()
+    assert 'data-settled="true"' in shown and re.search(r'<div id="view"[^>]*><canvas', shown)
