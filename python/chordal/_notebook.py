@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import functools
 import html
 import json
 import os
@@ -18,6 +17,9 @@ if TYPE_CHECKING:
 
 #: More triangles than these make a notebook slow to open: it gets a picture of them. Chosen: some 10 MB in the file.
 MOST_FACES: Final = 250_000
+
+#: The script, once it was read.
+_VIEWER: Final[list[str]] = []
 
 _PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Mesh</title><style>
 html,body{{margin:0;height:100%;font:13px system-ui,sans-serif;color:#24313f;background:#fff}}
@@ -48,15 +50,17 @@ class Shown:
         return repr(self._mesh)
 
 
-@functools.cache
 def _viewer() -> str | None:
     """The viewer's script; None in a package that was built without it."""
+    if _VIEWER:
+        return _VIEWER[0]
     path = os.path.join(os.path.dirname(__file__), "viewer.js")
     try:
         with open(path, encoding="utf-8") as file:
-            return file.read()
+            _VIEWER.append(file.read())
     except FileNotFoundError:
         return None
+    return _VIEWER[0]
 
 
 def _base64(array: NDArray[Any], kind: str) -> str:
