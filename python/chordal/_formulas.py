@@ -7,8 +7,10 @@ from typing import SupportsFloat, overload
 
 from chordal._field import Formula, called, coordinate
 
-pi = math.pi
-x, y, z = (coordinate(k) for k in range(3))
+pi: float = math.pi
+x: Formula = coordinate(0)
+y: Formula = coordinate(1)
+z: Formula = coordinate(2)
 
 
 @overload

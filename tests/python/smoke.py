@@ -1,0 +1,15 @@
+"""What a wheel must do on every system before it is given away; it needs numpy alone."""
+
+import pickle
+
+import numpy as np
+
+import chordal
+
+block = chordal.shapes.box(2, 2, 1) - chordal.shapes.cylinder(0.4, 2)
+mesh = block.mesh(tol=0.05)
+assert mesh.bound.evidence == "proved" and mesh.is_watertight
+assert np.array_equal(pickle.loads(pickle.dumps(mesh)).vertices, mesh.vertices)
+assert mesh.to_bytes("glb")[:4] == b"glTF"
+assert len(mesh.lod(pixels=1)) >= 1
+print(chordal.__version__, repr(mesh))
