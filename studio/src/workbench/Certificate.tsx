@@ -3,8 +3,8 @@ import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
 import { stageIn } from "./command_zh";
 import type { LaneName } from "./controller";
-import { towards } from "./pixels";
 import { isOutdated } from "./outdated";
+import { towards } from "./pixels";
 import type { AttributeFacts, BoundFacts } from "./report";
 import { Said } from "./Said";
 import type { Page } from "./words";
@@ -70,7 +70,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
           {shown.certificate.attributes?.map((one) => (
             <div key={one.name} data-attribute={one.name}>
               <dt>{words.attributeOff(words.attributes[one.semantic], numberOf(one))}</dt>
-              <dd>{one.largest === null ? words.noNumber : one.unit === "degrees" ? say.degrees(one.largest) : say.number(one.largest)}</dd>
+              <dd>{offBy(page, one)}</dd>
             </div>
           ))}
           <div>
@@ -106,6 +106,9 @@ function sizeOf({ words, say }: Page, bound: BoundFacts): string {
 /** Which of several of a kind, counted from 1; a file's own name of what is of no kind. */
 const numberOf = ({ semantic, name }: AttributeFacts): string =>
   semantic === "custom" ? name : (/ ([1-9]\d*)$/.exec(name)?.[1] ?? "").replace(/\d+/, (k) => String(Number(k) + 1));
+
+const offBy = ({ words, say }: Page, { largest, unit }: AttributeFacts): string =>
+  largest === null ? words.noNumber : unit === "degrees" ? say.degrees(largest) : say.number(largest);
 
 function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
   return { proved: words.proved, "proved-if": words.provedIf, measured: words.measured, estimated: words.estimated }[evidence];

@@ -34,7 +34,13 @@ export function Exports({ page }: { page: Page }) {
         <h2>{words.export}</h2>
         <div class="row tight">
           {MESHES.map((format) => (
-            <button type="button" key={format} data-export={format} disabled={isIdle} onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}>
+            <button
+              type="button"
+              key={format}
+              data-export={format}
+              disabled={isIdle}
+              onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}
+            >
               {format.toUpperCase()}
             </button>
           ))}
@@ -47,7 +53,12 @@ export function Exports({ page }: { page: Page }) {
             3D Tiles (.zip)
           </button>
           {isDrawing(bench) && (
-            <button type="button" data-export="svg" disabled={isIdle} onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}>
+            <button
+              type="button"
+              data-export="svg"
+              disabled={isIdle}
+              onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}
+            >
               SVG
             </button>
           )}

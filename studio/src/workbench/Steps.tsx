@@ -54,7 +54,11 @@ export function Steps({ page }: { page: Page }) {
         {words.cells}
         <input type="text" inputMode="numeric" value={cells} onInput={(event) => setCells(event.currentTarget.value)} />
       </label>
-      <button type="button" disabled={isBroken(state)} onClick={() => void control?.step("bake", ["--cells", cells], `${stem(bench.name)}.nrrd`)}>
+      <button
+        type="button"
+        disabled={isBroken(state)}
+        onClick={() => void control?.step("bake", ["--cells", cells], `${stem(bench.name)}.nrrd`)}
+      >
         {words.bake}
       </button>
       <p class="aside">{words.bakeHint}</p>

@@ -463,10 +463,11 @@ export class Controller {
     return true;
   }
 
-  /** A proof is of this shape or of no use. An older draft of it is better than none while one drags, until the proof is there. */
+  /** A proof is of what is there or shown. An older draft of it is better than none while one drags, until the proof is there. */
   private isWanted(lane: "draft" | "proof", of: Bench): boolean {
     const { bench: now } = this.state;
-    return lane === "proof" ? of === now || of === this.state.shown?.of : of.name === now.name && this.provedOf !== now;
+    if (lane === "proof") return of === now || of === this.state.shown?.of;
+    return of.name === now.name && this.provedOf !== now;
   }
   private provedOf: Bench | null = null;
   /** What the last picture shows: the field of a bench, or triangles. */

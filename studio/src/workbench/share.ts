@@ -28,7 +28,8 @@ export async function pack(of: Bench): Promise<string | null> {
   // What a link would not bring back is not in one.
   const isWhole = Object.keys(files).length === 1 && !combine && before.length === 0;
   if (!bytes || bytes.length > MOST_FILE || !isWhole || !NAME.test(name) || options.length > MOST_OPTIONS) return null;
-  const content = isText(bytes) ? { text: new TextDecoder("utf-8", { ignoreBOM: true }).decode(bytes) } : { bytes: binary(bytes) };
+  const read = new TextDecoder("utf-8", { ignoreBOM: true });
+  const content = isText(bytes) ? { text: read.decode(bytes) } : { bytes: binary(bytes) };
   const packed: Packed = { v: 1, name, ...content, budget, set, options };
   const squeezed = await through(new TextEncoder().encode(JSON.stringify(packed)), new CompressionStream("deflate-raw"));
   const coded = btoa(String.fromCharCode(...squeezed.slice(0, MOST))).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
@@ -57,7 +58,8 @@ function read(value: unknown): Bench | null {
   if (!isRecord(value) || value["v"] !== 1) return null;
   const { name, text, bytes, budget, set, options } = value;
   if (typeof name !== "string" || !NAME.test(name)) return null;
-  const content = typeof text === "string" ? new TextEncoder().encode(text) : typeof bytes === "string" ? unbinary(bytes) : null;
+  const binary = typeof bytes === "string" ? unbinary(bytes) : null;
+  const content = typeof text === "string" ? new TextEncoder().encode(text) : binary;
   if (!content) return null;
   const wanted = isRecord(budget) ? budget : {};
   const word = (key: string, usual: string) => {

@@ -161,7 +161,7 @@ describe("a file", () => {
     await page.locator(".findings").waitFor();
     expect(await page.locator(".findings").textContent()).toContain("3 boundary edges");
     await page.locator(".findings").getByRole("button", { name: "Show" }).click();
-    await page.getByRole("button", { name: /--fill-holes/ }).click();
+    await page.getByRole("button", { name: "Cure: fill holes" }).click();
     await expect.poll(() => page.locator(".findings").textContent()).toContain("sound");
     await settled(page);
     expect(await line(page)).toBe(

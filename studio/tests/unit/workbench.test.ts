@@ -10,7 +10,9 @@ import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText,
 import { boxOf, levels, parts, standing } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
+import { type Box, awayFrom, distanceOf, fillingDistance, pixelsOf, towards } from "../../src/workbench/pixels";
 import { pack, unpack } from "../../src/workbench/share";
+import { BenchSay } from "../../src/workbench/words";
 
 // The module that tests build is small in nothing and quick in nothing.
 vi.setConfig({ testTimeout: 180_000, hookTimeout: 60_000 });
@@ -46,8 +48,17 @@ describe("the link", () => {
     const back = await unpack((await pack(of))!);
     expect(back).toEqual(of);
   });
-  test("is none for what is no text or too large", async () => {
-    expect(await pack(bench("a.stl", { "a.stl": new Uint8Array([0, 255, 254]) }))).toBeNull();
+  test("brings back a small file of any bytes, as it was", async () => {
+    const marked = [0xef, 0xbb, 0xbf, 0x31];
+    for (const bytes of [Uint8Array.of(0, 255, 254), new Uint8Array(60_000).fill(200), Uint8Array.from(marked)]) {
+      const of = bench("a.stl", { "a.stl": bytes });
+      expect(await unpack((await pack(of))!)).toEqual(of);
+    }
+  });
+  test("is none for what is too large", async () => {
+    expect(await pack(bench("a.stl", { "a.stl": new Uint8Array(randomBytes(60_000)) }))).toBeNull();
+    // Small as it is packed, and larger than what is unpacked again.
+    expect(await pack(bench("a.stl", { "a.stl": new Uint8Array(300_000).fill(200) }))).toBeNull();
     const noise = randomBytes(60_000).toString("base64");
     expect(await pack(bench("a.obj", { "a.obj": text(noise) }))).toBeNull();
   });
@@ -218,6 +229,27 @@ describe("the command as a module", () => {
     expect(found.map((level) => level.reduce((sum, { indices }) => sum + indices.length / 3, 0))).toEqual(facts.map(({ triangles }) => triangles));
   });
 
+  test("has the pixels and distances of levels that the page says", async () => {
+    const bracket = files("bracket.star");
+    const words = ["--px", "1", "--view", "553x321 fov=28", "-o", "l.glb", "--json"];
+    const made = await work(["lod", "bracket.star", ...words], bracket);
+    const { levels, shown } = JSON.parse(made.stdout).certificate.levels;
+    const screen = (distance: number) => ({ width: 553, height: 321, fovDeg: 28, distance });
+    for (const { at_most, distance } of levels) {
+      expect(pixelsOf(at_most, screen(distance))).toBeCloseTo(1, 5);
+      expect(distanceOf(at_most, 1, screen(NaN)) / distance).toBeCloseTo(1, 5);
+    }
+    for (const { distance, level, pixels } of shown) {
+      expect(pixelsOf(levels[level].at_most, screen(distance)) / pixels).toBeCloseTo(1, 6);
+    }
+    expect(shown[0].pixels).toBeGreaterThan(3);
+    expect(pixelsOf(1, screen(1))).toBe(Infinity);
+    // Where nothing else is said, the finest level is for the shape as high as the picture.
+    const inspected = await work(["inspect", "bracket.star", "--json"], bracket);
+    const box = JSON.parse(inspected.stdout).inspection.box as Box;
+    expect(fillingDistance(box, 28) / levels[0].distance).toBeCloseTo(1, 1);
+  });
+
   test("gives the bytes that the command gives", async () => {
     expect(CHORDAL, "make test-studio names the command").toBeDefined();
     const folder = mkdtempSync(join(tmpdir(), "chordal-bench-"));
@@ -280,6 +312,25 @@ test("what stands beside a shape is what it has", () => {
   expect(besideOf(one("a.ply"), "distance")).toBe("distance");
   // A mesh less another solid is not to be near the whole mesh.
   expect(besides({ ...one("a.ply"), combine: { how: "minus", name: "b.star" } })).not.toContain("distance");
+});
+
+test("the worst place is looked at from its own side, outside of the box", () => {
+  const box: Box = [[-1, -1, -1], [1, 1, 1]];
+  const diagonal = Math.hypot(2, 2, 2);
+  const home = { azimuth: -56, elevation: 22, distance: 2.4 * diagonal, target: [0, 0, 0] as const };
+  for (const at of [[1, 0.2, 0.3], [-1, 1, -1], [0, 0, 1], [0, 0, -1], [0.1, -0.1, 0], [0, 0, 0]] as const) {
+    const view = towards(at, home, home);
+    expect(view.target).toEqual(at);
+    expect(awayFrom(box, view), String(at)).toBeGreaterThan(0.1);
+  }
+});
+
+test("numbers of any size are read at a glance", () => {
+  const [en, zh] = [new BenchSay("en"), new BenchSay("zh")];
+  expect([3.37e-14, 0.0323, -2e-9, 0, 1234567, 5e20].map((value) => en.number(value))).toEqual([
+    "3.4·10⁻¹⁴", "0.0323", "−2.0·10⁻⁹", "0", "1230000", "5.0·10²⁰",
+  ]);
+  expect(zh.number(3.37e-14)).toBe("3.4·10⁻¹⁴");
 });
 
 test("a file with y up stands", () => {

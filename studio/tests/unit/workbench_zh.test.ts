@@ -3,7 +3,7 @@ import { readFileSync, readdirSync } from "node:fs";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { DOCTOR } from "../../src/exhibits/doctor_texts";
 import { run } from "../../src/workbench/command";
-import { CURES, NAMES, STAGES, cureIn, nameIn, sentenceIn, stageIn } from "../../src/workbench/command_zh";
+import { CURES, CURES_EN, NAMES, STAGES, cureIn, joining, nameIn, sentenceIn, stageIn } from "../../src/workbench/command_zh";
 import type { FindingFacts, Report } from "../../src/workbench/report";
 
 // The module that tests build is half as fast as the one that pages have.
@@ -54,7 +54,7 @@ describe("every sentence of the command's", () => {
     expect(nameIn("zh", { of: "hums", words: "hums" })).toEqual({ text: "hums", lang: "en" });
     expect(stageIn("zh", "hum")).toEqual({ text: "hum", lang: "en" });
     expect(sentenceIn("en", "it hums")).toEqual({ text: "it hums" });
-    expect(cureIn("zh", "--hum")).toBe("");
+    expect(cureIn("zh", "--hum")).toBe("--hum");
     expect(isChinese(stageIn("zh", Object.keys(STAGES)[0]!))).toBe(true);
   });
 });
@@ -96,7 +96,7 @@ describe("findings of files", () => {
       const { means, advice, cures } = finding;
       const said = [nameIn("zh", finding), sentenceIn("zh", means), ...(advice ? [sentenceIn("zh", advice)] : [])];
       const unsaid = said.filter((words) => !isChinese(words)).map(({ text }) => text);
-      return [...unsaid, ...cures.filter((cure) => !cureIn("zh", cure))];
+      return [...unsaid, ...cures.filter((cure) => cureIn("zh", cure) === cure)];
     });
     expect(english).toEqual([]);
     const kinds = new Set(findings.map(({ of }) => of));
@@ -107,10 +107,23 @@ describe("findings of files", () => {
     expect(besides.filter((words) => !said.includes(words))).toEqual([]);
   });
 
-  test("say the number and the option that the command says", () => {
+  test("name no options of the command's, but where one types", () => {
+    expect(Object.keys(CURES_EN)).toEqual(Object.keys(CURES));
+    const said = (["en", "zh"] as const).flatMap((language) =>
+      findings.flatMap(({ means, cures }) => [
+        sentenceIn(language, means).text,
+        ...[...cures, ...joining(means)].map((option) => cureIn(language, option)),
+      ]),
+    );
+    expect(said.filter((words) => words.includes("--"))).toEqual([]);
+  });
+
+  test("say the number that the command says, and have its cure", () => {
     const seam = findings.find(({ means }) => means.includes("--weld="))!;
+    expect(joining(seam.means)).toEqual(["--weld=1.1e-7"]);
+    expect(cureIn("en", "--weld=1.1e-7")).toBe("weld vertices within 1.1e-7");
     expect(sentenceIn("zh", seam.means).text).toBe(
-      "曲面到此为止，因此没有内部。其中 4 个边界顶点与别的顶点相距不超过 1.1e-7，可用 `mend --weld=1.1e-7` 焊接。",
+      "曲面到此为止，因此没有内部。其中 4 个边界顶点与别的顶点相距不超过 1.1e-7，焊接可使其相连。",
     );
   });
 });

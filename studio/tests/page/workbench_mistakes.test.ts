@@ -1,0 +1,153 @@
+// The workbench where something is wrong or near: what is shown is said to be of what, and nothing is promised that does not hold.
+import { join } from "node:path";
+import type { Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
+import { ROOT, Site, digits, seriousFindings, settled } from "./site";
+import { PATIENCE, Workbenches, line, small, write } from "./workbench_page";
+
+vi.setConfig(PATIENCE);
+
+let site: Site;
+let pages: Workbenches;
+beforeAll(async () => {
+  site = await Site.open();
+  pages = new Workbenches(site);
+});
+afterEach(() => pages.close());
+afterAll(() => site.close());
+
+const certificate = (page: Page) => page.locator(".certificate").textContent();
+const exportsOf = (page: Page) => page.locator("[data-export]").evaluateAll((all) => all.map((one) => (one as HTMLButtonElement).disabled));
+
+test("a mistake that is typed leaves the shape before it, proved and said to be old", async () => {
+  const { page } = await pages.open();
+  const before = await digits(page, "triangles");
+  await page.locator(".cm-content").click();
+  await page.keyboard.press("Control+End");
+  // A key at a time: what stands in between is a shape, too, and has a draft.
+  await page.keyboard.type(" | box(3, 1, 1)", { delay: 30 });
+  await expect.poll(() => digits(page, "triangles")).not.toBe(before);
+  await page.keyboard.type(" - (");
+  await page.locator(".fault").waitFor();
+  await settled(page);
+  expect(await digits(page, "triangles")).not.toBe(before);
+  expect(await certificate(page)).toContain("the last shape that worked");
+  expect(await certificate(page)).not.toContain("under way");
+  expect(await page.locator(".certificate .big.old").textContent()).toMatch(/^off by at most/);
+  expect(await page.locator(".stage-column .outdated").count()).toBe(1);
+  expect(await page.locator(".fault").textContent()).toContain("Line 1");
+  await page.keyboard.press("Control+z");
+  await settled(page);
+  expect([await page.locator(".fault, .outdated").count(), await page.locator(".certificate .big.proved").count()]).toEqual([0, 1]);
+});
+
+test("an emptied script has no green certificate and nothing to export, and says so", async () => {
+  const { page } = await pages.open(await small("sphere(1)", ".zh"));
+  expect(new Set(await exportsOf(page))).toEqual(new Set([false]));
+  await page.locator(".cm-content").click();
+  await page.keyboard.press("Control+a");
+  await page.keyboard.press("Delete");
+  await page.locator(".fault").waitFor();
+  await settled(page);
+  expect(await page.locator(".certificate .proved").count()).toBe(0);
+  expect(await certificate(page)).toContain("上一个成功的形状");
+  expect(new Set(await exportsOf(page))).toEqual(new Set([true]));
+  expect(await page.locator(".export").textContent()).toContain("没有可导出的");
+  expect(await page.getByRole("button", { name: "按一个像素生成各层次" }).isDisabled()).toBe(true);
+  expect(await seriousFindings(page)).toEqual([]);
+  await write(page, "sphere(2)");
+  await settled(page);
+  expect(new Set(await exportsOf(page))).toEqual(new Set([false]));
+});
+
+test("a proof that is stopped leaves a draft that says so", async () => {
+  const { page } = await pages.open();
+  await page.locator(".budget input[type=text]").fill("0.0001%");
+  await page.keyboard.press("Enter");
+  await page.locator(".certificate .big.draft").waitFor();
+  await page.locator(".certificate").getByRole("button", { name: "Stop" }).click();
+  await settled(page);
+  expect(await certificate(page)).toContain("its proof failed or was stopped");
+});
+
+/** What the page says of a level: its error, its pixels, and the distance of one pixel. */
+async function level(page: Page): Promise<{ pixels: number; from: number | null; away: number }> {
+  const panel = page.locator(".known .panel", { has: page.locator("#distance") });
+  const said = (await panel.textContent())!;
+  const [, pixels] = /which is at most ([\d.]+) px from here/.exec(said)!;
+  const from = /at most one pixel from a distance of ([\d.]+) on/.exec(said)?.[1];
+  return { pixels: Number(pixels), from: from ? Number(from) : null, away: Number(await panel.locator("output").textContent()) };
+}
+
+test("levels say how many pixels they are from here, and are made for where one stands", async () => {
+  const { page } = await pages.open("workbench.html");
+  const make = async () => {
+    await page.getByRole("button", { name: "Make levels for one pixel" }).click();
+    await page.locator("#distance").waitFor();
+    await settled(page);
+  };
+  await make();
+  expect((await level(page)).pixels).toBeLessThanOrEqual(1);
+  await page.locator("#distance").focus();
+  await page.keyboard.press("Home");
+  await expect.poll(async () => (await level(page)).pixels).toBeGreaterThan(1.5);
+  const near = await level(page);
+  expect(near.from).toBeGreaterThan(near.away);
+  // Pixels are as the distance is small.
+  expect((near.pixels * near.away) / near.from!).toBeCloseTo(1, 1);
+  await page.getByRole("button", { name: "Back to the mesh" }).click();
+  await make();
+  const made = await level(page);
+  expect(made.away).toBeCloseTo(near.away, 1);
+  expect([made.pixels <= 1, made.from]).toEqual([true, null]);
+});
+
+test("the worst place is gone to without a budget of a hundred times the triangles", async () => {
+  const { page } = await pages.open(await small("(box(2, 1, 1) | box(1, 2, 0.5)) - cylinder(0.3, 3)"));
+  await page.locator('input[name=budget][value="px"]').check({ force: true });
+  await expect.poll(() => line(page)).toContain("--px 1 --view");
+  await settled(page);
+  const [before, far] = [await digits(page, "triangles"), await distance(page)];
+  expect(await page.locator(".budget").textContent()).toContain("from here or farther");
+  await page.getByRole("button", { name: "Go to the worst place" }).click();
+  await settled(page);
+  // The eye is nearer than that, and the page says so.
+  expect(await page.locator(".budget").textContent()).toContain("you are nearer");
+  expect(await distance(page)).toBeGreaterThan(far / 4);
+  expect(await digits(page, "triangles")).toBeLessThan(4 * before);
+  expect(await page.locator(".fault").count()).toBe(0);
+});
+
+const distance = async (page: Page) => Number(/dist=([\d.]+)/.exec((await line(page))!)![1]);
+
+test("a file is in the list of examples, its attributes are in the certificate, and its link brings it back", async () => {
+  const { page } = await pages.open();
+  const picker = page.locator(".inputs input[type=file]");
+  await picker.setInputFiles(join(ROOT, "../tests/web/painted.gltf"));
+  await expect.poll(() => line(page)).toContain("painted.gltf");
+  await page.locator(".budget input[type=text]").fill("5%");
+  await page.keyboard.press("Enter");
+  await settled(page);
+  expect(await page.locator(".inputs select option:checked").textContent()).toBe("None: a file is open");
+  const facts = page.locator(".certificate .facts");
+  expect(await facts.locator('[data-attribute="normal"]').textContent()).toMatch(/^Normals off, as measured[\d.]+°$/);
+  expect(await facts.locator('[data-attribute="texcoord 0"]').textContent()).toMatch(/^Texture coordinates off, as measured0\.\d+$/);
+  // Any small file has a link.
+  const stl = Buffer.alloc(84 + 50);
+  stl.writeUInt32LE(1, 80);
+  [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0].forEach((value, k) => stl.writeFloatLE(value, 84 + 4 * k));
+  await picker.setInputFiles({ name: "one.stl", mimeType: "model/stl", buffer: stl });
+  await settled(page);
+  await page.waitForFunction(() => location.hash.startsWith("#s="));
+  expect(await page.locator(".line").textContent()).toContain("The address of this page holds the shape");
+  const address = page.url();
+  const other = await pages.open(address.slice(address.indexOf("workbench.html")));
+  await expect.poll(() => digits(other.page, "triangles")).toBe(1);
+  // What does not fit is said to be too much, not too large a file.
+  await picker.setInputFiles([
+    { name: "one.obj", mimeType: "text/plain", buffer: Buffer.from("mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") },
+    { name: "one.mtl", mimeType: "text/plain", buffer: Buffer.from("newmtl a\n") },
+  ]);
+  await settled(page);
+  await expect.poll(() => page.locator(".line").textContent()).toContain("only one small file");
+});
