@@ -129,13 +129,14 @@ pub(crate) fn path_at<'py>(
         bytes_of(&places.iter().map(at).collect::<Vec<_>>())
     }
     let path = path_of(source.shape()).map_err(PyValueError::new_err)?;
-    let found = work::run(py, None, move |_| {
-        let places = numbers(&places);
-        match path {
-            ScriptPath::Plane(curve) => of(&curve, &places, order),
-            ScriptPath::Space(curve) => of(&curve, &places, order),
-        }
-    })?;
+    let places = numbers(&places);
+    let is_few = places.len() <= work::FEW_POINTS;
+    let evaluate = move || match path {
+        ScriptPath::Plane(curve) => of(&curve, &places, order),
+        ScriptPath::Space(curve) => of(&curve, &places, order),
+    };
+    let found =
+        if is_few { work::run_briefly(py, evaluate)? } else { work::run(py, None, move |_| evaluate())? };
     Ok(PyBytes::new(py, &found))
 }
 

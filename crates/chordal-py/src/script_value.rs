@@ -258,8 +258,8 @@ impl ScriptValue {
     /// The values at points: three coordinates a point in double precision, in the byte order of the machine.
     fn values<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
         let field = self.evaluable_field()?;
-        let values = work::run(py, None, move |_| {
-            let points = points_of(&points);
+        let points = points_of(&points);
+        let values = self.evaluated(py, points.len(), move || {
             let mut values = vec![0.0; points.len()];
             field.tape().at(&points, &mut values).map(|()| bytes_of(values.into_iter()))
         })?;
@@ -269,8 +269,8 @@ impl ScriptValue {
     /// The gradients at points, in the same form.
     fn gradients<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
         let field = self.evaluable_field()?;
-        let gradients = work::run(py, None, move |_| {
-            let points = points_of(&points);
+        let points = points_of(&points);
+        let gradients = self.evaluated(py, points.len(), move || {
             let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
             let done = field.tape().gradient_at(&points, &mut slopes);
             done.map(|()| bytes_of(slopes.into_iter().flat_map(|slope| slope.gradient)))
@@ -285,6 +285,19 @@ impl ScriptValue {
 }
 
 impl ScriptValue {
+    /// Evaluates on this thread where points are few and no Python function may take its time.
+    fn evaluated<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        n_points: usize,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> PyResult<T> {
+        if n_points <= work::FEW_POINTS && self.calls.is_empty() {
+            return work::run_briefly(py, work);
+        }
+        work::run(py, None, move |_| work())
+    }
+
     fn source_in(&self, region: Option<[[f64; 3]; 2]>, frame: Frame) -> PyResult<Source> {
         let implicit = ImplicitShape {
             field: self.field()?.clone(),

@@ -52,6 +52,15 @@ pub(crate) fn run<T: Send + 'static>(
     done
 }
 
+/// Points that a call evaluates on the thread that calls: some microseconds of work, to which the way to another thread
+/// and back would add fifty.
+pub(crate) const FEW_POINTS: usize = 256;
+
+/// Runs what is done at once, without Python's lock, on this thread.
+pub(crate) fn run_briefly<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|_| failure::internal(py, BROKEN))
+}
+
 /// Cancels the job of whoever leaves before its end.
 struct CancelGuard<'a>(&'a Job);
 
