@@ -103,6 +103,8 @@ const USAGE = 2;
 const MOST_BYTES = 600e6;
 /** From the middle of a box to the eye, in diagonals. */
 const AWAY = 2.4;
+/** A shape that many times as large or as small is another one. Chosen: the eye is still outside of it. */
+const OTHER_SIZE = 3;
 /** Dots of a picture that is traced: as many as take about a second. */
 const MOST_DOTS = 120_000;
 /** Cells along the longest side of a slice: a pixel or two each. */
@@ -478,18 +480,21 @@ export class Controller {
     return up ?? (/\.(glb|gltf)$/i.test(now.name) ? "y" : null);
   }
 
-  /** Stands before a new shape; a changed one is looked at as before. */
+  /** Stands before a new shape; a changed one is looked at as before, unless it is of quite another size. */
   private frame(now: Bench, parts: readonly Part[], up: string | null): void {
     const isNew = this.seen?.name !== now.name;
-    const box = isNew ? boxOf(parts) : undefined;
+    const box = boxOf(parts);
     if (isNew && !box) return;
     this.seen = { name: now.name, up };
     if (!box) return;
     const [low, high] = box;
     const diagonal = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
     const target: Vec3 = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
+    const { azimuth, elevation } = isNew ? HOME : this.state.view;
     const home = { ...HOME, target, distance: AWAY * diagonal };
-    this.update({ view: home, home });
+    const grown = home.distance / this.state.home.distance;
+    if (!isNew && (this.dragged || Math.max(grown, 1 / grown) < OTHER_SIZE)) return;
+    this.update({ view: { ...home, azimuth, elevation }, home });
     // What was proved for pixels was so from where nobody stands.
     if (now.budget.by === "px") this.later("proof", () => void this.prove());
   }

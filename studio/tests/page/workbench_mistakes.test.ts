@@ -118,6 +118,22 @@ test("the worst place is gone to without a budget of a hundred times the triangl
   expect(await page.locator(".fault").count()).toBe(0);
 });
 
+test("a script of ten times the size is looked at from before it, and from the same side", async () => {
+  const { page } = await pages.open(await small("box(2, 1, 1)"));
+  await page.locator('input[name=budget][value="px"]').check({ force: true });
+  await expect.poll(() => line(page)).toContain("--px 1 --view");
+  await settled(page);
+  const before = await distance(page);
+  await write(page, "box(20, 10, 10)");
+  await settled(page);
+  await expect.poll(async () => (await distance(page)) / before).toBeCloseTo(10, 1);
+  expect(await page.locator(".budget").textContent()).toContain("from here or farther");
+  // What grows a little is looked at as before, and is nearer.
+  await write(page, "box(22, 10, 10)");
+  await settled(page);
+  expect((await distance(page)) / before).toBeLessThan(10);
+});
+
 const distance = async (page: Page) => Number(/dist=([\d.]+)/.exec((await line(page))!)![1]);
 
 test("a file is in the list of examples, its attributes are in the certificate, and its link brings it back", async () => {
