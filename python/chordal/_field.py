@@ -11,6 +11,7 @@ from chordal import _chordal
 from chordal._arguments import text as _text
 from chordal._arrays import coordinates
 from chordal._curve import Curve
+from chordal._devices import with_arrays
 from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
 
@@ -246,11 +247,12 @@ def _box(name: str, value: Any) -> list[list[float]]:
 
 
 def field(
-    what: Formula | float | Callable[[NDArray[np.float64]], ArrayLike],
+    what: Formula | float | Callable[..., Any],
     *,
     bounds: tuple[Sequence[SupportsFloat], Sequence[SupportsFloat]] | None = None,
     lipschitz: SupportsFloat | None = None,
-    gradient: Callable[[NDArray[np.float64]], ArrayLike] | None = None,
+    gradient: Callable[..., Any] | None = None,
+    like: Any | None = None,
 ) -> Field:
     """A shape from a formula, or from a function of points.
 
@@ -262,14 +264,19 @@ def field(
     without it they come from four values beside each point. `report["run"]["evaluations"]` of a mesh says how many
     points were asked for.
 
+    With `like`, an array of another library, the functions get such arrays instead of numpy's, of its type and on its
+    device: a tensor of PyTorch, or an array of JAX, CuPy or whatever knows the array API, padded to a power of two, so that
+    JAX compiles for few lengths. A module of PyTorch gets tensors like its parameters without that, and no gradients are
+    recorded. Values of single precision are worth no more than that.
+
     >>> import chordal, numpy
     >>> ball = chordal.field(lambda p: numpy.linalg.norm(p, axis=1) - 1, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
     >>> ball([[3, 0, 0]]), ball.evidence
     (array([2.]), 'proved-if')
     """
     if isinstance(what, Formula) or not callable(what):
-        if bounds is not None or lipschitz is not None or gradient is not None:
-            raise TypeError("bounds, lipschitz and gradient are for functions")
+        if bounds is not None or lipschitz is not None or gradient is not None or like is not None:
+            raise TypeError("bounds, lipschitz, gradient and like are for functions")
         return called("field", what)  # type: ignore[no-any-return]
     slope = None if lipschitz is None else float(lipschitz)
     if slope is not None and not 0 <= slope < float("inf"):
@@ -277,27 +284,29 @@ def field(
     if gradient is not None and not callable(gradient):
         raise TypeError("gradient: a function of points")
     value = _chordal.ScriptValue.callable(
-        _of_bytes(what, "function", lambda n: ((n,), (n, 1))),
-        None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),)),
+        _of_bytes(what, "function", lambda n: ((n,), (n, 1)), like),
+        None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),), like),
         None if bounds is None else _box("bounds", bounds),
         slope,
     )
-    named = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient}
+    named = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like}
     return Field(value, None, (field, (what,), named))
 
 
 def _of_bytes(
-    function: Callable[[NDArray[np.float64]], ArrayLike],
+    function: Callable[..., Any],
     name: str,
     shapes: Callable[[int], tuple[tuple[int, ...], ...]],
+    like: Any | None,
 ) -> Callable[[bytes], bytes]:
     """The function of the bytes of points, which gives back the bytes of an array of one of these shapes."""
+    called = with_arrays(function, like)
 
     def values(asked: bytes) -> bytes:
         import numpy as np
 
         points = np.frombuffer(asked).reshape(-1, 3)
-        found = np.ascontiguousarray(function(points), dtype=np.float64)
+        found = np.ascontiguousarray(called(points), dtype=np.float64)
         if found.shape not in shapes(len(points)):
             raise ValueError(f"the {name} gave back {found.shape} for {len(points)} points")
         return found.tobytes()
