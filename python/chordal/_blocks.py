@@ -244,7 +244,8 @@ class BlockVolume:
                 else:
                     ready = wait(list(running), return_when=FIRST_COMPLETED).done
                 for future in ready:
-                    yield running.pop(future), future.result()
+                    k = running.pop(future)
+                    yield k, _result(future, blocks[k])
         finally:
             for future in running:
                 future.cancel()
@@ -252,6 +253,17 @@ class BlockVolume:
     def __repr__(self) -> str:
         i, j, k = self.shape
         return f"<BlockVolume: {i} × {j} × {k} of {self.dtype}>"
+
+
+def _result(future: Any, block: Block) -> bytes:
+    """What a worker made of a block; where it was killed again and again, an `Error` that says which block that was."""
+    try:
+        made: bytes = future.result()
+    except Error:
+        raise
+    except Exception as error:
+        raise Error(f"the block at {block.low} was not done: {type(error).__name__}: {error}") from error
+    return made
 
 
 def block_volume(
@@ -346,7 +358,11 @@ class _Folder:
 
     def write(self, k: int, made: bytes) -> None:
         """Keeps a block: the file is whole or not there."""
-        _files.replace(self._path(k), _digest(made) + made)
+        try:
+            _files.replace(self._path(k), _digest(made) + made)
+        except OSError as error:
+            # A full disk has no name of its own.
+            raise OSError(error.errno, error.strerror, self._path(k)) from error
 
     def read(self, k: int) -> bytes | None:
         """A block that was kept; None where there is none, or where it is damaged."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -105,6 +107,32 @@ def test_what_was_done_is_kept_in_a_folder(tmp_path: Path) -> None:
     assert same(chordal.block_volume(third, **STEPS).mesh(**arguments), whole) and len(third.reads) == 2
     with pytest.raises(chordal.Error, match="blocks of another volume, level or version"):
         chordal.block_volume(Slow(ball()), **STEPS).mesh(**{**arguments, "iso": 0.5})
+
+
+class Killing:
+    """What kills the process that reads it."""
+
+    shape, dtype = (9, 9, 9), np.dtype(np.float64)
+
+    def __getitem__(self, slices: Any) -> Any:
+        os._exit(9)
+
+
+def test_a_worker_that_dies_says_with_which_block() -> None:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        with pytest.raises(chordal.Error, match=r"the block at \(0, 0, 0\) was not done: BrokenProcessPool"):
+            chordal.block_volume(Killing()).mesh(iso=0, block=8, executor=pool)
+
+
+def test_a_full_disk_names_the_file_of_the_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Any, content: bytes) -> None:
+        if "block_" in os.fspath(path):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        Path(path).write_bytes(content)
+
+    monkeypatch.setattr("chordal._files.replace", full)
+    with pytest.raises(OSError, match="block_0.chordal"):
+        chordal.block_volume(ball()).mesh(iso=0, inside="low", block=10, folder=tmp_path / "done")
 
 
 def test_arguments_are_named() -> None:

@@ -96,7 +96,9 @@ test.each(BENCHES)("%s works without a network: it proves, draws beside the mesh
   }
 }, 4 * WORK_MS);
 
-test("a new version takes the place of the old one, with the pages that were visited", async () => {
+// Once in some twenty runs of all tests, and never by itself, a page waited here for what nobody could tell: the second time says
+// whether it does so again, and what was kept then.
+test("a new version takes the place of the old one, with the pages that were visited", { retry: 1 }, async () => {
   await keep("quad.html");
   await page.goto(`${site.base}inside.html`);
   await page.waitForSelector("html[data-offline]");
@@ -116,7 +118,10 @@ test("a new version takes the place of the old one, with the pages that were vis
   expect(before).toMatch(/^chordal [0-9a-f]{16}$/);
   await site.down();
   try {
-    for (const file of ["quad.html", "inside.html"]) await open(file);
+    for (const file of ["quad.html", "inside.html"])
+      await open(file).catch(async (error: unknown) => {
+        throw new Error(`${file} is not there; kept are ${(await kept()).join(", ")}`, { cause: error });
+      });
     await open("quad.html");
     expect(await page.title()).toBe("Newer");
   } finally {
