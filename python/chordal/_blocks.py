@@ -15,6 +15,7 @@ from chordal import _chordal, _files
 from chordal._arguments import function, number, text
 from chordal._bound import bound_of
 from chordal._errors import Error, Refused
+from chordal._libraries import library
 from chordal._volume import _steps, volume
 
 if TYPE_CHECKING:
@@ -191,7 +192,7 @@ class BlockVolume:
         if cluster is not None:
             if executor is not None:
                 raise TypeError("executor, cluster: give one of them")
-            import distributed
+            distributed = library("distributed")
 
             executor = closing = distributed.Client(cluster)
         done: dict[int, bytes] = {}
@@ -238,7 +239,7 @@ class BlockVolume:
                     k = left.pop()
                     running[executor.submit(_run, task, array, blocks[k])] = k
                 if is_dask:
-                    import distributed
+                    distributed = library("distributed")
 
                     ready = distributed.wait(list(running), return_when="FIRST_COMPLETED").done
                 else:
@@ -285,7 +286,7 @@ def block_volume(
 
             array = np.load(path, mmap_mode="r")
         else:
-            import zarr
+            zarr = library("zarr")
 
             array = zarr.open_array(path, mode="r")
     return BlockVolume(array, spacing=spacing, origin=origin, affine=affine, unit=unit)

@@ -7,6 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from chordal._libraries import library
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -51,7 +53,7 @@ def _of_simpleitk(image: Any) -> Lattice:
 
     if image.GetDimension() != 3:
         raise ValueError(f"array: an image of three axes, not {image.GetDimension()}")
-    import SimpleITK
+    SimpleITK = library("SimpleITK")
 
     array = SimpleITK.GetArrayViewFromImage(image)
     affine = np.eye(4)
@@ -90,7 +92,7 @@ class Imaged:
 
     def to_nibabel(self) -> Any:
         """An image of nibabel, with this volume's matrix as it is."""
-        import nibabel
+        nibabel = library("nibabel")
         import numpy as np
 
         array = self.array
@@ -101,7 +103,7 @@ class Imaged:
     def to_simpleitk(self) -> Any:
         """An image of SimpleITK. Raises `ValueError` where the axes are not at right angles, which it cannot say."""
         import numpy as np
-        import SimpleITK
+        SimpleITK = library("SimpleITK")
 
         steps = self.affine[:3, :3]
         spacing = np.linalg.norm(steps, axis=0)
@@ -117,7 +119,7 @@ class Imaged:
     def to_xarray(self) -> Any:
         """A DataArray of xarray along x, y and z. Raises `ValueError` where the axes are turned, which it cannot say."""
         import numpy as np
-        import xarray
+        xarray = library("xarray")
 
         steps = self.affine[:3, :3]
         if np.any(steps != np.diag(np.diag(steps))):

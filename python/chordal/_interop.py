@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal
+from chordal._libraries import library
 
 if TYPE_CHECKING:
     from chordal._mesh import Mesh
@@ -154,7 +155,7 @@ class Interoperable:
         coordinates and colours. The bound is in its `metadata["chordal"]`.
         """
         import numpy as np
-        import trimesh
+        trimesh = library("trimesh")
 
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
         visual = None
@@ -176,7 +177,7 @@ class Interoperable:
         colours. The bound is in its field data "chordal".
         """
         import numpy as np
-        import pyvista
+        pyvista = library("pyvista")
 
         made = pyvista.PolyData.from_regular_faces(np.array(self.vertices), self.faces.astype(np.int64))
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
@@ -192,7 +193,7 @@ class Interoperable:
     def to_open3d(self) -> Any:
         """An `open3d.geometry.TriangleMesh` with the same vertices and faces, and normals and colours of vertices."""
         import numpy as np
-        import open3d
+        open3d = library("open3d")
 
         made = open3d.geometry.TriangleMesh(
             open3d.utility.Vector3dVector(np.array(self.vertices)), open3d.utility.Vector3iVector(np.array(self.faces))
@@ -208,7 +209,7 @@ class Interoperable:
 
     def to_manifold3d(self) -> Any:
         """A `manifold3d.Manifold` of closed triangles. Raises `ValueError` where it takes them for none."""
-        import manifold3d
+        manifold3d = library("manifold3d")
         import numpy as np
 
         mesh = manifold3d.Mesh64(np.array(self.vertices), self.faces.astype(np.uint64))
@@ -220,7 +221,7 @@ class Interoperable:
 
     def to_meshio(self) -> Any:
         """A `meshio.Mesh` with the same vertices and faces, and what these have of normals, texture coordinates, colours."""
-        import meshio
+        meshio = library("meshio")
         import numpy as np
 
         names = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))
