@@ -170,7 +170,7 @@ class BlockVolume:
         `block` is the number of cells along a side, one or three; each task reads its own block and the samples that it
         shares with its neighbours. Without more the blocks are done here one after the other, on all processors. `executor`
         is anything with `submit`: a `ProcessPoolExecutor`, or a `dask.distributed.Client`; `cluster` is the address of a
-        Dask scheduler. The array is sent to the workers as it is pickled, so give one that says where its samples are.
+        Dask scheduler. The array is pickled for each task, so give one that says where its samples are: a path, or a Zarr array.
 
         With a `folder` each block that is done is kept there, and a later call goes on where one ended, of the same volume,
         level and blocks; a file that is damaged is done again. Its results are removed by whoever made the folder.
@@ -227,10 +227,12 @@ class BlockVolume:
         self, executor: Any, task: _Task, blocks: list[Block], waiting: list[int]
     ) -> Iterator[tuple[int, bytes]]:
         """In other processes; few more at a time than these do at once, so that results do not pile up."""
-        # Dask sends what is submitted once; where a function was submitted twice with the same arguments, it runs once.
         is_dask = hasattr(executor, "scheduler_info")
         most = 2 * _workers(executor)
-        array = executor.scatter(self._array, broadcast=True) if is_dask and not _is_small(self._array) else self._array
+        array = self._array
+        if is_dask and hasattr(array, "__array_interface__"):
+            # Samples in memory are sent once to each worker, and not with every block.
+            array = executor.scatter(array, broadcast=True)
         left = list(reversed(waiting))
         running: dict[Any, int] = {}
         try:
@@ -282,14 +284,29 @@ def block_volume(
     if isinstance(array, (str, os.PathLike)):
         path = os.fspath(array)
         if path.endswith(".npy"):
-            import numpy as np
-
-            array = np.load(path, mmap_mode="r")
+            array = _NpyFile(path)
         else:
             zarr = library("zarr")
 
             array = zarr.open_array(path, mode="r")
     return BlockVolume(array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+
+
+class _NpyFile:
+    """The array of an .npy file, which each process opens for itself: a pickle of it is its name."""
+
+    def __init__(self, path: str) -> None:
+        self._path: Final = os.path.abspath(path)
+        array = self._opened()
+        self.shape, self.dtype = array.shape, array.dtype
+
+    def _opened(self) -> Any:
+        import numpy as np
+
+        return np.load(self._path, mmap_mode="r")
+
+    def __getitem__(self, slices: tuple[slice, ...]) -> Any:
+        return self._opened()[slices]
 
 
 def _sides(block: SupportsIndex | Sequence[SupportsIndex]) -> tuple[int, int, int]:
@@ -308,20 +325,18 @@ def _workers(executor: Any) -> int:
     return int(getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
 
 
-def _is_small(array: Any) -> bool:
-    """Whether a pickle of it only says where the samples are."""
-    return not hasattr(array, "__array_interface__")
-
-
 def _packed(arrays: list[bytes], bound: tuple[float, float, list[float] | None] | None) -> bytes:
     """A block as bytes: how long its text is, the text with the lengths of its arrays, the arrays."""
-    text = json.dumps({"lengths": [len(array) for array in arrays], "bound": bound}).encode()
+    facts = {"version": _chordal.VERSION, "lengths": [len(array) for array in arrays], "bound": bound}
+    text = json.dumps(facts).encode()
     return b"".join([len(text).to_bytes(8, "little"), text, *arrays])
 
 
 def _unpacked(content: bytes) -> tuple[list[bytes], tuple[float, float, list[float] | None] | None]:
     start = 8 + int.from_bytes(content[:8], "little")
     facts = json.loads(content[8:start])
+    if facts["version"] != _chordal.VERSION:
+        raise Error(f"a block was made by version {facts['version']}, and this is {_chordal.VERSION}: blocks of both may not fit")
     arrays = []
     for length in facts["lengths"]:
         arrays.append(content[start : start + length])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import operator
 import warnings
 from collections.abc import Callable, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from chordal import _chordal
@@ -133,14 +135,25 @@ class Formula(Remakeable):
         """A whole power from 1 on by multiplication, 0.5 as the square root; others are exp and log, for positive values."""
         from chordal import _formulas
 
-        if isinstance(exponent, bool) or not isinstance(exponent, (int, float)):
+        if isinstance(exponent, bool) or not isinstance(exponent, Real):
             return NotImplemented
+        exponent = float(exponent)
+        if exponent == 0:
+            return self * 0 + 1
         if exponent == 0.5:
-            return _formulas.sqrt(self)  # type: ignore[return-value]
-        if float(exponent).is_integer() and 1 <= abs(exponent) <= _LARGEST_POWER:
+            return _formulas.sqrt(self)
+        if exponent.is_integer() and 1 <= abs(exponent) <= _LARGEST_POWER:
             power = _power(self, abs(int(exponent)))
             return power if exponent > 0 else 1 / power
-        return _formulas.exp(exponent * _formulas.log(self))  # type: ignore[return-value]
+        return _formulas.exp(exponent * _formulas.log(self))
+
+    def __rpow__(self, base: float) -> Formula:
+        """A positive number to the power of a formula."""
+        from chordal import _formulas
+
+        if isinstance(base, bool) or not isinstance(base, Real):
+            return NotImplemented
+        return _formulas.exp(self * math.log(float(base)))
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
         """What numpy's functions make of a formula, as in `numpy.sin(x)`."""
@@ -394,8 +407,8 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
     "arccos": _named("acos"),
     "arctan": _named("atan"),
     "arctan2": _named("atan2"),
-    "minimum": _named("min"),
-    "maximum": _named("max"),
+    "minimum": _named("minimum"),
+    "maximum": _named("maximum"),
     "deg2rad": _named("radians"),
 }
 _UFUNCS |= {name: _named(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "floor", "ceil", "radians")}

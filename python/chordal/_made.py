@@ -23,14 +23,18 @@ def of_outcome(outcome: _chordal.Outcome, make: Callable[[_chordal.Outcome], Mad
     return made
 
 
-def remade(outcome: _chordal.Outcome, format: str, quantize: bool, compress: str | None) -> _chordal.Outcome:
-    """The same within the same budget for a format, whose rounding then counts."""
+def remade(
+    outcome: _chordal.Outcome,
+    make: Callable[[_chordal.Outcome], object],
+    format: str,
+    quantize: bool,
+    compress: str | None,
+) -> _chordal.Outcome:
+    """The same within the same budget for a format, whose rounding then counts; else `BudgetUnmet` carries what `make` makes."""
     found = outcome.remake(format, quantize, compress)
     # The best of a budget that was not met may be written all the same: its owner knows.
-    if outcome.unmet is None and found.unmet is not None:
-        from chordal._mesh import Mesh
-
-        raise BudgetUnmet(found.unmet, Mesh._unjudged(found))
+    if outcome.unmet is None:
+        of_outcome(found, make)
     return found
 
 

@@ -164,6 +164,17 @@ class Mesh(Shape, Interoperable):
         return found
 
     @property
+    def textures(self) -> list[dict[str, Any]]:
+        """The textures that materials name, as glTF describes them: each with the index of one of `images` as its "source"."""
+        found: list[dict[str, Any]] = json.loads(json.dumps(self._scene["textures"]))
+        return found
+
+    @property
+    def images(self) -> tuple[bytes | None, ...]:
+        """The pictures of the textures, as files of PNG, JPEG or WebP; None for one in another file that was not opened."""
+        return tuple(_chordal.scene_image(self._source, k) for k in range(self._scene["images"]))
+
+    @property
     def attributes(self) -> tuple[Attribute, ...]:
         """The attributes of the only part; of several, `parts[k].attributes` are those of each."""
         return self._only().attributes
@@ -305,7 +316,7 @@ class Mesh(Shape, Interoperable):
             return super()._written(format, quantize, compress, tol, rel)
         if tol is not None or rel is not None:
             raise TypeError("tol, rel: they are for drawings; this was made within a budget already")
-        return remade(self._outcome, format, quantize, compress)
+        return remade(self._outcome, Mesh._unjudged, format, quantize, compress)
 
     def __reduce__(self) -> Any:
         state, blocks = _chordal.scene_state(self._source)

@@ -11,6 +11,7 @@ from chordal import _chordal
 from chordal._bound import Bound, bound_of
 from chordal._convert import Convertible
 from chordal._made import counted, of_outcome, remade, report_html
+from chordal._sourced import plain_reading
 
 if TYPE_CHECKING:
     import numpy as np
@@ -122,11 +123,11 @@ class Polylines(Convertible, Sequence[Polyline]):
         if tol is not None or rel is not None:
             raise TypeError("tol, rel: these lines were made within a budget already")
         if self._outcome is not None:
-            return remade(self._outcome, format, quantize, compress)
+            return remade(self._outcome, Polylines, format, quantize, compress)
         # It comes from another process, as the file of it.
         if format == "json" and not quantize and compress is None:
             return _Kept(self._file, self._text)
-        return _chordal.convert(_chordal.Source(self._file, _JSON), format, (quantize, compress), None)
+        return _chordal.convert(_chordal.Source(self._file, plain_reading("json")), format, (quantize, compress), None)
 
     def __reduce__(self) -> Any:
         names = ("points", "places", "starts", "closed", "sources")
@@ -143,19 +144,6 @@ class Polylines(Convertible, Sequence[Polyline]):
         output = self.report["certificate"]["output"]
         segments = counted(output["segments"], "segment", "segments")
         return f"{counted(output['polylines'], 'polyline', 'polylines')}, {segments}"
-
-
-_JSON: Final[_chordal.Reading] = {
-    "name": None,
-    "format": "json",
-    "unit": None,
-    "up": None,
-    "strict": False,
-    "lenient": False,
-    "drop_nonfinite": False,
-    "surface": None,
-    "letters": None,
-}
 
 
 class _Kept:

@@ -13,3 +13,18 @@ class Sourced:
     @property
     def _source(self) -> _chordal.Source:
         raise NotImplementedError
+
+
+def plain_reading(format: str, unit: str | None = None) -> _chordal.Reading:
+    """How bytes of our own are read: of that format, and as they are."""
+    return {
+        "name": None,
+        "format": format,
+        "unit": unit,
+        "up": None,
+        "strict": False,
+        "lenient": False,
+        "drop_nonfinite": False,
+        "surface": None,
+        "letters": None,
+    }

@@ -14,6 +14,7 @@ from chordal._bound import Bound, bound_of
 from chordal._images import Imaged, lattice_of
 from chordal._meant import meant
 from chordal._shape import Shape
+from chordal._sourced import plain_reading
 
 if TYPE_CHECKING:
     import numpy as np
@@ -145,22 +146,8 @@ class Volume(Shape, Imaged):
 
 def _again(content: bytes, report: str | None, words: dict[str, Any]) -> Volume:
     """A volume that was pickled."""
-    made = Volume(_chordal.Source(content, _reading("nrrd", None)), report)
+    made = Volume(_chordal.Source(content, plain_reading("nrrd")), report)
     return made.surface(**words) if words else made
-
-
-def _reading(format: str, unit: str | None) -> _chordal.Reading:
-    return {
-        "name": None,
-        "format": format,
-        "unit": unit,
-        "up": None,
-        "strict": False,
-        "lenient": False,
-        "drop_nonfinite": False,
-        "surface": None,
-        "letters": None,
-    }
 
 
 def volume(
@@ -219,7 +206,7 @@ def volume(
         ]
     )
     samples = found.astype(found.dtype.newbyteorder("<"), copy=False).tobytes(order="F")
-    return Volume(_chordal.Source(header.encode() + samples, _reading("nrrd", text("unit", unit))))
+    return Volume(_chordal.Source(header.encode() + samples, plain_reading("nrrd", text("unit", unit))))
 
 
 def labels(

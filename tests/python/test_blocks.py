@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import pickle
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -80,6 +81,7 @@ def test_a_memory_mapped_file_is_a_volume(tmp_path: Path) -> None:
 def test_other_processes_do_blocks(tmp_path: Path) -> None:
     np.save(tmp_path / "ball.npy", ball())
     volume = chordal.block_volume(tmp_path / "ball.npy", **STEPS)
+    assert len(pickle.dumps(volume._array)) < 500
     seen: list[tuple[str, int, int]] = []
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         made = volume.mesh(iso=0, inside="low", block=9, executor=pool, progress=lambda *told: seen.append(told))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -160,3 +161,23 @@ def test_a_script_whose_last_shape_alone_is_cut_warns_with_its_line() -> None:
     with pytest.warns(UserWarning, match=r"^line 2: '-' binds closer than '\|'"):
         shape = chordal.script("a, b, c = sphere(1), box(1, 1, 1), sphere(0.5)\na | b - c")
     assert shape([[0, 0, 0]]).tolist() == [-1]
+
+
+def test_powers_and_functions_of_numpy_are_formulas() -> None:
+    x: Any = chordal.shapes.x
+    y: Any = chordal.shapes.y
+    points = np.array([(-1.5, 0.3, 0.0), (2.0, 1.2, 0.0), (0.7, -3.0, 0.0)])
+    a, b = points[:, 0], points[:, 1]
+    for made, expected in (
+        (x**2, a**2),
+        (x**5 - y**0, a**5 - 1),
+        (x**-3, a**-3.0),
+        (2**y, 2**b),
+        ((x * x + 1) ** 0.5, np.sqrt(a * a + 1)),
+        (x ** np.int64(3), a**3),
+        (np.sin(x) + np.hypot(x, y) * np.float64(2), np.sin(a) + 2 * np.hypot(a, b)),
+        (np.maximum(x, y) / np.exp(np.abs(y)), np.maximum(a, b) / np.exp(np.abs(b))),
+    ):
+        assert np.allclose(made(points), expected, rtol=1e-14)
+    with pytest.raises(TypeError):
+        x ** True  # noqa: B015

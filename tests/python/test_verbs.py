@@ -169,6 +169,8 @@ def test_the_distance_to_triangles_is_a_field() -> None:
 def test_a_scene_has_parts_nodes_materials_and_attributes() -> None:
     scene: Any = chordal.load(ROOT / "tests/web/painted.gltf")
     assert scene.materials and scene.nodes and scene.roots
+    sources = [texture["source"] for texture in scene.textures]
+    assert sources and all(scene.images[source][:4] in (b"\x89PNG", b"\xff\xd8\xff\xe0", b"RIFF") for source in sources)
     shown = [node.part for node in scene.nodes if node.part is not None]
     assert set(shown) <= set(range(len(scene.parts)))
     kinds = {attribute.kind for part in scene.parts for attribute in part.attributes}

@@ -1,5 +1,4 @@
 //! Blocks of a volume, meshed one by one in any process, and joined.
-use crate::array::{Array, ArrayData};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::{Bound, Evidence, JobError, Reference};
@@ -108,25 +107,6 @@ impl Block {
         self.0.faces.len()
     }
 
-    /// "positions" or "faces".
-    fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
-        match name {
-            "positions" => {
-                Ok(Array::new(&self.0, |block| ArrayData::from_f64(block.positions.as_flattened(), 3)))
-            }
-            "faces" => {
-                Ok(Array::new(&self.0, |block| ArrayData::from_u32_below_sign(block.faces.as_flattened(), 3)))
-            }
-            _ => Err(failure::internal(py, &format!("there are no {name}"))),
-        }
-    }
-
-    /// The bound as JSON; nothing for a block without triangles.
-    #[getter]
-    fn bound(&self) -> Option<String> {
-        serde_json::to_string(&BoundFacts::new(self.0.bound.as_ref()?)).ok()
-    }
-
     /// All of it as bytes: what [`Self::of_state`] makes the same block of.
     fn state<'py>(&self, py: Python<'py>) -> (Vec<BlockArrayBytes<'py>>, Option<BoundState>) {
         let block = &self.0;
@@ -201,7 +181,6 @@ impl Block {
         });
         Ok(Self(Arc::new(GridBlock {
             positions: points.to_vec(),
-            normals: Vec::new(),
             faces: corners.to_vec(),
             vertex_keys,
             face_keys,

@@ -155,7 +155,7 @@ impl Outcome {
     /// and "sources" of polylines.
     fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
         let array = match &self.filled.rows {
-            OutcomeRows::Triangles(rows) => TriangleRows::array(rows, name),
+            OutcomeRows::Triangles(rows) => rows.array(name),
             OutcomeRows::Lines(rows) => PolylineRows::array(rows, name),
         };
         array.ok_or_else(|| failure::internal(py, &format!("there are no {name}, or too many")))

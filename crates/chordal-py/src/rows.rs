@@ -6,46 +6,72 @@ use chordal_verbs::{MeshOutcome, Scene};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The rows of a mesh.
-pub(crate) enum TriangleRows {
-    /// Those of its only part.
-    Only(Arc<MeshOutcome>),
-    /// Those of all parts, one after the other.
-    Joined { vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]> },
+/// The rows of all that a scene shows, one part after the other, in its own space and the order of its tree: as the file of
+/// such a mesh has it.
+pub(crate) struct ShownRows {
+    vertices: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
 }
 
-impl TriangleRows {
-    /// All that a scene shows, in its own space and the order of its tree, as the file of such a mesh has it.
-    pub(crate) fn from_outcome(outcome: &Arc<MeshOutcome>) -> Result<Self, WriteError> {
-        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-        let Some(scene) = outcome.scene() else { return Ok(Self::Joined { vertices, faces }) };
+impl ShownRows {
+    /// Nothing where the scene shows its only part as it is.
+    pub(crate) fn from_scene(scene: &Scene) -> Result<Option<Self>, WriteError> {
         let meshes = scene.world_meshes()?;
         if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &scene.parts[..]) {
-            return Ok(Self::Only(Arc::clone(outcome)));
+            return Ok(None);
         }
+        let mut rows = Self { vertices: Vec::new(), faces: Vec::new() };
         for (_, mesh) in &meshes {
             // Where that is too many for an index, there is no array of faces, for those have one bit less.
-            let first = vertices.len() as u32;
-            vertices.extend_from_slice(mesh.positions());
-            faces.extend(mesh.faces().iter().map(|face| face.map(|index| first.saturating_add(index))));
+            let first = rows.vertices.len() as u32;
+            rows.vertices.extend_from_slice(mesh.positions());
+            let faces = mesh.faces().iter().map(|face| face.map(|index| first.saturating_add(index)));
+            rows.faces.extend(faces);
         }
-        Ok(Self::Joined { vertices, faces })
-    }
-
-    fn rows(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
-        match self {
-            Self::Only(outcome) => single_part(outcome.scene()),
-            Self::Joined { vertices, faces } => (vertices, faces),
-        }
+        Ok(Some(rows))
     }
 
     /// The numbers of that name. Indices have a sign in Python, which costs the largest half of them.
     pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
         match name {
-            "vertices" => Some(Array::new(rows, |rows| ArrayData::from_f64(rows.rows().0.as_flattened(), 3))),
+            "vertices" => Some(Array::new(rows, |rows| ArrayData::from_f64(rows.vertices.as_flattened(), 3))),
             "faces" => {
-                i32::try_from(rows.rows().0.len()).ok()?;
-                Some(Array::new(rows, |rows| ArrayData::from_u32_below_sign(rows.rows().1.as_flattened(), 3)))
+                i32::try_from(rows.vertices.len()).ok()?;
+                Some(Array::new(rows, |rows| ArrayData::from_u32_below_sign(rows.faces.as_flattened(), 3)))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The rows of a mesh that was made.
+pub(crate) enum TriangleRows {
+    /// Those of its only part.
+    Only(Arc<MeshOutcome>),
+    Joined(Arc<ShownRows>),
+}
+
+impl TriangleRows {
+    pub(crate) fn from_outcome(outcome: &Arc<MeshOutcome>) -> Result<Self, WriteError> {
+        let shown = outcome.scene().map(ShownRows::from_scene).transpose()?.flatten();
+        Ok(shown.map_or_else(|| Self::Only(Arc::clone(outcome)), |rows| Self::Joined(Arc::new(rows))))
+    }
+
+    /// The numbers of that name.
+    pub(crate) fn array(&self, name: &str) -> Option<Array> {
+        let outcome = match self {
+            Self::Joined(rows) => return ShownRows::array(rows, name),
+            Self::Only(outcome) => outcome,
+        };
+        match name {
+            "vertices" => Some(Array::new(outcome, |outcome| {
+                ArrayData::from_f64(single_part(outcome.scene()).0.as_flattened(), 3)
+            })),
+            "faces" => {
+                i32::try_from(single_part(outcome.scene()).0.len()).ok()?;
+                Some(Array::new(outcome, |outcome| {
+                    ArrayData::from_u32_below_sign(single_part(outcome.scene()).1.as_flattened(), 3)
+                }))
             }
             _ => None,
         }

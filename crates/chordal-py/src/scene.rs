@@ -1,16 +1,16 @@
 //! What is in a scene of triangles, as Python sees it: facts as JSON, numbers as arrays that are not copied.
 use crate::array::{Array, ArrayData};
+use crate::rows::ShownRows;
 use crate::scene_state::{SceneState, attribute_names};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::Unit;
-use chordal_io::{Format, Scene};
+use chordal_io::{Format, ImageContent, Scene};
 use chordal_verbs::{Input, Shape, sha256};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
-use std::borrow::Cow;
 use std::sync::Arc;
 
 fn scene_in(input: &Input) -> Option<&Scene> {
@@ -93,50 +93,26 @@ pub(crate) fn scene_array(
     }))
 }
 
-/// The rows of all that a scene shows, one after the other.
-struct ShownRows {
-    vertices: Vec<[f64; 3]>,
-    faces: Vec<[u32; 3]>,
-}
-
 /// Not copied where the scene shows one part as it is.
 fn shown_array(py: Python<'_>, source: &Source, name: &str) -> PyResult<Array> {
-    let owner = source.input();
-    let unknown = || failure::internal(py, &format!("there are no {name}"));
-    let scene = scene_in(owner).ok_or_else(unknown)?;
-    let meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
-    if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &scene.parts[..]) {
-        return scene_array(py, source, Some(0), name, None);
-    }
-    let mut rows = ShownRows { vertices: Vec::new(), faces: Vec::new() };
-    for (_, mesh) in &meshes {
-        let first = u32::try_from(rows.vertices.len()).map_err(|_| unknown())?;
-        rows.vertices.extend_from_slice(mesh.positions());
-        i32::try_from(rows.vertices.len()).map_err(|_| unknown())?;
-        rows.faces.extend(mesh.faces().iter().map(|face| face.map(|index| first + index)));
-    }
-    let rows = Arc::new(rows);
-    match name {
-        "vertices" => Ok(Array::new(&rows, |rows| ArrayData::from_f64(rows.vertices.as_flattened(), 3))),
-        "faces" => Ok(Array::new(&rows, |rows| ArrayData::from_u32_below_sign(rows.faces.as_flattened(), 3))),
-        _ => Err(unknown()),
-    }
+    let unknown = || failure::internal(py, &format!("there are no {name}, or too many"));
+    let scene = scene_in(source.input()).ok_or_else(unknown)?;
+    let rows = ShownRows::from_scene(scene).map_err(|error| failure::write(py, &error))?;
+    let Some(rows) = rows else { return scene_array(py, source, Some(0), name, None) };
+    ShownRows::array(&Arc::new(rows), name).ok_or_else(unknown)
 }
 
-/// The bytes of a picture of a scene, and its media type.
+/// The bytes of a picture of a scene; nothing for one in another file.
 #[pyfunction]
 pub(crate) fn scene_image<'py>(
     py: Python<'py>,
     source: &Source,
     number: usize,
-) -> PyResult<(Bound<'py, PyBytes>, Option<String>)> {
-    let image = scene_in(source.input()).and_then(|scene| scene.assets.images.get(number));
-    let Some((image, chordal_io::ImageContent::Bytes(bytes))) = image.map(|image| (image, &image.content))
-    else {
-        return Err(failure::internal(py, "there is no such picture"));
-    };
-    let kind = image.properties.get("mimeType").and_then(Value::as_str).map(str::to_owned);
-    Ok((PyBytes::new(py, bytes), kind))
+) -> Option<Bound<'py, PyBytes>> {
+    match &scene_in(source.input())?.assets.images.get(number)?.content {
+        ImageContent::Bytes(bytes) => Some(PyBytes::new(py, bytes)),
+        ImageContent::Uri(_) => None,
+    }
 }
 
 /// A text and blocks of bytes.

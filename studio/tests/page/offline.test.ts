@@ -96,8 +96,7 @@ test.each(BENCHES)("%s works without a network: it proves, draws beside the mesh
   }
 }, 4 * WORK_MS);
 
-// Once in some twenty runs of all tests, and never by itself, a page waited here for what nobody could tell: the second time says
-// whether it does so again, and what was kept then.
+// Once, in a run of all tests, and never by itself, a page waited here, and nothing said for what: tried twice, it says what is kept.
 test("a new version takes the place of the old one, with the pages that were visited", { retry: 1 }, async () => {
   await keep("quad.html");
   await page.goto(`${site.base}inside.html`);

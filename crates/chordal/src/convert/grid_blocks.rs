@@ -2,12 +2,11 @@
 use super::cubes::bound::IsosurfaceProof;
 use super::cubes::case_table::TABLE;
 use super::cubes::marching_cubes::{Isosurface, MarchingPlan, march, refusal};
-use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
 use super::cubes::source::DenseSamples;
 use super::grid_to_mesh::{VertexKey, bound, check, vertex_errors};
 use crate::budget::{Bound, Bounded, Evidence, Job, JobError, Reference, RefusalCode};
-use crate::explicit::{Attribute, Mesh};
+use crate::explicit::Mesh;
 use crate::implicit::{Grid, with_samples};
 
 /// The place of a triangle in the order of the whole: cells row by row, then the caps.
@@ -27,8 +26,6 @@ pub struct FaceKey {
 pub struct GridBlock {
     /// n × 3 coordinates.
     pub positions: Vec<[f64; 3]>,
-    /// A normal for each position, where the rule asks for them.
-    pub normals: Vec<[f64; 3]>,
     /// m × 3 indices into the positions.
     pub faces: Vec<[u32; 3]>,
     /// The key of each position.
@@ -44,8 +41,7 @@ pub struct GridBlock {
 ///
 /// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
 /// whole, and `rule.border` is [`Border::Open`](super::Border::Open) where another block goes on. A block without surface
-/// has no triangles. Normals at a side that another block shares come from its own samples alone, so a rule with
-/// [`Normals::Gradient`] is refused where a side is open.
+/// has no triangles. Normals take samples beyond its sides, so a rule with [`Normals::Gradient`] is refused.
 ///
 /// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole.
 ///
@@ -54,10 +50,8 @@ pub struct GridBlock {
 pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBlock, JobError> {
     let (size, affine) = (grid.size(), grid.affine());
     check(size, affine, rule)?;
-    let is_open = rule.border.iter().flatten().any(|border| *border == super::Border::Open);
-    if rule.normals != Normals::None && is_open {
-        let message =
-            "normals at an open side would be those of this block alone: ask for them after joining";
+    if rule.normals != Normals::None {
+        let message = "normals take samples beyond the sides of a block: make them after joining";
         return Err(refusal(RefusalCode::Unsupported, message.into()));
     }
     job.run(|| {
@@ -77,14 +71,10 @@ pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBl
                 let farthest = IsosurfaceProof::new(&source, affine, rule, errors).max_distance(&plan, job);
                 bound(farthest, Evidence::Proved, affine, rule, size)
             });
-            let normals = match rule.normals {
-                Normals::None => Vec::new(),
-                Normals::Gradient => gradient_normals(&source, affine, rule, &plan, job),
-            };
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
-            Ok(GridBlock { positions, normals, faces, vertex_keys, face_keys, bound })
+            Ok(GridBlock { positions, faces, vertex_keys, face_keys, bound })
         })
     })
 }
@@ -123,8 +113,8 @@ fn order(key: &VertexKey) -> (i64, i64, u8, i64) {
 /// Cost: O(n log n) in the vertices and triangles.
 ///
 /// # Errors
-/// [`JobError::Refused`]: no block has triangles ([`RefusalCode::Empty`]); vertices of one key lie apart or carry other
-/// normals, or a triangle comes twice: these are no blocks of one volume ([`RefusalCode::Unsupported`]); more than a mesh
+/// [`JobError::Refused`]: no block has triangles ([`RefusalCode::Empty`]); vertices of one key lie apart, or a triangle comes
+/// twice: these are no blocks of one volume ([`RefusalCode::Unsupported`]); more than a mesh
 /// or the job may have ([`RefusalCode::TooManyTriangles`]).
 ///
 /// ```
@@ -168,36 +158,22 @@ pub fn join_blocks(
     let key_of = |(k, row): &(usize, u32)| &blocks[*k].vertex_keys[*row as usize];
     entries.sort_by_cached_key(|entry| order(key_of(entry)));
     let mut numbers: Vec<Vec<u32>> = blocks.iter().map(|block| vec![0; block.positions.len()]).collect();
-    let (mut positions, mut normals): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (Vec::new(), Vec::new());
+    let mut positions: Vec<[f64; 3]> = Vec::new();
     let mut last: Option<(usize, u32)> = None;
     for entry in entries {
         let (k, row) = entry;
-        let block = &blocks[k];
-        let here = (bits(block.positions[row as usize]), block.normals.get(row as usize).copied().map(bits));
-        let is_new = last.is_none_or(|before| key_of(&before) != key_of(&entry));
-        if is_new {
-            if positions.len() as u64 >= u64::from(u32::MAX) - 1 {
-                return Err(refusal(
-                    RefusalCode::TooManyTriangles,
-                    "there are more vertices than one mesh has".into(),
-                ));
-            }
-            positions.push(block.positions[row as usize]);
-            normals.extend(block.normals.get(row as usize));
+        let here = blocks[k].positions[row as usize];
+        if last.is_none_or(|before| key_of(&before) != key_of(&entry)) {
+            positions.push(here);
             last = Some(entry);
-        } else if last.is_some_and(|(k, row)| {
-            let block = &blocks[k];
-            (bits(block.positions[row as usize]), block.normals.get(row as usize).copied().map(bits)) != here
-        }) {
-            return Err(refusal(
-                RefusalCode::Unsupported,
-                format!(
-                    "vertices of one key lie apart: these are no blocks of one volume ({:?})",
-                    key_of(&entry).lattice
-                ),
-            ));
+        } else if positions.last().is_some_and(|known| known.map(f64::to_bits) != here.map(f64::to_bits)) {
+            let place = key_of(&entry).lattice;
+            let message =
+                format!("vertices of one key lie apart: these are no blocks of one volume ({place:?})");
+            return Err(refusal(RefusalCode::Unsupported, message));
         }
-        numbers[k][row as usize] = positions.len() as u32 - 1;
+        // Where these are more than an index can say, there is no mesh of them.
+        numbers[k][row as usize] = u32::try_from(positions.len() - 1).unwrap_or(u32::MAX);
     }
     let mut faces: Vec<(FaceKey, [u32; 3])> = Vec::with_capacity(triangles as usize);
     for (block, numbers) in blocks.iter().zip(&numbers) {
@@ -214,16 +190,7 @@ pub fn join_blocks(
     let faces = faces.into_iter().map(|(_, face)| face).collect();
     let mesh = Mesh::new(positions, faces)
         .map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))?;
-    let mesh = match normals.len() == mesh.positions().len() {
-        true => mesh.with_attribute(Attribute::vertex_normals(&normals)),
-        false => Ok(mesh),
-    };
-    let mesh = mesh.map_err(|error| refusal(RefusalCode::Unsupported, error.to_string()))?;
     Ok(Bounded { shape: mesh, bound })
-}
-
-fn bits(point: [f64; 3]) -> [u64; 3] {
-    point.map(f64::to_bits)
 }
 
 /// A bound of all blocks: none is farther than the farthest. At its lower end it says nothing: how far a point is from the
