@@ -130,8 +130,7 @@ test("a script of ten times the size is looked at from before it, and from the s
   expect(await page.locator(".budget").textContent()).toContain("from here or farther");
   // What grows a little is looked at as before, and is nearer.
   await write(page, "box(22, 10, 10)");
-  await settled(page);
-  expect((await distance(page)) / before).toBeLessThan(10);
+  await expect.poll(async () => (await distance(page)) / before).toBeLessThan(10);
 });
 
 const distance = async (page: Page) => Number(/dist=([\d.]+)/.exec((await line(page))!)![1]);
