@@ -175,6 +175,11 @@ class Curve(Remakeable):
 
     `polygon` fills one curve of the plane, and `sweep` follows one: both make a `Field`. `revolve` and `extrude` make
     NURBS surfaces.
+
+    >>> import chordal
+    >>> path = chordal.shapes.spline([(0, 0), (1, 2), (3, 1)])
+    >>> path.n_pieces, path.closed, path.bound
+    (2, False, None)
     """
 
     __slots__ = ("_bound", "_recipe", "_source")

@@ -19,7 +19,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OneSided:
-    """The largest distance from the points of one shape to the other: an interval that is proved."""
+    """The largest distance from the points of one shape to the other: an interval that is proved. Places are those of space.
+
+    >>> import chordal
+    >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> lifted = chordal.Mesh([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
+    >>> forward = triangle.deviation(lifted).forward
+    >>> forward.at_least <= 2 <= forward.at_most, forward.nearest[2]
+    (True, 2.0)
+    """
 
     #: Some point is at least this far.
     at_least: float
@@ -33,7 +41,14 @@ class OneSided:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far two shapes are apart. `Shape.deviation` measures it."""
+    """How far two shapes are apart, in units. `Shape.deviation` measures it.
+
+    >>> import chordal
+    >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> lifted = chordal.Mesh([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
+    >>> triangle.deviation(lifted, max=1).verdict
+    'exceeds'
+    """
 
     #: The Hausdorff distance, which looks both ways: an interval that is proved.
     bound: Bound

@@ -9,7 +9,15 @@ if TYPE_CHECKING:
 
 
 class Error(Exception):
-    """Anything that Chordal itself raises; arguments of the wrong type raise Python's own `TypeError`."""
+    """Anything that Chordal itself raises; arguments of the wrong type raise Python's own `TypeError`.
+
+    >>> import chordal
+    >>> try:
+    ...     chordal.load(b"no shape", format="obj").mesh(tol=-1)
+    ... except chordal.Error as error:
+    ...     print(type(error).__name__)
+    ReadError
+    """
 
 
 class ReadError(Error):
@@ -41,7 +49,15 @@ class ReadError(Error):
 
 
 class WriteError(Error):
-    """The format cannot hold the shape. A disk that is full raises `OSError`, as everywhere in Python."""
+    """The format cannot hold the shape. A disk that is full raises `OSError`, as everywhere in Python.
+
+    >>> import chordal
+    >>> try:
+    ...     chordal.shapes.sphere(1).lod(tol=0.1).to_bytes("obj")
+    ... except chordal.WriteError as error:
+    ...     print(error)
+    obj holds no levels of detail
+    """
 
 
 class BudgetError(Error, ValueError):
@@ -57,7 +73,15 @@ class BudgetError(Error, ValueError):
 
 
 class BudgetUnmet(Error):
-    """The budget makes sense and was not met. The best that was reached is at hand, with its own bound."""
+    """The budget makes sense and was not met. The best that was reached is at hand, with its own bound.
+
+    >>> import chordal
+    >>> try:
+    ...     chordal.shapes.sphere(1).mesh(tol=0.01, triangles=10)
+    ... except chordal.BudgetUnmet as error:
+    ...     print(len(error.best.faces) > 10, error.bound.evidence)
+    True proved
+    """
 
     #: The best that was reached, as the call would have returned it: a `Mesh`, `Polylines` or `Volume`.
     best: Any
@@ -77,7 +101,15 @@ class BudgetUnmet(Error):
 
 
 class Refused(Error):
-    """The work was not done, and will not be: for a reason that `code` names."""
+    """The work was not done, and will not be: for a reason that `code` names.
+
+    >>> import chordal
+    >>> try:
+    ...     chordal.shapes.arc(1).shape().cage()
+    ... except chordal.Refused as error:
+    ...     print(error.code)
+    unsupported
+    """
 
     #: Stable, for programs, as in "too-many-triangles".
     code: str

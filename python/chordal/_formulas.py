@@ -7,9 +7,13 @@ from typing import SupportsFloat, overload
 
 from chordal._field import Formula, called, coordinate
 
+#: Half of a full turn, in radians.
 pi: float = math.pi
+#: The first coordinate of a point.
 x: Formula = coordinate(0)
+#: The second coordinate of a point.
 y: Formula = coordinate(1)
+#: The third coordinate of a point, which is height.
 z: Formula = coordinate(2)
 
 

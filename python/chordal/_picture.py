@@ -22,7 +22,13 @@ if TYPE_CHECKING:
 
 
 class Picture:
-    """A picture of a shape, with the bound of the triangles that it shows. `Shape.render` makes it."""
+    """A picture of a shape, with the bound of the triangles that it shows. `Shape.render` makes it; notebooks show it.
+
+    >>> import chordal
+    >>> picture = chordal.shapes.sphere(1).render(size=(64, 48))
+    >>> picture.array.dtype.name, picture.to_bytes("png")[1:4]
+    ('uint8', b'PNG')
+    """
 
     __slots__ = ("_picture",)
 

@@ -22,7 +22,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Polyline:
-    """One of `Polylines`: points joined by straight segments."""
+    """One of `Polylines`: points joined by straight segments.
+
+    >>> import chordal
+    >>> ring = chordal.shapes.arc(1).flatten(segments=8)[0]
+    >>> ring.closed, ring.points.shape
+    (True, (8, 2))
+    """
 
     #: The points, n × 2 or n × 3. A closed polyline does not repeat its first point. For reading only.
     points: NDArray[np.float64]

@@ -17,7 +17,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Attribute:
-    """What a mesh says beside its positions."""
+    """What a mesh says beside its positions.
+
+    >>> import chordal
+    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], uv=[(0, 0), (1, 0), (0, 1)])
+    >>> one.attributes
+    (<Attribute: uv, one row for each vertex, (3, 2)>,)
+    """
 
     #: What it is: "normal", "tangent", "uv", "color", "group" (the number of a material or group), "custom" (anything else
     #: of the file), or "blended" (morph targets and weights of joints).
@@ -36,7 +42,13 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Node:
-    """A node of a scene: where a part stands."""
+    """A node of a scene: where a part stands.
+
+    >>> import chordal
+    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> one.nodes[one.roots[0]].part
+    0
+    """
 
     #: The name in the file, or empty.
     name: str
@@ -49,7 +61,13 @@ class Node:
 
 
 class Part:
-    """One mesh of a scene, in its own coordinates."""
+    """One mesh of a scene, in its own coordinates. `Mesh.parts` are all of them.
+
+    >>> import chordal
+    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> one.parts[0].vertices.shape, one.parts[0].attribute("normal")
+    ((3, 3), None)
+    """
 
     __slots__ = ("_facts", "_index", "_source")
 

@@ -35,6 +35,12 @@ class Shape(Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Rem
     """What a file holds: patches, a cage, a drawing, or curves; triangles, samples and fields have classes of their own.
 
     `load` makes it; it does not change.
+
+    >>> import chordal
+    >>> square = b"v 0 0 0\\nv 1 0 0\\nv 1 1 0\\nv 0 1 0\\nf 1 2 3 4\\n"
+    >>> cage = chordal.load(square, format="obj", surface="catmull-clark")
+    >>> cage.kind, cage.mesh(tol=0.1).bound.reference
+    ('cage', 'limit surface')
     """
 
     __slots__ = ("_held", "_recipe")

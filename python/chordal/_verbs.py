@@ -66,7 +66,7 @@ render = _verb(Shape.render)
 
 
 def deviation(shape: _Shaped, other: _Shaped, /, **options: Any) -> Any:
-    """How far two shapes are apart, both ways: `Shape.deviation`, of shapes or files.
+    """How far two shapes are apart, both ways: `Shape.deviation`, of shapes or files. Raises as that does.
 
     >>> import chordal
     >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -81,22 +81,64 @@ def convert(shape: _Shaped, path: str | os.PathLike[str], /, **options: Any) -> 
     """Write a shape, or a file, in the format that the name of `path` says, as it is: `Shape.export`.
 
     Nothing is made simpler, and the report says what the format does not hold. What is no mesh yet needs a budget: `mesh`.
+
+    Raises `WriteError` where the format cannot hold the shape, `Refused` for what has to be meshed first, and `OSError` of
+    the disk.
+
+    >>> import chordal, tempfile, os
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     report = chordal.convert(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", os.path.join(folder, "one.stl"))
+    >>> report["certificate"]["bound"]["at_most"]
+    0.0
     """
     return shaped("shape", shape).export(path, **options)
 
 
 def union(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
-    """What is in any of some solids, as one closed mesh: `Shape.combine`."""
+    """What is in any of some solids, as one closed mesh: `Shape.combine`.
+
+    Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
+
+    >>> import chordal
+    >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    >>> quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    >>> cube = chordal.Mesh(corners, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
+    >>> moved = chordal.Mesh(cube.vertices + 0.5, cube.faces)
+    >>> chordal.union(cube, moved).volume
+    1.875
+    """
     return _combined("union", first, others, tol=tol, rel=rel, progress=progress)
 
 
 def difference(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
-    """A solid without others, as one closed mesh: `Shape.combine`."""
+    """A solid without others, as one closed mesh: `Shape.combine`.
+
+    Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
+
+    >>> import chordal
+    >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    >>> quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    >>> cube = chordal.Mesh(corners, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
+    >>> moved = chordal.Mesh(cube.vertices + 0.5, cube.faces)
+    >>> chordal.difference(cube, moved).volume
+    0.875
+    """
     return _combined("difference", first, others, tol=tol, rel=rel, progress=progress)
 
 
 def intersection(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
-    """What is in all of some solids, as one closed mesh: `Shape.combine`."""
+    """What is in all of some solids, as one closed mesh: `Shape.combine`.
+
+    Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
+
+    >>> import chordal
+    >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    >>> quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    >>> cube = chordal.Mesh(corners, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
+    >>> moved = chordal.Mesh(cube.vertices + 0.5, cube.faces)
+    >>> chordal.intersection(cube, moved).volume
+    0.125
+    """
     return _combined("intersection", first, others, tol=tol, rel=rel, progress=progress)
 
 
