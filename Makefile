@@ -5,7 +5,7 @@ SHELL := /bin/bash
 .NOTPARALLEL:
 .PHONY: help demo studio test test-long bench bench-quick pictures install clean fmt-check lint
 .PHONY: test-rust test-web test-looks test-tiles test-studio test-python
-.PHONY: fuzz need-fuzz tested tilesets test-viewers bench-studio
+.PHONY: docs-site fuzz need-fuzz tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
@@ -212,7 +212,7 @@ test-python: tested need-python
 # PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: WHEEL := --profile release
 test-long: LONG := CHORDAL_LONG=1
-test-long: need-rust need-fuzz test-viewers test-web test-studio test-python ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
+test-long: need-rust need-fuzz test-viewers test-web test-studio test-python docs-site ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
 	$(VENV)/bin/python -m pip install -q -r tests/python/requirements-long.txt
@@ -223,6 +223,15 @@ test-long: need-rust need-fuzz test-viewers test-web test-studio test-python ## 
 FUZZ_SECONDS ?= 7200
 fuzz: need-fuzz need-python ## every reader fed with random bytes for FUZZ_SECONDS each
 	python3 fuzz/run.py --seconds $(FUZZ_SECONDS)
+
+# The package is read and not imported, so nothing is compiled for it. A link that leads nowhere ends it.
+DOCS_VENV := $(TARGET)/docs/venv
+docs-site: need-python ## the pages of docs/ with the reference of the Python package, as a site
+	@cmp -s docs/site/requirements.txt $(DOCS_VENV)/requirements.txt || { rm -rf $(DOCS_VENV) \
+		&& python3 -m venv $(DOCS_VENV) && $(DOCS_VENV)/bin/python -m pip install -q -r docs/site/requirements.txt \
+		&& cp docs/site/requirements.txt $(DOCS_VENV)/; }
+	NO_MKDOCS_2_WARNING=1 $(DOCS_VENV)/bin/python -m mkdocs build --strict --quiet --site-dir $(abspath $(TARGET))/docs-site
+	@echo "$(TARGET)/docs-site/index.html is the site."
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
 	$(MAKE) -C bench

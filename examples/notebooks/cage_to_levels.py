@@ -4,7 +4,7 @@
 # %% [markdown]
 # # From a cage to levels of detail, one pixel off at any distance
 #
-# Fourteen polygons stand for a smooth surface; each level of detail is proved against that surface itself.
+# Ten polygons stand for a smooth surface; each level of detail is proved against that surface itself.
 
 # %%
 import tempfile

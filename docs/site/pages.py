@@ -1,0 +1,135 @@
+"""Pages of the site that are no file of docs/ as they stand, as plain text: nothing here knows MkDocs.
+
+A page of the repository is read by two programs. What they disagree about is settled here, so that the pages stay as they
+are: where links lead that leave docs/, and two marks that Python-Markdown reads in another way than CommonMark does.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import PurePosixPath
+from posixpath import normpath, relpath
+
+#: Files outside of docs/ that are pages of the site, and their places there.
+PAGES = {
+    "README.md": "index.md",
+    "GLOSSARY.md": "project/glossary.md",
+    "ARCHITECTURE.md": "project/architecture.md",
+    "STYLE.md": "project/style.md",
+    "CHANGELOG.md": "project/changelog.md",
+    "bench/RESULTS.md": "project/results.md",
+    "examples/README.md": "project/examples.md",
+    "examples/notebooks/README.md": "tutorials/index.md",
+    "examples/notebooks/zh/README.md": "zh/tutorials/index.md",
+}
+#: The folders of notebooks, and of the tutorials that they become.
+NOTEBOOKS = {"examples/notebooks": "tutorials", "examples/notebooks/zh": "zh/tutorials"}
+#: Where files lie that pages link to and that are no pages: below this, by their paths in the repository.
+SOURCES = "source"
+
+_LINK = re.compile(r"(?<=\]\()([^)\s#]+)(#[^)\s]*)?(?=\))")
+#: A break between characters, or punctuation, of Chinese.
+_BREAK = re.compile("(?<=[\u3000-\u9fff\uff00-\uffef])\n(?=[\u3000-\u9fff\uff00-\uffef])")
+_CODE = re.compile(r"(`+)(.+?)\1")
+#: What begins a list in the middle of a paragraph; a number other than 1 does not.
+_LIST = re.compile(r"(?:[-*+]|1[.)]) ")
+
+
+def links(text: str) -> Iterator[str]:
+    """The targets of the links of a page that are paths, without their fragments."""
+    for line, is_code in _lines(text):
+        if not is_code:
+            yield from (link[1] for link in _LINK.finditer(line) if ":" not in link[1])
+
+
+def repository_path(target: str, path: str) -> str:
+    """The file of the repository that a relative link of the page at `path` leads to."""
+    return normpath(str(PurePosixPath(path).parent / target))
+
+
+def site_path(path: str) -> str:
+    """Where a file of the repository is in the site, before its pages have become HTML."""
+    if path in PAGES:
+        return PAGES[path]
+    if path in NOTEBOOKS:
+        return f"{NOTEBOOKS[path]}/index.md"
+    folder, name = str(PurePosixPath(path).parent), PurePosixPath(path)
+    if folder in NOTEBOOKS and name.suffix == ".py":
+        return f"{NOTEBOOKS[folder]}/{name.stem}.md"
+    if path.startswith("docs/"):
+        return path.removeprefix("docs/")
+    return f"{SOURCES}/{path}"
+
+
+def for_site(text: str, path: str) -> str:
+    """The text of the page at `path` of the repository, as the site's."""
+    own = PurePosixPath(site_path(path)).parent.as_posix()
+
+    def moved(link: re.Match[str]) -> str:
+        target, fragment = link[1], link[2] or ""
+        if ":" in target:
+            return link[0]
+        return relpath(site_path(repository_path(target, path)), own) + fragment
+
+    return _mapped(text, lambda line: _LINK.sub(moved, line))
+
+
+def for_python_markdown(text: str) -> str:
+    """The same page for Python-Markdown: a blank line before a list or a table that follows a paragraph or code, and no
+    backslash before a bar in the code of a table.
+    """
+    found: list[str] = []
+    was = ""
+    for line, is_code in _lines(text):
+        is_now = "code" if is_code else "table" if line.startswith("|") else "list" if _LIST.match(line) else "text"
+        if is_now == "table":
+            line = _CODE.sub(lambda code: code[0].replace("\\|", "|"), line)
+        if is_now in ("table", "list") and was in ("text", "code") and found[-1].strip() and not found[-1].startswith("#"):
+            found.append("")
+        # The lines of an item that are broken belong to its list.
+        is_item = was == "list" and is_now == "text" and line.startswith(" ")
+        was = was if is_item else is_now
+        found.append(line)
+    return "\n".join(found)
+
+
+def of_notebook(text: str) -> str:
+    """The page of a notebook: a script with cells. What is before its first cell is for Jupyter alone."""
+    return "\n\n".join(cell if is_text else f"```python\n{cell}\n```" for is_text, cell in cells(text)) + "\n"
+
+
+def cells(text: str) -> list[tuple[bool, str]]:
+    """The cells of a notebook: whether each is text, and what is in it."""
+    found = []
+    for cell in re.split(r"^# %%", text, flags=re.M)[1:]:
+        kind, _, body = cell.partition("\n")
+        is_text = kind.strip() == "[markdown]"
+        lines = body.strip("\n").split("\n")
+        found.append((is_text, "\n".join(line.removeprefix("#").removeprefix(" ") if is_text else line for line in lines)))
+    return found
+
+
+def without_breaks(text: str) -> str:
+    """Lines of Chinese put together where they were broken, which browsers would show as a space."""
+    return _BREAK.sub("", text)
+
+
+def _lines(text: str) -> Iterator[tuple[str, bool]]:
+    """The lines, and whether each belongs to a fenced block."""
+    fence = ""
+    for line in text.split("\n"):
+        mark = re.match(r" *(`{3,}|~{3,})", line)
+        if mark and not fence:
+            fence = mark[1]
+            yield line, True
+        elif fence:
+            if line.strip() == fence:
+                fence = ""
+            yield line, True
+        else:
+            yield line, False
+
+
+def _mapped(text: str, change: Callable[[str], str]) -> str:
+    return "\n".join(line if is_code else change(line) for line, is_code in _lines(text))
