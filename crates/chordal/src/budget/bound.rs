@@ -229,6 +229,18 @@ impl Bound {
         &self.evidence
     }
 
+    /// A bound of all parts of a shape: none is farther than the farthest. At its lower end it says nothing: how far a point
+    /// is from its own part, it need not be from another's. `None` without parts.
+    #[must_use]
+    pub fn of_parts<'a>(parts: impl Iterator<Item = &'a Self>) -> Option<Self> {
+        let most_of = |bound: &Self| bound.at_most.unwrap_or(f64::INFINITY);
+        let farthest = parts.fold(None, |farthest: Option<&Self>, part| match farthest {
+            Some(before) if most_of(before) >= most_of(part) => Some(before),
+            _ => Some(part),
+        })?;
+        Some(Self { at_least: 0.0, pixels: None, ..farthest.clone() })
+    }
+
     /// The bound for true shape → A → B from those for true shape → A (`self`) and A → B (`next`).
     ///
     /// Upper bounds add, rounded up, and the weaker evidence is kept; where the sum overflows there is no

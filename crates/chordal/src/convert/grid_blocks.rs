@@ -2,6 +2,7 @@
 use super::cubes::bound::IsosurfaceProof;
 use super::cubes::case_table::TABLE;
 use super::cubes::marching_cubes::{Isosurface, MarchingPlan, march, refusal};
+use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
 use super::cubes::source::DenseSamples;
 use super::grid_to_mesh::{VertexKey, bound, check, vertex_errors};
@@ -28,6 +29,8 @@ pub struct GridBlock {
     pub positions: Vec<[f64; 3]>,
     /// m × 3 indices into the positions.
     pub faces: Vec<[u32; 3]>,
+    /// A normal for each position, where the rule asks for them; otherwise none.
+    pub normals: Vec<[f64; 3]>,
     /// The key of each position.
     pub vertex_keys: Vec<VertexKey>,
     /// The key of each triangle.
@@ -41,7 +44,8 @@ pub struct GridBlock {
 ///
 /// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
 /// whole, and `rule.border` is [`Border::Open`](super::Border::Open) where another block goes on. A block without surface
-/// has no triangles. Normals take samples beyond its sides, so a rule with [`Normals::Gradient`] is refused.
+/// has no triangles. Normals of [`Normals::Gradient`] take samples beyond a side that blocks share: give it one more there
+/// on each side and leave out the cells between with [`GridBlock::within`].
 ///
 /// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole.
 ///
@@ -50,10 +54,6 @@ pub struct GridBlock {
 pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBlock, JobError> {
     let (size, affine) = (grid.size(), grid.affine());
     check(size, affine, rule)?;
-    if rule.normals != Normals::None {
-        let message = "normals take samples beyond the sides of a block: make them after joining";
-        return Err(refusal(RefusalCode::Unsupported, message.into()));
-    }
     job.run(|| {
         with_samples!(grid.samples(), values => {
             let source = DenseSamples { values, size, rule: *rule };
@@ -71,12 +71,48 @@ pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBl
                 let farthest = IsosurfaceProof::new(&source, affine, rule, errors).max_distance(&plan, job);
                 bound(farthest, Evidence::Proved, affine, rule, size)
             });
+            let normals = match rule.normals {
+                Normals::None => Vec::new(),
+                Normals::Gradient => gradient_normals(&source, affine, rule, &plan, job),
+            };
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
-            Ok(GridBlock { positions, faces, vertex_keys, face_keys, bound })
+            Ok(GridBlock { positions, faces, normals, vertex_keys, face_keys, bound })
         })
     })
+}
+
+impl GridBlock {
+    /// The triangles in the cells from the sample `low` up to the sample `high`, and their part of the border.
+    #[must_use]
+    pub fn within(&self, low: [i64; 3], high: [i64; 3]) -> Self {
+        let holds = |axis: usize, at: i64| low[axis] <= at && at < high[axis];
+        let is_in = |key: &FaceKey| {
+            let [a, b, c] = key.place;
+            if key.is_cap {
+                let axis = (a / 2) as usize;
+                holds((axis + 2) % 3, b) && holds((axis + 1) % 3, c)
+            } else {
+                holds(2, a) && holds(1, b) && holds(0, c)
+            }
+        };
+        let faces: Vec<usize> = (0..self.faces.len()).filter(|face| is_in(&self.face_keys[*face])).collect();
+        let mut is_used = vec![false; self.positions.len()];
+        faces.iter().flat_map(|face| self.faces[*face]).for_each(|row| is_used[row as usize] = true);
+        let rows: Vec<usize> = (0..is_used.len()).filter(|row| is_used[*row]).collect();
+        let mut numbers = vec![0; is_used.len()];
+        (0..).zip(&rows).for_each(|(number, row)| numbers[*row] = number);
+        let normals = |row: &usize| self.normals.get(*row).copied();
+        Self {
+            positions: rows.iter().map(|row| self.positions[*row]).collect(),
+            faces: faces.iter().map(|face| self.faces[*face].map(|row| numbers[row as usize])).collect(),
+            normals: rows.iter().filter_map(normals).collect(),
+            vertex_keys: rows.iter().map(|row| self.vertex_keys[*row]).collect(),
+            face_keys: faces.iter().map(|face| self.face_keys[*face]).collect(),
+            bound: self.bound.clone().filter(|_| !faces.is_empty()),
+        }
+    }
 }
 
 fn face_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<FaceKey> {
@@ -186,23 +222,10 @@ pub fn join_blocks(
             format!("a triangle comes twice: blocks overlap by more than a sample ({:?})", pair[0].0.place);
         return Err(refusal(RefusalCode::Unsupported, message));
     }
-    let bound = largest(blocks.iter().filter_map(|block| block.bound.as_ref()));
+    let bound = Bound::of_parts(blocks.iter().filter_map(|block| block.bound.as_ref()))
+        .unwrap_or_else(|| Bound::exact(Reference::Trilinear));
     let faces = faces.into_iter().map(|(_, face)| face).collect();
     let mesh = Mesh::new(positions, faces)
         .map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))?;
     Ok(Bounded { shape: mesh, bound })
-}
-
-/// A bound of all blocks: none is farther than the farthest. At its lower end it says nothing: how far a point is from the
-/// triangles of its own block, it need not be from another's.
-fn largest<'a>(bounds: impl Iterator<Item = &'a Bound>) -> Bound {
-    let most_of = |bound: &Bound| bound.at_most().unwrap_or(f64::INFINITY);
-    let farthest = bounds.fold(None, |farthest: Option<&Bound>, bound| match farthest {
-        Some(before) if most_of(before) >= most_of(bound) => Some(before),
-        _ => Some(bound),
-    });
-    let most = farthest.map_or(Some(0.0), Bound::at_most);
-    let mut bound = Bound::with_evidence(0.0, most, Evidence::Proved, Reference::Trilinear);
-    bound.at = farthest.and_then(|farthest| farthest.at);
-    bound
 }
