@@ -142,6 +142,10 @@ def child_digest(_: int) -> str:
     return digest(chordal.load(TEAPOT))
 
 
+def child_levels(_: int) -> int:
+    return len(chordal.load(TEAPOT).mesh(tol=0.05).lod(tol=0.1)) + len(chordal.load(TEAPOT).mesh(tol=0.05, triangles=5_000).faces)
+
+
 # Newer Pythons warn that a fork of several threads may lock up: that it does not is what is tested.
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 def test_a_child_of_a_fork_has_threads_of_its_own(
@@ -151,6 +155,13 @@ def test_a_child_of_a_fork_has_threads_of_its_own(
     with fork.Pool(2) as pool:
         assert pool.map_async(child_digest, range(4)).get(120) == [here] * 4
     assert digest(teapot) == here
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_child_simplifies_after_its_parent_did(fork: multiprocessing.context.ForkContext) -> None:
+    here = child_levels(0)
+    with fork.Pool(2) as pool:
+        assert pool.map_async(child_levels, range(2)).get(120) == [here] * 2
 
 
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")

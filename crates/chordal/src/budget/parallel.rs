@@ -127,18 +127,19 @@ pub(crate) fn has_threads() -> bool {
 }
 
 /// The pool with that many threads, started once per process: starting one takes 40 µs, which is as long as a
-/// small mesh takes.
+/// small mesh takes. A process that was forked has none of its parent's threads, and starts its own.
 #[cfg(feature = "threads")]
 fn thread_pool(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
     use std::collections::BTreeMap;
     use std::sync::Arc;
-    static POOLS: Mutex<BTreeMap<usize, Arc<rayon::ThreadPool>>> = Mutex::new(BTreeMap::new());
+    static POOLS: Mutex<BTreeMap<(u32, usize), Arc<rayon::ThreadPool>>> = Mutex::new(BTreeMap::new());
+    let key = (std::process::id(), threads);
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(pool) = pools.get(&threads) {
+    if let Some(pool) = pools.get(&key) {
         return Some(Arc::clone(pool));
     }
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
-    pools.insert(threads, Arc::clone(&pool));
+    pools.insert(key, Arc::clone(&pool));
     Some(pool)
 }
 
