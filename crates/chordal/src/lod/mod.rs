@@ -16,6 +16,7 @@ mod select;
 mod simplify;
 mod simplify_to_count;
 mod surface;
+mod surface_part;
 mod tree;
 mod wedges;
 
@@ -34,7 +35,8 @@ pub mod selection {
     pub use super::select::{HYSTERESIS, LevelChoice, SwitchDistances};
 }
 
-/// Levels that are cut in space.
+/// Levels that are cut in space, and parts of a surface that never is in one place.
 pub mod tiling {
+    pub use super::surface_part::{LatticeBox, SurfacePart};
     pub use super::tree::{LodTile, LodTileTree, TilingOptions, tree};
 }

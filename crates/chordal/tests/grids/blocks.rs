@@ -91,7 +91,12 @@ fn blocks_with_offsets_join_bit_for_bit() {
 }
 
 /// The samples of a grid from `low` up to and with `high`, as a block of it.
-fn block_of(whole: &Grid, rule: &Polygonize, low: [usize; 3], high: [usize; 3]) -> (Grid, Polygonize) {
+pub(super) fn block_of(
+    whole: &Grid,
+    rule: &Polygonize,
+    low: [usize; 3],
+    high: [usize; 3],
+) -> (Grid, Polygonize) {
     let mut values = Vec::new();
     for k in low[2]..=high[2] {
         for j in low[1]..=high[1] {

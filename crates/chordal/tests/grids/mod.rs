@@ -6,6 +6,7 @@ mod hostile;
 mod labels;
 mod leaves;
 mod lines;
+mod parts;
 
 mod random;
 mod shapes;
