@@ -107,6 +107,7 @@ pub use implicit::{ImplicitShape, Parameter, ShapeBody};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 pub use load::{FormatHint, Input, InputFile, load, load_with, load_within};
 pub use lod::{LodLens, LodOutcome, LodParts, LodSpec, TileErrors, lod};
+pub use lod::{PartTile, TileEntry, part_tile, part_tileset, rounded_part};
 pub use mend::{MendSpec, WeldTolerance, mend};
 pub use mesh::{mesh, needs_budget};
 pub use normals::{InvalidNormals, Normals};

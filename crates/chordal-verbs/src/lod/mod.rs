@@ -4,6 +4,7 @@ mod lens;
 mod level_finisher;
 mod level_mesh;
 mod outcome;
+mod part_tiles;
 mod scene_levels;
 mod source;
 mod tile_hierarchy;
@@ -31,6 +32,7 @@ use tile_hierarchy::TileHierarchy;
 
 pub use lens::LodLens;
 pub use outcome::LodOutcome;
+pub use part_tiles::{PartTile, TileEntry, part_tile, part_tileset, rounded_part};
 
 /// Options for levels of detail.
 #[derive(Clone, Debug, PartialEq)]

@@ -51,13 +51,7 @@ impl TileHierarchy {
             return Err(MeshFailure::Usage(message));
         }
         let origin = snap(&mesh, Format::Glb)?.origin;
-        let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
-        let local = mesh.with_positions(local).map_err(unsupported)?;
-        // Half a unit in the last place of each of three differences, and of each coordinate of the origin in
-        // metres: less than two units of the largest number.
-        let largest = reach(local.positions().as_flattened());
-        let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
-        let room = if origin == [0.0; 3] { 0.0 } else { room };
+        let (local, room) = about(&mesh, origin)?;
         let target = RoundingTarget::new(Format::Stl, lattice);
         let storage = finisher.storage(lattice);
         let (rounded, moved) = round_tile(&local, &target, job)?;
@@ -146,6 +140,20 @@ impl TileHierarchy {
     }
 }
 
+/// A mesh in coordinates relative to an origin, and how far rounding moves them.
+pub(super) fn about(mesh: &Mesh, origin: [f64; 3]) -> Result<(Mesh, f64), MeshFailure> {
+    if origin == [0.0; 3] {
+        return Ok((mesh.clone(), 0.0));
+    }
+    let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
+    let local = mesh.with_positions(local).map_err(unsupported)?;
+    // Half a unit in the last place of each of three differences, and of each coordinate of the origin in
+    // metres: less than two units of the largest number.
+    let largest = reach(local.positions().as_flattened());
+    let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
+    Ok((local, room))
+}
+
 /// The triangles of a tile at the positions of its file, and how far they moved. Those that a lattice left with
 /// two corners at one place are dropped: their neighbours share the edge.
 fn round_tile(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, f64), MeshFailure> {
@@ -160,7 +168,8 @@ fn round_tile(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, 
     Ok((snapped.mesh, snapped.moved_at_most))
 }
 
-fn up(a: f64, b: f64) -> f64 {
+/// A sum, rounded up unless it is exact.
+pub(super) fn up(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) }
 }
 

@@ -69,19 +69,7 @@ impl LodOutcome {
             }
             done[k] = Some((self.tile(tile, &bounds, &name, children), bounds));
         }
-        let mut roots: Vec<(Tile, Box3)> = cut.roots.iter().filter_map(|root| done[*root].take()).collect();
-        let mut root = if roots.len() == 1 {
-            roots.remove(0).0
-        } else {
-            // No tile covers all of them: an empty root above them.
-            let bounds = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
-            let children: Vec<Tile> = roots.into_iter().map(|(tile, _)| tile).collect();
-            let mut above = Tile::leaf(tiles::aligned_box(&bounds), "");
-            above.contents.clear();
-            above.geometric_error = add_up(largest_error(&children), bounds.diagonal());
-            above.children = children;
-            above
-        };
+        let mut root = root_of(cut.roots.iter().filter_map(|root| done[*root].take()).collect());
         root.transform = placement_matrix(cut.origin, &cut.finest.scene.frame);
         Ok(root)
     }
@@ -166,6 +154,20 @@ impl LodOutcome {
     }
 }
 
+/// The one tile that covers all: an empty one above these where they are several.
+pub(super) fn root_of(mut roots: Vec<(Tile, Box3)>) -> Tile {
+    if roots.len() == 1 {
+        return roots.remove(0).0;
+    }
+    let bounds = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
+    let children: Vec<Tile> = roots.into_iter().map(|(tile, _)| tile).collect();
+    let mut above = Tile::leaf(tiles::aligned_box(&bounds), "");
+    above.contents.clear();
+    above.geometric_error = add_up(largest_error(&children), bounds.diagonal());
+    above.children = children;
+    above
+}
+
 /// The tiles that are written.
 #[derive(Default)]
 struct TileFiles<'a> {
@@ -200,12 +202,12 @@ pub(super) fn unused_note(scene: &Scene) -> Result<Option<Message>, MeshFailure>
 }
 
 /// The largest geometric error of several tiles.
-fn largest_error(tiles: &[Tile]) -> f64 {
+pub(super) fn largest_error(tiles: &[Tile]) -> f64 {
     tiles.iter().fold(0.0, |most, tile| greater(most, tile.geometric_error))
 }
 
 /// The extras of a tile.
-fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
+pub(super) fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
     json!({ "chordal": {
         "at_most": placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
         "evidence": bound.evidence().as_str(), "reference": bound.reference.as_str(),
@@ -222,7 +224,7 @@ fn moved(matrix: &[f64; 16], first: &[f64; 16]) -> [f64; 16] {
 }
 
 /// The matrix that moves coordinates back from their origin, in the space of tiles: z-up and in metres.
-fn placement_matrix(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
+pub(super) fn placement_matrix(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
     if origin == [0.0; 3] {
         return None;
     }
