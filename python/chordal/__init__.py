@@ -15,9 +15,13 @@ True
 The words of shape scripts (`box`, `sphere`, `union`, `spline`, `x`, …) are in `chordal.shapes`.
 """
 
+from typing import TYPE_CHECKING
+
 from chordal import shapes
 from chordal._batch import batch
-from chordal._blocks import Block, BlockVolume, block_volume
+from chordal._blockwise.tasks import Block
+from chordal._blockwise.tree import Tileset
+from chordal._blockwise.volume import BlockVolume, block_volume
 from chordal._bound import Bound
 from chordal._cage import Cage
 from chordal._chordal import VERSION as __version__
@@ -113,3 +117,12 @@ __all__ = [
     "verify",
     "volume",
 ]
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        import sys
+
+        from chordal._hints import module_hint
+
+        raise module_hint(__name__, name, sys.modules[__name__])

@@ -3,13 +3,15 @@
 from collections.abc import Callable, Sequence
 from typing import Any, Final, TypedDict, final, type_check_only
 
+from chordal._blockwise.packing import BoundState, TileEntry
 from chordal._budget import BudgetArguments
 
 __all__ = [
-    "Array", "Block", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source", "VERSION",
-    "block", "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "joined", "language", "levels", "mend", "mesh_field",
-    "path_at", "path_facts", "path_source", "picture", "revolved", "samples", "scene_array", "scene_facts", "scene_image",
-    "scene_of_state", "scene_state", "script", "surface", "to_cubics", "view",
+    "Array", "Block", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Part", "Picture", "ScriptValue", "Source",
+    "VERSION", "block", "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "join_parts", "joined",
+    "language", "levels", "mend", "mesh_field", "part", "path_at", "path_facts", "path_source", "picture", "revolved",
+    "samples", "scene_array", "scene_facts", "scene_image", "scene_of_state", "scene_state", "script", "surface", "tileset",
+    "to_cubics", "view",
 ]
 
 VERSION: Final[str]
@@ -118,6 +120,13 @@ class BlockArguments(TypedDict):
     capped: list[list[bool]]
     offset: list[int]
     affine: list[list[float]]
+    normals: bool
+
+@type_check_only
+class BoxArguments(TypedDict):
+    low: list[int]
+    high: list[int]
+    goes_on: list[list[bool]]
 
 @final
 class Array:
@@ -128,9 +137,25 @@ class Array:
 class Block:
     @property
     def n_faces(self) -> int: ...
-    def state(self) -> tuple[list[bytes], tuple[float, float, list[float] | None] | None]: ...
+    def state(self) -> tuple[list[bytes], BoundState | None]: ...
     @staticmethod
-    def of_state(blocks: list[bytes], bound: tuple[float, float, list[float] | None] | None) -> Block: ...
+    def of_state(blocks: list[bytes], bound: BoundState | None) -> Block: ...
+
+@final
+class Part:
+    @property
+    def n_faces(self) -> int: ...
+    @property
+    def n_shared(self) -> int: ...
+    @property
+    def at_most(self) -> float: ...
+    def simplified(self, length: float) -> Part: ...
+    def rounded(self, origin: tuple[float, float, float]) -> Part: ...
+    def tile(self, name: str, metres_per_unit: float | None) -> tuple[bytes, TileEntry]: ...
+    def source(self, metres_per_unit: float | None) -> tuple[Source, str]: ...
+    def state(self) -> tuple[bytes, BoundState]: ...
+    @staticmethod
+    def of_state(bytes: bytes, bound: BoundState) -> Part: ...
 
 @final
 class Cage:
@@ -252,6 +277,11 @@ def combine(
     progress: Callable[[str, int, int], object] | None,
 ) -> Outcome: ...
 def block(samples: Source, arguments: BlockArguments) -> Block: ...
+def part(samples: Source, arguments: BlockArguments, place: BoxArguments) -> Part | None: ...
+def join_parts(parts: Sequence[Part], place: BoxArguments) -> Part: ...
+def tileset(
+    entries: Sequence[tuple[str, Sequence[float], BoundState, int, Sequence[int]]], origin: tuple[float, float, float], metres_per_unit: float | None
+) -> bytes: ...
 def joined(blocks: Sequence[Block], metres_per_unit: float | None) -> tuple[Source, str]: ...
 def convert(
     source: Source, format: str, packing: tuple[bool, str | None], length: tuple[str, str] | None

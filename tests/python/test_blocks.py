@@ -54,7 +54,7 @@ def test_blocks_of_any_shape_join_to_the_whole_bit_for_bit(seed: int) -> None:
     border: Any = "capped" if seed % 2 else "open"
     whole = chordal.volume(samples, **STEPS).mesh(iso=iso, inside="high", border=border)
     for block in (3, 7, (2, 5, 40), (1, 1, 1) if samples.size < 200 else 11, 100):
-        made = chordal.block_volume(samples, **STEPS).mesh(iso=iso, border=border, block=block)
+        made = chordal.block_volume(samples, **STEPS).mesh(iso=iso, inside="high", border=border, block=block)
         assert same(made, whole), (shape, block)
         assert made.bound.evidence == "proved" and made.bound.at_most is not None
         assert whole.bound.at_least <= made.bound.at_most
@@ -123,7 +123,7 @@ class Killing:
 def test_a_worker_that_dies_says_with_which_block() -> None:
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         with pytest.raises(chordal.Error, match=r"the block at \(0, 0, 0\) was not done: BrokenProcessPool"):
-            chordal.block_volume(Killing()).mesh(iso=0, block=8, executor=pool)
+            chordal.block_volume(Killing()).mesh(iso=0, inside="low", block=8, executor=pool)
 
 
 def test_a_full_disk_names_the_file_of_the_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,7 +140,7 @@ def test_a_full_disk_names_the_file_of_the_block(tmp_path: Path, monkeypatch: py
 def test_arguments_are_named() -> None:
     volume = chordal.block_volume(ball())
     with pytest.raises(ValueError, match="block: one whole number"):
-        volume.mesh(iso=0, block=0)
+        volume.mesh(iso=0, inside="low", block=0)
     with pytest.raises(ValueError, match="inside"):
         volume.mesh(iso=0, inside="out")  # type: ignore[arg-type]
     with pytest.raises(chordal.Refused, match="no block has a surface"):
@@ -148,4 +148,4 @@ def test_arguments_are_named() -> None:
     with pytest.raises(ValueError, match="three axes"):
         chordal.block_volume(np.zeros((3, 3)))
     with pytest.raises(chordal.Refused, match="no cells"):
-        chordal.block_volume(np.zeros((3, 3, 1))).mesh(iso=0)
+        chordal.block_volume(np.zeros((3, 3, 1))).mesh(iso=1)

@@ -1,9 +1,10 @@
 //! Blocks of a volume, meshed one by one in any process, and joined.
 use crate::source::Source;
 use crate::{failure, work};
+use chordal::Mesh;
 use chordal::budget::{Bound, Evidence, JobError, Reference};
 use chordal::convert::lattices::{FaceKey, GridBlock, VertexKey, grid_to_block, join_blocks};
-use chordal::convert::{Border, Inside, Polygonize};
+use chordal::convert::{Border, Inside, Normals, Polygonize};
 use chordal::implicit::{Affine3, Grid};
 use chordal_io::{Format, Frame, Scene};
 use chordal_verbs::report::BoundFacts;
@@ -26,6 +27,8 @@ pub(crate) struct BlockArguments {
     offset: [i64; 3],
     /// The rows that take indices of the volume to space.
     affine: [[f64; 4]; 3],
+    /// Whether vertices have normals.
+    normals: bool,
 }
 
 /// The triangles of a block.
@@ -35,6 +38,10 @@ pub(crate) struct Block(Arc<GridBlock>);
 /// Meshes a block, whose samples are those of a volume.
 #[pyfunction]
 pub(crate) fn block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<Block> {
+    Ok(Block(Arc::new(mesh_block(py, samples, arguments)?)))
+}
+
+pub(crate) fn mesh_block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<GridBlock> {
     let Shape::Volume(sampled) = samples.shape() else {
         return Err(failure::internal(py, "this is no volume"));
     };
@@ -48,13 +55,13 @@ pub(crate) fn block(py: Python<'_>, samples: &Source, arguments: BlockArguments)
         inside,
         border: arguments.capped.map(|ends| ends.map(border)),
         offset: arguments.offset,
+        normals: if arguments.normals { Normals::Gradient } else { Normals::None },
         ..Polygonize::above(arguments.iso)
     };
     let affine = Affine3::new(arguments.affine).map_err(|error| failure::argument("affine", error))?;
     let grid: Grid = sampled.volume.grid.clone().with_affine(affine);
     let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, job))?;
-    let made = made.map_err(|error| failure::mesh(py, error.into()))?;
-    Ok(Block(Arc::new(made)))
+    made.map_err(|error| failure::mesh(py, error.into()))
 }
 
 /// The mesh of the whole and its bound as JSON.
@@ -67,25 +74,29 @@ pub(crate) fn joined(
     let blocks: Vec<GridBlock> = blocks.iter().map(|block| GridBlock::clone(&block.get().0)).collect();
     let made = work::run(py, None, move |job| {
         let joined = join_blocks(blocks, job)?;
-        let bound = serde_json::to_string(&BoundFacts::new(&joined.bound)).unwrap_or_default();
-        let numbers = joined.shape.positions().as_flattened().iter().flat_map(|x| x.to_ne_bytes());
-        let digest = sha256(&numbers.collect::<Vec<u8>>());
-        let frame = Frame { metres_per_unit, ..Frame::default() };
-        let shape = Shape::Scene(Scene::from_mesh("surface", joined.shape, frame));
-        let format = Format::Ply;
-        let input = Input {
-            shape,
-            format,
-            n_bytes: 0,
-            sha256: digest,
-            files: vec![],
-            warnings: vec![],
-            letters: None,
-        };
-        Ok::<_, JobError>((input, bound))
+        Ok::<_, JobError>(scene_of(joined.shape, &joined.bound, metres_per_unit))
     })?;
     let (input, bound) = made.map_err(|error| failure::mesh(py, error.into()))?;
     Ok((Source::from_input(input, Vec::new()), bound))
+}
+
+/// Triangles as what was read, and their bound as JSON.
+pub(crate) fn scene_of(mesh: Mesh, bound: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
+    let bound = serde_json::to_string(&BoundFacts::new(bound)).unwrap_or_default();
+    let numbers = mesh.positions().as_flattened().iter().flat_map(|x| x.to_ne_bytes());
+    let digest = sha256(&numbers.collect::<Vec<u8>>());
+    let frame = Frame { metres_per_unit, ..Frame::default() };
+    let shape = Shape::Scene(Scene::from_mesh("surface", mesh, frame));
+    let input = Input {
+        shape,
+        format: Format::Ply,
+        n_bytes: 0,
+        sha256: digest,
+        files: vec![],
+        warnings: vec![],
+        letters: None,
+    };
+    (input, bound)
 }
 
 /// Numbers of one key of a vertex in a row: x, y, z, kind.
@@ -96,8 +107,21 @@ const FACE_ROW: usize = 5;
 /// Some numbers.
 type BlockArrayBytes<'py> = pyo3::Bound<'py, PyBytes>;
 
-/// The ends of a bound and where it is worst.
-type BoundState = (f64, f64, Option<[f64; 3]>);
+/// The ends of a bound and where it is worst. One without an upper end has infinity there.
+pub(crate) type BoundState = (f64, f64, Option<[f64; 3]>);
+
+pub(crate) fn state_of_bound(bound: &Bound) -> BoundState {
+    (bound.at_least(), bound.at_most().unwrap_or(f64::INFINITY), bound.at)
+}
+
+/// The proved distance to the surface of the interpolant.
+pub(crate) fn bound_of_state((least, most, at): BoundState) -> Bound {
+    let most = Some(most).filter(|most| most.is_finite());
+    let evidence = if most.is_some() { Evidence::Proved } else { Evidence::Estimated };
+    let mut bound = Bound::with_evidence(least, most, evidence, Reference::Trilinear);
+    bound.at = at;
+    bound
+}
 
 #[pymethods]
 impl Block {
@@ -123,11 +147,7 @@ impl Block {
             whole(block.vertex_keys.iter().flat_map(vertex).collect()),
             whole(block.face_keys.iter().flat_map(face).collect()),
         ];
-        let bound = block
-            .bound
-            .as_ref()
-            .map(|bound| (bound.at_least(), bound.at_most().unwrap_or(f64::INFINITY), bound.at));
-        (blocks, bound)
+        (blocks, block.bound.as_ref().map(state_of_bound))
     }
 
     /// The block of such a state.
@@ -173,18 +193,13 @@ impl Block {
         if !fits {
             return Err(wrong("these are no arrays of a block"));
         }
-        let bound = bound.map(|(least, most, at)| {
-            let most = Some(most).filter(|most| most.is_finite());
-            let mut bound = Bound::with_evidence(least, most, Evidence::Proved, Reference::Trilinear);
-            bound.at = at;
-            bound
-        });
         Ok(Self(Arc::new(GridBlock {
             positions: points.to_vec(),
             faces: corners.to_vec(),
+            normals: Vec::new(),
             vertex_keys,
             face_keys,
-            bound,
+            bound: bound.map(bound_of_state),
         })))
     }
 }

@@ -15,6 +15,7 @@ mod failure;
 mod levels;
 mod mend;
 mod outcome;
+mod part;
 mod path;
 mod picture;
 mod pool;
@@ -46,6 +47,8 @@ mod _chordal {
     use super::levels::{Levels, levels};
     #[pymodule_export]
     use super::mend::mend;
+    #[pymodule_export]
+    use super::part::{Part, join_parts, part, tileset};
     #[pymodule_export]
     use super::path::{drawing_field, fit, path_at, path_facts, path_source, to_cubics};
     #[pymodule_export]

@@ -1,0 +1,245 @@
+"""Where samples are that stay on disk: arrays by their path, and what their files say of the lattice.
+
+Each is read by slices, along x, y and z, and is pickled as its path: whoever does a task opens it again. Sources: the
+formats' own specifications, NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0.5, and Neuroglancer's precomputed.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Final
+
+from chordal._libraries import library
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+#: Names of units in files, and the unit and factor by which they are one of ours.
+_UNITS = {
+    "micrometer": ("um", 1.0),
+    "nanometer": ("um", 1e-3),
+    "angstrom": ("um", 1e-4),
+    "millimeter": ("mm", 1.0),
+    "centimeter": ("cm", 1.0),
+    "meter": ("m", 1.0),
+}
+#: Nanometres of a micrometre, in which precomputed volumes are.
+_NANOMETRES = 1e-3
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Samples that are read by slices; the affine matrix (3 × 4) and the unit, where the file says them."""
+
+    array: Any
+    affine: tuple[tuple[float, ...], ...] | None = None
+    unit: str | None = None
+
+
+def opened(path: str, level: int, channel: int) -> Placed:
+    """The samples of a file or folder. Raises `OSError` where there are none."""
+    if path.endswith(".npy"):
+        return Placed(_NpyFile(path))
+    if path.endswith((".nii", ".nii.gz")):
+        return _nifti(path)
+    if path.startswith("precomputed://") or os.path.isfile(os.path.join(path, "info")):
+        return _precomputed(path.removeprefix("precomputed://").removeprefix("file://"), level, channel)
+    node = library("zarr").open(path, mode="r")
+    if hasattr(node, "dtype"):
+        return Placed(_ZarrArray(path, "", None))
+    return _ome(path, node, level, channel)
+
+
+class _Opened:
+    """An array that each process opens for itself."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+
+    def _array(self) -> Any:
+        raise NotImplementedError
+
+    def __getitem__(self, slices: tuple[slice, ...]) -> Any:
+        return self._array()[slices]
+
+
+class _NpyFile(_Opened):
+    """The array of an .npy file."""
+
+    def __init__(self, path: str) -> None:
+        self._path: Final = os.path.abspath(path)
+        array = self._array()
+        self.shape, self.dtype = array.shape, array.dtype
+
+    def _array(self) -> Any:
+        import numpy as np
+
+        return np.load(self._path, mmap_mode="r")
+
+
+class _NiftiFile(_Opened):
+    """The samples of a NIfTI file: those of its first volume, scaled as the header says. One that is not compressed is read
+    by slices; a compressed one is unpacked up to each of them."""
+
+    def __init__(self, path: str) -> None:
+        import numpy as np
+
+        self._path: Final = os.path.abspath(path)
+        image = library("nibabel").load(self._path)
+        self.shape = tuple(int(n) for n in image.shape[:3])
+        slope, inter = image.header.get_slope_inter()
+        is_plain = slope in (None, 1) and inter in (None, 0)
+        self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
+        self._more: Final = len(image.shape) - 3
+
+    def _array(self) -> Any:
+        return library("nibabel").load(self._path).dataobj
+
+    def __getitem__(self, slices: tuple[slice, ...]) -> Any:
+        index = (*slices, *[0] * self._more)
+        return self._array()[index]
+
+
+def _nifti(path: str) -> Placed:
+    import numpy as np
+
+    image = library("nibabel").load(path)
+    unit = {"mm": "mm", "meter": "m", "micron": "um"}.get(image.header.get_xyzt_units()[0])
+    return Placed(_NiftiFile(path), _rows(np.asarray(image.affine, dtype=np.float64)), unit)
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """Which axes of an array are x, y and z, and the index along each of the others."""
+
+    xyz: tuple[int, int, int]
+    others: tuple[tuple[int, int], ...]
+
+    def of(self, slices: Sequence[slice]) -> tuple[slice | int, ...]:
+        """The index into the array for slices along x, y and z."""
+        index: list[slice | int] = [0] * (3 + len(self.others))
+        for axis, at in self.others:
+            index[axis] = at
+        for axis, part in zip(self.xyz, slices, strict=True):
+            index[axis] = part
+        return tuple(index)
+
+    def turned(self, found: NDArray[Any]) -> NDArray[Any]:
+        """What was read, along x, y and z."""
+        order = sorted(self.xyz)
+        return found.transpose([order.index(axis) for axis in self.xyz])
+
+
+@lru_cache(maxsize=8)
+def _zarr_array(path: str, name: str) -> Any:
+    """One is opened once by a process: its chunks are many files, and its description another."""
+    zarr = library("zarr")
+    return zarr.open_group(path, mode="r")[name] if name else zarr.open_array(path, mode="r")
+
+
+class _ZarrArray(_Opened):
+    """An array of Zarr, of a group where it has a name."""
+
+    def __init__(self, path: str, name: str, axes: _Axes | None) -> None:
+        self._path: Final = path if "://" in path else os.path.abspath(path)
+        self._name: Final = name
+        self._axes: Final = axes
+        array = self._array()
+        shape = tuple(int(n) for n in array.shape)
+        self.shape = shape if axes is None else tuple(shape[axis] for axis in axes.xyz)
+        self.dtype = array.dtype
+
+    def _array(self) -> Any:
+        return _zarr_array(self._path, self._name)
+
+    def __getitem__(self, slices: tuple[slice, ...]) -> Any:
+        if self._axes is None:
+            return self._array()[slices]
+        return self._axes.turned(self._array()[self._axes.of(slices)])
+
+
+def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
+    """A level of an OME-Zarr pyramid: its scale and translation, its axes by name."""
+    import numpy as np
+
+    facts = dict(group.attrs)
+    images = facts.get("ome", facts).get("multiscales")
+    if not images:
+        raise ValueError(f"{path}: a Zarr group that is no OME-Zarr image; name one of its arrays, as in {path}/0")
+    image = images[0]
+    levels = image["datasets"]
+    if not 0 <= level < len(levels):
+        raise ValueError(f"level: {path} has the levels 0 to {len(levels) - 1}, not {level}")
+    axes = [_axis(axis) for axis in image["axes"]]
+    names = [name for name, _, _ in axes]
+    if not {"x", "y", "z"} <= set(names):
+        raise ValueError(f"{path}: the axes {', '.join(names)} are not those of a volume")
+    xyz = (names.index("x"), names.index("y"), names.index("z"))
+    others = tuple((at, channel if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
+    steps, first = np.ones(len(names)), np.zeros(len(names))
+    for transform in [*levels[level].get("coordinateTransformations", []), *image.get("coordinateTransformations", [])]:
+        if transform["type"] == "scale":
+            steps, first = steps * transform["scale"], first * transform["scale"]
+        elif transform["type"] == "translation":
+            first = first + transform["translation"]
+    units = {axes[at][2] for at in xyz}
+    unit, factor = _UNITS.get(units.pop() or "", (None, 1.0)) if len(units) == 1 else (None, 1.0)
+    array = _ZarrArray(path, levels[level]["path"], _Axes(xyz, others))
+    return Placed(array, _diagonal([steps[at] * factor for at in xyz], [first[at] * factor for at in xyz]), unit)
+
+
+def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
+    """The name, type and unit of an axis."""
+    return (axis, None, None) if isinstance(axis, str) else (axis["name"], axis.get("type"), axis.get("unit"))
+
+
+@lru_cache(maxsize=8)
+def _tensorstore(path: str, level: int) -> Any:
+    tensorstore = library("tensorstore")
+    kvstore = path if "://" in path else {"driver": "file", "path": os.path.abspath(path)}
+    spec = {"driver": "neuroglancer_precomputed", "kvstore": kvstore, "scale_index": level}
+    return tensorstore.open(spec, open=True, read=True).result()
+
+
+class _Precomputed(_Opened):
+    """A scale of a precomputed volume."""
+
+    def __init__(self, path: str, level: int, channel: int) -> None:
+        self._path: Final = path
+        self._level: Final = level
+        self._channel: Final = channel
+        array = self._array()
+        self._first: Final = tuple(int(at) for at in array.domain.inclusive_min[:3])
+        self.shape = tuple(int(n) for n in array.shape[:3])
+        self.dtype = array.dtype.numpy_dtype
+
+    def _array(self) -> Any:
+        return _tensorstore(self._path, self._level)
+
+    def __getitem__(self, slices: tuple[slice, ...]) -> Any:
+        there = [slice(part.start + at, part.stop + at) for part, at in zip(slices, self._first, strict=True)]
+        index = (*there, self._channel)
+        return self._array()[index].read().result()
+
+
+def _precomputed(path: str, level: int, channel: int) -> Placed:
+    found = _Precomputed(path, level, channel)
+    store = found._array()
+    steps = [float(unit.multiplier) * _NANOMETRES for unit in store.dimension_units[:3]]
+    first = [step * at for step, at in zip(steps, found._first, strict=True)]
+    return Placed(found, _diagonal(steps, first), "um")
+
+
+def _diagonal(steps: Sequence[float], first: Sequence[float]) -> tuple[tuple[float, ...], ...]:
+    rows = [[0.0, 0.0, 0.0, float(at)] for at in first]
+    for axis, step in enumerate(steps):
+        rows[axis][axis] = float(step)
+    return tuple(tuple(row) for row in rows)
+
+
+def _rows(affine: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(x) for x in row) for row in affine[:3])

@@ -1,0 +1,157 @@
+"""What a worker does: reads a block of samples and makes its triangles, or makes fewer of those of several blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from chordal import _chordal
+from chordal._blockwise.packing import packed, unpacked
+from chordal._errors import Error
+from chordal._volume import volume
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: Three numbers, as of an index.
+Index = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A box of samples: `low` up to and with `high`, which neighbours share."""
+
+    #: The index of its first sample along i, j and k.
+    low: Index
+    #: That of its last one.
+    high: Index
+
+    @property
+    def slices(self) -> tuple[slice, slice, slice]:
+        """Its place in the array."""
+        i, j, k = (slice(low, high + 1) for low, high in zip(self.low, self.high, strict=True))
+        return i, j, k
+
+    def around(self, shape: Index) -> Block:
+        """The same with one sample more on each side, where there is one."""
+        low = [max(at - 1, 0) for at in self.low]
+        high = [min(at + 1, n - 1) for at, n in zip(self.high, shape, strict=True)]
+        return Block((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Which surface of a volume is meant: all that another process needs, but for the samples."""
+
+    affine: tuple[tuple[float, ...], ...]
+    shape: Index
+    iso: float
+    inside: str
+    capped: bool
+    #: Whether vertices have normals, along the gradient of the samples.
+    normals: bool = False
+    #: The label whose samples are 1, and all others 0; None where the samples themselves are meant.
+    label: int | None = None
+
+    def arguments(self, block: Block, offset: Index) -> _chordal.BlockArguments:
+        """Those of a block, whose samples begin at an index."""
+        ends = [
+            [self.capped and low == 0, self.capped and high + 1 == n]
+            for low, high, n in zip(block.low, block.high, self.shape, strict=True)
+        ]
+        return {
+            "iso": self.iso,
+            "inside": self.inside,
+            "capped": ends,
+            "offset": list(offset),
+            "affine": [list(row) for row in self.affine],
+            "normals": self.normals,
+        }
+
+    def place(self, block: Block) -> _chordal.BoxArguments:
+        """Where a block is, and on which sides others are beside it."""
+        sides = zip(block.low, block.high, self.shape, strict=True)
+        goes_on = [[low > 0, high + 1 < n] for low, high, n in sides]
+        return {"low": list(block.low), "high": list(block.high), "goes_on": goes_on}
+
+    def plan(self, blocks: Sequence[Block], dtype: str) -> dict[str, Any]:
+        """What a folder of results is of."""
+        return {
+            "version": _chordal.VERSION,
+            "shape": list(self.shape),
+            "dtype": dtype,
+            "affine": [list(row) for row in self.affine],
+            "iso": self.iso,
+            "inside": self.inside,
+            "capped": self.capped,
+            "normals": self.normals,
+            "label": self.label,
+            "blocks": [[list(block.low), list(block.high)] for block in blocks],
+        }
+
+
+def samples_of(array: Any, block: Block, surface: Surface) -> _chordal.Source:
+    """The samples of a block, read."""
+    import numpy as np
+
+    try:
+        samples: NDArray[Any] = np.asarray(array[block.slices])
+    except Exception as error:
+        raise Error(f"{named(block)} cannot be read: {error}") from error
+    expected = tuple(high - low + 1 for low, high in zip(block.low, block.high, strict=True))
+    if samples.shape != expected:
+        raise Error(f"{named(block)} has {samples.shape} samples, not {expected}")
+    if surface.label is not None:
+        samples = (samples == surface.label).astype(np.uint8)
+    return volume(samples)._source
+
+
+def named(block: Block) -> str:
+    """A block, as messages call it."""
+    return f"the block at {block.low}"
+
+
+def mesh_block(surface: Surface, array: Any, block: Block) -> bytes:
+    """The triangles of a block with the keys that join them to others, bit for bit."""
+    made = _chordal.block(samples_of(array, block, surface), surface.arguments(block, block.low))
+    arrays, bound = made.state()
+    return packed({"bound": bound}, arrays)
+
+
+def block_of(content: bytes) -> _chordal.Block:
+    """The same again."""
+    facts, arrays = unpacked(content)
+    bound = facts["bound"]
+    return _chordal.Block.of_state(arrays, None if bound is None else (bound[0], bound[1], bound[2]))
+
+
+def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.Part | None:
+    """The triangles of a block as a part that can be simplified; None where it has none."""
+    # Normals take the samples beside a vertex.
+    around = block.around(surface.shape) if surface.normals else block
+    samples = samples_of(array, around, surface)
+    return _chordal.part(samples, surface.arguments(block, around.low), surface.place(block))
+
+
+def simplified_block(surface: Surface, tolerance: float, array: Any, block: Block) -> bytes:
+    """Fewer triangles for a block, within a length of its surface where they can be."""
+    part = part_of_block(surface, array, block)
+    if part is not None and part.at_most < tolerance:
+        part = part.simplified(tolerance - part.at_most)
+    return packed_part(part)
+
+
+def packed_part(part: _chordal.Part | None) -> bytes:
+    """A part as bytes."""
+    if part is None:
+        return packed({"bound": None}, [])
+    content, bound = part.state()
+    return packed({"bound": bound}, [content])
+
+
+def part_of(content: bytes) -> _chordal.Part | None:
+    """The same again."""
+    facts, arrays = unpacked(content)
+    bound = facts["bound"]
+    return None if bound is None else _chordal.Part.of_state(arrays[0], (bound[0], bound[1], bound[2]))

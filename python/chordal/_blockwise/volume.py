@@ -1,0 +1,305 @@
+"""`BlockVolume`: samples that stay where they are, meshed block by block, here or in other processes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from operator import index
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
+
+from chordal import _chordal
+from chordal._arguments import function, number, text
+from chordal._blockwise.folder import KeptFolder
+from chordal._blockwise.sources import Placed, opened
+from chordal._blockwise.tasks import (
+    Block,
+    Surface,
+    block_of,
+    mesh_block,
+    named,
+    part_of,
+    simplified_block,
+)
+from chordal._blockwise.tree import BlockTree, Tileset
+from chordal._blockwise.workers import Task, Workers
+from chordal._bound import bound_of
+from chordal._errors import BudgetError, BudgetUnmet, Refused
+from chordal._volume import _steps
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from chordal._mesh import Mesh
+
+_METRES = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+
+
+class BlockVolume:
+    """Samples on a lattice that are read a block at a time: those of a Zarr array, of a memory-mapped file, of Dask, or of
+    anything with a `shape`, a `dtype` and slices. `block_volume` makes it.
+
+    >>> import chordal, numpy
+    >>> i, j, k = numpy.indices((20, 21, 22)) - 10.0
+    >>> ball = chordal.block_volume(numpy.sqrt(i * i + j * j + k * k) - 7, spacing=0.5)
+    >>> whole = chordal.volume(numpy.sqrt(i * i + j * j + k * k) - 7, spacing=0.5).mesh(iso=0, inside="low")
+    >>> blockwise = ball.mesh(iso=0, inside="low", block=8)
+    >>> bool(numpy.array_equal(blockwise.vertices, whole.vertices) and numpy.array_equal(blockwise.faces, whole.faces))
+    True
+    """
+
+    __slots__ = ("_affine", "_array", "_unit")
+
+    def __init__(
+        self,
+        array: Any,
+        *,
+        spacing: SupportsFloat | Sequence[SupportsFloat] | None = None,
+        origin: Sequence[SupportsFloat] | None = None,
+        affine: ArrayLike | None = None,
+        unit: str | None = None,
+    ) -> None:
+        import numpy as np
+
+        if len(array.shape) != 3:
+            raise ValueError(f"array: three axes, not {len(array.shape)}")
+        self._array: Final = array
+        rows = np.asarray(_steps(spacing, origin, affine), dtype=np.float64).T
+        self._affine: Final = tuple(tuple(float(x) for x in row) for row in rows)
+        self._unit: Final = text("unit", unit)
+        if unit is not None and unit not in _METRES:
+            raise ValueError(f"unit: one of {', '.join(_METRES)}, not '{unit}'")
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """How many samples there are along i, j and k."""
+        i, j, k = (int(n) for n in self._array.shape)
+        return i, j, k
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type of a sample."""
+        import numpy as np
+
+        dtype: np.dtype[Any] = np.dtype(self._array.dtype)
+        return dtype
+
+    @property
+    def affine(self) -> NDArray[np.float64]:
+        """The 4 × 4 matrix that takes (i, j, k, 1) to space."""
+        import numpy as np
+
+        return np.array([*self._affine, (0.0, 0.0, 0.0, 1.0)])
+
+    def blocks(self, block: SupportsIndex | Sequence[SupportsIndex] = 256) -> Iterator[Block]:
+        """The blocks of so many cells a side, in the order of the array."""
+        sides = _sides(block)
+        ranges = []
+        for n, side in zip(self.shape, sides, strict=True):
+            if n < 2:
+                raise Refused("empty", f"an axis of {n} samples has no cells: pad it to give it thickness")
+            ranges.append([(low, min(low + side, n - 1)) for low in range(0, n - 1, side)])
+        for i, j, k in product(*ranges):
+            yield Block((i[0], j[0], k[0]), (i[1], j[1], k[1]))
+
+    def mesh(
+        self,
+        *,
+        iso: SupportsFloat,
+        tol: SupportsFloat | None = None,
+        inside: Literal["high", "low"] | None = None,
+        border: Literal["capped", "open"] = "capped",
+        block: SupportsIndex | Sequence[SupportsIndex] = 256,
+        executor: Any | None = None,
+        cluster: str | None = None,
+        folder: str | os.PathLike[str] | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> Mesh:
+        """The surface at the level `iso`, block by block: bit for bit the vertices and triangles of
+        `volume(array).mesh(iso=…)`, closed and manifold across blocks, with a proved bound against the trilinear
+        interpolant. With `tol`, a length in the units of the volume, it has fewer triangles, within that length: each block
+        is simplified where it is done, with the triangles between blocks as they are, and the whole at last.
+
+        What is above the level is inside, or below it where `inside` is "low", as for distances; at level 0 of floating-point
+        samples one has to say which, since nobody looks at all samples first.
+
+        `block` is the number of cells along a side, one or three; each task reads its own block and the samples that it
+        shares with its neighbours. Without more the blocks are done here one after the other, on all processors. `executor`
+        is anything with `submit`: a `ProcessPoolExecutor`, or a `dask.distributed.Client`; `cluster` is the address of a
+        Dask scheduler. The array is pickled for each task, so give one that says where its samples are: a path, or a Zarr array.
+
+        With a `folder` each block that is done is kept there, and a later call goes on where one ended, of the same volume,
+        level and blocks; a file that is damaged is done again. Its results are removed by whoever made the folder.
+
+        Memory is that of the result, and of one block here or in each worker. Raises `Refused` where there is no surface,
+        `BudgetUnmet` with the best where `tol` is less than what the blocks themselves are off by, and `Error` with the place
+        of a block that cannot be read; what is done stays in the folder.
+        """
+        from chordal._mesh import Mesh
+
+        surface = self._surface(iso, inside, border)
+        blocks = list(self.blocks(block))
+        metres = None if self._unit is None else _METRES[self._unit]
+        if tol is None:
+            call = partial(mesh_block, surface)
+            done = self._done(blocks, executor, cluster, folder, progress, surface, {}, call)
+            whole = [block_of(made) for made in done]
+            source, bound = _chordal.joined([part for part in whole if part.n_faces], metres)
+            return Mesh._of_source(source, bound_of(json.loads(bound)))
+        length = number("tol", tol)
+        if not length > 0:
+            raise BudgetError(f"tol: a length above 0, not {length}")
+        # Half for the blocks, and what is left for the lines between them.
+        call = partial(simplified_block, surface, 0.5 * length)
+        done = self._done(blocks, executor, cluster, folder, progress, surface, {"tol": length}, call)
+        parts = [part for part in map(part_of, done) if part is not None]
+        if not parts:
+            raise Refused("empty", "no block has a surface")
+        most = tuple(n - 1 for n in self.shape)
+        joined = _chordal.join_parts(parts, {"low": [0, 0, 0], "high": list(most), "goes_on": [[False, False]] * 3})
+        if joined.at_most < length:
+            joined = joined.simplified(length - joined.at_most)
+        source, bound = joined.source(metres)
+        mesh = Mesh._of_source(source, bound_of(json.loads(bound)))
+        if joined.at_most > length:
+            message = f"the triangles of the blocks are proved to be within {joined.at_most:.6g}, not within {length:.6g}"
+            raise BudgetUnmet(message, mesh)
+        return mesh
+
+    def tileset(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        iso: SupportsFloat,
+        tol: SupportsFloat | None = None,
+        inside: Literal["high", "low"] | None = None,
+        border: Literal["capped", "open"] = "capped",
+        normals: bool = True,
+        block: SupportsIndex | Sequence[SupportsIndex] = 128,
+        executor: Any | None = None,
+        cluster: str | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> Tileset:
+        """The surface at the level `iso` as 3D Tiles in a folder: it is never in one place, so that it may be larger than
+        memory. Each block is simplified within `tol`, in the units of the volume, and eight blocks are simplified together
+        within twice, four times that and so on until one tile shows all. Without `tol` the finest tiles have all triangles.
+
+        Tiles meet without cracks whichever are shown: where blocks meet, their triangles stay as they are until these are
+        one block. The error of a tile, which viewers ask for, is its proved distance to the trilinear interpolant. With
+        `normals` vertices have the gradient's, the same on both sides of a block.
+
+        Tiles are written as they are done and `tileset.json` at last; what is kept in the subfolder `parts` meanwhile lets a
+        later call go on where one ended. `block`, `executor`, `cluster` and `progress` are as for `mesh`. Memory is that of a
+        block and of its triangles, here or in each worker, and of a few numbers for each tile.
+
+        Raises `Refused` where there is no surface, `BudgetUnmet` with the tileset where the finest tiles are off by more than
+        `tol`, and `Error` with the place of a block that was not done, or for a folder that holds something else.
+
+        >>> import chordal, numpy, tempfile
+        >>> i, j, k = numpy.indices((40, 40, 40)) - 20.0
+        >>> ball = chordal.block_volume(numpy.sqrt(i * i + j * j + k * k) - 15, spacing=0.5)
+        >>> made = ball.tileset(tempfile.mkdtemp(), iso=0, inside="low", tol=0.1, block=16)
+        >>> made.bound.evidence, made.bound.at_most <= 0.1, made.tiles > 9
+        ('proved', True, True)
+        """
+        surface = replace(self._surface(iso, inside, border), normals=bool(normals))
+        length = None if tol is None else number("tol", tol)
+        if length is not None and not length > 0:
+            raise BudgetError(f"tol: a length above 0, not {length}")
+        metres = None if self._unit is None else _METRES[self._unit]
+        tree = BlockTree(surface, _sides(block), length, metres)
+        blocks = list(self.blocks(block))
+        plan = {**surface.plan(blocks, str(self.dtype)), "tol": length, "unit": self._unit}
+        with Workers(executor, cluster) as workers:
+            return tree.build(folder, plan, self._array, workers, function("progress", progress))
+
+    def _surface(self, iso: SupportsFloat, inside: str | None, border: str) -> Surface:
+        level = number("iso", iso)
+        if inside is None:
+            if level == 0.0 and self.dtype.kind == "f":
+                raise ValueError("inside: 'low' if these are distances, else 'high'; level 0 alone does not say which")
+            inside = "high"
+        if inside not in ("high", "low"):
+            raise ValueError(f"inside: 'high' or 'low', not {inside!r}")
+        if border not in ("capped", "open"):
+            raise ValueError(f"border: 'capped' or 'open', not {border!r}")
+        return Surface(self._affine, self.shape, level, inside, border == "capped")
+
+    def _done(
+        self,
+        blocks: list[Block],
+        executor: Any | None,
+        cluster: str | None,
+        folder: str | os.PathLike[str] | None,
+        progress: Callable[[str, int, int], object] | None,
+        surface: Surface,
+        plan: dict[str, Any],
+        call: Callable[..., bytes],
+    ) -> list[bytes]:
+        """What is made of each block, in their order."""
+        whole = {**surface.plan(blocks, str(self.dtype)), **plan}
+        tell = function("progress", progress)
+        done: dict[int, bytes] = {}
+        waiting: list[Task[int]] = []
+        keeping = nullcontext() if folder is None else KeptFolder(folder, whole)
+        with keeping as kept, Workers(executor, cluster) as workers:
+            array = workers.shared(self._array)
+            for k in reversed(range(len(blocks))):
+                found = None if kept is None else kept.read(f"block_{k}")
+                if found is None:
+                    waiting.append((k, named(blocks[k]), (array, blocks[k])))
+                else:
+                    done[k] = found
+            for k, made in workers.run(waiting, call):
+                if kept is not None:
+                    kept.write(f"block_{k}", made)
+                done[k] = made
+                if tell is not None:
+                    tell("blocks", len(done), len(blocks))
+        return [done[k] for k in range(len(blocks))]
+
+    def __repr__(self) -> str:
+        i, j, k = self.shape
+        return f"<BlockVolume: {i} × {j} × {k} of {self.dtype}>"
+
+
+def block_volume(
+    array: Any,
+    *,
+    spacing: SupportsFloat | Sequence[SupportsFloat] | None = None,
+    origin: Sequence[SupportsFloat] | None = None,
+    affine: ArrayLike | None = None,
+    unit: str | None = None,
+    level: SupportsIndex = 0,
+    channel: SupportsIndex = 0,
+) -> BlockVolume:
+    """A volume that is read a block at a time: see `BlockVolume`.
+
+    `array` is anything with a `shape`, a `dtype` and slices, as an array of Zarr, HDF5 or Dask, or the path of
+    - a Zarr array or an OME-Zarr image, by the package `zarr`: `level` is that of the image, 0 the finest;
+    - a folder of Neuroglancer's precomputed samples, or its address, by the package `tensorstore`;
+    - a NIfTI file, by the package `nibabel`, best one that is not compressed;
+    - an .npy file.
+
+    `array[i, j, k]` is the sample at x = i, y = j, z = k; what a file says of axes, spacing, origin and unit holds unless
+    `spacing`, `origin` or `affine` say others, as for `volume`. `channel` is that of an image of several.
+    """
+    found = Placed(array)
+    if isinstance(array, (str, os.PathLike)):
+        found = opened(os.fspath(array), index(level), index(channel))
+    if found.affine is not None and spacing is None and origin is None and affine is None:
+        return BlockVolume(found.array, affine=found.affine, unit=unit or found.unit)
+    return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+
+
+def _sides(block: SupportsIndex | Sequence[SupportsIndex]) -> tuple[int, int, int]:
+    sides = tuple(map(index, block)) if isinstance(block, Sequence) else (index(block),) * 3
+    if len(sides) != 3 or min(sides) < 1:
+        raise ValueError(f"block: one whole number of at least 1, or three, not {block!r}")
+    i, j, k = sides
+    return i, j, k
