@@ -9,6 +9,7 @@ from chordal import _chordal
 from chordal._arguments import number
 from chordal._budget import Length, Share, budget_arguments
 from chordal._errors import BudgetError, BudgetUnmet
+from chordal._hints import keywords_hinted
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ class Bakeable(Sourced):
 
     __slots__ = ()
 
+    @keywords_hinted
     def bake(
         self,
         *,

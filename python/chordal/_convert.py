@@ -9,6 +9,7 @@ from typing import Any, Literal, Protocol
 
 from chordal import _chordal, _files
 from chordal._budget import Length, Share, budget_arguments
+from chordal._hints import keywords_hinted
 from chordal._sourced import Sourced
 
 
@@ -28,6 +29,7 @@ class Convertible(Sourced):
 
     __slots__ = ()
 
+    @keywords_hinted
     def export(
         self,
         path: str | os.PathLike[str],
@@ -58,6 +60,7 @@ class Convertible(Sourced):
         extension = extension_of(path)
         return write(self._written(extension, quantize, compress, tol, rel), path)
 
+    @keywords_hinted
     def to_bytes(
         self,
         format: str,

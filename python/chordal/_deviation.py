@@ -12,6 +12,7 @@ from chordal._arguments import function, number
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, length
 from chordal._errors import BudgetError
+from chordal._hints import Guessed
 
 if TYPE_CHECKING:
     from chordal._shape import Shape
@@ -40,7 +41,7 @@ class OneSided:
 
 
 @dataclass(frozen=True)
-class Deviation:
+class Deviation(Guessed):
     """How far two shapes are apart, in units. `Shape.deviation` measures it.
 
     >>> import chordal

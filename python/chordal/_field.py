@@ -14,6 +14,7 @@ from chordal._arguments import text as _text
 from chordal._arrays import coordinates
 from chordal._curve import Curve
 from chordal._devices import with_arrays
+from chordal._hints import keywords_hinted
 from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
 
@@ -259,6 +260,7 @@ def _box(name: str, value: Any) -> list[list[float]]:
     return rows
 
 
+@keywords_hinted
 def field(
     what: Formula | float | Callable[..., Any],
     *,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from chordal._curve import Curve
 from chordal._field import Field, Formula, called
+from chordal._hints import keywords_hinted
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -514,3 +515,9 @@ def material(
     The value is worth: as it was.
     """
     return called("material", shape, name, color, metallic, roughness)  # type: ignore[no-any-return]
+
+
+for _name, _function in list(globals().items()):
+    # Keywords that somebody guesses are answered, as in sphere(r=1).
+    if getattr(_function, "__module__", None) == __name__ and not _name.startswith("_"):
+        globals()[_name] = keywords_hinted(_function)

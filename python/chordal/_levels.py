@@ -12,6 +12,7 @@ from chordal import _chordal, _files
 from chordal._arguments import function, number, positive, text
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
+from chordal._hints import Guessed, keywords_hinted
 from chordal._sourced import Sourced
 from chordal._view import View
 
@@ -38,7 +39,7 @@ class Level:
     distance: float | None
 
 
-class Levels(Sequence[Level]):
+class Levels(Sequence[Level], Guessed):
     """Levels of detail, the finest first, each proved against the shape itself. `Shape.lod` makes them.
 
     `levels.at(distance)` is the one to show; `export` writes all as one glTF or as 3D Tiles. Distances are in units, from the
@@ -148,6 +149,7 @@ class Levelled(Sourced):
 
     __slots__ = ()
 
+    @keywords_hinted
     def lod(
         self,
         *,

@@ -10,6 +10,7 @@ from chordal import _chordal, _files
 from chordal._arguments import number
 from chordal._arguments import text as _text
 from chordal._field import Field
+from chordal._hints import keywords_hinted
 from chordal._mesh import Mesh
 from chordal._shape import Shape
 from chordal._volume import Volume
@@ -73,6 +74,7 @@ def load(
     em: SupportsFloat | None = None,
     axes: Mapping[str, SupportsFloat] | None = None,
 ) -> Shape: ...
+@keywords_hinted
 def load(
     source: File,
     *,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function, positive
 from chordal._budget import Length, length
+from chordal._hints import keywords_hinted
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ class Mendable(Sourced):
 
     __slots__ = ()
 
+    @keywords_hinted
     def mend(
         self,
         *,

@@ -9,6 +9,7 @@ from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates, indices
 from chordal._bound import Bound, bound_of
+from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
@@ -43,6 +44,7 @@ class Mesh(Shape, Interoperable):
 
     __slots__ = ("_bound", "_cached", "_outcome", "_text")
 
+    @keywords_hinted
     def __init__(
         self,
         vertices: ArrayLike,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 from chordal import _chordal, _files
 from chordal._arguments import function, number, positive, text
 from chordal._budget import Length, budget_arguments, length
+from chordal._hints import Guessed, keywords_hinted
 from chordal._sourced import Sourced
 from chordal._view import View
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     _Style = Literal["shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb"]
 
 
-class Picture:
+class Picture(Guessed):
     """A picture of a shape, with the bound of the triangles that it shows. `Shape.render` makes it; notebooks show it.
 
     >>> import chordal
@@ -85,6 +86,7 @@ class Pictured(Sourced):
 
     __slots__ = ()
 
+    @keywords_hinted
     def render(
         self,
         *,

@@ -14,6 +14,7 @@ from chordal._combine import Combinable
 from chordal._convert import Convertible
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
+from chordal._hints import Guessed, GuessedType, keywords_hinted
 from chordal._levels import Levelled
 from chordal._mend import Mendable
 from chordal._meant import meant
@@ -31,7 +32,9 @@ if TYPE_CHECKING:
 Progress = Callable[[str, int, int], object]
 
 
-class Shape(Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Remakeable):
+class Shape(
+    Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Remakeable, Guessed, metaclass=GuessedType
+):
     """What a file holds: patches, a cage, a drawing, or curves; triangles, samples and fields have classes of their own.
 
     `load` makes it; it does not change.
@@ -69,6 +72,7 @@ class Shape(Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Rem
         report: dict[str, Any] = json.loads(self._source.inspect())
         return report
 
+    @keywords_hinted
     def deviation(
         self,
         other: Shape,
@@ -97,6 +101,7 @@ class Shape(Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Rem
             self._source, other, relative=relative, absolute=absolute, max=max, progress=progress
         )
 
+    @keywords_hinted
     def mesh(
         self,
         *,
@@ -209,6 +214,7 @@ class Shape(Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Rem
 
         return Cage._of(self._source.cage())
 
+    @keywords_hinted
     def flatten(
         self,
         *,

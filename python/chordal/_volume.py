@@ -11,6 +11,7 @@ from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
+from chordal._hints import keywords_hinted
 from chordal._images import Imaged, lattice_of
 from chordal._meant import meant
 from chordal._shape import Shape
@@ -105,6 +106,7 @@ class Volume(Shape, Imaged):
         facts = None if self._report is None else json.loads(self._report)["certificate"]["bound"]
         return None if facts is None else bound_of(facts)
 
+    @keywords_hinted
     def surface(
         self,
         *,
@@ -150,6 +152,7 @@ def _again(content: bytes, report: str | None, words: dict[str, Any]) -> Volume:
     return made.surface(**words) if words else made
 
 
+@keywords_hinted
 def volume(
     array: ArrayLike | str | os.PathLike[str] | Any,
     *,
@@ -209,6 +212,7 @@ def volume(
     return Volume(_chordal.Source(header.encode() + samples, plain_reading("nrrd", text("unit", unit))))
 
 
+@keywords_hinted
 def labels(
     array: ArrayLike | str | os.PathLike[str] | Any,
     *,

@@ -8,6 +8,8 @@ The text of a script also runs in Python after `from chordal.shapes import *`.
 'proved'
 """
 
+from typing import TYPE_CHECKING
+
 from chordal._curve import arc, bezier, fit, nurbs, spline
 from chordal._field import check, fail, field, param
 from chordal._formulas import (
@@ -187,3 +189,12 @@ __all__ = [
     "y",
     "z",
 ]
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        import sys
+
+        from chordal._hints import module_hint
+
+        raise module_hint(__name__, name, sys.modules[__name__])

@@ -1,0 +1,113 @@
+"""Names and keywords of other libraries: what is said of them, and that nothing else changes by that."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import chordal
+from chordal import _hints
+
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+# Not of their types, for these refuse what is guessed.
+SOLID: Any = chordal.Mesh(CORNERS, FACES)
+VOLUME: Any = chordal.volume(np.ones((3, 3, 3)))
+BALL: Any = chordal.shapes.sphere(1)
+ANY: Any = chordal
+NOUNS: dict[str, Any] = {
+    "Mesh": SOLID,
+    "Shape": chordal.shapes.arc(0.5, center=(2, 0)).revolve(),
+    "Volume": VOLUME,
+    "Field": BALL,
+    "Picture": BALL.render(size=(8, 8)),
+    "Levels": BALL.lod(tol=0.1),
+    "Deviation": SOLID.deviation(SOLID),
+    "chordal": chordal,
+    "chordal.shapes": chordal.shapes,
+}
+
+
+@pytest.mark.parametrize("owner", NOUNS)
+def test_every_guessed_name_is_answered(owner: str) -> None:
+    thing = NOUNS[owner]
+    for table in _hints._NOUNS[owner]:
+        for name in table:
+            if name in dir(type(thing)) or name in dir(thing):
+                continue
+            assert not hasattr(thing, name)
+            with pytest.raises(AttributeError) as raised:
+                getattr(thing, name)
+            assert f"has no attribute '{name}': " in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("thing", "name", "answer"),
+    [
+        (SOLID, "simplify", "mesh(triangles="),
+        (SOLID, "fill_holes", "mend(fill_holes=True)"),
+        (SOLID, "apply_transform", "transform(matrix)"),
+        (SOLID, "convex_hull", "to_trimesh().convex_hull"),
+        (SOLID, "smooth", "to_pyvista().smooth"),
+        (SOLID, "hausdorff", "deviation(other)"),
+        (SOLID, "vertice", "is vertices meant?"),
+        (VOLUME, "contour", "mesh(iso=0.5)"),
+        (BALL, "contains", "field(points) < 0"),
+        (NOUNS["Picture"], "save", 'export("a.png")'),
+        (chordal, "marching_cubes", "chordal.volume(array).mesh(iso="),
+        (chordal, "sphere", "chordal.shapes.sphere"),
+        (chordal, "lods", "is lod meant?"),
+        (chordal.shapes, "cube", "box(x, y, z)"),
+        (chordal.Mesh, "from_trimesh", "chordal.Mesh.from_(thing)"),
+        (chordal.Mesh, "from_file", "chordal.load"),
+    ],
+)
+def test_a_name_of_another_library_is_answered_by_the_call(thing: Any, name: str, answer: str) -> None:
+    with pytest.raises(AttributeError) as raised:
+        getattr(thing, name)
+    assert answer in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "answer"),
+    [
+        (lambda: SOLID.mesh(faces=5), "triangles="),
+        (lambda: SOLID.mesh(target_count=5), "triangles="),
+        (lambda: SOLID.mesh(tolerance=5), "tol="),
+        (lambda: SOLID.mesh(500), "takes these by name: tol=, rel="),
+        (lambda: VOLUME.mesh(level=0), "iso="),
+        (lambda: ANY.mesh(VOLUME, threshold=0), "iso="),
+        (lambda: SOLID.bake(resolution=5), "cells="),
+        (lambda: SOLID.mend(fillholes=True), "fill_holes="),
+        (lambda: SOLID.mend(orientt=True), "is orient= meant?"),
+        (lambda: SOLID.lod(levels=3), "it has at=, "),
+        (lambda: ANY.volume(VOLUME.array, voxel_size=1), "spacing="),
+        (lambda: ANY.load(b"", file_type="stl"), "format="),
+        (lambda: ANY.Mesh(CORNERS, FACES, color="red"), "colors="),
+        (lambda: ANY.shapes.sphere(r=1), "radius"),
+        (lambda: ANY.shapes.cylinder(r=1, h=2), "radius"),
+        (lambda: SOLID.render(width=64), "size="),
+        (lambda: SOLID.export("a.stl", file_type="stl"), "it has "),
+    ],
+)
+def test_a_keyword_of_another_library_is_answered(call: Any, answer: str) -> None:
+    with pytest.raises(TypeError) as raised:
+        call()
+    assert answer in str(raised.value)
+
+
+def test_guesses_leave_copies_pickles_and_lists_of_names_as_they_are() -> None:
+    for thing in (SOLID, VOLUME, BALL):
+        assert copy.copy(thing) is thing and copy.deepcopy(thing) is thing
+        assert type(pickle.loads(pickle.dumps(thing))) is type(thing)
+        assert "simplify" not in dir(thing) and not hasattr(thing, "__array_struct__")
+    assert pickle.loads(pickle.dumps(chordal.shapes.sphere)) is chordal.shapes.sphere
+    assert getattr(SOLID, "simplify", None) is None
+    with pytest.raises(AttributeError, match="_text"):
+        chordal.Mesh.__new__(chordal.Mesh)._text
+    with pytest.raises(ImportError):
+        from chordal import marching_cubes  # type: ignore[attr-defined]  # noqa: F401
