@@ -25,6 +25,18 @@ def number(name: str, value: object) -> float:
     return found
 
 
+def vector(name: str, value: tuple[object, ...]) -> tuple[float, float, float]:
+    """Three numbers, or one vector of them, as they are given to a function that takes `*value`."""
+    import numpy as np
+
+    given = value[0] if len(value) == 1 else value
+    parts = given.tolist() if isinstance(given, np.ndarray) else given
+    if not isinstance(parts, (list, tuple)) or len(parts) != 3:
+        raise ValueError(f"{name}: three numbers, as in (1, 0, 0), not {given!r}")
+    x, y, z = (number(name, part) for part in parts)
+    return x, y, z
+
+
 def positive(name: str, value: object) -> int:
     """A whole number of at least 1."""
     try:

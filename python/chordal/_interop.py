@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal
 from chordal._libraries import library
+from chordal._scene import first_of
 
 if TYPE_CHECKING:
     from chordal._mesh import Mesh
+    from chordal._scene import _Kind
 
 
 def mesh_of(thing: Any) -> Mesh | None:
@@ -126,6 +128,7 @@ class Interoperable:
     uv: Any
     colors: Any
     parts: Any
+    attributes: Any
 
     @classmethod
     def from_(cls, thing: Any) -> Mesh:
@@ -143,12 +146,13 @@ class Interoperable:
             raise TypeError(f"thing: a mesh of another library, not {type(thing).__name__}")
         return found
 
-    def _vertex_rows(self, kind: str) -> Any:
+    def _vertex_rows(self, kind: _Kind) -> Any:
         """An attribute of the only part with one row for each vertex; None where there is no such one."""
         if len(self.parts) != 1:
             return None
-        found = self.parts[0].attribute(kind)
-        return found.values if found is not None and found.domain == "vertex" else None
+        found = first_of(self.attributes, kind)
+        fits = found is not None and found.domain == "vertex" and len(found.values) == len(self.vertices)
+        return found.values if found is not None and fits else None
 
     def to_trimesh(self) -> Any:
         """A `trimesh.Trimesh` with the same vertices and faces, unmerged, and what these have of normals, texture
@@ -224,7 +228,7 @@ class Interoperable:
         meshio = library("meshio")
         import numpy as np
 
-        names = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))
+        names: tuple[tuple[_Kind, str], ...] = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))
         rows = {name: self._vertex_rows(kind) for kind, name in names}
         data = {name: np.array(values) for name, values in rows.items() if values is not None}
         return meshio.Mesh(np.array(self.vertices), [("triangle", np.array(self.faces))], point_data=data)

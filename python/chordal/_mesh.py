@@ -13,8 +13,9 @@ from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
-from chordal._scene import Attribute, Node, Part, nodes_of
+from chordal._scene import Attribute, Node, Part, SeveralPartsError, bounds_of, first_of, nodes_of
 from chordal._shape import Shape
+from chordal._transform import Transformable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from chordal._scene import _Kind
 
 
-class Mesh(Shape, Interoperable):
+class Mesh(Shape, Interoperable, Transformable):
     """Triangles: made within a budget, with their bound, read from a file, or given as arrays. It does not change.
 
     `Mesh(vertices, faces)` takes n × 3 coordinates and m × 3 indices into them; counter-clockwise is the front. Any real
@@ -178,8 +179,21 @@ class Mesh(Shape, Interoperable):
 
     @property
     def attributes(self) -> tuple[Attribute, ...]:
-        """The attributes of the only part; of several, `parts[k].attributes` are those of each."""
-        return self._only().attributes
+        """The attributes of the only part, in the space of the scene; of several, `parts[k].attributes` are those of each."""
+        if "attributes" not in self._cached:
+            import numpy as np
+
+            parts = self._scene["parts"]
+            if len(parts) != 1:
+                raise SeveralPartsError(len(parts))
+            self._cached["attributes"] = tuple(
+                Attribute(
+                    facts["kind"], facts["of"], facts["domain"], np.asarray(_chordal.scene_array(self._source, None, "attribute", k))
+                )
+                for k, facts in enumerate(parts[0]["attributes"])
+            )
+        found: tuple[Attribute, ...] = self._cached["attributes"]
+        return found
 
     @property
     def normals(self) -> NDArray[np.float64] | None:
@@ -206,10 +220,10 @@ class Mesh(Shape, Interoperable):
         """A normal for each vertex: the mesh's own, else the mean over its faces by area."""
         import numpy as np
 
-        parts = self.parts
-        own = parts[0].attribute("normal") if len(parts) == 1 else None
-        if own is not None and own.domain == "vertex" and len(own.values) == len(self.vertices):
-            return own.values
+        own = self._vertex_rows("normal")
+        if own is not None:
+            values: NDArray[np.float64] = own
+            return values
         sums = np.zeros_like(self.vertices)
         for corner in range(3):
             np.add.at(sums, self.faces[:, corner], self._crossed())
@@ -222,14 +236,16 @@ class Mesh(Shape, Interoperable):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The lowest and the highest corner of the box, 2 × 3."""
-        import numpy as np
-
-        return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+        """The lowest and the highest corner of the box, 2 × 3. Raises `ValueError` for an empty mesh."""
+        return bounds_of(self.vertices)
 
     @property
     def extents(self) -> NDArray[np.float64]:
-        """The lengths of the box along x, y and z."""
+        """The lengths of the box along x, y and z; 0 for an empty mesh."""
+        import numpy as np
+
+        if len(self.vertices) == 0:
+            return np.zeros(3)
         low, high = self.bounds
         extents: NDArray[np.float64] = high - low
         return extents
@@ -290,14 +306,8 @@ class Mesh(Shape, Interoperable):
         found: dict[str, Any] = self._cached["scene"]
         return found
 
-    def _only(self) -> Part:
-        parts = self.parts
-        if len(parts) != 1:
-            raise ValueError(f"this scene has {len(parts)} parts: look at those of mesh.parts")
-        return parts[0]
-
     def _values(self, kind: _Kind) -> NDArray[np.float64] | None:
-        found = self._only().attribute(kind)
+        found = first_of(self.attributes, kind)
         return None if found is None else found.values
 
     def _array(self, name: str) -> NDArray[Any]:

@@ -79,13 +79,11 @@ def page_of(mesh: Mesh, *, wire: bool, values: NDArray[Any] | None, what: str) -
     # Small beside large coordinates would be lost in single precision.
     middle = mesh.bounds.mean(axis=0)
     low, high = (0.0, 1.0) if values is None else (0.0, float(values.max()) or 1.0)
-    parts = mesh.parts
-    own = parts[0].attribute("normal") if len(parts) == 1 else None
-    has_normals = own is not None and own.domain == "vertex" and len(own.values) == len(mesh.vertices)
+    normals = mesh._vertex_rows("normal")
     facts = {
         "positions": _base64(mesh.vertices - middle, "<f4"),
         "faces": _base64(mesh.faces, "<u4"),
-        "normals": _base64(own.values, "<f4") if own is not None and has_normals else None,
+        "normals": None if normals is None else _base64(normals, "<f4"),
         "values": None if values is None else _base64(np.asarray(values), "<f4"),
         "range": [low, high],
         "what": what,

@@ -101,9 +101,31 @@ class Part:
 
     def attribute(self, kind: _Kind, of: int | str | None = None) -> Attribute | None:
         """The attribute of that kind, the first or that of a number or name; None where there is none."""
-        wanted = of if of is not None or kind not in ("uv", "color") else 0
-        found = (a for a in self.attributes if a.kind == kind and (wanted is None or a.of == wanted))
-        return next(found, None)
+        return first_of(self.attributes, kind, of)
+
+    @property
+    def normals(self) -> NDArray[np.float64] | None:
+        """Its normals: n × 3, or 3 m × 3 for corners; None where there are none."""
+        return self._values("normal")
+
+    @property
+    def uv(self) -> NDArray[np.float64] | None:
+        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2; None where there are none."""
+        return self._values("uv")
+
+    @property
+    def colors(self) -> NDArray[np.float64] | None:
+        """Its first colours, n × 3 or n × 4, from 0 to 1; None where there are none."""
+        return self._values("color")
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The lowest and the highest corner of its box in its own coordinates, 2 × 3."""
+        return bounds_of(self.vertices)
+
+    def _values(self, kind: _Kind) -> NDArray[np.float64] | None:
+        found = self.attribute(kind)
+        return None if found is None else found.values
 
     def _array(self, name: str, attribute: int | None = None) -> NDArray[Any]:
         import numpy as np
@@ -113,6 +135,32 @@ class Part:
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
         return f"<Part{name}: {self._facts['faces']:,} triangles, {self._facts['vertices']:,} vertices>"
+
+
+class SeveralPartsError(AttributeError, ValueError):
+    """What the only part of a scene says, asked of a scene with another number of them. An `AttributeError`, so that what
+    looks at all attributes of a thing passes over it.
+    """
+
+    def __init__(self, count: int) -> None:
+        what = "nothing is in it" if count == 0 else "look at those of mesh.parts, as in mesh.parts[0].uv"
+        super().__init__(f"this scene has {count} parts: {what}")
+
+
+def first_of(attributes: tuple[Attribute, ...], kind: _Kind, of: int | str | None = None) -> Attribute | None:
+    """The attribute of that kind, the first or that of a number or name."""
+    wanted = of if of is not None or kind not in ("uv", "color") else 0
+    found = (a for a in attributes if a.kind == kind and (wanted is None or a.of == wanted))
+    return next(found, None)
+
+
+def bounds_of(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The lowest and the highest corner of the box of points."""
+    import numpy as np
+
+    if len(vertices) == 0:
+        raise ValueError("an empty mesh has no bounds: nothing is in it")
+    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
 
 def nodes_of(facts: dict[str, Any]) -> tuple[Node, ...]:

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 fn scene_in(input: &Input) -> Option<&Scene> {
@@ -57,7 +58,8 @@ pub(crate) fn scene_facts(py: Python<'_>, source: &Source) -> PyResult<String> {
 }
 
 /// Numbers of a part of a scene in its own coordinates: "vertices", "faces", "position_ids", or the attribute of a
-/// number. Without a part "vertices" and "faces" of all that is shown, in the scene's coordinates.
+/// number. Without a part "vertices" and "faces" of all that is shown, in the scene's coordinates, or an attribute of the
+/// only part in these.
 #[pyfunction]
 pub(crate) fn scene_array(
     py: Python<'_>,
@@ -67,7 +69,9 @@ pub(crate) fn scene_array(
     attribute: Option<usize>,
 ) -> PyResult<Array> {
     let unknown = || failure::internal(py, &format!("there is no {name}, or too much of it"));
-    let Some(part) = part else { return shown_array(py, source, name) };
+    let Some(part) = part else {
+        return attribute.map_or_else(|| shown_array(py, source, name), |k| shown_attribute(py, source, k));
+    };
     let owner = source.input();
     let own = scene_in(owner).and_then(|scene| scene.parts.get(part)).ok_or_else(unknown)?;
     if let Some(k) = attribute {
@@ -91,6 +95,18 @@ pub(crate) fn scene_array(
             _ => ArrayData::from_u32_below_sign(mesh.position_id().unwrap_or_default(), 1),
         }
     }))
+}
+
+/// The attribute of that number of the only part, in the scene's coordinates where it is shown once.
+fn shown_attribute(py: Python<'_>, source: &Source, number: usize) -> PyResult<Array> {
+    let scene = scene_in(source.input()).ok_or_else(|| failure::internal(py, "these are no triangles"))?;
+    let mut meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
+    let moved = match (meshes.pop(), &meshes[..]) {
+        (Some((_, Cow::Owned(mesh))), []) => mesh.attributes().get(number).cloned(),
+        _ => None,
+    };
+    let Some(moved) = moved else { return scene_array(py, source, Some(0), "attribute", Some(number)) };
+    Ok(Array::new(&Arc::new(moved), |own| ArrayData::from_f64(&own.values, own.width)))
 }
 
 /// Not copied where the scene shows one part as it is.

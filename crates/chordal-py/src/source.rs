@@ -13,7 +13,7 @@ use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::font::Letters;
 use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with};
+use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with, sha256, transform};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::path::Path;
@@ -170,6 +170,22 @@ impl Source {
         Ok(Self { input: Arc::new(input), name: self.name.clone(), calls: Vec::new() })
     }
 
+    /// Triangles under a map by the rows of its matrix, now in that unit, and what becomes of an interval that holds
+    /// their distance to another shape.
+    fn transformed(
+        &self,
+        py: Python<'_>,
+        rows: [[f64; 4]; 4],
+        unit: Option<&str>,
+        interval: Lengths,
+    ) -> PyResult<(Self, Lengths)> {
+        let unit = parse_argument::<Unit>("unit", unit)?;
+        let input = Arc::clone(&self.input);
+        let made = work::run(py, None, move |_| transformed_input(&input, rows, unit, interval))?;
+        let (input, interval) = made.map_err(|error| failure::argument("matrix", error))?;
+        Ok((Self { input: Arc::new(input), name: None, calls: Vec::new() }, interval))
+    }
+
     /// The polygons of a cage.
     fn cage(&self, py: Python<'_>) -> PyResult<Cage> {
         match &self.input.shape {
@@ -236,6 +252,26 @@ impl Source {
     pub(crate) fn named_input(&self) -> NamedInput {
         NamedInput { input: Arc::clone(&self.input), name: self.name.clone() }
     }
+}
+
+/// An interval of lengths, without an upper end where none is known.
+type Lengths = (f64, Option<f64>);
+
+fn transformed_input(
+    input: &Input,
+    rows: [[f64; 4]; 4],
+    unit: Option<Unit>,
+    (at_least, at_most): Lengths,
+) -> Result<(Input, Lengths), String> {
+    let Shape::Scene(scene) = &input.shape else { return Err("these are no triangles".to_owned()) };
+    let moved = transform(scene, &std::array::from_fn(|k| rows[k % 4][k / 4])).map_err(|error| error.to_string())?;
+    let interval = moved.interval(at_least, at_most);
+    let mut scene = moved.scene;
+    scene.frame.metres_per_unit = unit.map(Unit::metres).or(scene.frame.metres_per_unit);
+    // It stands for the file that there is not.
+    let sha256 = sha256(format!("{} {rows:?} {unit:?}", input.sha256).as_bytes());
+    let made = Input { shape: Shape::Scene(scene), sha256, warnings: Vec::new(), ..Input::clone(input) };
+    Ok((made, interval))
 }
 
 fn polygon_surface(text: &str) -> PyResult<PolygonSurface> {

@@ -1,6 +1,8 @@
 //! Where the nodes of a scene show its parts: how far their transforms stretch lengths, and what rounding costs them.
 use chordal::budget::Tolerance;
-use chordal::math::{Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_up, sub_down};
+use chordal::math::{
+    Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_down, sqrt_up, sub_down,
+};
 use chordal_io::{Part, Scene, WriteError};
 
 /// A column-major 4 × 4 matrix.
@@ -133,16 +135,45 @@ fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
 
 /// An upper bound of the largest factor by which the linear part M lengthens, 1 for a rotation but for rounding: no
 /// eigenvalue of MᵀM exceeds the largest sum of absolute values in a row of it, nor its trace.
-fn largest_stretch(m: &Matrix4) -> f64 {
-    let dot = |a: usize, b: usize| -> f64 {
-        let terms = [0, 1, 2].map(|k| Interval::point(m[4 * a + k]) * Interval::point(m[4 * b + k]));
-        let sum = terms[0] + terms[1] + terms[2];
-        greater(sum.lo().abs(), sum.hi().abs())
-    };
+pub(crate) fn largest_stretch(m: &Matrix4) -> f64 {
+    if is_translation(m) {
+        return 1.0;
+    }
+    let dot = |a: usize, b: usize| size_of(dot_of(m, a, b));
     let row = |a: usize| add_up(add_up(dot(a, 0), dot(a, 1)), dot(a, 2));
     let rows = [1, 2].into_iter().fold(row(0), |most, a| greater(row(a), most));
     let trace = add_up(add_up(dot(0, 0), dot(1, 1)), dot(2, 2));
     sqrt_up(lesser(rows, trace))
+}
+
+/// A lower bound of the smallest factor by which the linear part M lengthens, 1 for a rotation but for rounding: no
+/// eigenvalue of MᵀM is less than an entry of its diagonal without the absolute values of the others in its row
+/// (Gershgorin).
+pub(crate) fn smallest_stretch(m: &Matrix4) -> f64 {
+    if is_translation(m) {
+        return 1.0;
+    }
+    let row = |a: usize| {
+        let others = [0, 1, 2].into_iter().filter(|b| *b != a);
+        others.fold(dot_of(m, a, a).lo(), |least, b| sub_down(least, size_of(dot_of(m, a, b))))
+    };
+    let least = [1, 2].into_iter().fold(row(0), |least, a| lesser(row(a), least));
+    sqrt_down(greater(least, 0.0))
+}
+
+/// The entry of MᵀM of that row and column, enclosed.
+fn dot_of(m: &Matrix4, a: usize, b: usize) -> Interval {
+    let terms = [0, 1, 2].map(|k| Interval::point(m[4 * a + k]) * Interval::point(m[4 * b + k]));
+    terms[0] + terms[1] + terms[2]
+}
+
+fn size_of(entry: Interval) -> f64 {
+    greater(entry.lo().abs(), entry.hi().abs())
+}
+
+/// Whether it lengthens nothing, exactly.
+fn is_translation(m: &Matrix4) -> bool {
+    m[..12] == IDENTITY[..12]
 }
 
 /// Where a node shows its part.

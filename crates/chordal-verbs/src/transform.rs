@@ -1,0 +1,150 @@
+//! `transform`: the triangles of a scene under an affine map, and what the map and its rounding do to distances.
+use crate::placements::{
+    IDENTITY, PartPlacement, largest_stretch, part_placements, parts_in_order, scaled_up, smallest_stretch,
+};
+use chordal::math::{add_up, greater, mul_down, sub_down};
+use chordal_io::{Node, Part, Scene, WriteError};
+
+/// A scene under an affine map.
+#[derive(Clone, Debug)]
+pub struct TransformedScene {
+    /// Everything in it, moved.
+    pub scene: Scene,
+    /// The largest factor by which the map lengthens, rounded up.
+    longest: f64,
+    /// The smallest one, rounded down.
+    shortest: f64,
+    /// How far a vertex may be from where the map takes it, rounded up.
+    rounding: f64,
+}
+
+impl TransformedScene {
+    /// What becomes of an interval that holds the distance of the scene to another shape, which the map takes along.
+    #[must_use]
+    pub fn interval(&self, at_least: f64, at_most: Option<f64>) -> (f64, Option<f64>) {
+        let least = sub_down(mul_down(at_least, self.shortest), self.rounding);
+        let most = at_most.map(|most| add_up(scaled_up(most, self.longest), self.rounding));
+        (greater(least, 0.0), most)
+    }
+}
+
+/// The triangles of a scene under a map by its column-major 4 × 4 matrix, with all that the scene says beside. Faces are
+/// wound the other way round where the map mirrors, so that the front stays the front.
+///
+/// Where every part is shown once and as it is, and nothing moves in time, the numbers of the parts change: positions,
+/// normals and tangents. Else the scene gets a node above all others, and its parts stay as they are.
+///
+/// # Errors
+/// [`WriteError::Unsupported`] for a map that is not affine or leads out of range.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_verbs::{Frame, Scene, transform};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut map = [0.0; 16];
+/// (map[0], map[5], map[10], map[12], map[15]) = (2.0, 2.0, 2.0, 5.0, 1.0);
+/// let twice = transform(&Scene::from_mesh("triangle", mesh, Frame::default()), &map)?;
+/// assert_eq!(twice.scene.parts[0].mesh.positions()[1], [7.0, 0.0, 0.0]);
+/// let (_, at_most) = twice.interval(0.0, Some(0.5));
+/// assert!((1.0..1.0 + 1e-13).contains(&at_most.unwrap()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<TransformedScene, WriteError> {
+    let mut moved = scene.clone();
+    // What it certifies is where it was.
+    moved.certificate = None;
+    moved.roots = vec![moved.nodes.len()];
+    moved.nodes.push(Node {
+        matrix: (*matrix).into(),
+        children: scene.roots.clone(),
+        ..Node::default()
+    });
+    let off = |scene: &Scene| {
+        let places = part_placements(scene);
+        let rounding = |place: &PartPlacement| place.rounding(&scene.parts[place.part]);
+        places.iter().map(rounding).fold(0.0, |most, off| greater(off, most))
+    };
+    // What was rounded before is carried along.
+    let longest = largest_stretch(matrix);
+    let rounding = add_up(off(&moved), scaled_up(off(scene), longest));
+    let shortest = smallest_stretch(matrix);
+    let placed = moved.world_meshes()?;
+    if is_plain(scene) {
+        let mut parts = scene.parts.clone();
+        for (part, (_, mesh)) in parts_in_order(scene).into_iter().zip(placed) {
+            parts[part] = Part { mesh: mesh.into_owned(), ..parts[part].clone() };
+        }
+        moved = Scene { parts, nodes: scene.nodes.clone(), roots: scene.roots.clone(), ..moved };
+    }
+    Ok(TransformedScene { scene: moved, longest, shortest, rounding })
+}
+
+/// Whether every part is shown once and as it is, by a node that says nothing else.
+fn is_plain(scene: &Scene) -> bool {
+    let mut shown = vec![0_u32; scene.parts.len()];
+    parts_in_order(scene).into_iter().for_each(|part| shown[part] += 1);
+    let says_nothing = |node: &Node| *node.matrix == IDENTITY && node.properties.is_empty();
+    let is_still = |part: &Part| !part.is_deformed() && part.marks.is_empty();
+    let assets = &scene.assets;
+    shown.iter().all(|count| *count == 1)
+        && scene.nodes.iter().all(says_nothing)
+        && scene.parts.iter().all(is_still)
+        && assets.animations.is_empty()
+        && assets.skins.is_empty()
+        && assets.cameras.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal::Mesh;
+    use chordal_io::Frame;
+    use chordal_testkit::Random;
+
+    /// The mirror along x, twice as large along y, one unit up.
+    const MAP: [f64; 16] = [-1.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0];
+
+    fn triangle() -> Scene {
+        let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+        Scene::from_mesh("triangle", mesh.expect("valid"), Frame::default())
+    }
+
+    #[test]
+    fn a_mirror_turns_the_faces_and_a_translation_keeps_the_interval() {
+        let mirrored = transform(&triangle(), &MAP).expect("affine");
+        let mesh = &mirrored.scene.parts[0].mesh;
+        assert_eq!((mesh.positions()[2], mesh.faces()[0]), ([0.0, 2.0, 1.0], [0, 2, 1]));
+        let (least, most) = mirrored.interval(1.0, Some(1.0));
+        assert!((0.5..=1.0).contains(&least) && (2.0..2.1).contains(&most.expect("bounded")));
+        let mut up = IDENTITY;
+        up[14] = 3.0;
+        let (least, most) = transform(&triangle(), &up).expect("affine").interval(1.0, Some(1.0));
+        assert!(1.0 - least < 1e-13 && most.expect("bounded") - 1.0 < 1e-13);
+    }
+
+    #[test]
+    fn a_scene_with_nodes_of_its_own_gets_one_above_them() {
+        let mut scene = triangle();
+        scene.nodes[0].matrix[12] = 4.0;
+        let moved = transform(&scene, &MAP).expect("affine").scene;
+        assert_eq!(moved.parts, scene.parts);
+        let (_, placed) = &moved.world_meshes().expect("a tree")[0];
+        assert_eq!((placed.positions()[1], placed.faces()[0]), ([-5.0, 0.0, 1.0], [0, 2, 1]));
+    }
+
+    #[test]
+    fn the_interval_holds_what_becomes_of_distances() {
+        let mut random = Random::new(31);
+        for _ in 0..500 {
+            let mut map = IDENTITY;
+            [0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14].into_iter().for_each(|k| map[k] = random.signed() * 3.0);
+            let moved = transform(&triangle(), &map).expect("affine");
+            let v: [f64; 3] = std::array::from_fn(|_| random.signed());
+            let long = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let image = [0, 1, 2].map(|r| map[r] * v[0] + map[4 + r] * v[1] + map[8 + r] * v[2]);
+            let (least, most) = moved.interval(long(v), Some(long(v)));
+            // 1e-12 of it: what the lengths here are rounded by.
+            assert!(least <= long(image) * (1.0 + 1e-12) && long(image) <= most.expect("bounded") * (1.0 + 1e-12));
+        }
+    }
+}

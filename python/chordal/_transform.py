@@ -1,0 +1,178 @@
+"""Meshes moved, turned and scaled, with everything that they say beside their triangles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
+
+from chordal._arguments import number, vector
+from chordal._arrays import coordinates
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from chordal._mesh import Mesh
+
+    #: Three numbers.
+    Vector: TypeAlias = Sequence[SupportsFloat] | NDArray[Any]
+
+#: Metres in a unit; exact by definition.
+_METRES = {
+    "um": Fraction(1, 10**6),
+    "mm": Fraction(1, 1000),
+    "cm": Fraction(1, 100),
+    "m": Fraction(1),
+    "km": Fraction(1000),
+    "in": Fraction(254, 10_000),
+    "ft": Fraction(3048, 10_000),
+}
+_Rows = list[list[float]]
+
+
+class Transformable:
+    """A mesh that can be somewhere else."""
+
+    __slots__ = ()
+
+    def transform(self, matrix: ArrayLike) -> Mesh:
+        """The mesh under an affine map: `matrix` is 4 × 4, or its first three rows, and takes (x, y, z, 1) to its new place.
+
+        Texture coordinates, colours, materials, parts and the unit stay, normals and tangents turn along, and where the map
+        mirrors, the faces are wound the other way round, so that the front stays the front. The bound is scaled by the
+        largest factor by which the map lengthens, and holds the rounding, too. Where the file has nodes of its own, or moves
+        in time, a node above all others has the map, and `parts` stay as they are.
+
+        Raises `ValueError` for a matrix that is not affine, or flattens.
+
+        >>> import chordal
+        >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        >>> one.transform([(-2, 0, 0, 0), (0, 2, 0, 0), (0, 0, 2, 5), (0, 0, 0, 1)]).vertices[1]
+        array([-2.,  0.,  5.])
+        """
+        found = coordinates("matrix", matrix)
+        if found.shape not in ((3, 4), (4, 4)) or (len(found) == 4 and found[3].tolist() != [0, 0, 0, 1]):
+            raise ValueError("matrix: 4 × 4 with a last row of 0, 0, 0, 1, or its first three rows")
+        return self._moved([[float(entry) for entry in row] for row in found[:3].tolist()], keeps_angles=False)
+
+    def translate(self, *by: SupportsFloat | Vector) -> Mesh:
+        """The mesh moved by a vector, or by three numbers; as for `transform`.
+
+        >>> import chordal
+        >>> chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]).translate((0, 0, 3)).bounds[0]
+        array([0., 0., 3.])
+        """
+        x, y, z = vector("by", by)
+        return self._moved([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]], keeps_angles=True)
+
+    def scale(self, *by: SupportsFloat | Vector, about: Vector = (0.0, 0.0, 0.0)) -> Mesh:
+        """The mesh scaled by a number, or by three along x, y and z, around a point; as for `transform`. A negative one
+        mirrors.
+
+        >>> import chordal
+        >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        >>> one.scale(2).area, one.scale((1, -1, 1)).faces.tolist()
+        (2.0, [[0, 2, 1]])
+        """
+        steps = (number("by", by[0]),) * 3 if len(by) == 1 and isinstance(by[0], SupportsFloat) else vector("by", by)
+        is_alike = len({abs(step) for step in steps}) == 1
+        return self._moved(_about([[step if j == k else 0.0 for j in range(3)] for k, step in enumerate(steps)], about), is_alike)
+
+    def rotate(
+        self, axis: Literal["x", "y", "z"] | Vector, degrees: SupportsFloat, *, about: Vector = (0.0, 0.0, 0.0)
+    ) -> Mesh:
+        """The mesh turned about an axis through a point, counter-clockwise for an eye that the axis points at; as for
+        `transform`. `axis` is a letter or a vector. Quarter turns about a letter are exact.
+
+        >>> import chordal
+        >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        >>> one.rotate("z", 90).vertices[1]
+        array([0., 1., 0.])
+        """
+        return self._moved(_about(_turn(axis, number("degrees", degrees)), about), keeps_angles=True)
+
+    @property
+    def unit(self) -> str | None:
+        """The unit of the coordinates, as in "mm"; None where nothing says it, or it has no name."""
+        metres = self._metres()
+        return next((name for name, exact in _METRES.items() if float(exact) == metres), None)
+
+    def to_unit(self, unit: Literal["um", "mm", "cm", "m", "km", "in", "ft"]) -> Mesh:
+        """The same lengths in another unit; as for `transform`. Raises `ValueError` where nothing says the unit of the
+        coordinates: `load(…, unit=)` and `Mesh(…, unit=)` do.
+
+        >>> import chordal
+        >>> inches = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], unit="in")
+        >>> inches.to_unit("mm").extents.tolist(), inches.to_unit("mm").unit
+        ([25.4, 25.4, 0.0], 'mm')
+        """
+        metres = self._metres()
+        if unit not in _METRES:
+            raise ValueError(f"unit: one of {', '.join(_METRES)}, not {unit!r}")
+        if metres is None:
+            raise ValueError('unit: nothing says the unit of these coordinates; load(…, unit="mm") and Mesh(…, unit="mm") do')
+        named = self.unit
+        factor = float((Fraction(metres) if named is None else _METRES[named]) / _METRES[unit])
+        return self._moved(_about([[factor if j == k else 0.0 for j in range(3)] for k in range(3)], (0, 0, 0)), True, unit)
+
+    def _metres(self) -> float | None:
+        found: float | None = self._scene["metres_per_unit"]  # type: ignore[attr-defined]
+        return found
+
+    def _moved(self, rows: _Rows, keeps_angles: bool, unit: str | None = None) -> Mesh:
+        from chordal._mesh import Mesh
+
+        assert isinstance(self, Mesh)
+        if _volume_of(rows) == 0:
+            raise ValueError("matrix: it flattens; of a mesh without thickness nothing is the front")
+        bound = self.bound
+        source, (least, most) = self._source.transformed([*rows, [0.0, 0.0, 0.0, 1.0]], unit, (bound.at_least, bound.at_most))
+        at = None
+        if bound.at is not None and len(bound.at) == 3:
+            place = bound.at
+            at = tuple(row[0] * place[0] + row[1] * place[1] + row[2] * place[2] + row[3] for row in rows)
+        angle = bound.angle_deg if keeps_angles else None
+        moved = replace(bound, at_least=least, at_most=most, pixels=None, angle_deg=angle, at=at)
+        return Mesh._of_source(source, moved)
+
+
+def _volume_of(rows: _Rows) -> float:
+    (a, b, c), (d, e, f), (g, h, i) = (row[:3] for row in rows)
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def _about(linear: _Rows, about: Vector) -> _Rows:
+    """A linear map around a point. In Python's own numbers, whose sums are the same on every machine."""
+    point = vector("about", (about,))
+    turned = [row[0] * point[0] + row[1] * point[1] + row[2] * point[2] for row in linear]
+    return [[*row, point[k] - turned[k]] for k, row in enumerate(linear)]
+
+
+def _turn(axis: str | Vector, degrees: float) -> _Rows:
+    """Rodrigues' rotation; its sine and cosine are those of scripts, the same on every machine."""
+    from chordal._field import called
+
+    letters = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    if isinstance(axis, str):
+        if axis not in letters:
+            raise ValueError(f"axis: x, y, z or a vector, not {axis!r}")
+        x, y, z = letters[axis]
+    else:
+        x, y, z = vector("axis", (axis,))
+        length = math.sqrt(x * x + y * y + z * z)
+        if length == 0:
+            raise ValueError("axis: a vector of zero length has no direction")
+        x, y, z = x / length, y / length, z / length
+    quarters = {0: (0.0, 1.0), 90: (1.0, 0.0), 180: (0.0, -1.0), 270: (-1.0, 0.0)}
+    angle = called("radians", degrees)
+    sine, cosine = quarters.get(degrees % 360) or (called("sin", angle), called("cos", angle))  # type: ignore[call-overload]
+    rest = 1 - cosine
+    return [
+        [cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y],
+        [rest * y * x + sine * z, cosine + rest * y * y, rest * y * z - sine * x],
+        [rest * z * x - sine * y, rest * z * y + sine * x, cosine + rest * z * z],
+    ]
