@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 import operator
+import os
+import sys
+import warnings
 from collections.abc import Callable
 from typing import SupportsFloat, TypeVar
 
@@ -48,6 +51,15 @@ def positive(name: str, value: object) -> int:
     if not 1 <= found < 2**64:
         raise BudgetError(f"{name}: a whole number of at least 1, not {found}")
     return found
+
+
+def warn(message: str) -> None:
+    """A `UserWarning` at the line that called this package."""
+    here = os.path.dirname(__file__)
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == here:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, stacklevel=level)
 
 
 def text(name: str, value: str | None) -> str | None:

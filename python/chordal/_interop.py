@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from chordal._scene import _Kind
 
 
-def mesh_of(thing: Any) -> Mesh | None:
+def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
     """The mesh of an object of another library, with its normals, texture coordinates and colours; None where it is none."""
     from chordal._mesh import Mesh
 
     for is_one, arrays in _KNOWN:
         if is_one(thing):
-            return Mesh(**arrays(thing))
+            return Mesh(**arrays(thing), weld=weld)
     return None
 
 
@@ -131,17 +131,17 @@ class Interoperable:
     attributes: Any
 
     @classmethod
-    def from_(cls, thing: Any) -> Mesh:
+    def from_(cls, thing: Any, *, weld: bool = False) -> Mesh:
         """The mesh of an object of trimesh, PyVista, Open3D, manifold3d or meshio, or of anything that has `vertices` and
         `faces`: positions, faces, and normals, texture coordinates and colours of vertices. Materials and other data of
-        theirs stay behind; to keep these, go through a file.
+        theirs stay behind; to keep these, go through a file. `weld` is as for `Mesh`.
 
         >>> import chordal, types
         >>> other = types.SimpleNamespace(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)])
         >>> chordal.Mesh.from_(other)
         <Mesh: 1 triangle, 3 vertices, from ply>
         """
-        found = mesh_of(thing)
+        found = mesh_of(thing, weld=weld)
         if found is None:
             raise TypeError(f"thing: a mesh of another library, not {type(thing).__name__}")
         return found

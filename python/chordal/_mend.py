@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import function, positive
+from chordal._arguments import function, positive, warn
 from chordal._budget import Length, length
 from chordal._hints import keywords_hinted
+from chordal._made import counted
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ class Mendable(Sourced):
         are wound ("any"), or only those wound "alike". `resolve_t_junctions` cuts faces where a vertex lies in the middle
         of their edge, exactly or within a length. `fill_holes` fills all, or those with at most so many edges.
 
+        A `UserWarning` says how many holes are left where they were to be filled.
+
         The bound says how far the surface moved, and `report["certificate"]["mended"]` what each repair changed. Raises
         `Refused` for what has no triangles, and where nothing would be left. Docs: `docs/mend.md`.
 
@@ -69,7 +72,29 @@ class Mendable(Sourced):
         }
         if not [value for value in arguments.values() if value is not None and value is not False]:
             raise ValueError("name a repair: all=True, weld=True, orient=True, fill_holes=True, …")
-        return Mesh._of(_chordal.mend(self._source, arguments, "ply", function("progress", progress)))
+        made = Mesh._of(_chordal.mend(self._source, arguments, "ply", function("progress", progress)))
+        if arguments["all"] or holes is not None:
+            _warn_of_holes(made, holes)
+        return made
+
+
+def _warn_of_holes(made: Mesh, most: int | None) -> None:
+    """Says how many holes are left of a mesh whose holes were to be filled, and what would close them."""
+    valid = made._valid
+    count = valid["boundary_loops"] + valid["boundary_chains"]
+    if count == 0:
+        return
+    left = f"{counted(count, 'hole is', 'holes are')} left, of {counted(valid['boundary_edges'], 'edge', 'edges')}"
+    if most:
+        warn(f"{left}: fill_holes=True fills those of more than {most} edges, too")
+        return
+    low, high = made.bounds
+    # A millionth of the size: what single precision keeps of coordinates.
+    near = float(max(high - low)) * 1e-6
+    warn(
+        f"{left}: no face fits them as the vertices are; join those that are nearly one first, as in "
+        f"mend(all=True, weld={near:.1g}), or longer"
+    )
 
 
 def _closeness(name: str, value: bool | Length) -> str | None:

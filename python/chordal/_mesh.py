@@ -9,6 +9,7 @@ from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates, indices
 from chordal._bound import Bound, bound_of
+from chordal._corners import warn_of_soup, welded
 from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade
@@ -31,7 +32,9 @@ class Mesh(Shape, Interoperable, Transformable):
 
     `Mesh(vertices, faces)` takes n × 3 coordinates and m × 3 indices into them; counter-clockwise is the front. Any real
     numbers and any integers will do; they are copied. `normals` are n × 3, `uv` n × 2 with v up, `colors` n × 3 or n × 4:
-    floats from 0 to 1, or bytes. `unit` is the unit of the coordinates, for lengths with a unit.
+    floats from 0 to 1, or bytes. `unit` is the unit of the coordinates, for lengths with a unit. `weld` makes vertices one that
+    are equal in everything, and ties those of equal positions; without it a `UserWarning` says where no two triangles share a
+    vertex.
 
     >>> import chordal
     >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -55,23 +58,36 @@ class Mesh(Shape, Interoperable, Transformable):
         uv: ArrayLike | None = None,
         colors: ArrayLike | None = None,
         unit: str | None = None,
+        weld: bool = False,
     ) -> None:
         points, rows = coordinates("vertices", vertices), indices("faces", faces)
         for name, array in (("vertices", points), ("faces", rows)):
             if array.ndim != 2 or array.shape[1] != 3:
                 raise ValueError(f"{name}: rows of 3, as in (n, 3), not {array.shape}")
-        blocks, attributes = [points.tobytes(), rows.tobytes()], []
+        named: list[tuple[str, NDArray[np.float64]]] = []
         for kind, given, widths in (("normal", normals, (3,)), ("uv", uv, (2,)), ("color", colors, (3, 4))):
             if given is None:
                 continue
             values = _colors(given) if kind == "color" else coordinates(kind, given)
             if values.ndim != 2 or values.shape[0] != len(points) or values.shape[1] not in widths:
                 raise ValueError(f"{kind}: a row of {widths[0]} for each of {len(points)} vertices, not {values.shape}")
+            named.append((kind, values))
+        tied = None
+        if weld and (rows.size == 0 or int(rows.max()) < len(points)):
+            kept, rows, tied = welded(points, rows, [values for _, values in named])
+            points, named = points[kept] + 0.0, [(kind, values[kept]) for kind, values in named]
+        elif not weld:
+            warn_of_soup(points, rows)
+        blocks, attributes = [points.tobytes(), rows.tobytes()], []
+        for kind, values in named:
             of = None if kind == "normal" else 0
             width = values.shape[1]
             attributes.append({"kind": kind, "of": of, "domain": "vertex", "width": width, "block": len(blocks)})
             blocks.append(values.tobytes())
-        part = {"name": "triangles", "positions": 0, "faces": 1, "attributes": attributes}
+        part: dict[str, Any] = {"name": "triangles", "positions": 0, "faces": 1, "attributes": attributes}
+        if tied is not None:
+            part["position_id"] = len(blocks)
+            blocks.append(tied.tobytes())
         frame = {"texture_origin": "lower-left" if uv is not None else None}
         state = json.dumps({"parts": [part], "frame": frame})
         self._set(_chordal.scene_of_state(state, blocks, text("unit", unit)), None, None, None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import types
 from typing import Any
 
 import numpy as np
@@ -111,3 +112,35 @@ def test_guesses_leave_copies_pickles_and_lists_of_names_as_they_are() -> None:
         chordal.Mesh.__new__(chordal.Mesh)._text
     with pytest.raises(ImportError):
         from chordal import marching_cubes  # type: ignore[attr-defined]  # noqa: F401
+
+
+def test_triangles_that_stand_alone_are_told_of_and_welded_on_request() -> None:
+    corners = np.array(CORNERS, dtype=float)[np.array(FACES)].reshape(-1, 3)
+    alone = np.arange(12).reshape(4, 3)
+    with pytest.warns(UserWarning, match=r"no two triangles share a vertex.* weld=True") as told:
+        soup = chordal.Mesh(corners, alone)
+    assert told[0].filename == __file__ and soup.vertices.shape == (12, 3) and not soup.is_watertight
+    with pytest.warns(UserWarning, match="weld=True"):
+        chordal.Mesh.from_(types.SimpleNamespace(vertices=corners, faces=alone))
+    for solid in (
+        chordal.Mesh(corners, alone, weld=True),
+        chordal.Mesh.from_(types.SimpleNamespace(vertices=corners, faces=alone), weld=True),
+    ):
+        assert solid.vertices.tolist() == [[0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 1]]
+        assert solid.is_watertight and solid.volume == SOLID.volume
+    # Vertices that differ in what they say stay apart, and belong to one position.
+    uv = np.random.default_rng(1).random((12, 2))
+    dressed = chordal.Mesh(corners, alone, uv=uv, weld=True)
+    assert dressed.is_watertight and dressed.uv is not None and np.array_equal(dressed.uv, uv)
+    signed = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -0.0, 0), (0, 1, 0), (-1, 0, 0)], [(0, 1, 2), (3, 4, 5)], weld=True)
+    assert len(signed.vertices) == 4
+    # Triangles that do not touch are no soup.
+    chordal.Mesh(np.arange(18).reshape(6, 3), [(0, 1, 2), (3, 4, 5)])
+
+
+def test_holes_that_are_left_are_counted() -> None:
+    octagon = [(np.cos(a), np.sin(a), 0) for a in np.linspace(0, 2 * np.pi, 9)[:8]]
+    fan = chordal.Mesh([*octagon, (0, 0, 1)], [(k, (k + 1) % 8, 8) for k in range(8)])
+    with pytest.warns(UserWarning, match=r"1 hole is left, of 8 edges: fill_holes=True fills those of more than 4 edges, too"):
+        fan.mend(fill_holes=4)
+    assert fan.mend(fill_holes=True).is_watertight and fan.mend(orient=True) is not None

@@ -264,7 +264,8 @@ fn transformed_input(
     (at_least, at_most): Lengths,
 ) -> Result<(Input, Lengths), String> {
     let Shape::Scene(scene) = &input.shape else { return Err("these are no triangles".to_owned()) };
-    let moved = transform(scene, &std::array::from_fn(|k| rows[k % 4][k / 4])).map_err(|error| error.to_string())?;
+    let moved =
+        transform(scene, &std::array::from_fn(|k| rows[k % 4][k / 4])).map_err(|error| error.to_string())?;
     let interval = moved.interval(at_least, at_most);
     let mut scene = moved.scene;
     scene.frame.metres_per_unit = unit.map(Unit::metres).or(scene.frame.metres_per_unit);

@@ -54,11 +54,7 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<TransformedScene, 
     // What it certifies is where it was.
     moved.certificate = None;
     moved.roots = vec![moved.nodes.len()];
-    moved.nodes.push(Node {
-        matrix: (*matrix).into(),
-        children: scene.roots.clone(),
-        ..Node::default()
-    });
+    moved.nodes.push(Node { matrix: (*matrix).into(), children: scene.roots.clone(), ..Node::default() });
     let off = |scene: &Scene| {
         let places = part_placements(scene);
         let rounding = |place: &PartPlacement| place.rounding(&scene.parts[place.part]);
@@ -144,7 +140,9 @@ mod tests {
             let image = [0, 1, 2].map(|r| map[r] * v[0] + map[4 + r] * v[1] + map[8 + r] * v[2]);
             let (least, most) = moved.interval(long(v), Some(long(v)));
             // 1e-12 of it: what the lengths here are rounded by.
-            assert!(least <= long(image) * (1.0 + 1e-12) && long(image) <= most.expect("bounded") * (1.0 + 1e-12));
+            assert!(
+                least <= long(image) * (1.0 + 1e-12) && long(image) <= most.expect("bounded") * (1.0 + 1e-12)
+            );
         }
     }
 }
