@@ -7,11 +7,18 @@ import errno
 import os
 import secrets
 import stat
+from typing import Protocol
 
 from chordal import _chordal
 from chordal._errors import ReadError
 
 Path = str | os.PathLike[str]
+
+
+class Readable(Protocol):
+    """A file that is open in binary mode, or something like it."""
+
+    def read(self, size: int = ..., /) -> bytes: ...
 
 
 def shown(path: Path) -> str:
@@ -34,6 +41,39 @@ def read(path: Path) -> bytes:
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
         raise ReadError("changed", None, "the file changed while it was read", shown(path))
     return content
+
+
+def read_open(file: Readable) -> tuple[str | None, bytes]:
+    """All that is left in an open binary file, and its name, if it has one."""
+    content = file.read(_chordal.MOST_BYTES + 1)
+    if not isinstance(content, (bytes, bytearray, memoryview)):
+        raise TypeError(f"source: a file that is open in binary mode, as in open(path, 'rb'); this one reads {type(content).__name__}")
+    name = getattr(file, "name", None)
+    title = shown(name) if isinstance(name, (str, os.PathLike)) and os.fspath(name) else None
+    if len(content) > _chordal.MOST_BYTES:
+        raise ReadError("too-large", None, f"there are more bytes than the limit of {_chordal.MOST_BYTES:,}", title)
+    return title, bytes(content)
+
+
+def slices_of(folder: Path) -> tuple[str, bytes]:
+    """The list of the files in a folder, which stands for the slices of DICOM in it, with a name in it. As the command does."""
+    names = [entry.name for entry in os.scandir(folder) if entry.is_file() and not entry.name.startswith(".")]
+    own = os.fspath(folder)
+    if not any(_is_slice(os.path.join(own, name)) for name in names):
+        message = f"{os.strerror(errno.EISDIR)}: of folders those with slices of DICOM are read, and this has none"
+        raise IsADirectoryError(errno.EISDIR, message, shown(folder))
+    # The first line is defined by `dicom::slice_list`.
+    lines = ["#dicom-slices", *sorted(name for name in names if "\n" not in name and "\r" not in name), ""]
+    return shown(os.path.join(own, "slices")), "\n".join(lines).encode()
+
+
+def _is_slice(path: str) -> bool:
+    # The mark of a slice is at byte 128 (DICOM PS3.10, 2024).
+    try:
+        with open(path, "rb") as file:
+            return file.read(132)[128:] == b"DICM"
+    except OSError:
+        return False
 
 
 def _refuse_irregular(found: os.stat_result, path: Path) -> None:

@@ -4,6 +4,7 @@ for: an object is known by what it says of itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -25,13 +26,16 @@ class Lattice:
 
 def lattice_of(thing: Any) -> Lattice | None:
     """What an image of another library says; None for anything else."""
-    if hasattr(thing, "dataobj") and hasattr(thing, "affine"):
-        return _of_nibabel(thing)
-    if hasattr(thing, "GetDirection") and hasattr(thing, "GetSpacing") and hasattr(thing, "GetOrigin"):
-        return _of_simpleitk(thing)
-    if hasattr(thing, "dims") and hasattr(thing, "coords") and hasattr(thing, "values"):
-        return _of_xarray(thing)
-    return None
+    return next((read(thing) for is_one, read in _KNOWN if is_one(thing)), None)
+
+
+def lattice_like(thing: Any) -> bool:
+    """Whether it is an image of another library."""
+    return any(is_one(thing) for is_one, _ in _KNOWN)
+
+
+def _has(*names: str) -> Callable[[Any], bool]:
+    return lambda thing: all(hasattr(thing, name) for name in names)
 
 
 def _of_nibabel(image: Any) -> Lattice:
@@ -83,6 +87,33 @@ def _of_xarray(data: Any) -> Lattice:
     return Lattice(data.transpose(*names).values, affine, units.pop() if len(units) == 1 and units <= known else None)
 
 
+def _of_pyvista(image: Any) -> Lattice:
+    import numpy as np
+
+    values = image.active_scalars
+    if values is None:
+        raise ValueError("array: this image has no active scalars")
+    shape = tuple(image.dimensions)
+    # Scalars of cells are one less along each axis, and stand at their middles.
+    is_of_cells = len(values) != int(np.prod(shape))
+    if is_of_cells:
+        shape = tuple(max(side - 1, 1) for side in shape)
+    if np.ndim(values) != 1 or len(values) != int(np.prod(shape)):
+        raise ValueError(f"array: one number for each point, not scalars of shape {np.shape(values)}")
+    affine = np.array(image.index_to_physical_matrix, dtype=np.float64)
+    if is_of_cells:
+        affine[:3, 3] = affine[:3, 3] + affine[:3, :3].sum(axis=1) / 2
+    return Lattice(np.asarray(values).reshape(shape, order="F"), affine, None)
+
+
+_KNOWN: tuple[tuple[Callable[[Any], bool], Callable[[Any], Lattice]], ...] = (
+    (_has("dataobj", "affine"), _of_nibabel),
+    (_has("GetDirection", "GetSpacing", "GetOrigin"), _of_simpleitk),
+    (_has("dimensions", "index_to_physical_matrix", "point_data"), _of_pyvista),
+    (_has("dims", "coords", "values"), _of_xarray),
+)
+
+
 class Imaged:
     """A volume as an image of another library."""
 
@@ -115,6 +146,17 @@ class Imaged:
         image.SetOrigin(self.affine[:3, 3].tolist())
         image.SetDirection(direction.ravel().tolist())
         return image
+
+    def to_pyvista(self) -> Any:
+        """A `pyvista.ImageData` with the samples as point data "values". Its scalars are a copy."""
+        pyvista = library("pyvista")
+        import numpy as np
+
+        made = pyvista.ImageData(dimensions=self.array.shape)
+        made.index_to_physical_matrix = np.array(self.affine)
+        made.point_data["values"] = self.array.ravel(order="F")
+        made.set_active_scalars("values")
+        return made
 
     def to_xarray(self) -> Any:
         """A DataArray of xarray along x, y and z. Raises `ValueError` where the axes are turned, which it cannot say."""

@@ -25,6 +25,11 @@ def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
     return None
 
 
+def mesh_like(thing: Any) -> bool:
+    """Whether it is a mesh of another library."""
+    return any(is_one(thing) for is_one, _ in _KNOWN)
+
+
 def _is_open3d(thing: Any) -> bool:
     return hasattr(thing, "triangles") and hasattr(thing, "has_vertex_normals")
 

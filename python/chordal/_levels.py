@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex, overload
 
@@ -13,6 +13,7 @@ from chordal._arguments import function, number, positive, text
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import Guessed, keywords_hinted
+from chordal._recipe import Recipe, Remakeable
 from chordal._sourced import Sourced
 from chordal._view import View
 
@@ -39,7 +40,7 @@ class Level:
     distance: float | None
 
 
-class Levels(Sequence[Level], Guessed):
+class Levels(Sequence[Level], Guessed, Remakeable):
     """Levels of detail, the finest first, each proved against the shape itself. `Shape.lod` makes them.
 
     `levels.at(distance)` is the one to show; `export` writes all as one glTF or as 3D Tiles. Distances are in units, from the
@@ -53,9 +54,10 @@ class Levels(Sequence[Level], Guessed):
     True
     """
 
-    __slots__ = ("_facts", "_levels", "_own")
+    __slots__ = ("_facts", "_levels", "_own", "_recipe")
 
-    def __init__(self, levels: _chordal.Levels) -> None:
+    def __init__(self, levels: _chordal.Levels, recipe: Recipe | None = None) -> None:
+        self._recipe: Recipe | None = recipe
         self._levels: Final = levels
         self._facts: Final[dict[str, Any]] = json.loads(levels.report)
         self._own: dict[int, Level] = {}
@@ -208,4 +210,10 @@ class Levelled(Sourced):
             "quantize": bool(quantize),
             "compress": compress is not None,
         }
-        return Levels(_chordal.levels(self._source, arguments, function("progress", progress)))
+        return _levels_of(self, arguments, function("progress", progress))
+
+
+def _levels_of(
+    shape: Sourced, arguments: _chordal.LodArguments, progress: Callable[[str, int, int], object] | None = None
+) -> Levels:
+    return Levels(_chordal.levels(shape._source, arguments, progress), (_levels_of, (shape, arguments), {}))

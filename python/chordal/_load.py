@@ -11,12 +11,14 @@ from chordal._arguments import number
 from chordal._arguments import text as _text
 from chordal._field import Field
 from chordal._hints import keywords_hinted
+from chordal._images import lattice_like
+from chordal._interop import mesh_like
 from chordal._mesh import Mesh
 from chordal._shape import Shape
 from chordal._volume import Volume
 
-#: A file, or the bytes of one.
-File = str | os.PathLike[str] | bytes | bytearray | memoryview
+#: A file, open or by its path, or the bytes of one.
+File = str | os.PathLike[str] | bytes | bytearray | memoryview | _files.Readable
 
 if TYPE_CHECKING:
     # The names of formats by what `load` makes of them.
@@ -89,8 +91,10 @@ def load(
     em: SupportsFloat | None = None,
     axes: Mapping[str, SupportsFloat] | None = None,
 ) -> Shape:
-    """Read a shape from a file, or from the bytes of one: triangles as a `Mesh`, samples as a `Volume`, a script as a
+    """Read a shape from a file, from an open one, or from the bytes of one: triangles as a `Mesh`, samples as a `Volume`, a script as a
     `Field`, anything else as a `Shape`.
+
+    A folder is read where it holds the slices of a series of DICOM: as one `Volume`.
 
     `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
     `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
@@ -114,9 +118,15 @@ def load(
     if isinstance(source, (bytes, bytearray, memoryview)):
         content = bytes(source)
     elif isinstance(source, (str, os.PathLike)):
-        name, content = _files.shown(source), _files.read(source)
+        if os.path.isdir(source):
+            name, content = _files.slices_of(source)
+            format = format or "dicom"
+        else:
+            name, content = _files.shown(source), _files.read(source)
+    elif hasattr(source, "read"):
+        name, content = _files.read_open(source)
     else:
-        raise TypeError(f"source: a path or bytes, not {type(source).__name__}")
+        raise TypeError(f"source: a path, an open file or bytes, not {type(source).__name__}{_who_takes(source)}")
     if text is None and (em is not None or axes is not None):
         raise ValueError("em, axes: they are for the text that a font sets; add text=")
     letters = None
@@ -135,6 +145,17 @@ def load(
         "letters": letters,
     }
     return read(content, reading)
+
+
+def _who_takes(source: object) -> str:
+    """Which function takes what `load` does not."""
+    if mesh_like(source):
+        return ": chordal.Mesh.from_ takes meshes of other libraries"
+    if lattice_like(source) or hasattr(source, "__array_interface__"):
+        return ": chordal.volume takes arrays, and images of other libraries"
+    if isinstance(source, (list, tuple)):
+        return ": of slices of DICOM load takes their folder"
+    return ""
 
 
 def read(content: bytes, reading: _chordal.Reading) -> Shape:

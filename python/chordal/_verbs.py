@@ -25,7 +25,7 @@ def shaped(name: str, thing: Any) -> Shape:
     """A shape, whatever it is that stands for it."""
     if isinstance(thing, Shape):
         return thing
-    if isinstance(thing, (str, os.PathLike, bytes, bytearray, memoryview)):
+    if isinstance(thing, (str, os.PathLike, bytes, bytearray, memoryview)) or hasattr(thing, "read"):
         return load(thing)
     found = mesh_of(thing)
     if found is None:

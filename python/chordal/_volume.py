@@ -11,6 +11,7 @@ from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
+from chordal._errors import ReadError
 from chordal._hints import keywords_hinted
 from chordal._images import Imaged, lattice_of
 from chordal._meant import meant
@@ -96,6 +97,15 @@ class Volume(Shape, Imaged):
         return float(x), float(y), float(z)
 
     @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The lowest and the highest corner of the box of all places of samples, 2 × 3."""
+        import numpy as np
+
+        corners = np.array(np.meshgrid(*[(0, size - 1) for size in self.shape])).reshape(3, -1)
+        places = self.affine[:3, :3] @ corners + self.affine[:3, 3:]
+        return np.array([places.min(axis=1), places.max(axis=1)])
+
+    @property
     def report(self) -> dict[str, Any] | None:
         """The report of `chordal bake`, where the samples are baked: what distances and sides rest on."""
         return None if self._report is None else json.loads(self._report)
@@ -165,9 +175,9 @@ def volume(
 
     `spacing` is the step along each axis, one number or three, and `origin` the place of the first sample; or `affine`
     is the 4 × 4 matrix, or its first three rows, that takes (i, j, k, 1) to space. The samples are copied in their own
-    type; 64-bit integers must fit in 32. NaN is outside.
+    type; 64-bit integers must fit in 32. NaN is outside, and so are masked samples of a masked array of floats.
 
-    It also takes a file, an image of nibabel or SimpleITK, and a DataArray of xarray, which say where their samples are:
+    It also takes a file, an image of nibabel, SimpleITK or PyVista, and a DataArray of xarray, which say where their samples are:
     nibabel's in its own coordinates (right, front, head), SimpleITK's in its own (left, back, head), both in millimetres.
 
     >>> import chordal, numpy
@@ -187,6 +197,11 @@ def volume(
     kind = f"{found.dtype.kind}{found.dtype.itemsize}"
     if found.ndim != 3:
         raise ValueError(f"array: three axes, not {found.ndim}")
+    if min(found.shape) < 2:
+        sizes = ", ".join(f"{size} along {axis}" for axis, size in zip("xyz", found.shape) if size < 2)
+        raise ValueError(f"array: 2 samples or more along each axis, not {sizes}")
+    if isinstance(found, np.ma.MaskedArray):
+        found = _filled(found)
     if kind == "f2":
         found, kind = found.astype(np.float32), "f4"
     if kind not in _TYPES:
@@ -209,7 +224,26 @@ def volume(
         ]
     )
     samples = found.astype(found.dtype.newbyteorder("<"), copy=False).tobytes(order="F")
-    return Volume(_chordal.Source(header.encode() + samples, plain_reading("nrrd", text("unit", unit))))
+    try:
+        source = _chordal.Source(header.encode() + samples, plain_reading("nrrd", text("unit", unit)))
+    except ReadError as error:
+        # Its place is one in the bytes that were made here.
+        raise ValueError(f"array: {error.message}") from None
+    return Volume(source)
+
+
+def _filled(masked: Any) -> Any:
+    """Samples without a mask: NaN, which is outside, in place of those that are masked."""
+    import numpy as np
+
+    if not np.any(masked.mask):
+        return masked.data
+    if masked.dtype.kind != "f":
+        raise ValueError(
+            f"array: some samples are masked, and {masked.dtype} has no NaN for them; say what they are, as in "
+            "array.filled(0), or take array.astype(float)"
+        )
+    return masked.filled(np.nan)
 
 
 @keywords_hinted
@@ -255,10 +289,15 @@ def _steps(spacing: Any, origin: Any, affine: Any) -> Any:
         rows = coordinates("affine", affine)
         if rows.shape not in ((3, 4), (4, 4)) or (len(rows) == 4 and rows[3].tolist() != [0, 0, 0, 1]):
             raise ValueError("affine: 3 × 4, or 4 × 4 with a last row of 0, 0, 0, 1")
+        if np.linalg.matrix_rank(rows[:3, :3]) < 3:
+            raise ValueError("affine: its three steps lie in a plane")
         return rows[:3].T
     step = coordinates("spacing", 1.0 if spacing is None else spacing)
     if step.shape not in ((), (3,)):
         raise ValueError("spacing: one number or three")
+    none = [axis for axis, size in zip("xyz", np.broadcast_to(step, 3)) if size == 0]
+    if none:
+        raise ValueError(f"spacing: a step of 0 along {' and '.join(none)} leads nowhere")
     first = coordinates("origin", (0.0, 0.0, 0.0) if origin is None else origin)
     if first.shape != (3,):
         raise ValueError("origin: three numbers")

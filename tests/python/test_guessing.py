@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import pickle
 import types
 from typing import Any
@@ -144,3 +145,27 @@ def test_holes_that_are_left_are_counted() -> None:
     with pytest.warns(UserWarning, match=r"1 hole is left, of 8 edges: fill_holes=True fills those of more than 4 edges, too"):
         fan.mend(fill_holes=4)
     assert fan.mend(fill_holes=True).is_watertight and fan.mend(orient=True) is not None
+
+
+def test_what_only_one_part_says_is_no_attribute_of_several() -> None:
+    halves = np.ones((4, 4, 4), np.uint8)
+    halves[2:] = 2
+    several: Any = chordal.labels(halves).mesh()
+    assert len(several.parts) == 2
+    for name in ("uv", "colors", "normals", "tangents", "attributes"):
+        assert not hasattr(several, name) and getattr(several, name, None) is None
+        for kind in (AttributeError, ValueError):
+            with pytest.raises(kind, match=r"this scene has 2 parts: look at those of mesh\.parts"):
+                getattr(several, name)
+    assert "uv" not in dict(inspect.getmembers(several)) and several.vertex_normals.shape == several.vertices.shape
+    part = several.parts[0]
+    assert part.uv is None and part.normals is None and part.bounds.shape == (2, 3)
+    assert part.colors is None or len(part.colors) == len(part.vertices)
+
+
+def test_an_empty_mesh_says_that_it_is_empty() -> None:
+    empty: Any = chordal.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
+    assert empty.extents.tolist() == [0, 0, 0] and empty.area == 0 and empty.volume == 0
+    with pytest.raises(ValueError, match="an empty mesh has no bounds"):
+        empty.bounds
+    assert empty.translate(1, 0, 0).vertices.shape == (0, 3)
