@@ -121,6 +121,7 @@ class BlockArguments(TypedDict):
     offset: list[int]
     affine: list[list[float]]
     normals: bool
+    wanted: float | None
 
 @type_check_only
 class BoxArguments(TypedDict):
@@ -181,6 +182,10 @@ class Source:
     def curves(numbers: bytes | bytearray, shape: tuple[int, int, int], unit: str | None) -> Source: ...
     @property
     def kind(self) -> str: ...
+    @property
+    def kinds(self) -> str: ...
+    @property
+    def written(self) -> list[str]: ...
     @property
     def format(self) -> str: ...
     @property

@@ -1,11 +1,11 @@
 //! Blocks of a volume, meshed one by one in any process, and joined.
 use crate::source::Source;
 use crate::{failure, work};
-use chordal::Mesh;
 use chordal::budget::{Bound, Evidence, JobError, Reference};
 use chordal::convert::lattices::{FaceKey, GridBlock, VertexKey, grid_to_block, join_blocks};
 use chordal::convert::{Border, Inside, Normals, Polygonize};
 use chordal::implicit::{Affine3, Grid};
+use chordal::{Mesh, Tolerance};
 use chordal_io::{Format, Frame, Scene};
 use chordal_verbs::report::BoundFacts;
 use chordal_verbs::{Input, Shape, sha256};
@@ -29,6 +29,8 @@ pub(crate) struct BlockArguments {
     affine: [[f64; 4]; 3],
     /// Whether vertices have normals.
     normals: bool,
+    /// The length that a bound is to be within.
+    wanted: Option<f64>,
 }
 
 /// The triangles of a block.
@@ -59,8 +61,9 @@ pub(crate) fn mesh_block(py: Python<'_>, samples: &Source, arguments: BlockArgum
         ..Polygonize::above(arguments.iso)
     };
     let affine = Affine3::new(arguments.affine).map_err(|error| failure::argument("affine", error))?;
+    let wanted = arguments.wanted.and_then(|length| Tolerance::new(length).ok());
     let grid: Grid = sampled.volume.grid.clone().with_affine(affine);
-    let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, job))?;
+    let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, wanted, job))?;
     made.map_err(|error| failure::mesh(py, error.into()))
 }
 

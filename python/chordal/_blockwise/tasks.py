@@ -49,6 +49,8 @@ class Surface:
     iso: float
     inside: str
     capped: bool
+    #: The length that the bound of a block is to be within: the half of what is asked of all.
+    wanted: float | None = None
     #: Whether vertices have normals, along the gradient of the samples.
     normals: bool = False
     #: The label whose samples are 1, and all others 0; None where the samples themselves are meant.
@@ -67,6 +69,7 @@ class Surface:
             "offset": list(offset),
             "affine": [list(row) for row in self.affine],
             "normals": self.normals,
+            "wanted": self.wanted,
         }
 
     def place(self, block: Block) -> _chordal.BoxArguments:

@@ -154,7 +154,8 @@ class BlockVolume:
         length = number("tol", tol)
         if not length > 0:
             raise BudgetError(f"tol: a length above 0, not {length}")
-        # Half for the blocks, and what is left for the lines between them.
+        # A quarter for the triangles of a block, another for fewer, and what is left for the lines between them.
+        surface = replace(surface, wanted=0.25 * length)
         call = partial(simplified_block, surface, 0.5 * length)
         done = self._done(blocks, executor, cluster, folder, progress, surface, {"tol": length}, call)
         parts = [part for part in map(part_of, done) if part is not None]
@@ -207,10 +208,11 @@ class BlockVolume:
         >>> made.bound.evidence, made.bound.at_most <= 0.1, made.tiles > 9
         ('proved', True, True)
         """
-        surface = replace(self._surface(iso, inside, border), normals=bool(normals))
         length = None if tol is None else number("tol", tol)
         if length is not None and not length > 0:
             raise BudgetError(f"tol: a length above 0, not {length}")
+        wanted = None if length is None else 0.5 * length
+        surface = replace(self._surface(iso, inside, border), normals=bool(normals), wanted=wanted)
         metres = None if self._unit is None else _METRES[self._unit]
         tree = BlockTree(surface, _sides(block), length, metres)
         blocks = list(self.blocks(block))

@@ -6,7 +6,7 @@ use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
 use super::cubes::source::DenseSamples;
 use super::grid_to_mesh::{VertexKey, bound, check, vertex_errors};
-use crate::budget::{Bound, Bounded, Evidence, Job, JobError, Reference, RefusalCode};
+use crate::budget::{Bound, Bounded, Evidence, Job, JobError, Reference, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{Grid, with_samples};
 
@@ -47,11 +47,18 @@ pub struct GridBlock {
 /// has no triangles. Normals of [`Normals::Gradient`] take samples beyond a side that blocks share: give it one more there
 /// on each side and leave out the cells between with [`GridBlock::within`].
 ///
-/// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole.
+/// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole. Where a length is
+/// `wanted`, all cells are worked on that need it for a bound of that length; else no more than a share of them, so that
+/// noise has a bound of up to the diagonal of a cell.
 ///
 /// # Errors
 /// As for [`grid_to_triangles`](super::lattices::grid_to_triangles).
-pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBlock, JobError> {
+pub fn grid_to_block(
+    grid: &Grid,
+    rule: &Polygonize,
+    wanted: Option<Tolerance>,
+    job: &Job,
+) -> Result<GridBlock, JobError> {
     let (size, affine) = (grid.size(), grid.affine());
     check(size, affine, rule)?;
     job.run(|| {
@@ -68,7 +75,7 @@ pub fn grid_to_block(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<GridBl
             debug_assert_eq!(face_keys.len(), faces.len(), "every triangle has a key");
             let errors = vertex_errors(affine, rule, size);
             let bound = (!faces.is_empty()).then(|| {
-                let farthest = IsosurfaceProof::new(&source, affine, rule, errors).max_distance(&plan, job);
+                let farthest = IsosurfaceProof::new(&source, affine, rule, errors).of_block(wanted.map_or(0.0, Tolerance::get)).max_distance(&plan, job);
                 bound(farthest, Evidence::Proved, affine, rule, size)
             });
             let normals = match rule.normals {
@@ -166,7 +173,7 @@ fn order(key: &VertexKey) -> (i64, i64, u8, i64) {
 ///     let mut rule = Polygonize { offset: [0, 0, low as i64], ..Polygonize::above(0.5) };
 ///     rule.border[2][1 - low] = Border::Open;
 ///     let grid = Grid::new([3, 3, 2], half, Affine3::IDENTITY)?;
-///     blocks.push(grid_to_block(&grid, &rule, &Job::default()).expect("a block"));
+///     blocks.push(grid_to_block(&grid, &rule, None, &Job::default()).expect("a block"));
 /// }
 /// let joined = join_blocks(blocks, &Job::default()).expect("blocks of one volume");
 /// assert_eq!((joined.shape.positions().len(), joined.shape.faces().len()), (6, 8));

@@ -143,7 +143,7 @@ fn joined_blocks_are_the_whole_bit_for_bit_in_its_order() {
             for y in &ranges[1] {
                 for z in &ranges[2] {
                     let (grid, part) = block_of(&grid, &rule, [x.0, y.0, z.0], [x.1, y.1, z.1]);
-                    blocks.push(grid_to_block(&grid, &part, &Job::default()).unwrap());
+                    blocks.push(grid_to_block(&grid, &part, None, &Job::default()).unwrap());
                 }
             }
         }
@@ -160,7 +160,7 @@ fn joined_blocks_are_the_whole_bit_for_bit_in_its_order() {
 fn blocks_of_other_volumes_are_refused() {
     let one = sampled(waves, 9, &affine());
     let rule = Polygonize::below(0.0);
-    let block = grid_to_block(&one, &rule, &Job::default()).unwrap();
+    let block = grid_to_block(&one, &rule, None, &Job::default()).unwrap();
     let twice = join_blocks([block.clone(), block.clone()], &Job::default()).unwrap_err();
     assert!(twice.to_string().contains("comes twice"), "{twice}");
     let mut moved = block.clone();
