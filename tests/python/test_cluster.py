@@ -100,3 +100,26 @@ def test_two_runs_on_one_folder_disturb_nothing(tmp_path: Path) -> None:
 def _find_chordal(path: list[str]) -> None:
     """The workers look for modules where this process does."""
     sys.path[:] = path
+
+
+def test_a_worker_that_is_killed_loses_no_tile(tmp_path: Path, cluster: Any) -> None:
+    samples = waves(60)
+    zarr.create_array(str(tmp_path / "waves.zarr"), shape=samples.shape, chunks=(16, 16, 16), dtype="f4")[...] = samples
+    arguments: Any = {"iso": 0.1, "tol": 0.4, "block": 16}
+    alone = chordal.block_volume(samples, spacing=0.5).tileset(tmp_path / "alone", **arguments)
+    volume = chordal.block_volume(Slowed(str(tmp_path / "waves.zarr")), spacing=0.5)
+    told: list[int] = []
+    with distributed.Client(cluster) as client:
+        client.run(_find_chordal, sys.path)
+        pids = client.run(os.getpid)
+
+        def kill(stage: str, done: int, total: int) -> None:
+            told.append(done)
+            if done == 5:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(next(iter(pids.values())), signal.SIGKILL)
+
+        made = volume.tileset(tmp_path / "tiles", executor=client, progress=kill, **arguments)
+    assert told[-1] == 4**3 + 2**3 + 1 and made.tiles == alone.tiles > 64 and made.bound == alone.bound
+    here, there = [sorted(path for path in (tmp_path / name).rglob("*") if path.is_file()) for name in ("alone", "tiles")]
+    assert [path.read_bytes() for path in here] == [path.read_bytes() for path in there]
