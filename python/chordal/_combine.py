@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from chordal import _chordal
 from chordal._arguments import function
 from chordal._budget import Length, Share, budget_arguments
+from chordal._interop import mesh_of
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -25,13 +26,13 @@ class Combinable(Sourced):
 
     def combine(
         self,
-        *steps: tuple[Literal["union", "difference", "intersection"], Shape],
+        *steps: tuple[Literal["union", "difference", "intersection"], Shape | Any],
         tol: Length | None = None,
         rel: Share | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """The solid combined with others from left to right, as triangles: each step is "union", "difference" or
-        "intersection", and the other solid.
+        "intersection", and the other solid, which may be a file or a mesh of another library.
 
         Closed triangles are cut as they are. Open ones and other shapes become closed triangles first, within `tol` or
         `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side.
@@ -49,43 +50,46 @@ class Combinable(Sourced):
         """
         return _combined(self, steps, tol=tol, rel=rel, progress=progress)
 
-    def union(self, *others: Shape, tol: Length | None = None, rel: Share | None = None) -> Mesh:
-        """What is in this solid or in any of the others: `combine`."""
-        return self.combine(*(("union", other) for other in others), tol=tol, rel=rel)
+    def union(self, *others: Shape | Any, tol: Length | None = None, rel: Share | None = None) -> Mesh:
+        """What is in this solid or in any of the others, which may be a list: `combine`."""
+        return self.combine(*(("union", other) for other in one_by_one(others)), tol=tol, rel=rel)
 
-    def difference(self, *others: Shape, tol: Length | None = None, rel: Share | None = None) -> Mesh:
+    def difference(self, *others: Shape | Any, tol: Length | None = None, rel: Share | None = None) -> Mesh:
         """This solid without the others: `combine`."""
-        return self.combine(*(("difference", other) for other in others), tol=tol, rel=rel)
+        return self.combine(*(("difference", other) for other in one_by_one(others)), tol=tol, rel=rel)
 
-    def intersection(self, *others: Shape, tol: Length | None = None, rel: Share | None = None) -> Mesh:
+    def intersection(self, *others: Shape | Any, tol: Length | None = None, rel: Share | None = None) -> Mesh:
         """What is in this solid and in all of the others: `combine`."""
-        return self.combine(*(("intersection", other) for other in others), tol=tol, rel=rel)
+        return self.combine(*(("intersection", other) for other in one_by_one(others)), tol=tol, rel=rel)
 
-    def __or__(self, other: Shape) -> Mesh:
+    def __or__(self, other: Shape | Any) -> Mesh:
         """The union of closed triangles: `combine`."""
         return self._operated("union", other)
 
-    def __sub__(self, other: Shape) -> Mesh:
+    def __sub__(self, other: Shape | Any) -> Mesh:
         """These closed triangles without others: `combine`."""
         return self._operated("difference", other)
 
-    def __and__(self, other: Shape) -> Mesh:
+    def __and__(self, other: Shape | Any) -> Mesh:
         """What is in both of two closed triangle meshes: `combine`."""
         return self._operated("intersection", other)
 
-    def _operated(self, operation: str, other: Shape) -> Mesh:
+    def _operated(self, operation: str, other: Any) -> Mesh:
         from chordal._shape import Shape
 
-        if not isinstance(other, Shape) or self._source.kind != "triangles" or other.kind != "triangles":
-            raise TypeError(
-                "operators combine closed triangles; other shapes need a length: a.combine(('difference', b), tol=0.01)"
-            )
+        # A set operation of Python's own types is another matter: the other side may know it.
+        found = other if isinstance(other, Shape) else mesh_of(other)
+        if found is None:
+            return NotImplemented  # type: ignore[no-any-return]
+        if self._source.kind != "triangles" or found.kind != "triangles":
+            raise TypeError(f"operators combine closed triangles; other shapes need a length: a.{operation}(b, tol=0.01)")
+        other = found
         return _combined(self, ((operation, other),), tol=None, rel=None, progress=None)
 
 
 def _combined(
     first: Combinable,
-    steps: tuple[tuple[str, Shape], ...],
+    steps: tuple[tuple[str, Any], ...],
     *,
     tol: Length | None,
     rel: Share | None,
@@ -107,6 +111,11 @@ def _step(step: object) -> tuple[str, _chordal.Source]:
     operation, other = step
     if operation not in OPERATIONS:
         raise ValueError(f"steps: one of {', '.join(OPERATIONS)}, not {operation!r}")
-    if not isinstance(other, Combinable):
-        raise TypeError(f"steps: a Shape, not {type(other).__name__}")
-    return operation, other._source
+    from chordal._verbs import shaped
+
+    return operation, shaped("steps", other)._source
+
+
+def one_by_one(others: tuple[Any, ...]) -> list[Any]:
+    """Shapes that are given one after the other, or as a list."""
+    return [one for other in others for one in (other if isinstance(other, (list, tuple)) else [other])]

@@ -57,7 +57,7 @@ class Convertible(Sourced):
         >>> 0 < report["certificate"]["bound"]["at_most"] < 1e-8  # 0.1 in single precision
         True
         """
-        extension = extension_of(path)
+        extension = extension_of(path, self)
         return write(self._written(extension, quantize, compress, tol, rel), path)
 
     @keywords_hinted
@@ -83,15 +83,29 @@ class Convertible(Sourced):
         self, format: str, quantize: bool, compress: str | None, tol: Length | None, rel: Share | None
     ) -> Written:
         budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
+        refuse_unknown(self, format)
         return _chordal.convert(self._source, format, (quantize, compress), budget["length"])
 
 
-def extension_of(path: str | os.PathLike[str]) -> str:
+def extension_of(path: str | os.PathLike[str], shape: Sourced) -> str:
     """The extension that names the format."""
-    extension = os.path.splitext(os.fspath(path))[1].lstrip(".")
-    if not extension:
-        raise ValueError(f"path: the name does not say the format: {_files.shown(path)}")
-    return extension
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"path: the name of a file, not {type(path).__name__}; to_bytes(format) gives the bytes")
+    extension = os.path.splitext(os.fspath(path))[1]
+    if not extension.lstrip("."):
+        names = ", ".join(shape._source.written)
+        raise ValueError(f"path: the name does not say the format, one of {names}: {_files.shown(path)}")
+    if extension.lower() == ".gz":
+        names, kinds = ", ".join(shape._source.written), shape._source.kinds
+        raise ValueError(f"path: nothing is compressed as .gz; {kinds} are written as {names}: {_files.shown(path)}")
+    return extension.lstrip(".")
+
+
+def refuse_unknown(shape: Sourced, format: str) -> None:
+    """Raises `ValueError` for a name that is no format, with those that this shape can be written in."""
+    if not _chordal.Source.is_format(format):
+        source = shape._source
+        raise ValueError(f"format: {format!r} is no format; {source.kinds} are written as {', '.join(source.written)}")
 
 
 def write(written: Written, path: str | os.PathLike[str]) -> dict[str, Any]:

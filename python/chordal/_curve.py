@@ -11,6 +11,7 @@ from chordal._arguments import function, number, text
 from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
+from chordal._hints import refuse_own
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
 from chordal._view import View
@@ -185,6 +186,7 @@ class Curve(Remakeable):
     __slots__ = ("_bound", "_recipe", "_source")
 
     def __init__(self, source: _chordal.Source, bound: Bound | None = None, recipe: Recipe | None = None) -> None:
+        refuse_own(self, source, _chordal.Source)
         self._source: Final = source
         self._bound: Final = bound
         self._recipe = recipe

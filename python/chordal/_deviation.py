@@ -64,6 +64,16 @@ class Deviation(Guessed):
     #: The report of `chordal deviation --json`.
     report: dict[str, Any]
 
+    @property
+    def at_least(self) -> float:
+        """The Hausdorff distance is at least this."""
+        return self.bound.at_least
+
+    @property
+    def at_most(self) -> float | None:
+        """The Hausdorff distance is at most this; None where nothing bounds it from above."""
+        return self.bound.at_most
+
     def __repr__(self) -> str:
         verdict = "" if self.verdict is None else f"; {self.verdict}"
         return f"<Deviation: {self.bound.sentence()}{verdict}>"
@@ -71,7 +81,7 @@ class Deviation(Guessed):
 
 def measured(
     one: _chordal.Source,
-    other: Shape,
+    other: Shape | Any,
     *,
     relative: SupportsFloat,
     absolute: Length | None,
@@ -79,11 +89,9 @@ def measured(
     progress: Callable[[str, int, int], object] | None,
 ) -> Deviation:
     """The distance between two shapes, whichever way they came about."""
-    from chordal._shape import Shape
+    from chordal._verbs import shaped
 
-    if not isinstance(other, Shape):
-        raise TypeError(f"other: a Shape, not {type(other).__name__}")
-    second = other._source
+    second = shaped("other", other)._source
     share = number("relative", relative)
     if share < 0:
         raise BudgetError(f"relative: 0 or more, not {share}")

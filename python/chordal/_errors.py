@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -87,7 +89,7 @@ class BudgetUnmet(Error):
     best: Any
 
     def __init__(self, message: str, best: Any) -> None:
-        super().__init__(message, best)
+        super().__init__(plain_numbers(message), best)
         self.best = best
 
     @property
@@ -97,7 +99,18 @@ class BudgetUnmet(Error):
         return bound
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        return f"{self.args[0]}; `best` of this error holds it"
+
+
+def plain_numbers(text: str) -> str:
+    """The same digits without powers of ten, where a number of usual size has some."""
+
+    def plain(found: re.Match[str]) -> str:
+        number = Decimal(found.group())
+        # As Python writes numbers: from 1e-4 on, and with up to 16 digits.
+        return f"{number:f}" if -5 < number.adjusted() < 16 or number == 0 else found.group()
+
+    return re.sub(r"\d\.\d+e-?\d+", plain, text)
 
 
 class Refused(Error):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import operator
 import warnings
@@ -14,7 +15,7 @@ from chordal._arguments import text as _text
 from chordal._arrays import coordinates
 from chordal._curve import Curve
 from chordal._devices import with_arrays
-from chordal._hints import keywords_hinted
+from chordal._hints import keywords_hinted, refuse_own
 from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
 
@@ -95,6 +96,7 @@ class Formula(Remakeable):
     __slots__ = ("_recipe", "_value")
 
     def __init__(self, value: _chordal.ScriptValue, recipe: Recipe | None = None) -> None:
+        refuse_own(self, value, _chordal.ScriptValue)
         self._value = value
         self._recipe = recipe
 
@@ -188,6 +190,7 @@ class Field(Shape):
     def __init__(
         self, value: _chordal.ScriptValue, source: _chordal.Source | None = None, recipe: Recipe | None = None
     ) -> None:
+        refuse_own(self, value, _chordal.ScriptValue)
         super().__init__(value.source(None) if source is None else source, recipe)
         self._value = value
 
@@ -240,12 +243,15 @@ class Field(Shape):
         return Field(self._value, cut, (Field.within, (self, tuple(map(float, low)), tuple(map(float, high))), {}))
 
     def __or__(self, other: Field) -> Field:  # type: ignore[override]
+        _only_fields(other)
         return _operated("|", self, other)  # type: ignore[no-any-return]
 
     def __and__(self, other: Field) -> Field:  # type: ignore[override]
+        _only_fields(other)
         return _operated("&", self, other)  # type: ignore[no-any-return]
 
     def __sub__(self, other: Field) -> Field:  # type: ignore[override]
+        _only_fields(other)
         return _operated("-", self, other)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
@@ -253,11 +259,25 @@ class Field(Shape):
         return f"<Field: outside {outside}, inside {inside}, {self._value.terms} terms>"
 
 
+def _only_fields(other: object) -> None:
+    if isinstance(other, Shape) and not isinstance(other, Field):
+        raise TypeError(f"fields are combined with fields; {_field_by(other)}, and two meshes are combined as triangles")
+
+
 def _box(name: str, value: Any) -> list[list[float]]:
-    rows = [[float(number) for number in corner] for corner in value]
-    if [len(row) for row in rows] != [3, 3] or not all(a < b for a, b in zip(*rows)):
-        raise ValueError(f"{name}: a lowest and a highest corner of three numbers each")
-    return rows
+    import numpy as np
+
+    try:
+        rows = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        rows = np.zeros(0)
+    if rows.shape != (2, 3):
+        given = f"numbers of shape {rows.shape}" if rows.size or rows.ndim == 0 else repr(value)
+        raise ValueError(f"{name}: a lowest and a highest corner, as in ((-1, -1, -1), (1, 1, 1)), not {given}")
+    if not all(rows[0] < rows[1]):
+        raise ValueError(f"{name}: the lowest corner is below the highest along x, y and z: {rows.tolist()}")
+    found: list[list[float]] = rows.tolist()
+    return found
 
 
 @keywords_hinted
@@ -289,8 +309,15 @@ def field(
     >>> ball([[3, 0, 0]]), ball.evidence
     (array([2.]), 'proved-if')
     """
+    is_alone = bounds is None and lipschitz is None and gradient is None and like is None
+    if isinstance(what, Field) and is_alone:
+        return what
+    if isinstance(what, Shape) and not isinstance(what, Field):
+        raise TypeError(f"what: a formula or a function of points; {_field_by(what)}")
+    if isinstance(what, str):
+        raise TypeError("what: a formula or a function of points; chordal.script takes the text of a script")
     if isinstance(what, Formula) or not callable(what):
-        if bounds is not None or lipschitz is not None or gradient is not None or like is not None:
+        if not is_alone:
             raise TypeError("bounds, lipschitz, gradient and like are for functions")
         return called("field", what)  # type: ignore[no-any-return]
     slope = None if lipschitz is None else float(lipschitz)
@@ -298,6 +325,8 @@ def field(
         raise ValueError(f"lipschitz: a number that is not negative, not {slope}")
     if gradient is not None and not callable(gradient):
         raise TypeError("gradient: a function of points")
+    if like is None:
+        _try(what, bounds)
     value = _chordal.ScriptValue.callable(
         _of_bytes(what, "function", lambda n: ((n,), (n, 1)), like),
         None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),), like),
@@ -306,6 +335,39 @@ def field(
     )
     named = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like}
     return Field(value, None, (field, (what,), named))
+
+
+def _field_by(shape: Shape) -> str:
+    return "this is a Field already" if isinstance(shape, Field) else "to_field() of a mesh is its signed distance"
+
+
+def _try(function: Callable[..., Any], bounds: Any) -> None:
+    """Asks a function for two points at once, so that one that takes a single point is known at once. What it raises here
+    it raises again where it is used, and to whoever waits for that.
+    """
+    import numpy as np
+
+    try:
+        inspect.signature(function).bind(None)
+    except TypeError as error:
+        raise TypeError(
+            f"what: a function of one array of points, n × 3, as in lambda p: p[:, 0] ** 2 + p[:, 1] ** 2 - 1: {error}"
+        ) from None
+    except ValueError:
+        pass
+    low, high = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)) if bounds is None else _box("bounds", bounds)
+    ends = np.array([low, high]) if np.isfinite([low, high]).all() else np.array([[-1.0] * 3, [1.0] * 3])
+    # Not at the ends or in the middle, where many functions have no derivative.
+    points = ends[0] + np.array([[0.25], [0.625]]) * (ends[1] - ends[0])
+    try:
+        found = np.shape(function(points))
+    except Exception:
+        return
+    if found not in ((2,), (2, 1)):
+        raise ValueError(
+            f"the function gave back {found} for 2 points, n × 3; it is to give one number for each, as "
+            "numpy.linalg.norm(p, axis=1) does"
+        )
 
 
 def _of_bytes(

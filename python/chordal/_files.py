@@ -94,6 +94,9 @@ def replace(path: Path, content: bytes) -> None:
     """Give a file this content: written aside, synced, renamed, so that the name only ever shows a whole one."""
     target = os.path.realpath(path)
     refuse_irregular_target(target, path)
+    folder = os.path.dirname(target)
+    if not os.path.isdir(folder):
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder to write into", shown(folder))
     aside = os.path.join(os.path.dirname(target), f".chordal-{secrets.token_hex(8)}.tmp")
     try:
         with open(aside, "xb") as file:

@@ -291,6 +291,7 @@ def keywords_hinted(function: Callable[P, R]) -> Callable[P, R]:
     placed, named_only = by_kind[one_kind.POSITIONAL_OR_KEYWORD], by_kind[one_kind.KEYWORD_ONLY]
     known = frozenset(placed + named_only) - {"self"}
     most = len(placed) + len(by_kind[one_kind.POSITIONAL_ONLY])
+    needed = [one.name for one in all_of_them if one.name in placed and one.default is one.empty]
     is_counted = bool(named_only) and not by_kind[one_kind.VAR_POSITIONAL]
 
     @functools.wraps(function)
@@ -300,6 +301,9 @@ def keywords_hinted(function: Callable[P, R]) -> Callable[P, R]:
             raise TypeError(f"{_title(function)}() has no argument {wrong!r}: {meant_keyword(wrong, known)}")
         if is_counted and len(args) > most:
             raise TypeError(f"{_title(function)}() takes these by name: " + ", ".join(f"{name}=" for name in named_only))
+        title = _title(function)
+        if len(args) < len(needed) and title in _MAKERS and not named.keys() >= set(needed[len(args) :]):
+            raise TypeError(f"{title}() needs {' and '.join(needed[1:])}: {_MAKERS[title]}")
         return function(*args, **named)
 
     return hinted
@@ -307,6 +311,24 @@ def keywords_hinted(function: Callable[P, R]) -> Callable[P, R]:
 
 def _title(function: Callable[..., Any]) -> str:
     return function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+
+
+#: Who makes what of what, for those who call a class.
+_MAKERS: dict[str, str] = {
+    "Mesh": "Mesh(vertices, faces) takes arrays; chordal.load reads files, chordal.Mesh.from_ takes meshes of other libraries",
+    "Volume": "chordal.volume(array, spacing=…) makes it, chordal.load of a file, and .bake of another shape",
+    "Field": "chordal.field(function, bounds=…) makes it, chordal.script of a text, and the words of chordal.shapes",
+    "Curve": "the functions of chordal.shapes make it: bezier, spline, nurbs, arc, fit",
+    "Formula": "chordal.shapes.x, y and z are formulas, and what is computed of them",
+    "Shape": "chordal.load(path) makes it",
+}
+
+
+def refuse_own(made: object, given: object, wanted: type) -> None:
+    """Raises `TypeError` where a class is called whose things functions make, and says which."""
+    if not isinstance(given, wanted):
+        title = type(made).__name__
+        raise TypeError(f"{title} is not made of {type(given).__name__}: {_MAKERS.get(title, _MAKERS['Shape'])}")
 
 
 def meant_keyword(wrong: str, known: Iterable[str]) -> str:

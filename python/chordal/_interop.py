@@ -144,7 +144,7 @@ class Interoperable:
         >>> import chordal, types
         >>> other = types.SimpleNamespace(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)])
         >>> chordal.Mesh.from_(other)
-        <Mesh: 1 triangle, 3 vertices, from ply>
+        <Mesh: 1 triangle, 3 vertices, from arrays>
         """
         found = mesh_of(thing, weld=weld)
         if found is None:

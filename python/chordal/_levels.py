@@ -15,7 +15,7 @@ from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import Guessed, keywords_hinted
 from chordal._recipe import Recipe, Remakeable
 from chordal._sourced import Sourced
-from chordal._view import View
+from chordal._view import View, words_of
 
 if TYPE_CHECKING:
     from chordal._mesh import Mesh
@@ -196,7 +196,7 @@ class Levelled(Sourced):
             raise ValueError("compress: 'meshopt' is the one codec")
         arguments: _chordal.LodArguments = {
             "pixels": number("pixels", pixels),
-            "view": str(view),
+            "view": words_of(view),
             "nearest": None if nearest is None else number("nearest", nearest),
             "length": budget["length"],
             "distances": [number("distances", distance) for distance in distances],

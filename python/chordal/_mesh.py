@@ -9,6 +9,7 @@ from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates, indices
 from chordal._bound import Bound, bound_of
+from chordal._convert import refuse_unknown
 from chordal._corners import warn_of_soup, welded
 from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
@@ -46,7 +47,7 @@ class Mesh(Shape, Interoperable, Transformable):
     3
     """
 
-    __slots__ = ("_bound", "_cached", "_outcome", "_text")
+    __slots__ = ("_bound", "_cached", "_is_given", "_outcome", "_text")
 
     @keywords_hinted
     def __init__(
@@ -91,6 +92,7 @@ class Mesh(Shape, Interoperable, Transformable):
         frame = {"texture_origin": "lower-left" if uv is not None else None}
         state = json.dumps({"parts": [part], "frame": frame})
         self._set(_chordal.scene_of_state(state, blocks, text("unit", unit)), None, None, None)
+        self._is_given = True
 
     def _set(
         self, source: _chordal.Source | None, outcome: _chordal.Outcome | None, bound: Bound | None, report: str | None
@@ -98,6 +100,7 @@ class Mesh(Shape, Interoperable, Transformable):
         self._held = source
         self._recipe = None
         self._outcome = outcome
+        self._is_given = False
         self._bound = bound
         self._text = report
         self._cached: dict[str, Any] = {}
@@ -131,6 +134,11 @@ class Mesh(Shape, Interoperable, Transformable):
     def kind(self) -> str:
         """"triangles"."""
         return "triangles"
+
+    @property
+    def format(self) -> str:
+        """The format that it was read from, as in "glb"; "arrays" for triangles that were given as such."""
+        return "arrays" if self._is_given else self._source.format
 
     @property
     def bound(self) -> Bound:
@@ -281,7 +289,7 @@ class Mesh(Shape, Interoperable, Transformable):
         a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
-    def vertex_deviation(self, other: Shape, *, tol: Length | None = None) -> NDArray[np.float64]:
+    def vertex_deviation(self, other: Shape | Any, *, tol: Length | None = None) -> NDArray[np.float64]:
         """How far each vertex is from the triangles of another shape, as rounded; other shapes are meshed within `tol` first.
         `deviation` bounds what lies between the vertices, too.
 
@@ -292,7 +300,9 @@ class Mesh(Shape, Interoperable, Transformable):
         """
         import numpy as np
 
-        return np.abs(other.to_field(tol=tol)(self.vertices))
+        from chordal._verbs import shaped
+
+        return np.abs(shaped("other", other).to_field(tol=tol)(self.vertices))
 
     @property
     def is_watertight(self) -> bool:
@@ -340,6 +350,7 @@ class Mesh(Shape, Interoperable, Transformable):
         """GLB and STL hold single precision. Their rounding counts against the budget of what was made within one, so for
         them the shape is meshed again, a little finer; the file is then the same, byte for byte, as the command's.
         """
+        refuse_unknown(self, format)
         if self._outcome is None:
             return super()._written(format, quantize, compress, tol, rel)
         if tol is not None or rel is not None:
@@ -348,7 +359,7 @@ class Mesh(Shape, Interoperable, Transformable):
 
     def __reduce__(self) -> Any:
         state, blocks = _chordal.scene_state(self._source)
-        return _again, (state, blocks, self._bound, self._text)
+        return _again, (state, blocks, self._bound, self._text, self._is_given)
 
     def _size(self) -> str:
         n_faces, n_vertices = len(self.faces), len(self.vertices)
@@ -374,9 +385,11 @@ class Mesh(Shape, Interoperable, Transformable):
         return {"text/plain": repr(self), "text/html": html_of(self)}
 
 
-def _again(state: str, blocks: list[bytes], bound: Bound | None, report: str | None) -> Mesh:
+def _again(state: str, blocks: list[bytes], bound: Bound | None, report: str | None, is_given: bool) -> Mesh:
     """A mesh that was pickled."""
-    return Mesh._of_source(_chordal.scene_of_state(state, blocks, None), bound, report)
+    made = Mesh._of_source(_chordal.scene_of_state(state, blocks, None), bound, report)
+    made._is_given = is_given
+    return made
 
 
 def _colors(given: ArrayLike) -> NDArray[np.float64]:

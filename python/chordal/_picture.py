@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 
 from chordal import _chordal, _files
@@ -11,7 +12,7 @@ from chordal._arguments import function, number, positive, text
 from chordal._budget import Length, budget_arguments, length
 from chordal._hints import Guessed, keywords_hinted
 from chordal._sourced import Sourced
-from chordal._view import View
+from chordal._view import View, words_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -94,7 +95,7 @@ class Pictured(Sourced):
         size: tuple[int, int] = (1280, 960),
         view: str | View | None = None,
         cull: Literal["none", "back", "front"] = "none",
-        against: Shape | None = None,
+        against: Shape | Any | None = None,
         darkest: Length | None = None,
         pixels: SupportsFloat | None = None,
         tol: Length | None = None,
@@ -115,6 +116,8 @@ class Pictured(Sourced):
         >>> picture.array.shape
         (48, 64, 4)
         """
+        if not isinstance(size, Sequence) or isinstance(size, str) or len(size) != 2:
+            raise TypeError(f"size: columns and rows, as in (1280, 960), not {size!r}")
         width, height = (positive("size", side) for side in size)
         if (show == "deviation") != (against is not None):
             raise ValueError("against: for show='deviation', which needs it")
@@ -128,10 +131,12 @@ class Pictured(Sourced):
             "show": show,
             "cull": text("cull", cull) or "",
             "size": (width, height),
-            "view": None if view is None else str(view),
+            "view": None if view is None else words_of(view),
             "pixels": None if pixels is None else number("pixels", pixels),
             "length": budget["length"],
             "darkest": None if darkest is None else length("darkest", darkest),
         }
-        other = None if against is None else against._source
+        from chordal._verbs import shaped
+
+        other = None if against is None else shaped("against", against)._source
         return Picture(_chordal.picture(self._source, other, arguments, function("progress", progress)))

@@ -14,7 +14,7 @@ from chordal._combine import Combinable
 from chordal._convert import Convertible
 from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
-from chordal._hints import Guessed, GuessedType, keywords_hinted
+from chordal._hints import Guessed, GuessedType, keywords_hinted, refuse_own
 from chordal._levels import Levelled
 from chordal._mend import Mendable
 from chordal._meant import meant
@@ -49,6 +49,7 @@ class Shape(
     __slots__ = ("_held", "_recipe")
 
     def __init__(self, source: _chordal.Source, recipe: Recipe | None = None) -> None:
+        refuse_own(self, source, _chordal.Source)
         self._held: _chordal.Source | None = source
         self._recipe: Recipe | None = recipe
 
@@ -75,14 +76,15 @@ class Shape(
     @keywords_hinted
     def deviation(
         self,
-        other: Shape,
+        other: Shape | Any,
         *,
         relative: SupportsFloat = 0.1,
         absolute: Length | None = None,
         max: Length | None = None,
         progress: Progress | None = None,
     ) -> Deviation:
-        """How far this shape and another one are apart, both ways: an interval that is proved.
+        """How far this shape and another one are apart, both ways: an interval that is proved. The other may be a file or a
+        mesh of another library.
 
         The upper end is at most the share `relative` above the lower one, or the length `absolute`. With `max` only the
         side of that limit matters, and `verdict` says it. Lengths are in units, or texts as in "0.1mm" or "0.05%", a
@@ -240,7 +242,7 @@ class Shape(
             tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
         )
         if self.kind not in ("curves", "drawing"):
-            raise Refused("unsupported", f"{self.kind} hold no curves to flatten: mesh them")
+            raise Refused("unsupported", f"{self._source.kinds} hold no curves to flatten: mesh them")
         return Polylines._of(self._source.mesh(budget, "json", function("progress", progress)))
 
     def __repr__(self) -> str:

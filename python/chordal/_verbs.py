@@ -8,6 +8,8 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
+from chordal._combine import one_by_one
+from chordal._images import lattice_like
 from chordal._interop import mesh_of
 from chordal._load import File, load
 from chordal._mesh import Mesh
@@ -29,7 +31,12 @@ def shaped(name: str, thing: Any) -> Shape:
         return load(thing)
     found = mesh_of(thing)
     if found is None:
-        raise TypeError(f"{name}: a shape, a path, bytes, or a mesh of another library, not {type(thing).__name__}")
+        hint = ""
+        if lattice_like(thing) or hasattr(thing, "__array_interface__"):
+            hint = ": chordal.volume makes one of arrays and images"
+        elif callable(thing):
+            hint = ": chordal.field makes one of functions"
+        raise TypeError(f"{name}: a shape, a path, bytes, or a mesh of another library, not {type(thing).__name__}{hint}")
     return found
 
 
@@ -95,7 +102,7 @@ def convert(shape: _Shaped, path: str | os.PathLike[str], /, **options: Any) -> 
 
 
 def union(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
-    """What is in any of some solids, as one closed mesh: `Shape.combine`.
+    """What is in any of some solids, or of those in a list, as one closed mesh: `Shape.combine`.
 
     Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
 
@@ -143,5 +150,6 @@ def intersection(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any 
 
 
 def _combined(operation: Any, first: _Shaped, others: tuple[_Shaped, ...], **options: Any) -> Mesh:
-    steps = [(operation, shaped("others", other)) for other in others]
-    return shaped("first", first).combine(*steps, **options)
+    one, *more = one_by_one((first, *others))
+    steps = [(operation, shaped("others", other)) for other in more]
+    return shaped("first", one).combine(*steps, **options)

@@ -29,7 +29,7 @@ class View:
     def __init__(self, text: str) -> None:
         if not isinstance(text, str):
             raise TypeError(f"view: a text like '1920x1080 fov=45 dist=4', not {type(text).__name__}")
-        object.__setattr__(self, "_text", _chordal.view(text))
+        object.__setattr__(self, "_text", _chordal.view(words_of(text)))
 
     @classmethod
     def closest(
@@ -90,6 +90,16 @@ class View:
 
     def __repr__(self) -> str:
         return f"View({self._text!r})"
+
+
+def words_of(view: View | str) -> str:
+    """The text of a view, if it begins as one: with the size of the screen."""
+    if isinstance(view, str) and not view.lstrip()[:1].isdigit():
+        raise BudgetError(
+            f"view: it begins with the size of the screen, as in '1280x960 fov=30 eye=4,-6,3 target=0,0,1', not {view!r}; "
+            "chordal.View.camera(eye=…, target=…, fov_deg=…, size_px=…) makes one of numbers"
+        )
+    return str(view)
 
 
 def _size(size_px: tuple[SupportsInt, SupportsInt]) -> str:

@@ -120,7 +120,7 @@ def test_how_to_read_is_checked(options: dict[str, Any], error: type[Exception],
 
 
 def test_a_source_is_a_path_or_bytes() -> None:
-    with pytest.raises(TypeError, match="source: a path or bytes, not int"):
+    with pytest.raises(TypeError, match="source: a path, an open file or bytes, not int"):
         chordal.load(3)  # type: ignore[call-overload]
     for source in (SQUARE, bytearray(SQUARE), memoryview(SQUARE)):
         assert chordal.load(source, format="obj").kind == "triangles"

@@ -50,7 +50,7 @@ def test_steps_go_from_left_to_right_and_other_shapes_take_a_length() -> None:
 def test_what_is_wrong_is_said() -> None:
     """Types, names, open meshes, and nothing left."""
     with pytest.raises(TypeError):
-        A | 3  # type: ignore[operator]
+        A | 3
     with pytest.raises(ValueError, match="union, difference, intersection"):
         A.combine(("xor", B))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="at least one"):

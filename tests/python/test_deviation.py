@@ -62,8 +62,8 @@ def test_arrays_that_are_no_mesh_are_named(vertices: object, faces: object, erro
 
 def test_arguments_that_make_no_sense_are_named() -> None:
     shape = chordal.Mesh(SQUARE, FACES)
-    with pytest.raises(TypeError, match="other: a Shape"):
-        shape.deviation(SQUARE)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="other: a shape, a path"):
+        shape.deviation(SQUARE)
     with pytest.raises(chordal.BudgetError, match="relative"):
         shape.deviation(shape, relative=-1)
     with pytest.raises(ValueError, match="max"):

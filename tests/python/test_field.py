@@ -93,6 +93,9 @@ def test_a_function_of_points_is_called_with_many_at_once() -> None:
         return np.asarray(np.linalg.norm(points, axis=1) - 1, dtype=np.float64)
 
     field = chordal.field(ball, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
+    # It was asked for two points, to see that it takes more than one.
+    assert sizes == [2]
+    sizes.clear()
     many = np.zeros((200_000, 3))
     assert (field(many) == -1).all()
     assert min(sizes) >= 1 << 16 or len(sizes) == 1
@@ -116,6 +119,7 @@ def test_a_function_without_a_slope_is_measured_and_its_calls_are_counted() -> N
         return np.asarray(points / np.linalg.norm(points, axis=1)[:, None], dtype=np.float64)
 
     field = chordal.field(ball, bounds=((-1.25, -1.25, -1.25), (1.25, 1.25, 1.25)), gradient=gradient)
+    asked["values"] = 0
     mesh = field.mesh(tol=0.1)
     assert mesh.bound.evidence == "measured"
     assert mesh.bound.at_most is None and mesh.bound.at_least <= 0.1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import inspect
+import io
 import pickle
 import types
 from typing import Any
@@ -13,11 +14,13 @@ import pytest
 
 import chordal
 from chordal import _hints
+from chordal._errors import plain_numbers
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
 # Not of their types, for these refuse what is guessed.
 SOLID: Any = chordal.Mesh(CORNERS, FACES)
+OPEN: Any = chordal.Mesh(CORNERS, FACES[:3])
 VOLUME: Any = chordal.volume(np.ones((3, 3, 3)))
 BALL: Any = chordal.shapes.sphere(1)
 ANY: Any = chordal
@@ -169,3 +172,66 @@ def test_an_empty_mesh_says_that_it_is_empty() -> None:
     with pytest.raises(ValueError, match="an empty mesh has no bounds"):
         empty.bounds
     assert empty.translate(1, 0, 0).vertices.shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "said"),
+    [
+        (lambda: ANY.Volume(VOLUME.array), TypeError, r"chordal\.volume\(array"),
+        (lambda: ANY.Curve([0]), TypeError, "bezier, spline, nurbs"),
+        (lambda: ANY.Field("x"), TypeError, r"chordal\.field\(function"),
+        (lambda: ANY.Shape("a.stl"), TypeError, r"chordal\.load\(path\)"),
+        (lambda: ANY.Mesh("a.stl"), TypeError, r"Mesh\(\) needs vertices and faces: .* chordal\.load reads files"),
+        (lambda: ANY.mesh(lambda p: p, tol=1), TypeError, r"chordal\.field makes one of functions"),
+        (lambda: VOLUME.export("v.nii.gz"), ValueError, r"nothing is compressed as \.gz; volumes are written as npy, nrrd"),
+        (lambda: VOLUME.export("v.tif"), ValueError, "'tif' is no format; volumes are written as npy, nrrd"),
+        (lambda: SOLID.export("a.xyz"), ValueError, "'xyz' is no format; triangles are written as obj, ply"),
+        (lambda: BALL.mesh(tol=0.1).to_bytes("xyz"), ValueError, "'xyz' is no format; triangles are written as obj, ply"),
+        (lambda: SOLID.export(io.BytesIO()), TypeError, "to_bytes"),
+        (lambda: SOLID.export("no_such_folder/a.stl"), FileNotFoundError, "no such folder .*no_such_folder'"),
+        (lambda: BALL.export("a.stl"), chordal.Refused, "^fields become triangles"),
+        (lambda: BALL.flatten(tol=1), chordal.Refused, "^fields hold no curves"),
+        (lambda: SOLID.render(view="top"), chordal.BudgetError, "begins with the size of the screen"),
+        (lambda: SOLID.lod(view="top"), chordal.BudgetError, "begins with the size of the screen"),
+        (lambda: SOLID.mesh(pixels=1, view="top"), chordal.BudgetError, r"chordal\.View\.camera"),
+        (lambda: SOLID.render(size=32), TypeError, r"size: columns and rows, as in \(1280, 960\), not 32"),
+        (lambda: ANY.field(len, bounds=1.5), ValueError, r"bounds: a lowest and a highest corner, as in \(\(-1"),
+        (lambda: ANY.field(len, bounds=(-1, 1, -1, 1, -1, 1)), ValueError, r"not numbers of shape \(6,\)"),
+        (lambda: ANY.field(lambda x, y, z: x), TypeError, "a function of one array of points, n × 3"),
+        (lambda: ANY.field(np.linalg.norm), ValueError, r"gave back \(\) for 2 points"),
+        (lambda: ANY.field(SOLID), TypeError, r"to_field\(\) of a mesh"),
+        (lambda: ANY.field("x"), TypeError, r"chordal\.script"),
+        (lambda: BALL | SOLID, TypeError, r"to_field\(\) of a mesh"),
+        (lambda: SOLID - BALL, TypeError, r"a\.difference\(b, tol=0\.01\)"),
+        (lambda: SOLID - OPEN, chordal.Refused, r"mend it \(mend\(fill_holes=True\)\)"),
+    ],
+)
+def test_what_is_wrong_is_said_in_the_words_of_python(call: Any, error: type[Exception], said: str) -> None:
+    with pytest.raises(error, match=said):
+        call()
+
+
+def test_whatever_is_a_mesh_is_taken_beside_one() -> None:
+    moved = SOLID.translate(0.25, 0.25, 0.25)
+    other = types.SimpleNamespace(vertices=moved.vertices, faces=moved.faces)
+    wanted = (SOLID - moved).volume
+    for made in (SOLID - other, SOLID.difference(other), SOLID.difference([other]), SOLID.combine(("difference", other))):
+        assert made.volume == wanted
+    assert chordal.union([SOLID, moved]).volume == (SOLID | other).volume == SOLID.union([moved, other]).volume
+    assert SOLID.deviation(other).at_most == SOLID.deviation(moved).bound.at_most
+    assert SOLID.deviation(other).at_least == SOLID.deviation(moved).bound.at_least
+    assert np.array_equal(SOLID.vertex_deviation(other), SOLID.vertex_deviation(moved))
+    with pytest.raises(TypeError, match="unsupported operand"):
+        SOLID | {1}
+
+
+def test_a_budget_that_is_not_met_is_said_in_plain_numbers_and_where_the_best_is() -> None:
+    with pytest.raises(chordal.BudgetUnmet) as raised:
+        BALL.mesh(tol=0.001, triangles=10)
+    assert "`best` of this error holds it" in str(raised.value) and "e-" not in str(raised.value)
+    assert plain_numbers("between 1.250e-3 and 2.5e-9, -3.8047e-1, 1.0e3") == "between 0.001250 and 2.5e-9, -0.38047, 1000"
+
+
+def test_arrays_are_no_file() -> None:
+    assert repr(SOLID) == "<Mesh: 4 triangles, 4 vertices, from arrays>" and SOLID.format == "arrays"
+    assert repr(pickle.loads(pickle.dumps(SOLID))) == repr(SOLID)

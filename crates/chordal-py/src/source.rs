@@ -13,7 +13,7 @@ use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::font::Letters;
 use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with, sha256, transform};
+use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with, sha256, transform, written_names};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::path::Path;
@@ -132,6 +132,24 @@ impl Source {
     #[getter]
     fn format(&self) -> String {
         self.input.format.to_string()
+    }
+
+    /// Whether there is a format of that name.
+    #[staticmethod]
+    fn is_format(name: &str) -> bool {
+        name.parse::<Format>().is_ok()
+    }
+
+    /// Its name in the plural.
+    #[getter]
+    fn kinds(&self) -> &'static str {
+        self.input.shape.kinds()
+    }
+
+    /// The formats that it can be written in.
+    #[getter]
+    fn written(&self) -> Vec<String> {
+        written_names(&self.input.shape)
     }
 
     /// The file that it was read from.

@@ -23,13 +23,17 @@ impl Spelling for Keywords {
             Setting::Segments => number("segments"),
             Setting::Compress => text("compress"),
             Setting::Quantize => "quantize=True".to_owned(),
+            Setting::Cure(cure) => {
+                let named = cure.name().replace('-', "_");
+                let value = value.map_or_else(|| "True".to_owned(), |length| format!("\"{length}\""));
+                format!("mend({named}={value})")
+            }
             Setting::Level => "Cage.refined".to_owned(),
             Setting::Index
             | Setting::Text
             | Setting::TileTriangles
             | Setting::MaxMemory
-            | Setting::SelfIntersections
-            | Setting::Cure(_) => format!("{} of the command", CommandLine.spell(setting, value)),
+            | Setting::SelfIntersections => format!("{} of the command", CommandLine.spell(setting, value)),
         }
     }
 }

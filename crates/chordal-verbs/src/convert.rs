@@ -290,8 +290,8 @@ pub fn polygons_lose_no_more(polygons: &Input, triangles: &Input, to: Format) ->
 }
 
 /// The refusal of a shape that has to be meshed first.
-fn needs_mesh_message(kind: &str) -> Message {
-    format!("{kind} become triangles or polylines within a budget, and a conversion has none: mesh them")
+fn needs_mesh_message(kinds: &str) -> Message {
+    format!("{kinds} become triangles or polylines within a budget, and a conversion has none: mesh them")
         .into()
 }
 
@@ -301,13 +301,30 @@ fn needs_polylines() -> MeshFailure {
     )
 }
 
+/// The names of the formats that the shape can be written in as it is, or those of triangles where there is none.
+#[must_use]
+pub fn written_names(shape: &Shape) -> Vec<String> {
+    let is_writable = |to: &Format| to.holds_triangles() || to.holds_polylines() || to.holds_volumes();
+    let holds = |to: &Format| is_writable(to) && check_format(shape, *to).is_ok();
+    let names: Vec<String> = Format::all().filter(holds).map(|format| format.to_string()).collect();
+    if names.is_empty() {
+        return Format::all()
+            .filter(|format| format.holds_triangles())
+            .map(|format| format.to_string())
+            .collect();
+    }
+    names
+}
+
 /// Refuses a format that cannot hold the shape as it is.
 fn check_format(shape: &Shape, to: Format) -> Result<(), Message> {
     if !to.holds_triangles() && !to.holds_polylines() && !to.holds_volumes() {
-        return Err(format!("{to} is only read; what can be written is {}", formats::writable_names()).into());
+        return Err(
+            format!("{to} is only read; what can be written is {}", written_names(shape).join(", ")).into()
+        );
     }
     if needs_mesh(shape, to) {
-        return Err(needs_mesh_message(shape.kind()));
+        return Err(needs_mesh_message(shape.kinds()));
     }
     let (what, holds): (_, fn(Format) -> bool) = match shape {
         Shape::Scene(_) => ("triangles", Format::holds_triangles),

@@ -96,7 +96,7 @@ pub use chordal::lod::count::Effort;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
 pub use convert::{
-    ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more,
+    ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more, written_names,
 };
 pub use deviation::{DeviationSpec, deviation};
 pub use digest::{sha256, sha256_of};

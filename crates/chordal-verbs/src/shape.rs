@@ -76,6 +76,18 @@ impl Shape {
         }
     }
 
+    /// The same in the plural, for sentences.
+    #[must_use]
+    pub fn kinds(&self) -> &'static str {
+        match self {
+            Self::Cage(_) => "cages",
+            Self::Drawing(_) => "drawings",
+            Self::Field(_) => "fields",
+            Self::Volume(_) => "volumes",
+            _ => self.kind(),
+        }
+    }
+
     /// The number of triangles; `None` for other shapes. A part that is shown several times counts once.
     #[must_use]
     pub fn n_triangles(&self) -> Option<u64> {

@@ -49,7 +49,7 @@ impl SolidOperand {
                 let Some(within) = within else {
                     let message = format!(
                         "{name}: {} become triangles within a length, and the budget has none",
-                        plural(&shape)
+                        shape.kinds()
                     );
                     return Err(MeshFailure::refused(RefusalCode::Budget, message));
                 };
@@ -147,14 +147,4 @@ fn turned_outward(
     }
     notes.push(format!("{name}: its triangles are wound inside out and were turned").into());
     Ok(orient(&mesh, Topology::Positions, job)?.mesh)
-}
-
-fn plural(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Cage(_) => "cages",
-        Shape::Patches { .. } => "patches",
-        Shape::Surfaces { .. } => "surfaces",
-        Shape::Volume(_) => "volumes",
-        _ => "fields",
-    }
 }
