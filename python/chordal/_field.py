@@ -8,7 +8,7 @@ import operator
 import warnings
 from collections.abc import Callable, Sequence
 from numbers import Real
-from typing import TYPE_CHECKING, Any, SupportsFloat
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal import _chordal
 from chordal._arguments import text as _text
@@ -242,6 +242,42 @@ class Field(Shape):
         cut = self._value.source(_box("box", (low, high)))
         return Field(self._value, cut, (Field.within, (self, tuple(map(float, low)), tuple(map(float, high))), {}))
 
+    def move(self, *by: SupportsFloat | Sequence[SupportsFloat] | NDArray[Any]) -> Field:
+        """The shape moved by a vector, or by two or three numbers: `shapes.move`.
+
+        >>> import chordal
+        >>> chordal.shapes.sphere(1).move((2, 0, 0))([[2, 0, 0]])
+        array([-1.])
+        """
+        return called("move", self, *_spread(by))  # type: ignore[no-any-return]
+
+    def scale(self, factor: SupportsFloat) -> Field:
+        """The shape made larger or smaller, about the origin: `shapes.scale`."""
+        return called("scale", self, factor)  # type: ignore[no-any-return]
+
+    def rotate(self, axis: Literal["x", "y", "z"] | Sequence[SupportsFloat] | NDArray[Any], degrees: SupportsFloat) -> Field:
+        """The shape turned around an axis through the origin, a letter or a vector: `shapes.rotate`."""
+        if isinstance(axis, str):
+            if axis not in ("x", "y", "z"):
+                raise ValueError(f"axis: x, y, z or a vector, not {axis!r}")
+            return called(f"rotate_{axis}", self, degrees)  # type: ignore[no-any-return]
+        return called("rotate", self, axis, degrees)  # type: ignore[no-any-return]
+
+    def mirror(self, *normal: SupportsFloat | Sequence[SupportsFloat] | NDArray[Any]) -> Field:
+        """The mirror image in the plane through the origin with this normal: `shapes.mirror`."""
+        return called("mirror", self, *_spread(normal))  # type: ignore[no-any-return]
+
+    def offset(self, by: SupportsFloat) -> Field:
+        """The shape grown by a distance, or shrunk by a negative one: `shapes.offset`.
+
+        Raises `ValueError` where the value is no distance on that side.
+        """
+        return called("offset", self, by)  # type: ignore[no-any-return]
+
+    def shell(self, thickness: SupportsFloat) -> Field:
+        """A wall along the surface, half of its thickness to each side: `shapes.shell`. Raises as `offset`."""
+        return called("shell", self, thickness)  # type: ignore[no-any-return]
+
     def __or__(self, other: Field) -> Field:  # type: ignore[override]
         _only_fields(other)
         return _operated("|", self, other)  # type: ignore[no-any-return]
@@ -257,6 +293,13 @@ class Field(Shape):
     def __repr__(self) -> str:
         outside, inside = self.distance
         return f"<Field: outside {outside}, inside {inside}, {self._value.terms} terms>"
+
+
+def _spread(given: tuple[Any, ...]) -> Sequence[Any]:
+    """Numbers, or those of one vector."""
+    one = given[0] if len(given) == 1 else given
+    parts: Sequence[Any] = one.tolist() if hasattr(one, "tolist") else one
+    return parts if isinstance(parts, (list, tuple)) else given
 
 
 def _only_fields(other: object) -> None:

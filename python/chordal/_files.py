@@ -47,7 +47,8 @@ def read_open(file: Readable) -> tuple[str | None, bytes]:
     """All that is left in an open binary file, and its name, if it has one."""
     content = file.read(_chordal.MOST_BYTES + 1)
     if not isinstance(content, (bytes, bytearray, memoryview)):
-        raise TypeError(f"source: a file that is open in binary mode, as in open(path, 'rb'); this one reads {type(content).__name__}")
+        kind = type(content).__name__
+        raise TypeError(f"source: a file that is open in binary mode, as in open(path, 'rb'); this one reads {kind}")
     name = getattr(file, "name", None)
     title = shown(name) if isinstance(name, (str, os.PathLike)) and os.fspath(name) else None
     if len(content) > _chordal.MOST_BYTES:

@@ -160,7 +160,9 @@ _CLASSES: dict[str, str] = {
 _MODULE: dict[str, str] = {
     **_CLASSES,
     **_VERBS,
-    **dict.fromkeys(("save", "write", "save_mesh", "write_mesh", "export"), 'shape.export("a.stl"), or chordal.convert(shape, path)'),
+    **dict.fromkeys(
+        ("save", "write", "save_mesh", "write_mesh", "export"), 'shape.export("a.stl"), or chordal.convert(shape, path)'
+    ),
     **dict.fromkeys(("read_mesh", "read_image", "imread", "read_volume"), 'chordal.load("a.nrrd")'),
     **dict.fromkeys(("marching_cubes", "isosurface", "contour"), "chordal.volume(array).mesh(iso=0.5)"),
     **dict.fromkeys(("Trimesh", "PolyData", "TriangleMesh"), "chordal.Mesh(vertices, faces)"),

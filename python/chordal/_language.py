@@ -6,7 +6,7 @@ What each of them means, and what its value is worth as a distance, is on the pa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, SupportsFloat
+from typing import TYPE_CHECKING, Any, SupportsFloat, overload
 
 from chordal._curve import Curve
 from chordal._field import Field, Formula, called
@@ -17,8 +17,18 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    #: Three numbers, or two in the plane.
+    _Vector: TypeAlias = Sequence[SupportsFloat] | NDArray[Any]
     #: Points, each of two or three numbers.
     _Points: TypeAlias = Sequence[Sequence[SupportsFloat]] | NDArray[Any]
+
+
+def _parts(name: str, vector: Any, y: object, least: int) -> Sequence[Any]:
+    """The numbers of a vector that is given in their place."""
+    parts = vector.tolist() if hasattr(vector, "tolist") else vector
+    if y is not None or not isinstance(parts, (list, tuple)) or not least <= len(parts) <= 3:
+        raise TypeError(f"{name}: x, y and z are three numbers, or one vector as in (1, 2, 3)")
+    return parts
 
 
 def sphere(radius: SupportsFloat) -> Field:
@@ -29,11 +39,17 @@ def sphere(radius: SupportsFloat) -> Field:
     return called("sphere", radius)  # type: ignore[no-any-return]
 
 
-def box(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> Field:
+@overload
+def box(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> Field: ...
+@overload
+def box(x: _Vector, y: None = None, z: None = None) -> Field: ...
+def box(x: SupportsFloat | _Vector, y: SupportsFloat | None = None, z: SupportsFloat | None = None) -> Field:
     """A box of these full sizes around the origin.
 
     The value is worth: exact.
     """
+    if y is None or z is None:
+        return called("box", *_parts("box", x, y, 3))  # type: ignore[no-any-return]
     return called("box", x, y, z)  # type: ignore[no-any-return]
 
 
@@ -77,11 +93,17 @@ def torus(major: SupportsFloat, minor: SupportsFloat) -> Field:
     return called("torus", major, minor)  # type: ignore[no-any-return]
 
 
-def ellipsoid(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> Field:
+@overload
+def ellipsoid(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> Field: ...
+@overload
+def ellipsoid(x: _Vector, y: None = None, z: None = None) -> Field: ...
+def ellipsoid(x: SupportsFloat | _Vector, y: SupportsFloat | None = None, z: SupportsFloat | None = None) -> Field:
     """An ellipsoid of these three radii.
 
     The value is worth: a lower bound.
     """
+    if y is None or z is None:
+        return called("ellipsoid", *_parts("ellipsoid", x, y, 3))  # type: ignore[no-any-return]
     return called("ellipsoid", x, y, z)  # type: ignore[no-any-return]
 
 
@@ -295,11 +317,17 @@ def smooth_difference(a: Field, b: Field, radius: SupportsFloat) -> Field:
     return called("smooth_difference", a, b, radius)  # type: ignore[no-any-return]
 
 
-def move(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 0) -> Field:
+@overload
+def move(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = ...) -> Field: ...
+@overload
+def move(shape: Field, x: _Vector, y: None = None, z: SupportsFloat = ...) -> Field: ...
+def move(shape: Field, x: SupportsFloat | _Vector, y: SupportsFloat | None = None, z: SupportsFloat = 0) -> Field:
     """The shape moved by these lengths.
 
     The value is worth: as it was.
     """
+    if y is None:
+        return called("move", shape, *_parts("move", x, y, 2))  # type: ignore[no-any-return]
     return called("move", shape, x, y, z)  # type: ignore[no-any-return]
 
 
@@ -343,19 +371,31 @@ def scale(shape: Field, factor: SupportsFloat) -> Field:
     return called("scale", shape, factor)  # type: ignore[no-any-return]
 
 
-def stretch(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 1) -> Field:
+@overload
+def stretch(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = ...) -> Field: ...
+@overload
+def stretch(shape: Field, x: _Vector, y: None = None, z: SupportsFloat = ...) -> Field: ...
+def stretch(shape: Field, x: SupportsFloat | _Vector, y: SupportsFloat | None = None, z: SupportsFloat = 1) -> Field:
     """The shape with its own factor along each axis.
 
     The value is worth: a lower bound.
     """
+    if y is None:
+        return called("stretch", shape, *_parts("stretch", x, y, 2))  # type: ignore[no-any-return]
     return called("stretch", shape, x, y, z)  # type: ignore[no-any-return]
 
 
-def mirror(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 0) -> Field:
+@overload
+def mirror(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = ...) -> Field: ...
+@overload
+def mirror(shape: Field, x: _Vector, y: None = None, z: SupportsFloat = ...) -> Field: ...
+def mirror(shape: Field, x: SupportsFloat | _Vector, y: SupportsFloat | None = None, z: SupportsFloat = 0) -> Field:
     """The mirror image in the plane through the origin with this normal.
 
     The value is worth: as it was.
     """
+    if y is None:
+        return called("mirror", shape, *_parts("mirror", x, y, 2))  # type: ignore[no-any-return]
     return called("mirror", shape, x, y, z)  # type: ignore[no-any-return]
 
 

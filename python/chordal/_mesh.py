@@ -210,10 +210,9 @@ class Mesh(Shape, Interoperable, Transformable):
             parts = self._scene["parts"]
             if len(parts) != 1:
                 raise SeveralPartsError(len(parts))
+            array = _chordal.scene_array
             self._cached["attributes"] = tuple(
-                Attribute(
-                    facts["kind"], facts["of"], facts["domain"], np.asarray(_chordal.scene_array(self._source, None, "attribute", k))
-                )
+                Attribute(facts["kind"], facts["of"], facts["domain"], np.asarray(array(self._source, None, "attribute", k)))
                 for k, facts in enumerate(parts[0]["attributes"])
             )
         found: tuple[Attribute, ...] = self._cached["attributes"]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from chordal._mesh import Mesh
 
     #: Three numbers.
-    Vector: TypeAlias = Sequence[SupportsFloat] | NDArray[Any]
+    _Vector: TypeAlias = Sequence[SupportsFloat] | NDArray[Any]
 
 #: Metres in a unit; exact by definition.
 _METRES = {
@@ -59,7 +59,7 @@ class Transformable:
             raise ValueError("matrix: 4 × 4 with a last row of 0, 0, 0, 1, or its first three rows")
         return self._moved([[float(entry) for entry in row] for row in found[:3].tolist()], keeps_angles=False)
 
-    def translate(self, *by: SupportsFloat | Vector) -> Mesh:
+    def translate(self, *by: SupportsFloat | _Vector) -> Mesh:
         """The mesh moved by a vector, or by three numbers; as for `transform`.
 
         >>> import chordal
@@ -69,7 +69,7 @@ class Transformable:
         x, y, z = vector("by", by)
         return self._moved([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]], keeps_angles=True)
 
-    def scale(self, *by: SupportsFloat | Vector, about: Vector = (0.0, 0.0, 0.0)) -> Mesh:
+    def scale(self, *by: SupportsFloat | _Vector, about: _Vector = (0.0, 0.0, 0.0)) -> Mesh:
         """The mesh scaled by a number, or by three along x, y and z, around a point; as for `transform`. A negative one
         mirrors.
 
@@ -83,7 +83,7 @@ class Transformable:
         return self._moved(_about([[step if j == k else 0.0 for j in range(3)] for k, step in enumerate(steps)], about), is_alike)
 
     def rotate(
-        self, axis: Literal["x", "y", "z"] | Vector, degrees: SupportsFloat, *, about: Vector = (0.0, 0.0, 0.0)
+        self, axis: Literal["x", "y", "z"] | _Vector, degrees: SupportsFloat, *, about: _Vector = (0.0, 0.0, 0.0)
     ) -> Mesh:
         """The mesh turned about an axis through a point, counter-clockwise for an eye that the axis points at; as for
         `transform`. `axis` is a letter or a vector. Quarter turns about a letter are exact.
@@ -145,14 +145,14 @@ def _volume_of(rows: _Rows) -> float:
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
-def _about(linear: _Rows, about: Vector) -> _Rows:
+def _about(linear: _Rows, about: _Vector) -> _Rows:
     """A linear map around a point. In Python's own numbers, whose sums are the same on every machine."""
     point = vector("about", (about,))
     turned = [row[0] * point[0] + row[1] * point[1] + row[2] * point[2] for row in linear]
     return [[*row, point[k] - turned[k]] for k, row in enumerate(linear)]
 
 
-def _turn(axis: str | Vector, degrees: float) -> _Rows:
+def _turn(axis: str | _Vector, degrees: float) -> _Rows:
     """Rodrigues' rotation; its sine and cosine are those of scripts, the same on every machine."""
     from chordal._field import called
 

@@ -149,7 +149,7 @@ def test_what_a_function_raises_comes_back_as_it_is() -> None:
 
 def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match=r"box\(\) needs a number for 'z', not a shape"):
-        chordal.shapes.box(1, 2, chordal.shapes.sphere(1))  # type: ignore[arg-type]
+        chordal.shapes.box(1, 2, chordal.shapes.sphere(1))  # type: ignore[call-overload]
     with pytest.raises(TypeError):
         chordal.shapes.sphere(1) | 2  # type: ignore[operator]
     with pytest.raises(chordal.ReadError, match="line 2, column 1"):

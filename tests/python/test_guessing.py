@@ -136,7 +136,8 @@ def test_triangles_that_stand_alone_are_told_of_and_welded_on_request() -> None:
     uv = np.random.default_rng(1).random((12, 2))
     dressed = chordal.Mesh(corners, alone, uv=uv, weld=True)
     assert dressed.is_watertight and dressed.uv is not None and np.array_equal(dressed.uv, uv)
-    signed = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -0.0, 0), (0, 1, 0), (-1, 0, 0)], [(0, 1, 2), (3, 4, 5)], weld=True)
+    signs = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -0.0, 0), (0, 1, 0), (-1, 0, 0)]
+    signed = chordal.Mesh(signs, [(0, 1, 2), (3, 4, 5)], weld=True)
     assert len(signed.vertices) == 4
     # Triangles that do not touch are no soup.
     chordal.Mesh(np.arange(18).reshape(6, 3), [(0, 1, 2), (3, 4, 5)])
@@ -235,3 +236,34 @@ def test_a_budget_that_is_not_met_is_said_in_plain_numbers_and_where_the_best_is
 def test_arrays_are_no_file() -> None:
     assert repr(SOLID) == "<Mesh: 4 triangles, 4 vertices, from arrays>" and SOLID.format == "arrays"
     assert repr(pickle.loads(pickle.dumps(SOLID))) == repr(SOLID)
+
+
+def test_fields_are_moved_by_methods_and_by_vectors() -> None:
+    points = np.random.default_rng(5).uniform(-2, 2, (200, 3))
+    words = chordal.shapes
+    box = words.box((1, 2, 3))
+    for one, other in (
+        (box, words.box(1, 2, 3)),
+        (words.box(np.array([1, 2, 3])), words.box(1, 2, 3)),
+        (words.ellipsoid((1, 2, 3)), words.ellipsoid(1, 2, 3)),
+        (words.move(box, (1, 0, 2)), words.move(box, 1, 0, 2)),
+        (words.move(box, (1, 0)), words.move(box, 1, 0)),
+        (words.stretch(box, [1, 2]), words.stretch(box, 1, 2)),
+        (words.mirror(box.move(1, 2), (1, 1, 0)), words.mirror(words.move(box, 1, 2), 1, 1)),
+        (box.move((1, 0, 2)), words.move(box, 1, 0, 2)),
+        (box.scale(2), words.scale(box, 2)),
+        (box.rotate("y", 30), words.rotate_y(box, 30)),
+        (box.rotate((1, 1, 0), 30), words.rotate(box, (1, 1, 0), 30)),
+        (box.move(3, 0, 0).mirror(1, 0, 0), box.move(-3, 0, 0)),
+        (box.move(3, 0, 0).mirror((1, 0, 0)), box.move(-3, 0, 0)),
+        (box.offset(0.1), words.offset(box, 0.1)),
+        (box.shell(0.1), words.shell(box, 0.1)),
+    ):
+        assert np.array_equal(one(points), other(points))
+        assert np.array_equal(pickle.loads(pickle.dumps(one))(points), one(points))
+    loose: Any = words
+    for word, wrong in ((loose.box, (1,)), (loose.box, ((1, 2),)), (loose.box, (1, 2)), (loose.move, (box, 1))):
+        with pytest.raises(TypeError, match="three numbers, or one vector"):
+            word(*wrong)
+    with pytest.raises(ValueError, match="axis: x, y, z or a vector"):
+        ANY.shapes.box(1, 1, 1).rotate("w", 1)
