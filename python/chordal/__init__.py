@@ -41,6 +41,7 @@ from chordal._levels import Level, Levels
 from chordal._load import load
 from chordal._mesh import Mesh
 from chordal._picture import Picture
+from chordal._pieces import concatenate
 from chordal._plots import ErrorCurve, plot_error
 from chordal._polylines import Polyline, Polylines
 from chordal._scene import Attribute, Node, Part
@@ -97,6 +98,7 @@ __all__ = [
     "bake",
     "batch",
     "block_volume",
+    "concatenate",
     "convert",
     "deviation",
     "difference",

@@ -15,6 +15,7 @@ from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
+from chordal._pieces import Splittable
 from chordal._scene import Attribute, Node, Part, SeveralPartsError, bounds_of, first_of, nodes_of
 from chordal._shape import Shape
 from chordal._transform import Transformable
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from chordal._scene import _Kind
 
 
-class Mesh(Shape, Interoperable, Transformable):
+class Mesh(Shape, Interoperable, Transformable, Splittable):
     """Triangles: made within a budget, with their bound, read from a file, or given as arrays. It does not change.
 
     `Mesh(vertices, faces)` takes n × 3 coordinates and m × 3 indices into them; counter-clockwise is the front. Any real
@@ -287,6 +288,34 @@ class Mesh(Shape, Interoperable, Transformable):
 
         a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+    @property
+    def center_mass(self) -> NDArray[np.float64]:
+        """The centre of the volume of closed triangles, and of the area of others, as rounded."""
+        import numpy as np
+
+        if len(self.faces) == 0:
+            raise ValueError("an empty mesh has no centre: nothing is in it")
+        # Near the origin, so that no digits are lost of what is small and far away.
+        middle = self.bounds.mean(axis=0)
+        a, b, c = (self.vertices[self.faces[:, corner]] - middle for corner in range(3))
+        weights = np.einsum("ij,ij->i", a, np.cross(b, c)) if self.is_watertight else np.zeros(len(a))
+        shares = 4
+        if weights.sum() == 0:
+            weights, shares = np.linalg.norm(np.cross(b - a, c - a), axis=1), 3
+        total = weights.sum()
+        found: NDArray[np.float64] = middle + (0 if total == 0 else weights @ (a + b + c) / (shares * total))
+        return found
+
+    @property
+    def euler_number(self) -> int:
+        """Vertices minus edges plus faces, counted as for `is_watertight`: 2 for a closed mesh without handles."""
+        return int(self._valid["euler"])
+
+    @property
+    def is_winding_consistent(self) -> bool:
+        """Whether no two faces run along an edge the same way: counted as for `is_watertight`."""
+        return bool(self._valid["oriented"])
 
     def vertex_deviation(self, other: Shape | Any, *, tol: Length | None = None) -> NDArray[np.float64]:
         """How far each vertex is from the triangles of another shape, as rounded; other shapes are meshed within `tol` first.

@@ -6,6 +6,7 @@ import copy
 import inspect
 import io
 import pickle
+import re
 import types
 from typing import Any
 
@@ -267,3 +268,16 @@ def test_fields_are_moved_by_methods_and_by_vectors() -> None:
             word(*wrong)
     with pytest.raises(ValueError, match="axis: x, y, z or a vector"):
         ANY.shapes.box(1, 1, 1).rotate("w", 1)
+
+
+def test_answers_name_what_there_is() -> None:
+    things = {"mesh": SOLID, "shape": SOLID, "volume": VOLUME, "field": BALL, "picture": NOUNS["Picture"], "chordal": chordal}
+    things |= {"levels": NOUNS["Levels"], "deviation": NOUNS["Deviation"]}
+    n_names = 0
+    for owner, tables in _hints._NOUNS.items():
+        for answer in {answer for table in tables for answer in table.values()}:
+            for noun, name in re.findall(r"(?<![\w)])(\w+)\.(\w+)", answer):
+                if noun in things:
+                    n_names += 1
+                    assert hasattr(things[noun], name), f"{owner}: {answer}"
+    assert n_names > 100
