@@ -129,6 +129,8 @@ class Transformable:
         assert isinstance(self, Mesh)
         if _volume_of(rows) == 0:
             raise ValueError("matrix: it flattens; of a mesh without thickness nothing is the front")
+        if rows == [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] and unit in (None, self.unit):
+            return self
         bound = self.bound
         source, (least, most) = self._source.transformed([*rows, [0.0, 0.0, 0.0, 1.0]], unit, (bound.at_least, bound.at_most))
         at = None

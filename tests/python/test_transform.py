@@ -83,6 +83,11 @@ def test_the_bound_is_scaled_along() -> None:
     assert flat.at_least == pytest.approx(0.5 * ball.bound.at_least) and flat.at_most == pytest.approx(ball.bound.at_most)
 
 
+def test_what_moves_nothing_is_the_mesh_itself() -> None:
+    assert SOLID.transform(np.eye(4)) is SOLID and SOLID.translate(0, 0, 0) is SOLID and SOLID.rotate("x", 360) is SOLID
+    assert SOLID.to_unit("mm") is SOLID and SOLID.scale(1) is SOLID
+
+
 def test_quarter_turns_and_mirrors_are_exact() -> None:
     turned = SOLID.rotate("x", -270)
     assert turned.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 0, 1], [0, -1, 0]]
