@@ -9,7 +9,7 @@ from chordal._budget import BudgetArguments
 __all__ = [
     "Array", "Block", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Part", "Picture", "ScriptValue", "Source",
     "VERSION", "block", "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "join_parts", "joined",
-    "language", "levels", "mend", "mesh_field", "part", "path_at", "path_facts", "path_source", "picture", "revolved",
+    "label_blocks", "language", "levels", "mend", "mesh_field", "part", "path_at", "path_facts", "path_source", "picture", "revolved",
     "samples", "scene_array", "scene_facts", "scene_image", "scene_of_state", "scene_state", "script", "surface", "tileset",
     "to_cubics", "view",
 ]
@@ -287,6 +287,7 @@ def combine(
     progress: Callable[[str, int, int], object] | None,
 ) -> Outcome: ...
 def block(samples: Source, arguments: BlockArguments) -> Block: ...
+def label_blocks(samples: Source, arguments: BlockArguments) -> list[tuple[int, Block]]: ...
 def part(samples: Source, arguments: BlockArguments, place: BoxArguments) -> Part | None: ...
 def join_parts(parts: Sequence[Part], place: BoxArguments) -> Part: ...
 def tileset(

@@ -149,3 +149,24 @@ def test_arguments_are_named() -> None:
         chordal.block_volume(np.zeros((3, 3)))
     with pytest.raises(chordal.Refused, match="no cells"):
         chordal.block_volume(np.zeros((3, 3, 1))).mesh(iso=1)
+
+
+def corners(mesh: chordal.Mesh) -> list[Any]:
+    """The triangles by the numbers of their corners, whatever their order."""
+    return sorted(np.roll(face, -int(np.lexsort(face.T[::-1])[0]), axis=0).tolist() for face in mesh.vertices[mesh.faces])
+
+
+def test_labels_of_blocks_are_those_of_the_whole(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    samples = rng.integers(0, 4, (11, 8, 9), dtype=np.uint16) * 1000
+    whole = {part.name: part for part in chordal.labels(samples, **STEPS).mesh().parts}
+    volume = chordal.block_volume(samples, **STEPS)
+    made = volume.labels(block=(4, 5, 3), folder=tmp_path / "done")
+    assert [f"label {label}" for label in made] == list(whole) and list(made) == [1000, 2000, 3000]
+    for label, mesh in made.items():
+        part = whole[f"label {label}"]
+        assert corners(mesh) == corners(chordal.Mesh(part.vertices, part.faces)) and mesh.is_watertight
+        assert mesh.bound.evidence == "proved"
+    assert list(volume.labels(only=[2000], block=6)) == [2000]
+    with pytest.raises(chordal.Refused, match="a label is a whole number"):
+        chordal.block_volume(samples + 0.5).labels()

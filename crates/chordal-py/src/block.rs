@@ -2,7 +2,9 @@
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::{Bound, Evidence, JobError, Reference};
-use chordal::convert::lattices::{FaceKey, GridBlock, VertexKey, grid_to_block, join_blocks};
+use chordal::convert::lattices::{
+    FaceKey, GridBlock, LabelOptions, VertexKey, grid_to_block, join_blocks, labels_to_blocks,
+};
 use chordal::convert::{Border, Inside, Normals, Polygonize};
 use chordal::implicit::{Affine3, Grid};
 use chordal::{Mesh, Tolerance};
@@ -33,6 +35,12 @@ pub(crate) struct BlockArguments {
     wanted: Option<f64>,
 }
 
+impl BlockArguments {
+    fn border(&self) -> [[Border; 2]; 3] {
+        self.capped.map(|ends| ends.map(|capped| if capped { Border::Capped } else { Border::Open }))
+    }
+}
+
 /// The triangles of a block.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Block(Arc<GridBlock>);
@@ -43,26 +51,45 @@ pub(crate) fn block(py: Python<'_>, samples: &Source, arguments: BlockArguments)
     Ok(Block(Arc::new(mesh_block(py, samples, arguments)?)))
 }
 
-pub(crate) fn mesh_block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<GridBlock> {
+/// The triangles of each label in a block.
+#[pyfunction]
+pub(crate) fn label_blocks(
+    py: Python<'_>,
+    samples: &Source,
+    arguments: BlockArguments,
+) -> PyResult<Vec<(u32, Block)>> {
+    let grid = lattice(py, samples, &arguments)?;
+    let rule =
+        LabelOptions { border: arguments.border(), offset: arguments.offset, ..LabelOptions::default() };
+    let made = work::run(py, None, move |job| labels_to_blocks(&grid, &rule, job))?;
+    let made = made.map_err(|error| failure::mesh(py, error.into()))?;
+    Ok(made.into_iter().map(|(label, block)| (label, Block(Arc::new(block)))).collect())
+}
+
+/// The samples where they are in the volume.
+fn lattice(py: Python<'_>, samples: &Source, arguments: &BlockArguments) -> PyResult<Grid> {
     let Shape::Volume(sampled) = samples.shape() else {
         return Err(failure::internal(py, "this is no volume"));
     };
+    let affine = Affine3::new(arguments.affine).map_err(|error| failure::argument("affine", error))?;
+    Ok(sampled.volume.grid.clone().with_affine(affine))
+}
+
+pub(crate) fn mesh_block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<GridBlock> {
+    let grid = lattice(py, samples, &arguments)?;
     let inside = match arguments.inside.as_str() {
         "high" => Inside::High,
         "low" => Inside::Low,
         other => return Err(failure::argument("inside", format!("'high' or 'low', not '{other}'"))),
     };
-    let border = |capped| if capped { Border::Capped } else { Border::Open };
     let rule = Polygonize {
         inside,
-        border: arguments.capped.map(|ends| ends.map(border)),
+        border: arguments.border(),
         offset: arguments.offset,
         normals: if arguments.normals { Normals::Gradient } else { Normals::None },
         ..Polygonize::above(arguments.iso)
     };
-    let affine = Affine3::new(arguments.affine).map_err(|error| failure::argument("affine", error))?;
     let wanted = arguments.wanted.and_then(|length| Tolerance::new(length).ok());
-    let grid: Grid = sampled.volume.grid.clone().with_affine(affine);
     let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, wanted, job))?;
     made.map_err(|error| failure::mesh(py, error.into()))
 }

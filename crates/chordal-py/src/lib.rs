@@ -38,7 +38,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _chordal {
     #[pymodule_export]
-    use super::block::{Block, block, joined};
+    use super::block::{Block, block, joined, label_blocks};
     #[pymodule_export]
     use super::combine::combine;
     #[pymodule_export]

@@ -53,8 +53,6 @@ class Surface:
     wanted: float | None = None
     #: Whether vertices have normals, along the gradient of the samples.
     normals: bool = False
-    #: The label whose samples are 1, and all others 0; None where the samples themselves are meant.
-    label: int | None = None
 
     def arguments(self, block: Block, offset: Index) -> _chordal.BlockArguments:
         """Those of a block, whose samples begin at an index."""
@@ -89,12 +87,11 @@ class Surface:
             "inside": self.inside,
             "capped": self.capped,
             "normals": self.normals,
-            "label": self.label,
             "blocks": [[list(block.low), list(block.high)] for block in blocks],
         }
 
 
-def samples_of(array: Any, block: Block, surface: Surface) -> _chordal.Source:
+def samples_of(array: Any, block: Block) -> _chordal.Source:
     """The samples of a block, read."""
     import numpy as np
 
@@ -105,8 +102,6 @@ def samples_of(array: Any, block: Block, surface: Surface) -> _chordal.Source:
     expected = tuple(high - low + 1 for low, high in zip(block.low, block.high, strict=True))
     if samples.shape != expected:
         raise Error(f"{named(block)} has {samples.shape} samples, not {expected}")
-    if surface.label is not None:
-        samples = (samples == surface.label).astype(np.uint8)
     return volume(samples)._source
 
 
@@ -117,7 +112,7 @@ def named(block: Block) -> str:
 
 def mesh_block(surface: Surface, array: Any, block: Block) -> bytes:
     """The triangles of a block with the keys that join them to others, bit for bit."""
-    made = _chordal.block(samples_of(array, block, surface), surface.arguments(block, block.low))
+    made = _chordal.block(samples_of(array, block), surface.arguments(block, block.low))
     arrays, bound = made.state()
     return packed({"bound": bound}, arrays)
 
@@ -129,11 +124,30 @@ def block_of(content: bytes) -> _chordal.Block:
     return _chordal.Block.of_state(arrays, None if bound is None else (bound[0], bound[1], bound[2]))
 
 
+def mesh_labels(surface: Surface, only: frozenset[int] | None, array: Any, block: Block) -> bytes:
+    """The triangles of each label of a block, of all but 0 or of `only` some."""
+    made = _chordal.label_blocks(samples_of(array, block), surface.arguments(block, block.low))
+    names: list[int] = []
+    blocks: list[bytes] = []
+    for label, found in made:
+        if only is None or label in only:
+            arrays, bound = found.state()
+            names.append(label)
+            blocks.append(packed({"bound": bound}, arrays))
+    return packed({"labels": names}, blocks)
+
+
+def labels_of(content: bytes) -> list[tuple[int, bytes]]:
+    """The same again: each label with its block as bytes."""
+    facts, arrays = unpacked(content)
+    return list(zip(facts["labels"], arrays, strict=True))
+
+
 def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.Part | None:
     """The triangles of a block as a part that can be simplified; None where it has none."""
     # Normals take the samples beside a vertex.
     around = block.around(surface.shape) if surface.normals else block
-    samples = samples_of(array, around, surface)
+    samples = samples_of(array, around)
     return _chordal.part(samples, surface.arguments(block, around.low), surface.place(block))
 
 

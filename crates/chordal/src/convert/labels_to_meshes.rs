@@ -1,12 +1,13 @@
-//! The arrow from a volume of labels to a mesh for each label: `labels_to_meshes`.
+//! The arrow from a volume of labels to a mesh for each label: `labels_to_meshes`, and `labels_to_blocks` for a part of one.
 use super::cubes::bound::{IsosurfaceDistance, diagonal};
 use super::cubes::caps::{CapVertex, triangles};
 use super::cubes::case_table::{EDGES, TABLE};
 use super::cubes::marching_cubes::refusal;
 use super::cubes::mask_cells::{MaskCellBounds, MaskCells};
 use super::cubes::rule::{Border, LatticeTransform, Polygonize};
-use super::grid_to_mesh::{bound, check, vertex_errors};
-use crate::budget::{Bounded, Evidence, Failure, Job, JobError, Progress, RefusalCode};
+use super::grid_blocks::{FaceKey, GridBlock};
+use super::grid_to_mesh::{VertexKey, bound, check, vertex_errors};
+use crate::budget::{Bound, Bounded, Evidence, Failure, Job, JobError, Progress, RefusalCode};
 use crate::explicit::Mesh;
 use crate::implicit::{Affine3, Grid, with_samples};
 use crate::math::lesser;
@@ -58,23 +59,72 @@ impl Default for LabelOptions {
 /// assert_eq!(meshes.iter().map(|(label, _)| *label).collect::<Vec<_>>(), [7, 9]);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
-#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 pub fn labels_to_meshes(
     grid: &Grid,
     rule: &LabelOptions,
     job: &Job,
 ) -> Result<Vec<(u32, Bounded<Mesh>)>, Failure<Mesh>> {
-    let shape = Polygonize { border: rule.border, offset: rule.offset, ..Polygonize::above(0.5) };
-    check(grid.size(), grid.affine(), &shape)?;
-    let mut sheets = LabelMesher::new(grid, rule);
-    with_samples!(grid.samples(), values => sheets.build(|at| label(f64::from(values[at])), job))?;
-    if sheets.meshes.is_empty() {
+    let made = labelled(grid, rule, false, job)?;
+    if made.is_empty() {
         let only = rule.background.unwrap_or(0);
         return Err(Failure::refused(
             RefusalCode::Empty,
             format!("every sample has the label {only}, which is the background"),
         ));
     }
+    let mesh = |(label, (LabelMesh { positions, faces, .. }, bound))| {
+        (label, Bounded { shape: Mesh::by_construction(positions, faces), bound })
+    };
+    Ok(made.into_iter().map(mesh).collect())
+}
+
+/// Makes the triangles of each label in a block of a volume, in the order of labels: those of [`labels_to_meshes`] for the
+/// whole, in the cells of this grid, with the keys that join them to those of other blocks
+/// ([`join_blocks`](super::lattices::join_blocks)).
+///
+/// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
+/// whole, and `rule.border` is [`Border::Open`] where another block goes on. A label without triangles here has no entry.
+///
+/// **Bound.** As for [`labels_to_meshes`]; the largest of all blocks of a label holds for it.
+///
+/// # Errors
+/// As for [`labels_to_meshes`], but for a block of the background alone, which has no labels.
+///
+/// ```
+/// use chordal::convert::lattices::{LabelOptions, labels_to_blocks};
+/// use chordal::implicit::{Affine3, Grid, Samples};
+/// use chordal::Job;
+/// let grid = Grid::new([2, 2, 2], Samples::U16(vec![7, 9, 7, 9, 7, 9, 7, 9]), Affine3::IDENTITY)?;
+/// let blocks = labels_to_blocks(&grid, &LabelOptions::default(), &Job::default()).expect("labels");
+/// assert_eq!(blocks.iter().map(|(label, _)| *label).collect::<Vec<_>>(), [7, 9]);
+/// # Ok::<(), chordal::implicit::InvalidGrid>(())
+/// ```
+pub fn labels_to_blocks(
+    grid: &Grid,
+    rule: &LabelOptions,
+    job: &Job,
+) -> Result<Vec<(u32, GridBlock)>, JobError> {
+    let made = labelled(grid, rule, true, job)?;
+    let block = |(label, (mesh, bound))| {
+        let LabelMesh { positions, faces, vertex_keys, face_keys, .. } = mesh;
+        let bound = Some(bound).filter(|_| !faces.is_empty());
+        (label, GridBlock { positions, faces, normals: Vec::new(), vertex_keys, face_keys, bound })
+    };
+    Ok(made.into_iter().map(block).filter(|(_, block): &(u32, GridBlock)| !block.faces.is_empty()).collect())
+}
+
+/// The mesh of each label, and its bound.
+#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
+fn labelled(
+    grid: &Grid,
+    rule: &LabelOptions,
+    has_keys: bool,
+    job: &Job,
+) -> Result<BTreeMap<u32, (LabelMesh, Bound)>, JobError> {
+    let shape = Polygonize { border: rule.border, offset: rule.offset, ..Polygonize::above(0.5) };
+    check(grid.size(), grid.affine(), &shape)?;
+    let mut sheets = LabelMesher::new(grid, rule, has_keys);
+    with_samples!(grid.samples(), values => sheets.build(|at| label(f64::from(values[at])), job))?;
     let meshes = std::mem::take(&mut sheets.meshes);
     let mut cells = MaskCells::default();
     meshes.values().for_each(|mesh| cells.add_all(&mesh.cells));
@@ -84,14 +134,14 @@ pub fn labels_to_meshes(
     let errors = vertex_errors(&place, &Polygonize { offset: [0; 3], ..shape }, [2; 3]);
     let bounds = job.run(|| MaskCellBounds::new(&cells, &place, (diagonal(&place), errors), job));
     if job.is_cancelled() {
-        return Err(Failure::Cancelled);
+        return Err(JobError::Cancelled);
     }
-    let of = |LabelMesh { positions, faces, cells }: LabelMesh| {
-        let most = bounds.largest(&cells);
+    let of = |mesh: LabelMesh| {
+        let most = bounds.largest(&mesh.cells);
         let farthest = IsosurfaceDistance { most, at: [0; 3], least: 0.0, witness: None };
         let mut bound = bound(farthest, Evidence::Proved, grid.affine(), &shape, grid.size());
         bound.at = None;
-        Bounded { shape: Mesh::by_construction(positions, faces), bound }
+        (mesh, bound)
     };
     Ok(meshes.into_iter().map(|(label, mesh)| (label, of(mesh))).collect())
 }
@@ -105,6 +155,9 @@ fn label(sample: f64) -> Option<u32> {
 struct LabelMesh {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
+    /// The keys of both, where they are asked for.
+    vertex_keys: Vec<VertexKey>,
+    face_keys: Vec<FaceKey>,
     cells: MaskCells,
 }
 
@@ -122,19 +175,25 @@ struct LabelMesher<'a> {
     rule: &'a LabelOptions,
     place: LatticeTransform,
     upright: bool,
+    has_keys: bool,
     meshes: BTreeMap<u32, LabelMesh>,
     vertices: u64,
     triangles: u64,
 }
 
+/// The bytes of a vertex and of a triangle, without and with their keys.
+const BYTES: [u64; 2] = [24, 12];
+const KEYED_BYTES: [u64; 2] = [24 + size_of::<VertexKey>() as u64, 12 + size_of::<FaceKey>() as u64];
+/// The kind of a vertex at a sample.
+const SAMPLE: u8 = 3;
 /// The row of a missing vertex.
 const NONE: u32 = u32::MAX;
 
 impl<'a> LabelMesher<'a> {
-    fn new(grid: &'a Grid, rule: &'a LabelOptions) -> Self {
+    fn new(grid: &'a Grid, rule: &'a LabelOptions, has_keys: bool) -> Self {
         let place = LatticeTransform::new(grid.affine(), rule.offset);
         let upright = grid.affine().orientation() > 0;
-        Self { grid, rule, place, upright, meshes: BTreeMap::new(), vertices: 0, triangles: 0 }
+        Self { grid, rule, place, upright, has_keys, meshes: BTreeMap::new(), vertices: 0, triangles: 0 }
     }
 
     fn build(&mut self, label_of: impl Fn(usize) -> Option<u32>, job: &Job) -> Result<(), JobError> {
@@ -160,7 +219,7 @@ impl<'a> LabelMesher<'a> {
             self.add_plane_vertices(&mut high, k + 1);
             self.add_vertices_between(&mut low, &high, k);
             self.cells(&low, &high, k);
-            self.cap_sides(&low, &high);
+            self.cap_sides(&low, &high, k);
             self.check(job)?;
             low = high;
         }
@@ -177,7 +236,8 @@ impl<'a> LabelMesher<'a> {
             return Err(refusal(RefusalCode::TooManyTriangles, message));
         }
         // Growing arrays reserve up to twice their contents.
-        if 2 * (24 * self.vertices + 12 * self.triangles) > job.memory_limit {
+        let [vertex, triangle] = if self.has_keys { KEYED_BYTES } else { BYTES };
+        if 2 * (vertex * self.vertices + triangle * self.triangles) > job.memory_limit {
             let message = format!(
                 "the meshes of the labels need more than {} bytes, which is the limit",
                 job.memory_limit
@@ -187,21 +247,34 @@ impl<'a> LabelMesher<'a> {
         Ok(())
     }
 
-    /// Adds a vertex to the mesh of a label.
-    fn vertex(&mut self, label: u32, at: [f64; 3]) -> u32 {
+    /// Adds a vertex to the mesh of a label: at a sample, or on the edge along an axis from it.
+    fn vertex(&mut self, label: u32, at: [f64; 3], (kind, sample): (u8, [usize; 3])) -> u32 {
         if self.rule.background == Some(label) {
             return NONE;
         }
-        let LabelMesh { positions, .. } = self.meshes.entry(label).or_default();
+        let (has_keys, lattice) = (self.has_keys, self.in_whole(sample));
+        let LabelMesh { positions, vertex_keys, .. } = self.meshes.entry(label).or_default();
         self.vertices += 1;
         positions.push(at);
+        if has_keys {
+            vertex_keys.push(VertexKey { lattice, level: 0, kind, sheet: 0 });
+        }
         positions.len() as u32 - 1
     }
 
-    fn face(&mut self, label: u32, [a, b, c]: [u32; 3]) {
-        let LabelMesh { faces, .. } = self.meshes.entry(label).or_default();
+    /// A sample by its index in the whole volume.
+    fn in_whole(&self, sample: [usize; 3]) -> [i64; 3] {
+        [0, 1, 2].map(|axis| self.rule.offset[axis] + sample[axis] as i64)
+    }
+
+    fn face(&mut self, label: u32, [a, b, c]: [u32; 3], key: FaceKey) {
+        let has_keys = self.has_keys;
+        let LabelMesh { faces, face_keys, .. } = self.meshes.entry(label).or_default();
         self.triangles += 1;
         faces.push(if self.upright { [a, b, c] } else { [a, c, b] });
+        if has_keys {
+            face_keys.push(key);
+        }
     }
 
     /// Adds the two vertices at the midpoint of an edge along `axis` from the sample (i, j, k).
@@ -212,7 +285,8 @@ impl<'a> LabelMesher<'a> {
         let mut at = [self.place.global(0, i), self.place.global(1, j), self.place.global(2, k)];
         at[axis] += 0.5;
         let at = self.place.at(at);
-        [self.vertex(low, at), self.vertex(high, at)]
+        let edge = (axis as u8, [i, j, k]);
+        [self.vertex(low, at, edge), self.vertex(high, at, edge)]
     }
 
     /// Adds the vertices in a plane.
@@ -237,7 +311,7 @@ impl<'a> LabelMesher<'a> {
                 };
                 if ends(0, i, nx) || ends(1, j, ny) || ends(2, k, nz) {
                     let place = [self.place.global(0, i), self.place.global(1, j), self.place.global(2, k)];
-                    plane.samples[at] = self.vertex(label, self.place.at(place));
+                    plane.samples[at] = self.vertex(label, self.place.at(place), (SAMPLE, [i, j, k]));
                 }
             }
         }
@@ -278,12 +352,13 @@ impl<'a> LabelMesher<'a> {
                     let ends = [0, 1, 2].map(|axis| [cell[axis] == 0, cell[axis] + 2 == size[axis]]);
                     self.meshes.entry(label).or_default().cells.add(signs, ends, self.rule.border);
                     let case = &TABLE.upright[usize::from(signs)];
-                    for triangle in &case.corners[..usize::from(case.triangles)] {
+                    let [x, y, z] = self.in_whole(cell);
+                    for (number, triangle) in (0..).zip(&case.corners[..usize::from(case.triangles)]) {
                         let face = triangle.map(|edge| {
                             let end = usize::from(labels[usize::from(EDGES[usize::from(edge)][0])] != label);
                             row(edge)[end]
                         });
-                        self.face(label, face);
+                        self.face(label, face, FaceKey { is_cap: false, place: [z, y, x], number });
                     }
                 }
             }
@@ -291,7 +366,7 @@ impl<'a> LabelMesher<'a> {
     }
 
     /// Adds the caps of the side walls between two planes.
-    fn cap_sides(&mut self, low: &LabelPlane, high: &LabelPlane) {
+    fn cap_sides(&mut self, low: &LabelPlane, high: &LabelPlane, k: usize) {
         let [nx, ny, _] = self.grid.size();
         let border = self.rule.border;
         for (axis, n) in [(0, nx), (1, ny)] {
@@ -309,7 +384,8 @@ impl<'a> LabelMesher<'a> {
                         corners = [corners[3], corners[2], corners[1], corners[0]];
                         sides = [sides[2], sides[1], sides[0], sides[3]];
                     }
-                    self.cap_square([low, high], corners, sides);
+                    let along = if axis == 0 { [p, k] } else { [k, p] };
+                    self.cap_square([low, high], corners, sides, self.cap_place(axis, end, along));
                 }
             }
         }
@@ -328,21 +404,33 @@ impl<'a> LabelMesher<'a> {
                     corners = [corners[3], corners[2], corners[1], corners[0]];
                     sides = [sides[2], sides[1], sides[0], sides[3]];
                 }
-                self.cap_square([plane; 2], corners, sides);
+                self.cap_square([plane; 2], corners, sides, self.cap_place(2, end, [i, j]));
             }
         }
     }
 
+    /// The place of a cap's triangles, at a border and so far along the two axes after its own.
+    fn cap_place(&self, axis: usize, end: usize, [p, q]: [usize; 2]) -> [i64; 3] {
+        let along = |axis: usize, index: usize| self.rule.offset[axis % 3] + index as i64;
+        [2 * axis as i64 + end as i64, along(axis + 2, q), along(axis + 1, p)]
+    }
+
     /// Adds the caps of all labels in one square. Each corner is a plane and a row, counter-clockwise from
     /// outside; `sides` has the vertices of the side after each corner.
-    fn cap_square(&mut self, planes: [&LabelPlane; 2], corners: [(usize, usize); 4], sides: [[u32; 2]; 4]) {
+    fn cap_square(
+        &mut self,
+        planes: [&LabelPlane; 2],
+        corners: [(usize, usize); 4],
+        sides: [[u32; 2]; 4],
+        place: [i64; 3],
+    ) {
         let of = |(plane, at): (usize, usize)| planes[plane].labels[at];
         let labels = corners.map(of);
         for (first, label) in labels.into_iter().enumerate() {
             if labels[..first].contains(&label) || self.rule.background == Some(label) {
                 continue;
             }
-            let number = |spot: CapVertex| match spot {
+            let row = |spot: CapVertex| match spot {
                 CapVertex::Corner(i) => planes[corners[i].0].samples[corners[i].1],
                 CapVertex::Side(i) => {
                     let (here, there) = (corners[i], corners[(i + 1) % 4]);
@@ -350,7 +438,11 @@ impl<'a> LabelMesher<'a> {
                     sides[i][usize::from(of(lower) != label)]
                 }
             };
-            triangles(labels.map(|other| other == label), number, |face| self.face(label, face));
+            let mut number = 0;
+            triangles(labels.map(|other| other == label), row, |face| {
+                self.face(label, face, FaceKey { is_cap: true, place, number });
+                number += 1;
+            });
         }
     }
 }

@@ -2,10 +2,11 @@
 use super::shapes::{interpolant, one_sided, surface_points};
 use chordal::budget::Evidence;
 use chordal::convert::Border;
-use chordal::convert::lattices::{LabelOptions, labels_to_meshes};
+use chordal::convert::lattices::{GridBlock, LabelOptions, join_blocks, labels_to_blocks, labels_to_meshes};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Job, Mesh};
 use chordal_testkit::{Random, cases};
+use std::collections::BTreeMap;
 
 fn longest_step(affine: &Affine3) -> f64 {
     affine.steps().map(|s| s.map(|x| x * x).iter().sum::<f64>().sqrt()).into_iter().fold(0.0, f64::max)
@@ -94,4 +95,71 @@ fn bounds_are_those_of_the_cells_that_a_label_has() {
     // One sample: an octahedron. In a cell x y z = 1/2 is √3 (½^⅓ − 5/6) = 0.0687 off at the diagonal.
     let one = bound([5; 3], &|at| at == [2; 3]);
     assert!((0.0687..0.12).contains(&one), "{one}");
+}
+
+/// The faces of a mesh by the bits of their corners, each begun at its least corner, sorted.
+fn faces_of(mesh: &Mesh) -> Vec<[[u64; 3]; 3]> {
+    let turned = |face: usize| {
+        let mut corners = mesh.corners(face).map(|at| at.map(f64::to_bits));
+        let first = (0..3).min_by_key(|i| corners[*i]).unwrap();
+        corners.rotate_left(first);
+        corners
+    };
+    let mut faces: Vec<_> = (0..mesh.faces().len()).map(turned).collect();
+    faces.sort_unstable();
+    faces
+}
+
+#[test]
+fn labels_of_blocks_join_to_those_of_the_whole() {
+    let mut rng = Random::new(21);
+    for round in 0..cases(20) {
+        let size = [0, 1, 2].map(|_| 2 + rng.below(7));
+        let labels: Vec<u8> = (0..size.iter().product::<usize>()).map(|_| rng.below(4) as u8).collect();
+        let affine =
+            Affine3::new([[0.5, 0.0, 0.1, 3.0], [0.0, -0.7, 0.0, 1.0], [0.0, 0.2, 0.9, -2.0]]).unwrap();
+        let grid = Grid::new(size, Samples::U8(labels.clone()), affine).unwrap();
+        let border =
+            [0, 1, 2].map(|_| [0, 1].map(|_| if rng.below(4) == 0 { Border::Open } else { Border::Capped }));
+        let rule = LabelOptions { border, offset: [7, -3, 1 << 20], ..LabelOptions::default() };
+        let Ok(whole) = labels_to_meshes(&grid, &rule, &Job::default()) else { continue };
+        let step = [0, 1, 2].map(|_| 1 + rng.below(4));
+        let ranges = [0, 1, 2].map(|k| {
+            let starts = (0..size[k] - 1).step_by(step[k]);
+            starts.map(|low| [low, (low + step[k]).min(size[k] - 1)]).collect::<Vec<_>>()
+        });
+        let mut blocks: BTreeMap<u32, Vec<GridBlock>> = BTreeMap::new();
+        for (x, y, z) in ranges[0].iter().flat_map(|x| {
+            ranges[1].iter().flat_map(|y| ranges[2].iter().map(|z| (*x, *y, *z))).collect::<Vec<_>>()
+        }) {
+            let [low, high] = [0, 1].map(|end| [x[end], y[end], z[end]]);
+            let mut values = Vec::new();
+            for k in low[2]..=high[2] {
+                for j in low[1]..=high[1] {
+                    values.extend((low[0]..=high[0]).map(|i| labels[i + size[0] * (j + size[1] * k)]));
+                }
+            }
+            let own =
+                Grid::new([0, 1, 2].map(|k| high[k] - low[k] + 1), Samples::U8(values), affine).unwrap();
+            let mut part = rule;
+            for k in 0..3 {
+                part.offset[k] += low[k] as i64;
+                let ends = [low[k] == 0, high[k] + 1 == size[k]];
+                part.border[k] = [0, 1].map(|end| if ends[end] { border[k][end] } else { Border::Open });
+            }
+            for (label, block) in labels_to_blocks(&own, &part, &Job::default()).unwrap() {
+                blocks.entry(label).or_default().push(block);
+            }
+        }
+        // A label in the whole may have vertices at an open border and no triangle.
+        let shown = whole.iter().filter(|(_, made)| !made.shape.faces().is_empty());
+        assert!(blocks.keys().eq(shown.clone().map(|(label, _)| label)), "round {round}");
+        for ((label, made), blocks) in shown.zip(blocks.into_values()) {
+            let joined = join_blocks(blocks, &Job::default()).unwrap();
+            assert_eq!(faces_of(&joined.shape), faces_of(&made.shape), "round {round}, label {label}");
+            assert_eq!(joined.shape.positions().len(), made.shape.positions().len());
+            let [far, alone] = [&joined.bound, &made.bound].map(|bound| bound.at_most().unwrap());
+            assert!((far - alone).abs() <= 1e-9 * alone, "{far} against {alone}");
+        }
+    }
 }
