@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import functools
 import inspect
+import types
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -248,11 +249,17 @@ def no_attribute(owner: str, title: str, name: str, thing: object) -> AttributeE
     if not name.startswith("_"):
         hint = found_hint(owner, name)
         if hint is None:
-            # Those that begin alike, for others take a tenth of a millisecond, and who asks `hasattr` does not read it.
-            near = difflib.get_close_matches(name, [known for known in dir(thing) if known[:2] == name[:2]], 1)
+            # Those that begin alike: who asks `hasattr` does not read it, and is not to wait for it.
+            owned = thing if isinstance(thing, (type, types.ModuleType)) else type(thing)
+            near = difflib.get_close_matches(name, [known for known in _names_in(owned) if known[:3] == name[:3]], 1)
             hint = f"is {near[0]} meant?" if near else None
         sentence += "" if hint is None else f": {hint}"
     return AttributeError(sentence)
+
+
+@functools.cache
+def _names_in(owner: object) -> tuple[str, ...]:
+    return tuple(dir(owner))
 
 
 def owner_of(kind: type) -> str:
