@@ -35,6 +35,8 @@ def _value(value: Any) -> Any:
         return value._value
     if isinstance(value, Curve):
         return value._source
+    if isinstance(value, Shape):
+        raise ValueError(f"a field is needed, not a {type(value).__name__}: {_field_by(value)}")
     if hasattr(value, "__array_interface__"):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -426,7 +428,10 @@ def _of_bytes(
         import numpy as np
 
         points = np.frombuffer(asked).reshape(-1, 3)
-        found = np.ascontiguousarray(called(points), dtype=np.float64)
+        given = called(points)
+        if np.iscomplexobj(given):
+            raise TypeError(f"the {name} gave back complex numbers")
+        found = np.ascontiguousarray(given, dtype=np.float64)
         if found.shape not in shapes(len(points)):
             raise ValueError(f"the {name} gave back {found.shape} for {len(points)} points")
         return found.tobytes()

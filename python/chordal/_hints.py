@@ -117,7 +117,8 @@ _VOLUMES: dict[str, str] = {
     **dict.fromkeys(("min", "max", "mean", "std"), "the same of volume.array"),
     **dict.fromkeys(("dimensions", "dims", "size"), "volume.shape"),
     **dict.fromkeys(("resample", "crop", "gaussian_smooth"), "chordal.volume of an array that scipy.ndimage makes"),
-    **dict.fromkeys(("transform", "matrix"), "volume.affine"),
+    **dict.fromkeys(("transform", "matrix", "orientation", "direction"), "volume.affine"),
+    "labels": 'volume.mesh(labels="all"), or chordal.labels(array)',
 }
 
 _FIELDS: dict[str, str] = {

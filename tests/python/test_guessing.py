@@ -203,6 +203,8 @@ def test_an_empty_mesh_says_that_it_is_empty() -> None:
         (lambda: ANY.field(np.linalg.norm), ValueError, r"gave back \(\) for 2 points"),
         (lambda: ANY.field(SOLID), TypeError, r"to_field\(\) of a mesh"),
         (lambda: ANY.field("x"), TypeError, r"chordal\.script"),
+        (lambda: ANY.shapes.move(SOLID, 1, 0, 0), ValueError, r"a field is needed, not a Mesh: to_field\(\) of a mesh"),
+        (lambda: ANY.field(lambda p: p[:, 0] * 1j)([[0, 0, 0]]), TypeError, "complex numbers"),
         (lambda: BALL | SOLID, TypeError, r"to_field\(\) of a mesh"),
         (lambda: SOLID - BALL, TypeError, r"a\.difference\(b, tol=0\.01\)"),
         (lambda: SOLID - OPEN, chordal.Refused, r"mend it \(mend\(fill_holes=True\)\)"),
