@@ -36,7 +36,9 @@ pub fn readable_names() -> String {
 pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
     match shape {
         _ if !to.holds_triangles() && !to.holds_polylines() => {
-            Err(format!("{to} is only read; what can be written is {}", output_names()).into())
+            let is_drawn = matches!(shape, Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_));
+            let names = if is_drawn { output_names() } else { mesh_names() };
+            Err(format!("{to} is only read; what can be written is {names}").into())
         }
         Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Scene(_) if !to.holds_triangles() => {
             Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names())

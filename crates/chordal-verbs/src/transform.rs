@@ -7,7 +7,7 @@ use chordal_io::{Node, Part, Scene, WriteError};
 
 /// A scene under an affine map.
 #[derive(Clone, Debug)]
-pub struct TransformedScene {
+pub struct MovedScene {
     /// Everything in it, moved.
     pub scene: Scene,
     /// The largest factor by which the map lengthens, rounded up.
@@ -18,7 +18,7 @@ pub struct TransformedScene {
     rounding: f64,
 }
 
-impl TransformedScene {
+impl MovedScene {
     /// What becomes of an interval that holds the distance of the scene to another shape, which the map takes along.
     #[must_use]
     pub fn interval(&self, at_least: f64, at_most: Option<f64>) -> (f64, Option<f64>) {
@@ -49,7 +49,7 @@ impl TransformedScene {
 /// assert!((1.0..1.0 + 1e-13).contains(&at_most.unwrap()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<TransformedScene, WriteError> {
+pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteError> {
     let mut moved = scene.clone();
     // What it certifies is where it was.
     moved.certificate = None;
@@ -72,7 +72,7 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<TransformedScene, 
         }
         moved = Scene { parts, nodes: scene.nodes.clone(), roots: scene.roots.clone(), ..moved };
     }
-    Ok(TransformedScene { scene: moved, longest, shortest, rounding })
+    Ok(MovedScene { scene: moved, longest, shortest, rounding })
 }
 
 /// Whether every part is shown once and as it is, by a node that says nothing else.
