@@ -258,9 +258,15 @@ def no_attribute(owner: str, title: str, name: str, thing: object) -> AttributeE
     return AttributeError(sentence)
 
 
-@functools.cache
-def _names_in(owner: object) -> tuple[str, ...]:
-    return tuple(dir(owner))
+#: The names of classes and modules, once they were asked for.
+_OWN_NAMES: dict[int, list[str]] = {}
+
+
+def _names_in(owner: object) -> list[str]:
+    # Classes and modules stay, so that their numbers do.
+    if id(owner) not in _OWN_NAMES:
+        _OWN_NAMES[id(owner)] = dir(owner)
+    return _OWN_NAMES[id(owner)]
 
 
 def owner_of(kind: type) -> str:
