@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import pickle
 from concurrent.futures import ProcessPoolExecutor
@@ -170,3 +171,34 @@ def test_labels_of_blocks_are_those_of_the_whole(tmp_path: Path) -> None:
     assert list(volume.labels(only=[2000], block=6)) == [2000]
     with pytest.raises(chordal.Refused, match="a label is a whole number"):
         chordal.block_volume(samples + 0.5).labels()
+
+
+def test_meshes_of_labels_for_neuroglancer_are_closed_across_fragments(tmp_path: Path) -> None:
+    rng = np.random.default_rng(6)
+    seeds = rng.uniform(0, 20, (5, 3))
+    places = np.moveaxis(np.indices((20, 18, 21)), 0, -1)[..., None, :]
+    samples = (np.argmin(((places - seeds) ** 2).sum(axis=-1), axis=-1) + 1).astype(np.uint32)
+    volume = chordal.block_volume(samples, spacing=(0.7, 1.1, 0.5), unit="um")
+    for tol in (None, 0.9):
+        folder = tmp_path / f"within {tol}"
+        bounds = volume.precomputed(folder, tol=tol, block=7)
+        assert list(bounds) == [1, 2, 3, 4, 5] and json.loads((folder / "info").read_text())["@type"] == "neuroglancer_legacy_mesh"
+        for label, bound in bounds.items():
+            assert bound.evidence == "proved" and bound.at_most is not None
+            points = []
+            for name in json.loads((folder / f"{label}:0").read_text())["fragments"]:
+                content = (folder / name).read_bytes()
+                n = int.from_bytes(content[:4], "little")
+                vertices = np.frombuffer(content, "<f4", 3 * n, 4).reshape(-1, 3)
+                points.append(vertices[np.frombuffer(content, "<u4", offset=4 + 12 * n)])
+            corner, index = np.unique(np.concatenate(points), axis=0, return_inverse=True)
+            mesh = chordal.Mesh(corner / 1e3, index.reshape(-1, 3).astype(np.int64))
+            whole = volume.labels([label])[label]
+            assert whole.bound.at_most is not None
+            assert mesh.is_watertight and mesh.deviation(whole).bound.at_least <= bound.at_most + whole.bound.at_most
+            assert len(mesh.faces) == len(whole.faces) if tol is None else len(mesh.faces) < 0.7 * len(whole.faces)
+            assert tol is None or bound.at_most <= tol
+    with pytest.raises(chordal.Error, match="this folder holds meshes"):
+        volume.precomputed(tmp_path / "within None")
+    with pytest.raises(ValueError, match="unit: these meshes are in nanometres"):
+        chordal.block_volume(samples).precomputed(tmp_path / "no unit")

@@ -58,12 +58,20 @@ pub(crate) fn label_blocks(
     samples: &Source,
     arguments: BlockArguments,
 ) -> PyResult<Vec<(u32, Block)>> {
-    let grid = lattice(py, samples, &arguments)?;
+    let made = mesh_labels(py, samples, &arguments)?;
+    Ok(made.into_iter().map(|(label, block)| (label, Block(Arc::new(block)))).collect())
+}
+
+pub(crate) fn mesh_labels(
+    py: Python<'_>,
+    samples: &Source,
+    arguments: &BlockArguments,
+) -> PyResult<Vec<(u32, GridBlock)>> {
+    let grid = lattice(py, samples, arguments)?;
     let rule =
         LabelOptions { border: arguments.border(), offset: arguments.offset, ..LabelOptions::default() };
     let made = work::run(py, None, move |job| labels_to_blocks(&grid, &rule, job))?;
-    let made = made.map_err(|error| failure::mesh(py, error.into()))?;
-    Ok(made.into_iter().map(|(label, block)| (label, Block(Arc::new(block)))).collect())
+    made.map_err(|error| failure::mesh(py, error.into()))
 }
 
 /// The samples where they are in the volume.

@@ -48,7 +48,7 @@ mod _chordal {
     #[pymodule_export]
     use super::mend::mend;
     #[pymodule_export]
-    use super::part::{Part, join_parts, part, tileset};
+    use super::part::{BlockPart, join_parts, label_parts, part, tileset};
     #[pymodule_export]
     use super::path::{drawing_field, fit, path_at, path_facts, path_source, to_cubics};
     #[pymodule_export]

@@ -1,5 +1,7 @@
 //! Parts of a surface that is never in one place: simplified, joined, and written as tiles.
-use crate::block::{BlockArguments, BoundState, bound_of_state, mesh_block, scene_of, state_of_bound};
+use crate::block::{
+    BlockArguments, BoundState, bound_of_state, mesh_block, mesh_labels, scene_of, state_of_bound,
+};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::Tolerance;
@@ -34,7 +36,7 @@ impl BoxArguments {
 
 /// A part of a surface.
 #[pyclass(frozen, module = "chordal._chordal")]
-pub(crate) struct Part(Arc<SurfacePart>);
+pub(crate) struct BlockPart(Arc<SurfacePart>);
 
 /// What a tileset says of a tile: its name, the box of its content (low, then high), its bound, its triangles, and its
 /// children by their numbers in the list.
@@ -47,18 +49,35 @@ pub(crate) fn part(
     samples: &Source,
     arguments: BlockArguments,
     place: BoxArguments,
-) -> PyResult<Option<Part>> {
+) -> PyResult<Option<BlockPart>> {
     let made = mesh_block(py, samples, arguments)?;
     let cut = made.within(place.low, place.high);
-    Ok(SurfacePart::from_block(cut, &place.place()).map(|part| Part(Arc::new(part))))
+    Ok(SurfacePart::from_block(cut, &place.place()).map(|part| BlockPart(Arc::new(part))))
+}
+
+/// The triangles of each label in a block.
+#[pyfunction]
+pub(crate) fn label_parts(
+    py: Python<'_>,
+    samples: &Source,
+    arguments: BlockArguments,
+    place: BoxArguments,
+) -> PyResult<Vec<(u32, BlockPart)>> {
+    let place = place.place();
+    let part = |(label, block)| Some((label, BlockPart(Arc::new(SurfacePart::from_block(block, &place)?))));
+    Ok(mesh_labels(py, samples, &arguments)?.into_iter().filter_map(part).collect())
 }
 
 /// Parts that fill a box as one.
 #[pyfunction]
-pub(crate) fn join_parts(py: Python<'_>, parts: Vec<Py<Part>>, place: BoxArguments) -> PyResult<Part> {
+pub(crate) fn join_parts(
+    py: Python<'_>,
+    parts: Vec<Py<BlockPart>>,
+    place: BoxArguments,
+) -> PyResult<BlockPart> {
     let parts: Vec<SurfacePart> = parts.iter().map(|part| SurfacePart::clone(&part.get().0)).collect();
     let made = work::run(py, None, move |_| SurfacePart::join(&parts, &place.place()))?;
-    made.map(|part| Part(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
+    made.map(|part| BlockPart(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
 }
 
 /// The document of a tileset.
@@ -82,7 +101,7 @@ pub(crate) fn tileset<'py>(
 }
 
 #[pymethods]
-impl Part {
+impl BlockPart {
     /// The number of triangles.
     #[getter]
     fn n_faces(&self) -> usize {
@@ -128,6 +147,17 @@ impl Part {
         let TileEntry { name, bounds: Box3 { min, max }, bound, triangles, children } = made.entry;
         let ends = [min[0], min[1], min[2], max[0], max[1], max[2]];
         Ok((PyBytes::new(py, &made.glb), (name, ends, state_of_bound(&bound), triangles, children)))
+    }
+
+    /// A fragment of Neuroglancer's meshes: the number of vertices, their coordinates times a scale in single precision, and
+    /// three indices for each triangle; all little-endian.
+    fn fragment<'py>(&self, py: Python<'py>, scale: f64) -> pyo3::Bound<'py, PyBytes> {
+        let mesh = &self.0.mesh;
+        let mut bytes = (mesh.positions().len() as u32).to_le_bytes().to_vec();
+        let coordinates = mesh.positions().as_flattened().iter();
+        coordinates.for_each(|x| bytes.extend(((x * scale) as f32).to_le_bytes()));
+        mesh.faces().as_flattened().iter().for_each(|row| bytes.extend(row.to_le_bytes()));
+        PyBytes::new(py, &bytes)
     }
 
     /// Its triangles as a scene, and its bound as JSON.

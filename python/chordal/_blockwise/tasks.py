@@ -143,7 +143,7 @@ def labels_of(content: bytes) -> list[tuple[int, bytes]]:
     return list(zip(facts["labels"], arrays, strict=True))
 
 
-def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.Part | None:
+def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.BlockPart | None:
     """The triangles of a block as a part that can be simplified; None where it has none."""
     # Normals take the samples beside a vertex.
     around = block.around(surface.shape) if surface.normals else block
@@ -159,7 +159,7 @@ def simplified_block(surface: Surface, tolerance: float, array: Any, block: Bloc
     return packed_part(part)
 
 
-def packed_part(part: _chordal.Part | None) -> bytes:
+def packed_part(part: _chordal.BlockPart | None) -> bytes:
     """A part as bytes."""
     if part is None:
         return packed({"bound": None}, [])
@@ -167,8 +167,8 @@ def packed_part(part: _chordal.Part | None) -> bytes:
     return packed({"bound": bound}, [content])
 
 
-def part_of(content: bytes) -> _chordal.Part | None:
+def part_of(content: bytes) -> _chordal.BlockPart | None:
     """The same again."""
     facts, arrays = unpacked(content)
     bound = facts["bound"]
-    return None if bound is None else _chordal.Part.of_state(arrays[0], (bound[0], bound[1], bound[2]))
+    return None if bound is None else _chordal.BlockPart.of_state(arrays[0], (bound[0], bound[1], bound[2]))

@@ -84,14 +84,14 @@ class _Cube:
 class _Grown:
     """A part with the tiles that were made of it: `tops` show it now, `entries` has those and all below them."""
 
-    part: _chordal.Part
+    part: _chordal.BlockPart
     #: The length by which it is simplified next.
     length: float
     tops: list[str] = field(default_factory=list)
     entries: list[TileEntry] = field(default_factory=list)
     files: list[tuple[str, bytes]] = field(default_factory=list)
 
-    def put(self, part: _chordal.Part, name: str, metres: float | None) -> None:
+    def put(self, part: _chordal.BlockPart, name: str, metres: float | None) -> None:
         """A tile in place of those that show the part now."""
         content, (_, box, bound, triangles, _) = part.tile(name, metres)
         self.entries.append((name, box, bound, triangles, self.tops))
@@ -117,7 +117,7 @@ class _Grown:
         if facts["bound"] is None:
             return None
         least, most, at = facts["bound"]
-        part = _chordal.Part.of_state(arrays[0], (least, most, at))
+        part = _chordal.BlockPart.of_state(arrays[0], (least, most, at))
         entries = [(name, box, tuple(bound), n, children) for name, box, bound, n, children in facts["entries"]]
         files = list(zip(facts["files"], arrays[1:], strict=True))
         return _Grown(part, facts["length"], facts["tops"], entries, files)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIn
 from chordal import _chordal
 from chordal._arguments import function, number, text
 from chordal._blockwise.folder import KeptFolder
+from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sources import Placed, opened
 from chordal._blockwise.tasks import (
     Block,
@@ -29,7 +30,7 @@ from chordal._blockwise.tasks import (
 )
 from chordal._blockwise.tree import BlockTree, Tileset
 from chordal._blockwise.workers import Task, Workers
-from chordal._bound import bound_of
+from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._volume import _steps
 
@@ -147,15 +148,13 @@ class BlockVolume:
         surface = self._surface(iso, inside, border)
         blocks = list(self.blocks(block))
         metres = None if self._unit is None else _METRES[self._unit]
-        if tol is None:
+        length = self._tolerance(tol)
+        if length is None:
             call = partial(mesh_block, surface)
             done = self._done(blocks, executor, cluster, folder, progress, surface, {}, call)
             whole = [block_of(made) for made in done]
             source, bound = _chordal.joined([part for part in whole if part.n_faces], metres)
             return Mesh._of_source(source, bound_of(json.loads(bound)))
-        length = number("tol", tol)
-        if not length > 0:
-            raise BudgetError(f"tol: a length above 0, not {length}")
         # A quarter for the triangles of a block, another for fewer, and what is left for the lines between them.
         surface = replace(surface, wanted=0.25 * length)
         call = partial(simplified_block, surface, 0.5 * length)
@@ -216,6 +215,46 @@ class BlockVolume:
             meshes[label] = Mesh._of_source(source, bound_of(json.loads(bound)))
         return meshes
 
+    def precomputed(
+        self,
+        folder: str | os.PathLike[str],
+        only: Sequence[SupportsIndex] | None = None,
+        *,
+        tol: SupportsFloat | None = None,
+        border: Literal["capped", "open"] = "capped",
+        block: SupportsIndex | Sequence[SupportsIndex] = 256,
+        executor: Any | None = None,
+        cluster: str | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> dict[int, Bound]:
+        """The meshes of labels in a folder that Neuroglancer reads (its legacy precomputed format), a fragment for each label
+        and block, so that none of them is in one place. Gives back the bound of each label, proved.
+
+        With `tol`, a length in the units of the volume, fragments have fewer triangles; those of one label fit, while two
+        labels that meet are simplified each by itself. The volume needs a unit, since these meshes are in nanometres.
+        What is done is kept in the subfolder `parts` until all is; the other arguments are those of `labels`.
+
+        >>> import chordal, numpy, os, tempfile
+        >>> halves = numpy.ones((12, 12, 12), numpy.uint8)
+        >>> halves[6:] = 2
+        >>> folder = tempfile.mkdtemp()
+        >>> bounds = chordal.block_volume(halves, spacing=0.5, unit="um").precomputed(folder, tol=0.2, block=6)
+        >>> [(label, bound.at_most <= 0.2) for label, bound in bounds.items()], sorted(os.listdir(folder))[:2]
+        ([(1, True), (2, True)], ['1:0', '1:0:0_0_0'])
+        """
+        if self._unit is None:
+            raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"um\")")
+        surface = self._surface(0.5, "high", border)
+        chosen = None if only is None else frozenset(map(index, only))
+        length = self._tolerance(tol)
+        blocks = list(self.blocks(block))
+        named_labels = None if chosen is None else sorted(chosen)
+        plan = {**surface.plan(blocks, str(self.dtype)), "labels": named_labels, "tol": length, "unit": self._unit}
+        tell = function("progress", progress)
+        with Workers(executor, cluster) as workers:
+            tasks = (surface, blocks, chosen, length)
+            return write_fragments(folder, plan, tasks, self._array, _METRES[self._unit], workers, tell)
+
     def tileset(
         self,
         folder: str | os.PathLike[str],
@@ -252,9 +291,7 @@ class BlockVolume:
         >>> made.bound.evidence, made.bound.at_most <= 0.1, made.tiles > 9
         ('proved', True, True)
         """
-        length = None if tol is None else number("tol", tol)
-        if length is not None and not length > 0:
-            raise BudgetError(f"tol: a length above 0, not {length}")
+        length = self._tolerance(tol)
         wanted = None if length is None else 0.5 * length
         surface = replace(self._surface(iso, inside, border), normals=bool(normals), wanted=wanted)
         metres = None if self._unit is None else _METRES[self._unit]
@@ -263,6 +300,13 @@ class BlockVolume:
         plan = {**surface.plan(blocks, str(self.dtype)), "tol": length, "unit": self._unit}
         with Workers(executor, cluster) as workers:
             return tree.build(folder, plan, self._array, workers, function("progress", progress))
+
+    @staticmethod
+    def _tolerance(tol: SupportsFloat | None) -> float | None:
+        length = None if tol is None else number("tol", tol)
+        if length is not None and not length > 0:
+            raise BudgetError(f"tol: a length above 0, not {length}")
+        return length
 
     def _surface(self, iso: SupportsFloat, inside: str | None, border: str) -> Surface:
         level = number("iso", iso)

@@ -1,0 +1,110 @@
+"""Meshes of labels as Neuroglancer reads them: a fragment for each label and block, and a list of fragments for each label.
+
+Source: Neuroglancer, *Precomputed mesh format*, the legacy single-resolution one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from chordal import _chordal, _files
+from chordal._blockwise.folder import KeptFolder, written
+from chordal._blockwise.packing import packed, unpacked
+from chordal._blockwise.tasks import Block, Surface, named, samples_of
+from chordal._bound import Bound
+from chordal._errors import Error, Refused
+
+if TYPE_CHECKING:
+    from chordal._blockwise.workers import Task, Workers
+
+#: Nanometres of a metre, in which Neuroglancer's meshes are.
+_NANOMETRES = 1e9
+#: What rounding to single precision moves a point by, in units of the sum of its coordinates.
+_ROUNDING = 2.0**-23
+#: Where the results of tasks are meanwhile.
+_PARTS = "parts"
+
+
+def write_fragments(
+    folder: str | os.PathLike[str],
+    plan: Mapping[str, Any],
+    tasks: tuple[Surface, list[Block], frozenset[int] | None, float | None],
+    array: Any,
+    metres: float,
+    workers: Workers,
+    tell: Callable[[str, int, int], object] | None,
+) -> dict[int, Bound]:
+    """All fragments, then the list of each label, then what says that these are meshes; the bound of each label."""
+    target = os.fspath(folder)
+    document = os.path.join(target, "info")
+    if os.path.exists(document):
+        raise Error(f"{_files.shown(document)}: this folder holds meshes; choose another, or remove it")
+    surface, blocks, only, tolerance = tasks
+    done: dict[int, Any] = {}
+    with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
+        waiting: list[Task[int]] = []
+        shared = workers.shared(array)
+        for k in reversed(range(len(blocks))):
+            found = kept.read(f"block_{k}")
+            if found is None:
+                waiting.append((k, named(blocks[k]), (shared, blocks[k])))
+            else:
+                done[k] = unpacked(found)[0]["labels"]
+        call = partial(_fragments, surface, only, tolerance, metres * _NANOMETRES)
+        for k, made in workers.run(waiting, call):
+            facts, fragments = unpacked(made)
+            for (label, _), fragment in zip(facts["labels"], fragments, strict=True):
+                written(os.path.join(target, _fragment(label, blocks[k])), fragment)
+            kept.write(f"block_{k}", packed({"labels": facts["labels"]}, []))
+            done[k] = facts["labels"]
+            if tell is not None:
+                tell("blocks", len(done), len(blocks))
+    names: dict[int, list[str]] = {}
+    most: dict[int, float] = {}
+    for k, block in enumerate(blocks):
+        for label, at_most in done[k]:
+            names.setdefault(label, []).append(_fragment(label, block))
+            most[label] = max(most.get(label, 0.0), at_most)
+    for label, listed in names.items():
+        written(os.path.join(target, f"{label}:0"), json.dumps({"fragments": listed}).encode())
+    if names:
+        written(document, json.dumps({"@type": "neuroglancer_legacy_mesh"}).encode())
+    shutil.rmtree(os.path.join(target, _PARTS))
+    if not names:
+        raise Refused("empty", "no block has a label")
+    return {label: Bound(0.0, most[label], "proved", "hausdorff", "trilinear interpolant") for label in sorted(names)}
+
+
+def _fragment(label: int, block: Block) -> str:
+    return f"{label}:0:{'_'.join(map(str, block.low))}"
+
+
+def _fragments(
+    surface: Surface, only: frozenset[int] | None, tolerance: float | None, scale: float, array: Any, block: Block
+) -> bytes:
+    """What a worker makes of a block: a fragment for each label, and its bound with the rounding of coordinates."""
+    arguments = surface.arguments(block, block.low)
+    labels: list[tuple[int, float]] = []
+    fragments: list[bytes] = []
+    rounding = _ROUNDING * _farthest(surface)
+    for label, part in _chordal.label_parts(samples_of(array, block), arguments, surface.place(block)):
+        if only is not None and label not in only:
+            continue
+        room = 0.0 if tolerance is None else tolerance - part.at_most - 2 * rounding
+        if room > 0.0:
+            part = part.simplified(room)
+        labels.append((label, math.nextafter(part.at_most + rounding, math.inf)))
+        fragments.append(part.fragment(scale))
+    return packed({"labels": labels}, fragments)
+
+
+def _farthest(surface: Surface) -> float:
+    """The largest sum of the coordinates' sizes in the lattice."""
+    sizes = [n - 1 for n in surface.shape]
+    return sum(sum(abs(a) * n for a, n in zip(row, sizes, strict=False)) + abs(row[3]) for row in surface.affine)
