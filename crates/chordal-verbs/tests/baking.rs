@@ -4,8 +4,9 @@ use crate::common;
 
 use chordal::convert::{mesh_to_field, mesh_to_grid};
 use chordal::{Job, Mesh};
+use chordal_io::Format;
 use chordal_testkit::is_long;
-use chordal_verbs::{BakeSpec, FormatHint, Shape, bake, load};
+use chordal_verbs::{BakeResolution, BakeSpec, FormatHint, Shape, bake, load};
 
 /// Whether the ray from `p` along `d` leaves more often than it enters; `None` where it comes too close to an
 /// edge to tell.
@@ -190,5 +191,22 @@ fn the_bounds_of_the_interpolant_are_never_exceeded() {
             // Where the distance has kinks, as it has inside, the bound is within some times of what is there.
             assert!(band.is_finite() || worst[0] > 0.05 * most, "{script}: {worst:?}, {most}");
         }
+    }
+}
+
+#[test]
+fn a_longer_length_is_met_where_a_shorter_one_is() {
+    // A plate a hundredth as thick as it is wide: cells of an eighth of a long length miss it.
+    let corner = |n: usize| format!("v {} {} {}\n", 10 * (n & 1), 10 * (n >> 1 & 1), 0.1 * (n >> 2) as f64);
+    let faces = "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n";
+    let obj = (0..8).map(corner).collect::<String>() + faces;
+    for length in ["2", "1", "0.3", "0.1"] {
+        let hint = FormatHint { name: Some("plate.obj"), ..FormatHint::default() };
+        let input = load(obj.as_bytes(), hint, &Default::default()).unwrap();
+        let spec =
+            BakeSpec { resolution: BakeResolution::Within(length.parse().unwrap()), ..BakeSpec::cells(8) };
+        let made = bake(input, &spec, Format::Nrrd, &Job::default()).unwrap();
+        assert!(made.unmet.is_none(), "{length}: {:?}", made.unmet);
+        assert!(made.certificate.bound.unwrap().at_most.unwrap() <= length.parse::<f64>().unwrap());
     }
 }

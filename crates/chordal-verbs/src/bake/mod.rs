@@ -246,13 +246,18 @@ fn bake_within(
         return Err(MeshFailure::refused(RefusalCode::Budget, "no lattice was tried"));
     };
     let bound = surface_of(source, &made, job)?;
+    // Lengths that are a share of a cell may be proved where the whole limit was not.
+    if bound.as_ref().and_then(Bound::at_most).is_some_and(|most| most <= limit.get()) {
+        return Ok((made, bound, None));
+    }
     let reached = bound.as_ref().map_or_else(|| "no bound".to_owned(), Bound::to_string);
     let [x, y, z] = made.samples.size();
     let mut message = Message::from(format!(
         "the budget was not met; the best reached is {reached} with {x} x {y} x {z} samples"
     ));
     let why = why.unwrap_or_else(|| {
-        "cells of an eighth of the length prove no more: parts may be thinner than it, or corners too sharp".into()
+        "cells of a 64th of the length prove no more: parts may be thinner than it, or corners too sharp"
+            .into()
     });
     message = message.words("; ").message(&why);
     Ok((made, bound, Some(message)))
@@ -267,7 +272,7 @@ fn triangles_of(source: &DistanceSource) -> Result<&chordal::Mesh, MeshFailure> 
 /// The cells of a lattice that are tried, as shares of as many as there would be of the size of the length: the
 /// interpolant of a smooth shape is off by far less than a cell, and sharp corners are cut off by several. Chosen, up to
 /// where thin parts are mostly what keeps the bound.
-const SHARES: [f64; 9] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 8.0];
+const SHARES: [f64; 12] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
 /// From more than this share on, lattices are tried up to a size only. Chosen: a gigabyte of samples is more than a sharp
 /// corner is mostly worth.
 const MANY: f64 = 2.0;
