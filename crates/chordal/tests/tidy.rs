@@ -187,7 +187,10 @@ fn side_effects(source: &Source, lines: &Lines) -> Vec<String> {
         }
         if is(at, "std") {
             let leaves = tree(tokens, at, &[]).0;
+            // A process may ask which one it is.
+            let asks_who = |segments: &[String]| segments == ["std", "process", "id"];
             let reaches = leaves.iter().any(|leaf| match leaf.segments.get(1).map(String::as_str) {
+                Some("process") if asks_who(&leaf.segments) => false,
                 Some("fs" | "net" | "process" | "os") => true,
                 Some("*" | "self") => true,
                 None => leaf.alias.is_some(),

@@ -63,10 +63,10 @@ impl TileHierarchy {
         let Some(part) = scene.parts.first() else {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to cut"));
         };
-        // A finest level without loss starts at about the resolution of single precision.
+        // A finest level without loss starts there.
+        let resolution = f64::from(f32::EPSILON) * part.mesh.bounds().diagonal(); // about that of single precision
         let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
-        let step =
-            step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
+        let step = step.or_else(|| Tolerance::new(resolution).ok());
         let step = step.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "the shape has no size"))?;
         let cuts = TilingOptions {
             max_triangles: most,
