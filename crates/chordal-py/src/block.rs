@@ -109,7 +109,7 @@ pub(crate) fn joined(
     blocks: Vec<Py<Block>>,
     metres_per_unit: Option<f64>,
 ) -> PyResult<(Source, String)> {
-    let blocks: Vec<GridBlock> = blocks.iter().map(|block| GridBlock::clone(&block.get().0)).collect();
+    let blocks: Vec<Arc<GridBlock>> = blocks.iter().map(|block| Arc::clone(&block.get().0)).collect();
     let made = work::run(py, None, move |job| {
         let joined = join_blocks(blocks, job)?;
         Ok::<_, JobError>(scene_of(joined.shape, &joined.bound, metres_per_unit))

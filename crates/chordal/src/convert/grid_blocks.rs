@@ -9,6 +9,7 @@ use super::grid_to_mesh::{VertexKey, bound, check, vertex_errors};
 use crate::budget::{Bound, Bounded, Evidence, Job, JobError, Reference, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{Grid, with_samples};
+use std::borrow::Borrow;
 
 /// The place of a triangle in the order of the whole: cells row by row, then the caps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -153,7 +154,7 @@ fn order(key: &VertexKey) -> (i64, i64, u8, i64) {
 ///
 /// The bound is the largest of all blocks, proved.
 ///
-/// Cost: O(n log n) in the vertices and triangles.
+/// Cost: O(n log k) in the vertices and triangles of k blocks, since those of each are in order.
 ///
 /// # Errors
 /// [`JobError::Refused`]: no block has triangles ([`RefusalCode::Empty`]); vertices of one key lie apart, or a triangle comes
@@ -180,10 +181,12 @@ fn order(key: &VertexKey) -> (i64, i64, u8, i64) {
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 pub fn join_blocks(
-    blocks: impl IntoIterator<Item = GridBlock>,
+    blocks: impl IntoIterator<Item: Borrow<GridBlock>>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, JobError> {
-    let blocks: Vec<GridBlock> = blocks.into_iter().filter(|block| !block.faces.is_empty()).collect();
+    let held: Vec<_> = blocks.into_iter().collect();
+    let blocks: Vec<&GridBlock> =
+        held.iter().map(Borrow::borrow).filter(|block| !block.faces.is_empty()).collect();
     let triangles = blocks.iter().map(|block| block.faces.len() as u64).sum::<u64>();
     if triangles == 0 {
         return Err(refusal(RefusalCode::Empty, "no block has a surface".into()));
@@ -199,7 +202,8 @@ pub fn join_blocks(
         entries.extend((0..block.positions.len() as u32).map(|row| (k, row)));
     }
     let key_of = |(k, row): &(usize, u32)| &blocks[*k].vertex_keys[*row as usize];
-    entries.sort_by_cached_key(|entry| order(key_of(entry)));
+    // These stable sorts merge what is in order already.
+    entries.sort_by_key(|entry| order(key_of(entry)));
     let mut numbers: Vec<Vec<u32>> = blocks.iter().map(|block| vec![0; block.positions.len()]).collect();
     let mut positions: Vec<[f64; 3]> = Vec::new();
     let mut last: Option<(usize, u32)> = None;
@@ -223,7 +227,7 @@ pub fn join_blocks(
         let face = |face: &[u32; 3]| face.map(|row| numbers[row as usize]);
         faces.extend(block.face_keys.iter().copied().zip(block.faces.iter().map(face)));
     }
-    faces.sort_unstable_by_key(|(key, _)| *key);
+    faces.sort_by_key(|(key, _)| *key);
     if let Some(pair) = faces.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         let message =
             format!("a triangle comes twice: blocks overlap by more than a sample ({:?})", pair[0].0.place);

@@ -1,7 +1,9 @@
 //! Blocks of one volume join bit for bit, and threads and instruction sets change nothing.
 use super::shapes::sampled;
 use chordal::Job;
-use chordal::convert::lattices::{VertexKey, grid_to_block, grid_to_triangles, join_blocks, vertex_keys};
+use chordal::convert::lattices::{
+    GridBlock, VertexKey, grid_to_block, grid_to_triangles, join_blocks, vertex_keys,
+};
 use chordal::convert::{Border, Polygonize, grid_to_mesh};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal_testkit::{Random, cases};
@@ -170,6 +172,6 @@ fn blocks_of_other_volumes_are_refused() {
     moved.positions[0][0] += 1e-9;
     let apart = join_blocks([block, moved], &Job::default()).unwrap_err();
     assert!(apart.to_string().contains("lie apart"), "{apart}");
-    let none = join_blocks([], &Job::default()).unwrap_err();
+    let none = join_blocks([] as [GridBlock; 0], &Job::default()).unwrap_err();
     assert!(none.to_string().contains("no block"), "{none}");
 }
