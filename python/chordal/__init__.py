@@ -91,6 +91,7 @@ __all__ = [
     "ReadError",
     "Refused",
     "Shape",
+    "Tileset",
     "View",
     "Volume",
     "WriteError",

@@ -7,9 +7,8 @@ formats' own specifications, NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 from chordal._libraries import library
@@ -134,11 +133,25 @@ class _Axes:
         return found.transpose([order.index(axis) for axis in self.xyz])
 
 
-@lru_cache(maxsize=8)
-def _zarr_array(path: str, name: str) -> Any:
-    """One is opened once by a process: its chunks are many files, and its description another."""
-    zarr = library("zarr")
-    return zarr.open_group(path, mode="r")[name] if name else zarr.open_array(path, mode="r")
+#: What this process has opened: to open an array takes as long as to read a chunk. A few, since tasks are of one or two.
+_opened_here: dict[tuple[str, str, int], Any] = {}
+_MOST_OPENED = 8
+
+
+def _once(kind: str, path: str, level: int, open_it: Callable[[], Any]) -> Any:
+    """An array, opened once by a process."""
+    key = (kind, path, level)
+    if key not in _opened_here:
+        while len(_opened_here) >= _MOST_OPENED:
+            del _opened_here[next(iter(_opened_here))]
+        _opened_here[key] = open_it()
+    return _opened_here[key]
+
+
+def _forget(path: str) -> None:
+    """What was opened of a path, which may hold something else by now."""
+    for key in [key for key in _opened_here if key[1] == path]:
+        del _opened_here[key]
 
 
 class _ZarrArray(_Opened):
@@ -148,13 +161,18 @@ class _ZarrArray(_Opened):
         self._path: Final = path if "://" in path else os.path.abspath(path)
         self._name: Final = name
         self._axes: Final = axes
+        _forget(self._path)
         array = self._array()
         shape = tuple(int(n) for n in array.shape)
         self.shape = shape if axes is None else tuple(shape[axis] for axis in axes.xyz)
         self.dtype = array.dtype
 
     def _array(self) -> Any:
-        return _zarr_array(self._path, self._name)
+        zarr = library("zarr")
+        if not self._name:
+            return _once("array", self._path, 0, lambda: zarr.open_array(self._path, mode="r"))
+        group = _once("group", self._path, 0, lambda: zarr.open_group(self._path, mode="r"))
+        return _once(f"array {self._name}", self._path, 0, lambda: group[self._name])
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
         if self._axes is None:
@@ -197,7 +215,6 @@ def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
     return (axis, None, None) if isinstance(axis, str) else (axis["name"], axis.get("type"), axis.get("unit"))
 
 
-@lru_cache(maxsize=8)
 def _tensorstore(path: str, level: int) -> Any:
     tensorstore = library("tensorstore")
     kvstore = path if "://" in path else {"driver": "file", "path": os.path.abspath(path)}
@@ -212,13 +229,14 @@ class _Precomputed(_Opened):
         self._path: Final = path
         self._level: Final = level
         self._channel: Final = channel
+        _forget(path)
         array = self._array()
         self._first: Final = tuple(int(at) for at in array.domain.inclusive_min[:3])
         self.shape = tuple(int(n) for n in array.shape[:3])
         self.dtype = array.dtype.numpy_dtype
 
     def _array(self) -> Any:
-        return _tensorstore(self._path, self._level)
+        return _once("precomputed", self._path, self._level, lambda: _tensorstore(self._path, self._level))
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
         there = [slice(part.start + at, part.stop + at) for part, at in zip(slices, self._first, strict=True)]

@@ -110,10 +110,14 @@ def named(block: Block) -> str:
     return f"the block at {block.low}"
 
 
-def mesh_block(surface: Surface, array: Any, block: Block) -> bytes:
+def meshed_block(surface: Surface, array: Any, block: Block) -> _chordal.Block:
     """The triangles of a block with the keys that join them to others, bit for bit."""
-    made = _chordal.block(samples_of(array, block), surface.arguments(block, block.low))
-    arrays, bound = made.state()
+    return _chordal.block(samples_of(array, block), surface.arguments(block, block.low))
+
+
+def mesh_block(surface: Surface, array: Any, block: Block) -> bytes:
+    """The same as bytes."""
+    arrays, bound = meshed_block(surface, array, block).state()
     return packed({"bound": bound}, arrays)
 
 

@@ -59,7 +59,7 @@ class Tileset:
     coarsest: int
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class _Cube:
     """A block, or eight times eight … of them: its level, and its place among those of the level."""
 

@@ -24,6 +24,7 @@ from chordal._blockwise.tasks import (
     labels_of,
     mesh_block,
     mesh_labels,
+    meshed_block,
     named,
     part_of,
     simplified_block,
@@ -150,9 +151,12 @@ class BlockVolume:
         metres = None if self._unit is None else _METRES[self._unit]
         length = self._tolerance(tol)
         if length is None:
-            call = partial(mesh_block, surface)
-            done = self._done(blocks, executor, cluster, folder, progress, surface, {}, call)
-            whole = [block_of(made) for made in done]
+            if executor is None and cluster is None and folder is None:
+                whole = self._here(blocks, surface, function("progress", progress))
+            else:
+                call = partial(mesh_block, surface)
+                done = self._done(blocks, executor, cluster, folder, progress, surface, {}, call)
+                whole = [block_of(made) for made in done]
             source, bound = _chordal.joined([part for part in whole if part.n_faces], metres)
             return Mesh._of_source(source, bound_of(json.loads(bound)))
         # A quarter for the triangles of a block, another for fewer, and what is left for the lines between them.
@@ -319,6 +323,17 @@ class BlockVolume:
         if border not in ("capped", "open"):
             raise ValueError(f"border: 'capped' or 'open', not {border!r}")
         return Surface(self._affine, self.shape, level, inside, border == "capped")
+
+    def _here(
+        self, blocks: list[Block], surface: Surface, tell: Callable[[str, int, int], object] | None
+    ) -> list[_chordal.Block]:
+        """Blocks that nobody else does and nothing keeps: these need not become bytes in between."""
+        made = []
+        for block in blocks:
+            made.append(meshed_block(surface, self._array, block))
+            if tell is not None:
+                tell("blocks", len(made), len(blocks))
+        return made
 
     def _done(
         self,
