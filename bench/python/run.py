@@ -6,7 +6,7 @@ block against the whole and against other meshers of blocks.
 
 import argparse
 import os
-import resource
+import re
 import statistics
 import subprocess
 import sys
@@ -51,7 +51,7 @@ def calls():
     rows = [
         ("`field(point)`", each(lambda: ball(point), 2_000)),
         ("`field.gradient(point)`", each(lambda: ball.gradient(point), 2_000)),
-        ("`curve(0.5)`", each(lambda: bezier(0.5), 2_000)),
+        ("`bezier.points_at(0.5)`", each(lambda: bezier.points_at(0.5), 2_000)),
         ("`bezier.flatten(tol=0.01)`", each(lambda: bezier.flatten(tol=0.01), 500)),
         ("`arc.flatten(tol=0.01)`", each(lambda: curve.flatten(tol=0.01), 500)),
         ("`mesh.vertices`", each(lambda: mesh.vertices, 5_000)),
@@ -217,8 +217,44 @@ def _warm(_):
 
 
 def _memory(_):
+    """The most memory of this process in MB; what `getrusage` says begins with that of the process which started it."""
     time.sleep(0.02)
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    return int(re.search(r"VmHWM:\s*(\d+)", Path("/proc/self/status").read_text())[1]) // 1024
+
+
+def costs():
+    """What a sample without a surface costs, and a task."""
+    import distributed
+
+    rows = []
+    empty = chordal.block_volume(np.zeros((512, 512, 512), np.uint8))
+    nothing = timed(lambda: _refused(empty, 128), 3)
+    rows.append(("a sample without a surface, blocks of 128³ of u8", f"{1e9 * nothing / 512**3:.1f} ns"))
+    few = chordal.block_volume(np.zeros((161, 161, 161), np.uint8))
+    tasks = len(list(few.blocks(16)))
+    rows.append(("a task of 16³ samples, in this process", f"{1e3 * timed(lambda: _refused(few, 16), 3) / tasks:.2f} ms"))
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        list(pool.map(_warm, range(4)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "few.npy")
+            np.save(path, np.zeros((161, 161, 161), np.uint8))
+            there = chordal.block_volume(path)
+            rows.append(("the same, in two processes", f"{1e3 * timed(lambda: _refused(there, 16, executor=pool), 3) / tasks:.2f} ms"))
+            limits = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+            with distributed.LocalCluster(**limits) as cluster, distributed.Client(cluster) as client:
+                list(client.gather(client.map(_warm, range(4))))
+                cost = 1e3 * timed(lambda: _refused(there, 16, executor=client), 3) / tasks
+                rows.append(("the same, on a Dask scheduler with two workers", f"{cost:.2f} ms"))
+    return ["| what | costs |", "|---|---|", *(f"| {name} | {cost} |" for name, cost in rows)]
+
+
+def _refused(volume, side, **more):
+    """Meshes what has no surface."""
+    try:
+        volume.mesh(iso=0.5, block=side, **more)
+    except chordal.Refused:
+        return
+    raise AssertionError("there is a surface")
 
 
 def large(n):
@@ -248,12 +284,16 @@ print(len(mesh.faces), time.perf_counter() - begun, resource.getrusage(resource.
 def main():
     """Runs what is asked and writes the section."""
     given = argparse.ArgumentParser(description=__doc__)
+    given.add_argument("--only", help="the name of one part, which is printed and not written")
     given.add_argument("--side", type=int, default=256)
-    given.add_argument("--large", type=int, default=1024)
+    given.add_argument("--large", type=int, default=0, help="samples a side of a volume from a file: 1024 takes 20 minutes")
     given = given.parse_args()
-    parts = [calls, arrays, partial(blocks, given.side), partial(labels, 192, 400), partial(tasks, 2 * given.side)]
+    parts = [calls, arrays, partial(blocks, given.side), partial(labels, 192, 400), costs, partial(tasks, 2 * given.side)]
     if given.large:
         parts.append(partial(large, given.large))
+    if given.only:
+        print("\n".join(next(part for part in parts if getattr(part, "func", part).__name__ == given.only)()))
+        return
     text = []
     for part in parts:
         found = part()
