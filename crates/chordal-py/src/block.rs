@@ -3,9 +3,9 @@ use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::{Bound, Evidence, JobError, Reference};
 use chordal::convert::lattices::{
-    FaceKey, GridBlock, LabelOptions, VertexKey, grid_to_block, join_blocks, labels_to_blocks,
+    FaceKey, GridBlock, LabelOptions, VertexKey, block_normals, grid_to_block, join_blocks, labels_to_blocks,
 };
-use chordal::convert::{Border, Inside, Normals, Polygonize};
+use chordal::convert::{Border, Inside, Polygonize};
 use chordal::implicit::{Affine3, Grid};
 use chordal::{Mesh, Tolerance};
 use chordal_io::{Format, Frame, Scene};
@@ -29,8 +29,6 @@ pub(crate) struct BlockArguments {
     offset: [i64; 3],
     /// The rows that take indices of the volume to space.
     affine: [[f64; 4]; 3],
-    /// Whether vertices have normals.
-    normals: bool,
     /// The length that a bound is to be within.
     wanted: Option<f64>,
 }
@@ -48,7 +46,7 @@ pub(crate) struct Block(Arc<GridBlock>);
 /// Meshes a block, whose samples are those of a volume.
 #[pyfunction]
 pub(crate) fn block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<Block> {
-    Ok(Block(Arc::new(mesh_block(py, samples, arguments)?)))
+    Ok(Block(Arc::new(mesh_block(py, samples, &arguments)?)))
 }
 
 /// The triangles of each label in a block.
@@ -83,20 +81,34 @@ fn lattice(py: Python<'_>, samples: &Source, arguments: &BlockArguments) -> PyRe
     Ok(sampled.volume.grid.clone().with_affine(affine))
 }
 
-pub(crate) fn mesh_block(py: Python<'_>, samples: &Source, arguments: BlockArguments) -> PyResult<GridBlock> {
-    let grid = lattice(py, samples, &arguments)?;
+/// The surface that is meant.
+fn rule(arguments: &BlockArguments) -> PyResult<Polygonize> {
     let inside = match arguments.inside.as_str() {
         "high" => Inside::High,
         "low" => Inside::Low,
         other => return Err(failure::argument("inside", format!("'high' or 'low', not '{other}'"))),
     };
-    let rule = Polygonize {
-        inside,
-        border: arguments.border(),
-        offset: arguments.offset,
-        normals: if arguments.normals { Normals::Gradient } else { Normals::None },
-        ..Polygonize::above(arguments.iso)
-    };
+    let (border, offset) = (arguments.border(), arguments.offset);
+    Ok(Polygonize { inside, border, offset, ..Polygonize::above(arguments.iso) })
+}
+
+/// The normals of vertices by their keys, in the order of keys.
+pub(crate) fn normals_of(
+    py: Python<'_>,
+    samples: &Source,
+    arguments: &BlockArguments,
+) -> PyResult<Vec<(VertexKey, [f64; 3])>> {
+    let (grid, rule) = (lattice(py, samples, arguments)?, rule(arguments)?);
+    let made = work::run(py, None, move |job| block_normals(&grid, &rule, job))?;
+    made.map_err(|error| failure::mesh(py, error.into()))
+}
+
+pub(crate) fn mesh_block(
+    py: Python<'_>,
+    samples: &Source,
+    arguments: &BlockArguments,
+) -> PyResult<GridBlock> {
+    let (grid, rule) = (lattice(py, samples, arguments)?, rule(arguments)?);
     let wanted = arguments.wanted.and_then(|length| Tolerance::new(length).ok());
     let made = work::run(py, None, move |job| grid_to_block(&grid, &rule, wanted, job))?;
     made.map_err(|error| failure::mesh(py, error.into()))

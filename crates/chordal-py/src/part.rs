@@ -1,6 +1,6 @@
 //! Parts of a surface that is never in one place: simplified, joined, and written as tiles.
 use crate::block::{
-    BlockArguments, BoundState, bound_of_state, mesh_block, mesh_labels, scene_of, state_of_bound,
+    BlockArguments, BoundState, bound_of_state, mesh_block, mesh_labels, normals_of, scene_of, state_of_bound,
 };
 use crate::source::Source;
 use crate::{failure, work};
@@ -42,17 +42,25 @@ pub(crate) struct BlockPart(Arc<SurfacePart>);
 /// children by their numbers in the list.
 type EntryState = (String, [f64; 6], BoundState, u64, Vec<usize>);
 
-/// The triangles in the cells of a box, of samples around it; `None` where it has none.
+/// The triangles of a block; `None` where it has none. With the samples around it, and where these begin, vertices have normals.
 #[pyfunction]
 pub(crate) fn part(
     py: Python<'_>,
     samples: &Source,
     arguments: BlockArguments,
     place: BoxArguments,
+    around: Option<(Py<Source>, BlockArguments)>,
 ) -> PyResult<Option<BlockPart>> {
-    let made = mesh_block(py, samples, arguments)?;
-    let cut = made.within(place.low, place.high);
-    Ok(SurfacePart::from_block(cut, &place.place()).map(|part| BlockPart(Arc::new(part))))
+    let mut made = mesh_block(py, samples, &arguments)?;
+    if let Some((samples, arguments)) = around.filter(|_| !made.faces.is_empty()) {
+        let known = normals_of(py, samples.get(), &arguments)?;
+        let normal = |key: &VertexKey| {
+            let at = known.binary_search_by_key(key, |(known, _)| *known);
+            at.map(|at| known[at].1).map_err(|_| failure::argument("around", "these are other samples"))
+        };
+        made.normals = made.vertex_keys.iter().map(normal).collect::<PyResult<_>>()?;
+    }
+    Ok(SurfacePart::from_block(made, &place.place()).map(|part| BlockPart(Arc::new(part))))
 }
 
 /// The triangles of each label in a block.
@@ -75,7 +83,7 @@ pub(crate) fn join_parts(
     parts: Vec<Py<BlockPart>>,
     place: BoxArguments,
 ) -> PyResult<BlockPart> {
-    let parts: Vec<SurfacePart> = parts.iter().map(|part| SurfacePart::clone(&part.get().0)).collect();
+    let parts: Vec<Arc<SurfacePart>> = parts.iter().map(|part| Arc::clone(&part.get().0)).collect();
     let made = work::run(py, None, move |_| SurfacePart::join(&parts, &place.place()))?;
     made.map(|part| BlockPart(Arc::new(part))).map_err(|error| failure::mesh(py, error.into()))
 }

@@ -48,7 +48,9 @@ pub fn rounded_part(part: &SurfacePart, origin: [f64; 3]) -> Result<SurfacePart,
     // STL has single precision and no origin of its own.
     let rounded = snap(&local, Format::Stl)?;
     let moved = Bound::proved(0.0, up(rounded.moved_at_most, room), Reference::InputTriangles);
-    let bound = if moved.at_most() == Some(0.0) { part.bound.clone() } else { part.bound.then(&moved) };
+    let mut bound = if moved.at_most() == Some(0.0) { part.bound.clone() } else { part.bound.then(&moved) };
+    // The worst place goes with the coordinates.
+    bound.at = bound.at.map(|at| std::array::from_fn(|k| at[k] - origin[k]));
     Ok(SurfacePart { mesh: rounded.mesh, shared: part.shared.clone(), bound })
 }
 
@@ -103,11 +105,12 @@ pub fn part_tileset(entries: &[TileEntry], origin: [f64; 3], frame: &Frame) -> R
     }
     let roots: Vec<(Tile, Box3)> = done.into_iter().flatten().collect();
     let all = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
-    let Some(bound) =
+    let Some(mut bound) =
         Bound::of_parts(entries.iter().filter(|entry| entry.children.is_empty()).map(|entry| &entry.bound))
     else {
         return Err(MeshFailure::refused(RefusalCode::Empty, "no part has a surface"));
     };
+    bound.at = bound.at.map(|at| std::array::from_fn(|k| at[k] + origin[k]));
     let mut root = root_of(roots);
     root.transform = placement_matrix(origin, frame);
     let tileset = Tileset {

@@ -30,7 +30,7 @@ pub struct GridBlock {
     pub positions: Vec<[f64; 3]>,
     /// m × 3 indices into the positions.
     pub faces: Vec<[u32; 3]>,
-    /// A normal for each position, where the rule asks for them; otherwise none.
+    /// A normal for each position, where somebody has put them there; otherwise none.
     pub normals: Vec<[f64; 3]>,
     /// The key of each position.
     pub vertex_keys: Vec<VertexKey>,
@@ -45,8 +45,8 @@ pub struct GridBlock {
 ///
 /// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
 /// whole, and `rule.border` is [`Border::Open`](super::Border::Open) where another block goes on. A block without surface
-/// has no triangles. Normals of [`Normals::Gradient`] take samples beyond a side that blocks share: give it one more there
-/// on each side and leave out the cells between with [`GridBlock::within`].
+/// has no triangles. Normals take samples beyond its sides, so a rule with [`Normals::Gradient`] is refused, and
+/// [`block_normals`] has them.
 ///
 /// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole. Where a length is
 /// `wanted`, all cells are worked on that need it for a bound of that length; else no more than a share of them, so that
@@ -62,16 +62,15 @@ pub fn grid_to_block(
 ) -> Result<GridBlock, JobError> {
     let (size, affine) = (grid.size(), grid.affine());
     check(size, affine, rule)?;
+    if rule.normals != Normals::None {
+        let message = "normals take samples beyond the sides of a block: ask for them by themselves";
+        return Err(refusal(RefusalCode::Unsupported, message.into()));
+    }
     job.run(|| {
         with_samples!(grid.samples(), values => {
             let source = DenseSamples { values, size, rule: *rule };
             let Isosurface { positions, faces, plan } = march::<f64, _>(&source, affine, rule, job)?;
-            let vertex_keys = plan.for_each_vertex(job, |kind, at| VertexKey {
-                lattice: [0, 1, 2].map(|k| rule.offset[k] + at[k] as i64),
-                level: 0,
-                kind: kind as u8,
-                sheet: 0,
-            });
+            let vertex_keys = vertex_keys(&plan, rule, job);
             let face_keys = face_keys(&plan, rule, job);
             debug_assert_eq!(face_keys.len(), faces.len(), "every triangle has a key");
             let errors = vertex_errors(affine, rule, size);
@@ -79,48 +78,47 @@ pub fn grid_to_block(
                 let farthest = IsosurfaceProof::new(&source, affine, rule, errors).of_block(wanted.map_or(0.0, Tolerance::get)).max_distance(&plan, job);
                 bound(farthest, Evidence::Proved, affine, rule, size)
             });
-            let normals = match rule.normals {
-                Normals::None => Vec::new(),
-                Normals::Gradient => gradient_normals(&source, affine, rule, &plan, job),
-            };
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
-            Ok(GridBlock { positions, faces, normals, vertex_keys, face_keys, bound })
+            Ok(GridBlock { positions, faces, normals: Vec::new(), vertex_keys, face_keys, bound })
         })
     })
 }
 
-impl GridBlock {
-    /// The triangles in the cells from the sample `low` up to the sample `high`, and their part of the border.
-    #[must_use]
-    pub fn within(&self, low: [i64; 3], high: [i64; 3]) -> Self {
-        let holds = |axis: usize, at: i64| low[axis] <= at && at < high[axis];
-        let is_in = |key: &FaceKey| {
-            let [a, b, c] = key.place;
-            if key.is_cap {
-                let axis = (a / 2) as usize;
-                holds((axis + 2) % 3, b) && holds((axis + 1) % 3, c)
-            } else {
-                holds(2, a) && holds(1, b) && holds(0, c)
-            }
-        };
-        let faces: Vec<usize> = (0..self.faces.len()).filter(|face| is_in(&self.face_keys[*face])).collect();
-        let mut is_used = vec![false; self.positions.len()];
-        faces.iter().flat_map(|face| self.faces[*face]).for_each(|row| is_used[row as usize] = true);
-        let rows: Vec<usize> = (0..is_used.len()).filter(|row| is_used[*row]).collect();
-        let mut numbers = vec![0; is_used.len()];
-        (0..).zip(&rows).for_each(|(number, row)| numbers[*row] = number);
-        let normals = |row: &usize| self.normals.get(*row).copied();
-        Self {
-            positions: rows.iter().map(|row| self.positions[*row]).collect(),
-            faces: faces.iter().map(|face| self.faces[*face].map(|row| numbers[row as usize])).collect(),
-            normals: rows.iter().filter_map(normals).collect(),
-            vertex_keys: rows.iter().map(|row| self.vertex_keys[*row]).collect(),
-            face_keys: faces.iter().map(|face| self.face_keys[*face]).collect(),
-            bound: self.bound.clone().filter(|_| !faces.is_empty()),
-        }
-    }
+/// The normals along the gradient, by the keys of vertices, in the order of keys.
+///
+/// Those of a block, bit for bit those that the whole volume has, are among them where the grid has one sample more on each side
+/// of it that blocks share: central differences take the samples beside a vertex.
+///
+/// # Errors
+/// As for [`grid_to_block`].
+pub fn block_normals(
+    grid: &Grid,
+    rule: &Polygonize,
+    job: &Job,
+) -> Result<Vec<(VertexKey, [f64; 3])>, JobError> {
+    let (size, affine) = (grid.size(), grid.affine());
+    check(size, affine, rule)?;
+    job.run(|| {
+        with_samples!(grid.samples(), values => {
+            let source = DenseSamples { values, size, rule: *rule };
+            let plan = MarchingPlan::new(&source, rule, job)?;
+            let normals = gradient_normals(&source, affine, rule, &plan, job);
+            let mut found: Vec<_> = vertex_keys(&plan, rule, job).into_iter().zip(normals).collect();
+            found.sort_unstable_by_key(|(key, _)| *key);
+            if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(found) }
+        })
+    })
+}
+
+fn vertex_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<VertexKey> {
+    plan.for_each_vertex(job, |kind, at| VertexKey {
+        lattice: [0, 1, 2].map(|k| rule.offset[k] + at[k] as i64),
+        level: 0,
+        kind: kind as u8,
+        sheet: 0,
+    })
 }
 
 fn face_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<FaceKey> {

@@ -101,7 +101,7 @@ pub mod gpu {
 /// Isosurfaces on a lattice, vertex by vertex.
 pub mod lattices {
     pub use super::cubes::marching_cubes::Coordinate;
-    pub use super::grid_blocks::{FaceKey, GridBlock, grid_to_block, join_blocks};
+    pub use super::grid_blocks::{FaceKey, GridBlock, block_normals, grid_to_block, join_blocks};
     pub use super::grid_to_mesh::{TriangleArrays, VertexKey, grid_to_triangles, vertex_keys};
     pub use super::labels_to_meshes::{LabelOptions, labels_to_blocks, labels_to_meshes};
     pub use super::lattice::Lattice;

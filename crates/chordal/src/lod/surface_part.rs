@@ -5,6 +5,7 @@ use super::surface::NONE;
 use crate::budget::{AttributeLimits, Bound, ErrorLimit, Job, JobError, Refusal, RefusalCode, Tolerance};
 use crate::convert::lattices::{GridBlock, VertexKey};
 use crate::explicit::{Attribute, Domain, Mesh, Topology};
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 
 /// A box of samples of a lattice, and on which sides the lattice goes on.
@@ -67,8 +68,9 @@ impl SurfacePart {
     /// [`JobError::Refused`]: vertices of one key lie apart: these are no parts of one surface
     /// ([`RefusalCode::Unsupported`]); more vertices than a mesh may have ([`RefusalCode::TooManyTriangles`]);
     /// no parts ([`RefusalCode::Empty`]).
-    pub fn join(parts: &[Self], place: &LatticeBox) -> Result<Self, JobError> {
+    pub fn join<P: Borrow<Self>>(parts: &[P], place: &LatticeBox) -> Result<Self, JobError> {
         let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
+        let parts: Vec<&Self> = parts.iter().map(Borrow::borrow).collect();
         let Some(first) = parts.first() else {
             return Err(refused(RefusalCode::Empty, "there are no parts to join".into()));
         };
@@ -76,7 +78,7 @@ impl SurfacePart {
         let mut faces: Vec<[u32; 3]> = Vec::new();
         let mut values: Vec<Vec<f64>> = vec![Vec::new(); first.mesh.attributes().len()];
         let mut known: BTreeMap<VertexKey, u32> = BTreeMap::new();
-        for part in parts {
+        for part in &parts {
             let attributes = part.mesh.attributes();
             let is_alike = attributes.len() == values.len()
                 && attributes.iter().zip(first.mesh.attributes()).all(|(a, b)| {
