@@ -43,7 +43,8 @@ def _of_nibabel(image: Any) -> Lattice:
 
     # The numbers as they are stored where nothing scales them, else as they are meant.
     header = image.header
-    slope, inter = header.get_slope_inter() if hasattr(header, "get_slope_inter") else (None, None)
+    # A header that was read has lost these; an image that was made of an array has none.
+    slope, inter = getattr(image.dataobj, "slope", 1), getattr(image.dataobj, "inter", 0)
     is_plain = slope in (None, 1) and inter in (None, 0)
     array = np.asarray(image.dataobj) if is_plain else image.get_fdata(dtype=np.float64)
     unit = None

@@ -198,7 +198,7 @@ def test_meshes_of_labels_for_neuroglancer_are_closed_across_fragments(tmp_path:
             assert mesh.is_watertight and mesh.deviation(whole).bound.at_least <= bound.at_most + whole.bound.at_most
             assert len(mesh.faces) == len(whole.faces) if tol is None else len(mesh.faces) < 0.7 * len(whole.faces)
             assert tol is None or bound.at_most <= tol
-    with pytest.raises(chordal.Error, match="this folder holds meshes"):
+    with pytest.raises(chordal.Error, match="this folder holds meshes or samples"):
         volume.precomputed(tmp_path / "within None")
     with pytest.raises(ValueError, match="unit: these meshes are in nanometres"):
         chordal.block_volume(samples).precomputed(tmp_path / "no unit")

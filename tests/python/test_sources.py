@@ -113,3 +113,56 @@ def test_a_dask_array_is_read_by_blocks() -> None:
     volume = chordal.block_volume(array.from_array(samples, chunks=(8, 9, 10)), spacing=0.5)
     made, whole = volume.mesh(iso=1.5, block=8), chordal.volume(samples, spacing=0.5).mesh(iso=1.5)
     assert np.array_equal(made.vertices, whole.vertices) and np.array_equal(made.faces, whole.faces)
+
+
+def test_scaled_samples_of_nifti_are_what_they_mean(tmp_path: Path) -> None:
+    nibabel = pytest.importorskip("nibabel", reason="nibabel is not installed: NIfTI by slices is not tried")
+    image = nibabel.Nifti1Image(np.round(ball() * 1000).astype(np.int16), np.eye(4))
+    image.header.set_slope_inter(0.001, -0.5)
+    # What an image of an array has in its header is not applied to it: write the bytes with it.
+    content = bytearray(image.to_bytes())
+    content[112:120] = np.array([0.001, -0.5], "<f4").tobytes()
+    (tmp_path / "scaled.nii").write_bytes(content)
+    volume = chordal.block_volume(tmp_path / "scaled.nii")
+    whole = np.asarray(nibabel.load(tmp_path / "scaled.nii").dataobj)
+    assert volume.dtype == np.float64 and whole.dtype == np.float64
+    made, expected = volume.mesh(iso=1.5, block=8), chordal.volume(whole).mesh(iso=1.5)
+    assert np.array_equal(made.vertices, expected.vertices)
+    with pytest.raises(ValueError, match="level 0 alone does not say which"):
+        volume.mesh(iso=0)
+
+
+def ome(path: Path, units: list[str | None], transforms: list[Any]) -> Path:
+    zarr = pytest.importorskip("zarr", reason="zarr is not installed: OME-Zarr is not tried")
+    root = zarr.open_group(path, mode="w")
+    root.create_array("0", shape=(4, 4, 4), dtype="u1")[...] = 1
+    axes = [{"name": name, "type": "space"} | ({} if unit is None else {"unit": unit}) for name, unit in zip("zyx", units, strict=True)]
+    root.attrs["multiscales"] = [{"axes": axes, "datasets": [{"path": "0", "coordinateTransformations": transforms}]}]
+    return path
+
+
+def test_units_of_axes_that_differ_are_brought_together(tmp_path: Path) -> None:
+    scale = [{"type": "scale", "scale": [0.04, 8.0, 8.0]}]
+    made = chordal.block_volume(ome(tmp_path / "a.zarr", ["micrometer", "nanometer", "nanometer"], scale))
+    assert np.allclose(np.diag(made.affine), [0.008, 0.008, 0.04, 1.0]) and made._unit == "um"
+    both = chordal.block_volume(ome(tmp_path / "b.zarr", ["millimeter", "micrometer", "micrometer"], scale))
+    assert np.allclose(np.diag(both.affine), [8.0, 8.0, 40.0, 1.0]) and both._unit == "um"
+    with pytest.raises(ValueError, match="units of the axes are not all known"):
+        chordal.block_volume(ome(tmp_path / "c.zarr", ["micrometer", None, None], scale))
+    with pytest.raises(ValueError, match="a transformation of the type 'affine' is not read"):
+        chordal.block_volume(ome(tmp_path / "d.zarr", [None] * 3, [{"type": "affine", "affine": []}]))
+
+
+def test_masked_samples_are_no_numbers() -> None:
+    samples: Any = np.ma.masked_array(ball(), mask=np.zeros((19, 23, 17), bool))  # type: ignore[no-untyped-call]
+    samples[8:11, 10:13, 7:10] = np.ma.masked
+    made, whole = chordal.block_volume(samples).mesh(iso=1.5, block=8), chordal.volume(samples).mesh(iso=1.5)
+    assert np.array_equal(made.vertices, whole.vertices) and len(whole.vertices) > len(chordal.volume(ball()).mesh(iso=1.5).vertices)
+
+
+def test_a_path_that_holds_something_else_by_now_is_read_anew(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr", reason="zarr is not installed: Zarr is not tried")
+    for shape in ((8, 8, 8), (9, 10, 11)):
+        zarr.create_array(tmp_path / "a.zarr", shape=shape, dtype="f4", overwrite=True)[...] = ball(shape)
+        volume = chordal.block_volume(tmp_path / "a.zarr")
+        assert volume.shape == shape and len(volume.mesh(iso=0.5, block=4).faces) > 8

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -122,7 +123,7 @@ def test_what_was_killed_goes_on(tmp_path: Path) -> None:
             if line.strip() == "20":
                 break
         volume = chordal.block_volume(tmp_path / "waves.npy")
-        with pytest.raises(chordal.Error, match=r"plan\.json: another program is at work in this folder"):
+        with pytest.raises(chordal.Error, match="parts: another program is at work in this folder"):
             volume.tileset(tmp_path / "tiles", iso=0.0, inside="high", block=8)
         os.kill(child.pid, signal.SIGKILL)
     assert not (tmp_path / "tiles" / "tileset.json").exists()
@@ -165,3 +166,50 @@ def test_blocks_are_simplified_within_the_length_and_fit(seed: int) -> None:
         assert made.bound.at_most is not None and made.bound.at_most <= tol
         assert made.deviation(whole).bound.at_least <= tol + (whole.bound.at_most or 0.0)
         assert len(made.faces) < 0.6 * len(whole.faces)
+
+
+def test_a_bound_of_a_block_is_of_its_own_triangles_also_with_normals() -> None:
+    # What lies beyond a block may be near its surface, and belongs to a part that is simplified by itself.
+    from chordal._blockwise.tasks import part_of_block
+
+    samples = waves((20, 20, 20), 2)
+    samples[10:] = samples[10]
+    volume = chordal.block_volume(samples)
+    plain = volume._surface(0.0, "high", "capped")
+    shaded = replace(plain, normals=True)
+    for block in volume.blocks(7):
+        one, two = part_of_block(plain, samples, block), part_of_block(shaded, samples, block)
+        assert (one is None) == (two is None)
+        if one is not None and two is not None:
+            assert one.at_most == two.at_most and one.n_faces == two.n_faces
+
+
+def test_folders_with_other_things_in_them_stay_as_they_are(tmp_path: Path) -> None:
+    volume = chordal.block_volume(waves((20, 20, 20), 3))
+    mine = tmp_path / "tiles" / "parts" / "mine.txt"
+    mine.parent.mkdir(parents=True)
+    mine.write_text("precious")
+    with pytest.raises(chordal.Error, match=r"parts: this folder holds other files, as mine\.txt"):
+        volume.tileset(tmp_path / "tiles", iso=0.0, inside="high", block=8)
+    assert mine.read_text() == "precious"
+    # Nor are results of other samples taken for these.
+    folder = tmp_path / "done"
+    volume.mesh(iso=0.0, inside="high", block=8, folder=folder)
+    with pytest.raises(chordal.Error, match="blocks of another volume"):
+        chordal.block_volume(waves((20, 20, 20), 4)).mesh(iso=0.0, inside="high", block=8, folder=folder)
+
+
+def test_a_result_that_is_damaged_meanwhile_is_no_hole(tmp_path: Path) -> None:
+    volume = chordal.block_volume(waves((20, 20, 20), 3))
+
+    def damage(stage: str, done: int, total: int) -> None:
+        if done == 1:
+            path = next((tmp_path / "tiles" / "parts").glob("*.chordal"))
+            path.write_bytes(path.read_bytes()[:-1] + b"?")
+
+    arguments: Any = {"iso": 0.0, "inside": "high", "block": 8}
+    with pytest.raises(chordal.Error, match="is damaged or gone: the same call again"):
+        volume.tileset(tmp_path / "tiles", progress=damage, **arguments)
+    volume.tileset(tmp_path / "tiles", **arguments)
+    volume.tileset(tmp_path / "whole", **arguments)
+    assert files(tmp_path / "tiles") == files(tmp_path / "whole")

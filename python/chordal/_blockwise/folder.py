@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import IO, Any, Final
 
@@ -14,6 +15,7 @@ from chordal._errors import Error
 
 #: The bytes of a digest of SHA-256.
 _DIGEST_BYTES = 32
+_PLAN, _LOCK, _KEPT = "plan.json", "lock", ".chordal"
 
 
 class KeptFolder:
@@ -22,15 +24,23 @@ class KeptFolder:
 
     def __init__(self, folder: str | os.PathLike[str], plan: Mapping[str, Any], is_alone: bool = False) -> None:
         self._folder: Final = os.fspath(folder)
-        content = json.dumps(plan).encode()
         os.makedirs(self._folder, exist_ok=True)
-        path = os.path.join(self._folder, "plan.json")
-        if os.path.exists(path):
-            if _files.read(path) != content:
-                raise Error(f"{_files.shown(path)}: this folder holds blocks of another volume, level or version; choose another")
-        else:
-            _files.replace(path, content)
-        self._lock: Final = _locked(path) if is_alone else None
+        path = os.path.join(self._folder, _PLAN)
+        foreign = [name for name in sorted(os.listdir(self._folder)) if not _is_own(name)]
+        if foreign:
+            raise Error(f"{_files.shown(self._folder)}: this folder holds other files, as {foreign[0]}; choose another")
+        self._lock: Final = _locked(os.path.join(self._folder, _LOCK)) if is_alone else None
+        try:
+            content = json.dumps(plan).encode()
+            if os.path.exists(path):
+                if _files.read(path) != content:
+                    where = _files.shown(path)
+                    raise Error(f"{where}: this folder holds blocks of another volume, level or version; choose another")
+            else:
+                _files.replace(path, content)
+        except BaseException:
+            self.__exit__()
+            raise
 
     def __enter__(self) -> KeptFolder:
         return self
@@ -40,7 +50,7 @@ class KeptFolder:
             self._lock.close()
 
     def _path(self, name: str) -> str:
-        return os.path.join(self._folder, f"{name}.chordal")
+        return os.path.join(self._folder, f"{name}{_KEPT}")
 
     def write(self, name: str, made: bytes) -> None:
         """Keeps a result: the file is whole or not there."""
@@ -60,20 +70,55 @@ class KeptFolder:
         with suppress(FileNotFoundError):
             os.unlink(self._path(name))
 
+    def remove(self) -> None:
+        """Removes all that was kept, and the folder."""
+        for name in os.listdir(self._folder):
+            if _is_own(name) and name != _LOCK:
+                with suppress(FileNotFoundError):
+                    os.unlink(os.path.join(self._folder, name))
+        # The lock at last; where it cannot be removed while it is open, it stays.
+        with suppress(OSError):
+            os.unlink(os.path.join(self._folder, _LOCK))
+            os.rmdir(self._folder)
+
+
+def _is_own(name: str) -> bool:
+    return name in (_PLAN, _LOCK) or name.endswith(_KEPT) or is_left_over(name)
+
+
+def is_left_over(name: str) -> bool:
+    """Whether a file is what a kill left of one that was being written."""
+    return name.startswith(".chordal-") and name.endswith(".tmp")
+
+
+def left_over(folder: str) -> Iterator[str]:
+    """The paths of such files below a folder."""
+    for place, _, names in os.walk(folder):
+        yield from (os.path.join(place, name) for name in names if is_left_over(name))
+
 
 def _locked(path: str) -> IO[bytes]:
     """An open file that no other program has locked; the lock ends with the program, however that ends."""
-    file = open(path, "rb+")
+    file = open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "rb+")
     try:
         import fcntl
     except ImportError:
-        # Windows: nothing keeps two programs apart there, and each writes whole files of the same content.
+        # Windows has no such lock: two programs there are kept apart by whoever starts them.
         return file
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
+        # Another program may have ended its work meanwhile and taken the file away.
+        is_there = os.path.exists(path) and os.path.samestat(os.fstat(file.fileno()), os.stat(path))
+        if not is_there:
+            raise BlockingIOError(errno.EAGAIN, "the lock was removed")
+    except BlockingIOError as error:
         file.close()
-        raise Error(f"{_files.shown(path)}: another program is at work in this folder") from error
+        raise Error(f"{_files.shown(os.path.dirname(path))}: another program is at work in this folder") from error
+    except OSError as error:
+        # A file system without locks.
+        if error.errno not in (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP):
+            file.close()
+            raise
     return file
 
 

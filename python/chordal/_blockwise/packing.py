@@ -21,7 +21,7 @@ _LENGTH = 8
 
 def packed(facts: Mapping[str, Any], arrays: Sequence[bytes]) -> bytes:
     """Facts and arrays: how long the facts are as JSON, these with the lengths of the arrays, the arrays."""
-    said = {"version": _chordal.VERSION, "lengths": [len(array) for array in arrays], **facts}
+    said = {**facts, "version": _chordal.VERSION, "lengths": [len(array) for array in arrays]}
     text = json.dumps(said).encode()
     return b"".join([len(text).to_bytes(_LENGTH, "little"), text, *arrays])
 

@@ -8,13 +8,12 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal, _files
-from chordal._blockwise.folder import KeptFolder, written
+from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import packed, unpacked
 from chordal._blockwise.tasks import Block, Surface, named, samples_of
 from chordal._bound import Bound
@@ -43,11 +42,11 @@ def write_fragments(
     """All fragments, then the list of each label, then what says that these are meshes; the bound of each label."""
     target = os.fspath(folder)
     document = os.path.join(target, "info")
-    if os.path.exists(document):
-        raise Error(f"{_files.shown(document)}: this folder holds meshes; choose another, or remove it")
     surface, blocks, only, tolerance = tasks
     done: dict[int, Any] = {}
+    _refuse_finished(document)
     with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
+        _refuse_finished(document)
         waiting: list[Task[int]] = []
         shared = workers.shared(array)
         for k in reversed(range(len(blocks))):
@@ -65,20 +64,27 @@ def write_fragments(
             done[k] = facts["labels"]
             if tell is not None:
                 tell("blocks", len(done), len(blocks))
-    names: dict[int, list[str]] = {}
-    most: dict[int, float] = {}
-    for k, block in enumerate(blocks):
-        for label, at_most in done[k]:
-            names.setdefault(label, []).append(_fragment(label, block))
-            most[label] = max(most.get(label, 0.0), at_most)
-    for label, listed in names.items():
-        written(os.path.join(target, f"{label}:0"), json.dumps({"fragments": listed}).encode())
-    if names:
-        written(document, json.dumps({"@type": "neuroglancer_legacy_mesh"}).encode())
-    shutil.rmtree(os.path.join(target, _PARTS))
-    if not names:
-        raise Refused("empty", "no block has a label")
+        names: dict[int, list[str]] = {}
+        most: dict[int, float] = {}
+        for k, block in enumerate(blocks):
+            for label, at_most in done[k]:
+                names.setdefault(label, []).append(_fragment(label, block))
+                most[label] = max(most.get(label, 0.0), at_most)
+        for label, listed in names.items():
+            written(os.path.join(target, f"{label}:0"), json.dumps({"fragments": listed}).encode())
+        if names:
+            written(document, json.dumps({"@type": "neuroglancer_legacy_mesh"}).encode())
+        for path in left_over(target):
+            os.unlink(path)
+        kept.remove()
+        if not names:
+            raise Refused("empty", "no block has a label")
     return {label: Bound(0.0, most[label], "proved", "hausdorff", "trilinear interpolant") for label in sorted(names)}
+
+
+def _refuse_finished(document: str) -> None:
+    if os.path.exists(document):
+        raise Error(f"{_files.shown(document)}: this folder holds meshes or samples; choose another, or remove it")
 
 
 def _fragment(label: int, block: Block) -> str:

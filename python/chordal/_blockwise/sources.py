@@ -7,6 +7,8 @@ formats' own specifications, NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0
 from __future__ import annotations
 
 import os
+import secrets
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -26,6 +28,8 @@ _UNITS = {
     "centimeter": ("cm", 1.0),
     "meter": ("m", 1.0),
 }
+#: Micrometres of these.
+_MICROMETRES = {"um": 1.0, "mm": 1e3, "cm": 1e4, "m": 1e6}
 #: Nanometres of a micrometre, in which precomputed volumes are.
 _NANOMETRES = 1e-3
 
@@ -53,11 +57,35 @@ def opened(path: str, level: int, channel: int) -> Placed:
     return _ome(path, node, level, channel)
 
 
+def source_of(array: Any) -> str:
+    """Where samples are, or some of them: two volumes with other samples differ in it but for bad luck."""
+    if isinstance(array, _Opened):
+        return array.source()
+    if not hasattr(array, "__array_interface__"):
+        return type(array).__name__
+    import hashlib
+
+    import numpy as np
+
+    known = np.asarray(array)
+    steps = tuple(slice(None, None, max(1, n // _LOOKED_AT)) for n in known.shape)
+    return hashlib.sha256(np.ascontiguousarray(known[steps]).tobytes()).hexdigest()
+
+
+#: So many samples along each axis tell an array in memory from another. Chosen.
+_LOOKED_AT = 32
+
+
 class _Opened:
     """An array that each process opens for itself."""
 
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
+
+    def source(self) -> str:
+        """Its path and what of it is meant."""
+        told = {name: value for name, value in vars(self).items() if name not in ("shape", "dtype", "_token")}
+        return repr(sorted(told.items()))
 
     def _array(self) -> Any:
         raise NotImplementedError
@@ -90,8 +118,8 @@ class _NiftiFile(_Opened):
         self._path: Final = os.path.abspath(path)
         image = library("nibabel").load(self._path)
         self.shape = tuple(int(n) for n in image.shape[:3])
-        slope, inter = image.header.get_slope_inter()
-        is_plain = slope in (None, 1) and inter in (None, 0)
+        # The header that was read has lost these.
+        is_plain = image.dataobj.slope == 1 and image.dataobj.inter == 0
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
         self._more: Final = len(image.shape) - 3
 
@@ -133,25 +161,22 @@ class _Axes:
         return found.transpose([order.index(axis) for axis in self.xyz])
 
 
-#: What this process has opened: to open an array takes as long as to read a chunk. A few, since tasks are of one or two.
-_opened_here: dict[tuple[str, str, int], Any] = {}
+#: What this process has opened, by the token of the volume that says where it is: to open an array takes as long as to read a
+#: chunk, and a path may hold something else for another volume. A few, since tasks are of one or two.
+_opened_here: dict[str, Any] = {}
 _MOST_OPENED = 8
+_lock = threading.Lock()
 
 
-def _once(kind: str, path: str, level: int, open_it: Callable[[], Any]) -> Any:
+def _once(token: str, open_it: Callable[[], Any]) -> Any:
     """An array, opened once by a process."""
-    key = (kind, path, level)
-    if key not in _opened_here:
-        while len(_opened_here) >= _MOST_OPENED:
-            del _opened_here[next(iter(_opened_here))]
-        _opened_here[key] = open_it()
-    return _opened_here[key]
-
-
-def _forget(path: str) -> None:
-    """What was opened of a path, which may hold something else by now."""
-    for key in [key for key in _opened_here if key[1] == path]:
-        del _opened_here[key]
+    with _lock:
+        found = _opened_here.get(token)
+        if found is None:
+            while len(_opened_here) >= _MOST_OPENED:
+                del _opened_here[next(iter(_opened_here))]
+            found = _opened_here[token] = open_it()
+    return found
 
 
 class _ZarrArray(_Opened):
@@ -161,7 +186,7 @@ class _ZarrArray(_Opened):
         self._path: Final = path if "://" in path else os.path.abspath(path)
         self._name: Final = name
         self._axes: Final = axes
-        _forget(self._path)
+        self._token: Final = secrets.token_hex(16)
         array = self._array()
         shape = tuple(int(n) for n in array.shape)
         self.shape = shape if axes is None else tuple(shape[axis] for axis in axes.xyz)
@@ -169,10 +194,9 @@ class _ZarrArray(_Opened):
 
     def _array(self) -> Any:
         zarr = library("zarr")
-        if not self._name:
-            return _once("array", self._path, 0, lambda: zarr.open_array(self._path, mode="r"))
-        group = _once("group", self._path, 0, lambda: zarr.open_group(self._path, mode="r"))
-        return _once(f"array {self._name}", self._path, 0, lambda: group[self._name])
+        if self._name:
+            return _once(self._token, lambda: zarr.open_group(self._path, mode="r")[self._name])
+        return _once(self._token, lambda: zarr.open_array(self._path, mode="r"))
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
         if self._axes is None:
@@ -200,14 +224,27 @@ def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
     others = tuple((at, channel if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
     steps, first = np.ones(len(names)), np.zeros(len(names))
     for transform in [*levels[level].get("coordinateTransformations", []), *image.get("coordinateTransformations", [])]:
-        if transform["type"] == "scale":
-            steps, first = steps * transform["scale"], first * transform["scale"]
-        elif transform["type"] == "translation":
-            first = first + transform["translation"]
-    units = {axes[at][2] for at in xyz}
-    unit, factor = _UNITS.get(units.pop() or "", (None, 1.0)) if len(units) == 1 else (None, 1.0)
+        kind = transform.get("type")
+        if kind == "scale" and kind in transform:
+            steps, first = steps * transform[kind], first * transform[kind]
+        elif kind == "translation" and kind in transform:
+            first = first + transform[kind]
+        elif kind != "identity":
+            raise ValueError(f"{path}: a transformation of the type {kind!r} is not read; name an array, as in {path}/{levels[level]['path']}, and say affine=")
+    units = [_UNITS.get(axes[at][2] or "") for at in xyz]
+    known = [found for found in units if found is not None]
+    unit, factors = None, [1.0] * 3
+    if len(known) == len(units):
+        # Axes of several units are all in micrometres.
+        same = len({name for name, _ in known}) == 1
+        unit = known[0][0] if same else "um"
+        factors = [factor if same else factor * _MICROMETRES[name] for name, factor in known]
+    elif known or len({axes[at][2] for at in xyz}) > 1:
+        raise ValueError(f"{path}: the units of the axes are not all known; name an array, as in {path}/{levels[level]['path']}, and say spacing=")
+    turned = zip(xyz, factors, strict=True)
+    placed = [(steps[at] * factor, first[at] * factor) for at, factor in turned]
     array = _ZarrArray(path, levels[level]["path"], _Axes(xyz, others))
-    return Placed(array, _diagonal([steps[at] * factor for at in xyz], [first[at] * factor for at in xyz]), unit)
+    return Placed(array, _diagonal([step for step, _ in placed], [at for _, at in placed]), unit)
 
 
 def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
@@ -217,7 +254,7 @@ def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
 
 def _tensorstore(path: str, level: int) -> Any:
     tensorstore = library("tensorstore")
-    kvstore = path if "://" in path else {"driver": "file", "path": os.path.abspath(path)}
+    kvstore = path if "://" in path else {"driver": "file", "path": path}
     spec = {"driver": "neuroglancer_precomputed", "kvstore": kvstore, "scale_index": level}
     return tensorstore.open(spec, open=True, read=True).result()
 
@@ -226,17 +263,17 @@ class _Precomputed(_Opened):
     """A scale of a precomputed volume."""
 
     def __init__(self, path: str, level: int, channel: int) -> None:
-        self._path: Final = path
+        self._path: Final = path if "://" in path else os.path.abspath(path)
         self._level: Final = level
         self._channel: Final = channel
-        _forget(path)
+        self._token: Final = secrets.token_hex(16)
         array = self._array()
         self._first: Final = tuple(int(at) for at in array.domain.inclusive_min[:3])
         self.shape = tuple(int(n) for n in array.shape[:3])
         self.dtype = array.dtype.numpy_dtype
 
     def _array(self) -> Any:
-        return _once("precomputed", self._path, self._level, lambda: _tensorstore(self._path, self._level))
+        return _once(self._token, lambda: _tensorstore(self._path, self._level))
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
         there = [slice(part.start + at, part.stop + at) for part, at in zip(slices, self._first, strict=True)]

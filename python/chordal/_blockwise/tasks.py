@@ -66,7 +66,6 @@ class Surface:
             "capped": ends,
             "offset": list(offset),
             "affine": [list(row) for row in self.affine],
-            "normals": self.normals,
             "wanted": self.wanted,
         }
 
@@ -76,33 +75,38 @@ class Surface:
         goes_on = [[low > 0, high + 1 < n] for low, high, n in sides]
         return {"low": list(block.low), "high": list(block.high), "goes_on": goes_on}
 
-    def plan(self, blocks: Sequence[Block], dtype: str) -> dict[str, Any]:
+    def plan(self, sides: Index, source: str) -> dict[str, Any]:
         """What a folder of results is of."""
         return {
             "version": _chordal.VERSION,
+            "source": source,
             "shape": list(self.shape),
-            "dtype": dtype,
             "affine": [list(row) for row in self.affine],
             "iso": self.iso,
             "inside": self.inside,
             "capped": self.capped,
             "normals": self.normals,
-            "blocks": [[list(block.low), list(block.high)] for block in blocks],
+            "sides": list(sides),
         }
 
 
-def samples_of(array: Any, block: Block) -> _chordal.Source:
-    """The samples of a block, read."""
+def read(array: Any, block: Block) -> NDArray[Any]:
+    """The samples of a block."""
     import numpy as np
 
     try:
-        samples: NDArray[Any] = np.asarray(array[block.slices])
+        samples: NDArray[Any] = np.asanyarray(array[block.slices])
     except Exception as error:
         raise Error(f"{named(block)} cannot be read: {error}") from error
     expected = tuple(high - low + 1 for low, high in zip(block.low, block.high, strict=True))
     if samples.shape != expected:
         raise Error(f"{named(block)} has {samples.shape} samples, not {expected}")
-    return volume(samples)._source
+    return samples
+
+
+def samples_of(array: Any, block: Block) -> _chordal.Source:
+    """The same as a volume."""
+    return volume(read(array, block))._source
 
 
 def named(block: Block) -> str:
@@ -149,10 +153,17 @@ def labels_of(content: bytes) -> list[tuple[int, bytes]]:
 
 def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.BlockPart | None:
     """The triangles of a block as a part that can be simplified; None where it has none."""
-    # Normals take the samples beside a vertex.
-    around = block.around(surface.shape) if surface.normals else block
-    samples = samples_of(array, around)
-    return _chordal.part(samples, surface.arguments(block, around.low), surface.place(block))
+    arguments, place = surface.arguments(block, block.low), surface.place(block)
+    if not surface.normals:
+        return _chordal.part(samples_of(array, block), arguments, place, None)
+    # Normals take the samples beside a vertex. Triangles and their bound are of the block alone: what lies beyond it belongs
+    # to another part.
+    around = block.around(surface.shape)
+    samples = read(array, around)
+    ranges = zip(block.low, block.high, around.low, strict=True)
+    inner = tuple(slice(low - first, high - first + 1) for low, high, first in ranges)
+    beside = (volume(samples)._source, surface.arguments(block, around.low))
+    return _chordal.part(volume(samples[inner])._source, arguments, place, beside)
 
 
 def simplified_block(surface: Surface, tolerance: float, array: Any, block: Block) -> bytes:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,7 +12,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal, _files
-from chordal._blockwise.folder import KeptFolder, written
+from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import TileEntry, packed, unpacked
 from chordal._blockwise.tasks import Block, Index, Surface, named, part_of_block
 from chordal._bound import Bound, bound_of
@@ -145,11 +144,12 @@ class BlockTree:
         """All tiles and their document, in a folder."""
         target = os.fspath(folder)
         document = os.path.join(target, "tileset.json")
-        if os.path.exists(document):
-            raise Error(f"{_files.shown(document)}: this folder holds a tileset; choose another, or remove it")
         root = self._root()
         total = self._n_below(root)
+        _refuse_finished(document)
         with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
+            # Another program may have finished meanwhile.
+            _refuse_finished(document)
             leaves, left = self._open(root, kept)
             n_done = total - len(leaves) - len(left)
             shared = workers.shared(array)
@@ -164,39 +164,40 @@ class BlockTree:
                     left[cube.parent] -= 1
                     if left[cube.parent] == 0:
                         ready.append(self._task(cube.parent, kept))
-            whole = kept.read(_kept(root))
-        return self._finish(whole, target, document)
+            return self._finish(kept, root, document)
 
-    def _finish(self, content: bytes | None, target: str, document: str) -> Tileset:
+    def _finish(self, kept: KeptFolder, root: _Cube, document: str) -> Tileset:
         """The document over all tiles."""
-        grown = None if content is None else _Grown.of(content)
+        grown = _Grown.of(_whole(kept, root))
         if grown is None:
-            shutil.rmtree(os.path.join(target, _PARTS))
+            kept.remove()
             raise Refused("empty", "no block has a surface")
         number = {entry[0]: at for at, entry in enumerate(grown.entries)}
         entries = [(name, box, bound, n, [number[child] for child in below]) for name, box, bound, n, below in grown.entries]
         made = _chordal.tileset(entries, self.origin(), self.metres)
+        for path in left_over(os.path.dirname(document)):
+            os.unlink(path)
         written(document, made)
-        shutil.rmtree(os.path.join(target, _PARTS))
+        kept.remove()
         bound = bound_of(json.loads(made)["extras"]["chordal"]["bound"])
         finest = sum(n for _, _, _, n, below in entries if not below)
         coarsest = sum(n for name, _, _, n, _ in entries if name in grown.tops)
         tileset = Tileset(document, bound, len(entries), finest, coarsest)
         if self.tolerance is not None and (bound.at_most is None or bound.at_most > self.tolerance):
-            message = f"the finest tiles are proved to be within {bound.at_most:.6g}, not within {self.tolerance:.6g}"
+            reached = math.inf if bound.at_most is None else bound.at_most
+            message = f"the finest tiles are proved to be within {reached:.6g}, not within {self.tolerance:.6g}"
             raise BudgetUnmet(message, tileset)
         return tileset
 
     def _keep(self, cube: _Cube, made: bytes, target: str, kept: KeptFolder) -> None:
         """Writes the tiles of a result, then the result without them: of those below it nothing is needed any more."""
-        grown = _Grown.of(made)
-        if grown is not None:
-            for name, content in grown.files:
-                path = os.path.join(target, name)
-                os.makedirs(os.path.dirname(path), exist_ok=True)
-                written(path, content)
-            grown.files.clear()
-            made = grown.packed()
+        facts, arrays = unpacked(made)
+        for name, content in zip(facts.get("files", []), arrays[1:], strict=True):
+            path = os.path.join(target, name)
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            written(path, content)
+        if arrays:
+            made = packed({**facts, "files": []}, arrays[:1])
         kept.write(_kept(cube), made)
         if cube.level > 0:
             for child in self.children(cube):
@@ -204,8 +205,7 @@ class BlockTree:
 
     def _task(self, cube: _Cube, kept: KeptFolder) -> Task[_Cube]:
         """That of a cube whose children are done."""
-        below = [kept.read(_kept(child)) for child in self.children(cube)]
-        return cube, self._named(cube), (None, cube, [content for content in below if content is not None])
+        return cube, self._named(cube), (None, cube, [_whole(kept, child) for child in self.children(cube)])
 
     def _open(self, root: _Cube, kept: KeptFolder) -> tuple[list[_Cube], dict[_Cube, int]]:
         """The blocks that are to be done, those of a cube together; and for each cube above them how many are, below it."""
@@ -275,6 +275,19 @@ class BlockTree:
     def cell(self) -> float:
         """The shortest edge of a cell."""
         return min(math.hypot(*(row[k] for row in self.surface.affine)) for k in range(3))
+
+
+def _refuse_finished(document: str) -> None:
+    if os.path.exists(document):
+        raise Error(f"{_files.shown(document)}: this folder holds a tileset; choose another, or remove it")
+
+
+def _whole(kept: KeptFolder, cube: _Cube) -> bytes:
+    """The result of a cube that is done."""
+    content = kept.read(_kept(cube))
+    if content is None:
+        raise Error(f"what was kept of {cube.name} is damaged or gone: the same call again does that part anew")
+    return content
 
 
 def _kept(cube: _Cube) -> str:

@@ -16,7 +16,7 @@ from chordal import _chordal
 from chordal._arguments import function, number, text
 from chordal._blockwise.folder import KeptFolder
 from chordal._blockwise.precomputed import write_fragments
-from chordal._blockwise.sources import Placed, opened
+from chordal._blockwise.sources import Placed, opened, source_of
 from chordal._blockwise.tasks import (
     Block,
     Surface,
@@ -155,15 +155,18 @@ class BlockVolume:
                 whole = self._here(blocks, surface, function("progress", progress))
             else:
                 call = partial(mesh_block, surface)
-                done = self._done(blocks, executor, cluster, folder, progress, surface, {}, call)
-                whole = [block_of(made) for made in done]
+                done = self._done(block, executor, cluster, folder, progress, surface, {}, call)
+                done.reverse()
+                # The bytes of each are let go when it is made.
+                whole = [block_of(done.pop()) for _ in range(len(done))]
             source, bound = _chordal.joined([part for part in whole if part.n_faces], metres)
             return Mesh._of_source(source, bound_of(json.loads(bound)))
         # A quarter for the triangles of a block, another for fewer, and what is left for the lines between them.
         surface = replace(surface, wanted=0.25 * length)
         call = partial(simplified_block, surface, 0.5 * length)
-        done = self._done(blocks, executor, cluster, folder, progress, surface, {"tol": length}, call)
-        parts = [part for part in map(part_of, done) if part is not None]
+        done = self._done(block, executor, cluster, folder, progress, surface, {"tol": length}, call)
+        done.reverse()
+        parts = [part for part in (part_of(done.pop()) for _ in range(len(done))) if part is not None]
         if not parts:
             raise Refused("empty", "no block has a surface")
         most = tuple(n - 1 for n in self.shape)
@@ -207,7 +210,7 @@ class BlockVolume:
         chosen = None if only is None else frozenset(map(index, only))
         call = partial(mesh_labels, surface, chosen)
         plan = {"labels": None if chosen is None else sorted(chosen)}
-        done = self._done(list(self.blocks(block)), executor, cluster, folder, progress, surface, plan, call)
+        done = self._done(block, executor, cluster, folder, progress, surface, plan, call)
         blocks: dict[int, list[bytes]] = {}
         for made in done:
             for label, content in labels_of(made):
@@ -253,7 +256,7 @@ class BlockVolume:
         length = self._tolerance(tol)
         blocks = list(self.blocks(block))
         named_labels = None if chosen is None else sorted(chosen)
-        plan = {**surface.plan(blocks, str(self.dtype)), "labels": named_labels, "tol": length, "unit": self._unit}
+        plan = {**surface.plan(_sides(block), self._identity()), "labels": named_labels, "tol": length, "unit": self._unit}
         tell = function("progress", progress)
         with Workers(executor, cluster) as workers:
             tasks = (surface, blocks, chosen, length)
@@ -300,10 +303,14 @@ class BlockVolume:
         surface = replace(self._surface(iso, inside, border), normals=bool(normals), wanted=wanted)
         metres = None if self._unit is None else _METRES[self._unit]
         tree = BlockTree(surface, _sides(block), length, metres)
-        blocks = list(self.blocks(block))
-        plan = {**surface.plan(blocks, str(self.dtype)), "tol": length, "unit": self._unit}
+        next(self.blocks(block))
+        plan = {**surface.plan(_sides(block), self._identity()), "tol": length, "unit": self._unit}
         with Workers(executor, cluster) as workers:
             return tree.build(folder, plan, self._array, workers, function("progress", progress))
+
+    def _identity(self) -> str:
+        """What tells these samples from others, for a folder of results: where they are, or some of them."""
+        return f"{self.dtype} {source_of(self._array)}"
 
     @staticmethod
     def _tolerance(tol: SupportsFloat | None) -> float | None:
@@ -337,7 +344,7 @@ class BlockVolume:
 
     def _done(
         self,
-        blocks: list[Block],
+        block: SupportsIndex | Sequence[SupportsIndex],
         executor: Any | None,
         cluster: str | None,
         folder: str | os.PathLike[str] | None,
@@ -347,7 +354,8 @@ class BlockVolume:
         call: Callable[..., bytes],
     ) -> list[bytes]:
         """What is made of each block, in their order."""
-        whole = {**surface.plan(blocks, str(self.dtype)), **plan}
+        blocks = list(self.blocks(block))
+        whole = {**surface.plan(_sides(block), self._identity()), **plan}
         tell = function("progress", progress)
         done: dict[int, bytes] = {}
         waiting: list[Task[int]] = []

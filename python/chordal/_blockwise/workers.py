@@ -46,11 +46,10 @@ class Workers:
                 key, name, arguments = ready.pop()
                 yield key, _checked(name, lambda arguments=arguments: call(*arguments))  # type: ignore[misc]
             return
-        most = 2 * self._at_once()
         running: dict[Any, tuple[Key, str]] = {}
         try:
             while ready or running:
-                while ready and len(running) < most:
+                while ready and len(running) < 2 * self._at_once():
                     key, name, arguments = ready.pop()
                     running[self._executor.submit(call, *arguments)] = (key, name)
                 for future in self._done(list(running)):
@@ -68,8 +67,8 @@ class Workers:
     def _at_once(self) -> int:
         """How many tasks it does at once, as far as it says."""
         if self._is_dask:
-            workers = self._executor.scheduler_info()["workers"].values()
-            return max(1, sum(int(worker["nthreads"]) for worker in workers))
+            # Of all workers, as many as there are now.
+            return max(1, sum(int(threads) for threads in self._executor.nthreads().values()))
         return int(getattr(self._executor, "_max_workers", None) or os.cpu_count() or 1)
 
 
