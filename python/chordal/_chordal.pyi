@@ -9,7 +9,8 @@ from chordal._budget import BudgetArguments
 __all__ = [
     "Array", "Block", "BlockPart", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source",
     "VERSION", "block", "combine", "command", "convert", "drawing_field", "extruded", "field_of", "fit", "join_parts", "joined",
-    "label_blocks", "label_parts", "language", "levels", "mend", "mesh_field", "part", "path_at", "path_facts", "path_source", "picture", "revolved",
+    "label_blocks", "label_parts", "language", "levels", "mend", "mesh_field", "part", "path_at", "path_facts", "path_source",
+    "picture", "revolved",
     "samples", "scene_array", "scene_facts", "scene_image", "scene_of_state", "scene_state", "script", "surface", "tileset",
     "to_cubics", "view",
 ]
@@ -296,7 +297,9 @@ def label_parts(
 ) -> list[tuple[int, BlockPart]]: ...
 def join_parts(parts: Sequence[BlockPart], place: BoxArguments) -> BlockPart: ...
 def tileset(
-    entries: Sequence[tuple[str, Sequence[float], BoundState, int, Sequence[int]]], origin: tuple[float, float, float], metres_per_unit: float | None
+    entries: Sequence[tuple[str, Sequence[float], BoundState, int, Sequence[int]]],
+    origin: tuple[float, float, float],
+    metres_per_unit: float | None,
 ) -> bytes: ...
 def joined(blocks: Sequence[Block], metres_per_unit: float | None) -> tuple[Source, str]: ...
 def convert(

@@ -41,16 +41,19 @@ def _has(*names: str) -> Callable[[Any], bool]:
 def _of_nibabel(image: Any) -> Lattice:
     import numpy as np
 
-    # The numbers as they are stored where nothing scales them, else as they are meant.
-    header = image.header
+    is_plain, unit = nibabel_facts(image)
+    array = np.asarray(image.dataobj) if is_plain else image.get_fdata(dtype=np.float64)
+    return Lattice(array, np.asarray(image.affine, dtype=np.float64), unit)
+
+
+def nibabel_facts(image: Any) -> tuple[bool, str | None]:
+    """Whether its numbers are meant as they are stored, since nothing scales them; and the unit of its coordinates."""
     # A header that was read has lost these; an image that was made of an array has none.
     slope, inter = getattr(image.dataobj, "slope", 1), getattr(image.dataobj, "inter", 0)
-    is_plain = slope in (None, 1) and inter in (None, 0)
-    array = np.asarray(image.dataobj) if is_plain else image.get_fdata(dtype=np.float64)
     unit = None
-    if hasattr(header, "get_xyzt_units"):
-        unit = {"mm": "mm", "meter": "m", "micron": "um"}.get(header.get_xyzt_units()[0])
-    return Lattice(array, np.asarray(image.affine, dtype=np.float64), unit)
+    if hasattr(image.header, "get_xyzt_units"):
+        unit = {"mm": "mm", "meter": "m", "micron": "um"}.get(image.header.get_xyzt_units()[0])
+    return slope in (None, 1) and inter in (None, 0), unit
 
 
 def _of_simpleitk(image: Any) -> Lattice:

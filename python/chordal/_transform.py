@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal._arguments import number, vector
 from chordal._arrays import coordinates
+from chordal._units import METRES, refuse_unknown
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -21,16 +22,6 @@ if TYPE_CHECKING:
     #: Three numbers.
     _Vector: TypeAlias = Sequence[SupportsFloat] | NDArray[Any]
 
-#: Metres in a unit; exact by definition.
-_METRES = {
-    "um": Fraction(1, 10**6),
-    "mm": Fraction(1, 1000),
-    "cm": Fraction(1, 100),
-    "m": Fraction(1),
-    "km": Fraction(1000),
-    "in": Fraction(254, 10_000),
-    "ft": Fraction(3048, 10_000),
-}
 _Rows = list[list[float]]
 
 
@@ -99,7 +90,7 @@ class Transformable:
     def unit(self) -> str | None:
         """The unit of the coordinates, as in "mm"; None where nothing says it, or it has no name."""
         metres = self._metres()
-        return next((name for name, exact in _METRES.items() if float(exact) == metres), None)
+        return next((name for name, exact in METRES.items() if float(exact) == metres), None)
 
     def to_unit(self, unit: Literal["um", "mm", "cm", "m", "km", "in", "ft"]) -> Mesh:
         """The same lengths in another unit; as for `transform`. Raises `ValueError` where nothing says the unit of the
@@ -111,12 +102,11 @@ class Transformable:
         ([25.4, 25.4, 0.0], 'mm')
         """
         metres = self._metres()
-        if unit not in _METRES:
-            raise ValueError(f"unit: one of {', '.join(_METRES)}, not {unit!r}")
+        refuse_unknown(unit)
         if metres is None:
             raise ValueError('unit: nothing says the unit of these coordinates; load(…, unit="mm") and Mesh(…, unit="mm") do')
         named = self.unit
-        factor = float((Fraction(metres) if named is None else _METRES[named]) / _METRES[unit])
+        factor = float((Fraction(metres) if named is None else METRES[named]) / METRES[unit])
         return self._moved(_about([[factor if j == k else 0.0 for j in range(3)] for k in range(3)], (0, 0, 0)), True, unit)
 
     def _metres(self) -> float | None:

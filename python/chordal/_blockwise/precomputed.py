@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from chordal import _chordal, _files
 from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import packed, unpacked
-from chordal._blockwise.tasks import Block, Surface, named, samples_of
+from chordal._blockwise.tasks import ROUNDING, Block, Surface, named, samples_of
 from chordal._bound import Bound
 from chordal._errors import Error, Refused
 
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 #: Nanometres of a metre, in which Neuroglancer's meshes are.
 _NANOMETRES = 1e9
-#: What rounding to single precision moves a point by, in units of the sum of its coordinates.
-_ROUNDING = 2.0**-23
 #: Where the results of tasks are meanwhile.
 _PARTS = "parts"
 
@@ -98,7 +96,7 @@ def _fragments(
     arguments = surface.arguments(block, block.low)
     labels: list[tuple[int, float]] = []
     fragments: list[bytes] = []
-    rounding = _ROUNDING * _farthest(surface)
+    rounding = ROUNDING * _farthest(surface)
     for label, part in _chordal.label_parts(samples_of(array, block), arguments, surface.place(block)):
         if only is not None and label not in only:
             continue

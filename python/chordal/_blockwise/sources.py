@@ -13,7 +13,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from chordal._images import nibabel_facts
 from chordal._libraries import library
+from chordal._units import METRES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,8 +30,6 @@ _UNITS = {
     "centimeter": ("cm", 1.0),
     "meter": ("m", 1.0),
 }
-#: Micrometres of these.
-_MICROMETRES = {"um": 1.0, "mm": 1e3, "cm": 1e4, "m": 1e6}
 #: Nanometres of a micrometre, in which precomputed volumes are.
 _NANOMETRES = 1e-3
 
@@ -118,8 +118,7 @@ class _NiftiFile(_Opened):
         self._path: Final = os.path.abspath(path)
         image = library("nibabel").load(self._path)
         self.shape = tuple(int(n) for n in image.shape[:3])
-        # The header that was read has lost these.
-        is_plain = image.dataobj.slope == 1 and image.dataobj.inter == 0
+        is_plain, _ = nibabel_facts(image)
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
         self._more: Final = len(image.shape) - 3
 
@@ -135,7 +134,7 @@ def _nifti(path: str) -> Placed:
     import numpy as np
 
     image = library("nibabel").load(path)
-    unit = {"mm": "mm", "meter": "m", "micron": "um"}.get(image.header.get_xyzt_units()[0])
+    _, unit = nibabel_facts(image)
     return Placed(_NiftiFile(path), _rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
 
@@ -222,6 +221,7 @@ def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
         raise ValueError(f"{path}: the axes {', '.join(names)} are not those of a volume")
     xyz = (names.index("x"), names.index("y"), names.index("z"))
     others = tuple((at, channel if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
+    instead = f"name an array, as in {path}/{levels[level]['path']}"
     steps, first = np.ones(len(names)), np.zeros(len(names))
     for transform in [*levels[level].get("coordinateTransformations", []), *image.get("coordinateTransformations", [])]:
         kind = transform.get("type")
@@ -230,7 +230,7 @@ def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
         elif kind == "translation" and kind in transform:
             first = first + transform[kind]
         elif kind != "identity":
-            raise ValueError(f"{path}: a transformation of the type {kind!r} is not read; name an array, as in {path}/{levels[level]['path']}, and say affine=")
+            raise ValueError(f"{path}: a transformation of the type {kind!r} is not read; {instead}, and say affine=")
     units = [_UNITS.get(axes[at][2] or "") for at in xyz]
     known = [found for found in units if found is not None]
     unit, factors = None, [1.0] * 3
@@ -238,9 +238,9 @@ def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
         # Axes of several units are all in micrometres.
         same = len({name for name, _ in known}) == 1
         unit = known[0][0] if same else "um"
-        factors = [factor if same else factor * _MICROMETRES[name] for name, factor in known]
+        factors = [factor if same else factor * float(METRES[name] / METRES["um"]) for name, factor in known]
     elif known or len({axes[at][2] for at in xyz}) > 1:
-        raise ValueError(f"{path}: the units of the axes are not all known; name an array, as in {path}/{levels[level]['path']}, and say spacing=")
+        raise ValueError(f"{path}: the units of the axes are not all known; {instead}, and say spacing=")
     turned = zip(xyz, factors, strict=True)
     placed = [(steps[at] * factor, first[at] * factor) for at, factor in turned]
     array = _ZarrArray(path, levels[level]["path"], _Axes(xyz, others))

@@ -14,6 +14,9 @@ from chordal._volume import volume
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+#: What rounding to single precision moves a point by, in units of the sum of its coordinates' sizes: half a unit in the last
+#: place of each, twice.
+ROUNDING = 2.0**-23
 #: Three numbers, as of an index.
 Index = tuple[int, int, int]
 

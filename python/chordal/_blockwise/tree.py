@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from chordal import _chordal, _files
 from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import TileEntry, packed, unpacked
-from chordal._blockwise.tasks import Block, Index, Surface, named, part_of_block
+from chordal._blockwise.tasks import ROUNDING, Block, Index, Surface, named, part_of_block
 from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetUnmet, Error, Refused
 
@@ -32,9 +32,6 @@ _MOST_TRIES = 6
 _ENOUGH = 64
 #: The first error beyond the finest, where nobody says one and triangles are exact, as a fraction of a cell. Chosen.
 _FIRST = 0.25
-#: What rounding to single precision moves a point by, in units of its largest coordinate: half a unit in the last place
-#: in each of three, and one more for the sum.
-_ROUNDING = 2.0**-23
 #: Where the results of tasks are while a tileset is made.
 _PARTS = "parts"
 
@@ -313,7 +310,7 @@ def _leaf(tree: BlockTree, array: Any, cube: _Cube) -> _Grown | None:
         return None
     part = part.rounded(tree.origin())
     if tree.tolerance is not None:
-        room = tree.tolerance - part.at_most - _ROUNDING * tree.extent()
+        room = tree.tolerance - part.at_most - ROUNDING * tree.extent()
         if room > 0.0:
             part = part.simplified(room).rounded((0.0, 0.0, 0.0))
     length = max(part.at_most, _FIRST * tree.cell()) if tree.tolerance is None else tree.tolerance

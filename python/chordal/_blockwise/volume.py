@@ -33,6 +33,7 @@ from chordal._blockwise.tree import BlockTree, Tileset
 from chordal._blockwise.workers import Task, Workers
 from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetError, BudgetUnmet, Refused
+from chordal._units import METRES, refuse_unknown
 from chordal._volume import _steps
 
 if TYPE_CHECKING:
@@ -40,8 +41,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from chordal._mesh import Mesh
-
-_METRES = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
 
 
 class BlockVolume:
@@ -76,8 +75,8 @@ class BlockVolume:
         rows = np.asarray(_steps(spacing, origin, affine), dtype=np.float64).T
         self._affine: Final = tuple(tuple(float(x) for x in row) for row in rows)
         self._unit: Final = text("unit", unit)
-        if unit is not None and unit not in _METRES:
-            raise ValueError(f"unit: one of {', '.join(_METRES)}, not '{unit}'")
+        if unit is not None:
+            refuse_unknown(unit)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -148,7 +147,7 @@ class BlockVolume:
 
         surface = self._surface(iso, inside, border)
         blocks = list(self.blocks(block))
-        metres = None if self._unit is None else _METRES[self._unit]
+        metres = self._metres()
         length = self._tolerance(tol)
         if length is None:
             if executor is None and cluster is None and folder is None:
@@ -215,7 +214,7 @@ class BlockVolume:
         for made in done:
             for label, content in labels_of(made):
                 blocks.setdefault(label, []).append(content)
-        metres = None if self._unit is None else _METRES[self._unit]
+        metres = self._metres()
         meshes = {}
         for label in sorted(blocks):
             source, bound = _chordal.joined([block_of(content) for content in blocks.pop(label)], metres)
@@ -260,7 +259,7 @@ class BlockVolume:
         tell = function("progress", progress)
         with Workers(executor, cluster) as workers:
             tasks = (surface, blocks, chosen, length)
-            return write_fragments(folder, plan, tasks, self._array, _METRES[self._unit], workers, tell)
+            return write_fragments(folder, plan, tasks, self._array, float(METRES[self._unit]), workers, tell)
 
     def tileset(
         self,
@@ -301,12 +300,15 @@ class BlockVolume:
         length = self._tolerance(tol)
         wanted = None if length is None else 0.5 * length
         surface = replace(self._surface(iso, inside, border), normals=bool(normals), wanted=wanted)
-        metres = None if self._unit is None else _METRES[self._unit]
+        metres = self._metres()
         tree = BlockTree(surface, _sides(block), length, metres)
         next(self.blocks(block))
         plan = {**surface.plan(_sides(block), self._identity()), "tol": length, "unit": self._unit}
         with Workers(executor, cluster) as workers:
             return tree.build(folder, plan, self._array, workers, function("progress", progress))
+
+    def _metres(self) -> float | None:
+        return None if self._unit is None else float(METRES[self._unit])
 
     def _identity(self) -> str:
         """What tells these samples from others, for a folder of results: where they are, or some of them."""

@@ -49,7 +49,9 @@ class Workers:
         running: dict[Any, tuple[Key, str]] = {}
         try:
             while ready or running:
-                while ready and len(running) < 2 * self._at_once():
+                # A cluster grows and shrinks; to ask it takes as long as a small task, so not for each.
+                most = 2 * self._at_once()
+                while ready and len(running) < most:
                     key, name, arguments = ready.pop()
                     running[self._executor.submit(call, *arguments)] = (key, name)
                 for future in self._done(list(running)):
