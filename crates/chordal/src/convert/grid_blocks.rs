@@ -75,7 +75,8 @@ pub fn grid_to_block(
             debug_assert_eq!(face_keys.len(), faces.len(), "every triangle has a key");
             let errors = vertex_errors(affine, rule, size);
             let bound = (!faces.is_empty()).then(|| {
-                let farthest = IsosurfaceProof::new(&source, affine, rule, errors).of_block(wanted.map_or(0.0, Tolerance::get)).max_distance(&plan, job);
+                let proof = IsosurfaceProof::new(&source, affine, rule, errors);
+                let farthest = proof.of_block(wanted.map_or(0.0, Tolerance::get)).max_distance(&plan, job);
                 bound(farthest, Evidence::Proved, affine, rule, size)
             });
             if job.is_cancelled() {
