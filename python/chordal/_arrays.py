@@ -33,7 +33,10 @@ def coordinates(name: str, value: ArrayLike) -> NDArray[np.float64]:
             same = np.array_equal(copied.astype(own.dtype), own, equal_nan=own.dtype.kind == "f")
         if not same:
             raise ValueError(f"{name}: double precision cannot hold all of these {own.dtype} numbers")
-    bad = np.argwhere(~np.isfinite(copied))
+    # A sum of finite numbers that overflows is found to be finite on the second look.
+    with np.errstate(over="ignore", invalid="ignore"):
+        seems_finite = bool(np.isfinite(copied.sum()))
+    bad = [] if seems_finite else np.argwhere(~np.isfinite(copied)).tolist()
     if len(bad):
         place = tuple(int(index) for index in bad[0])
         raise ValueError(f"{name}: the number at {place} is not finite: {copied[place]}")
@@ -52,12 +55,12 @@ def indices(name: str, value: ArrayLike) -> NDArray[np.uint32]:
         return np.zeros(found.shape if found.ndim == 2 else (0, 3), np.uint32)
     if found.dtype.kind not in "iu":
         raise TypeError(f"{name}: an array of whole numbers, not of {found.dtype}")
-    own = np.array(found, order="C", copy=True, subok=False)
-    bad = np.argwhere((own < 0) | (own > 2**32 - 1))
-    if len(bad):
+    if found.min() < 0 or found.max() > 2**32 - 1:
+        bad = np.argwhere((found < 0) | (found > 2**32 - 1))
         place = tuple(int(index) for index in bad[0])
-        raise ValueError(f"{name}: the number at {place} is no index: {own[place]}")
-    return own.astype(np.uint32, order="C", copy=False)
+        raise ValueError(f"{name}: the number at {place} is no index: {found[place]}")
+    # Where another thread writes meanwhile, these are other numbers, and still 32 bits.
+    return found.astype(np.uint32, order="C", copy=True, subok=False)
 
 
 def _can_lose(dtype: np.dtype[Any]) -> bool:

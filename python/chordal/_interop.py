@@ -30,8 +30,13 @@ def mesh_like(thing: Any) -> bool:
     return any(is_one(thing) for is_one, _ in _KNOWN)
 
 
+def _has(thing: Any, *names: str) -> bool:
+    """Whether its class has these. To ask the object itself would compute them: the triangles of trimesh, say."""
+    return all(hasattr(type(thing), name) for name in names)
+
+
 def _is_open3d(thing: Any) -> bool:
-    return hasattr(thing, "triangles") and hasattr(thing, "has_vertex_normals")
+    return _has(thing, "has_vertex_normals", "triangles")
 
 
 def _of_open3d(thing: Any) -> dict[str, Any]:
@@ -46,7 +51,7 @@ def _of_open3d(thing: Any) -> dict[str, Any]:
 
 
 def _is_pyvista(thing: Any) -> bool:
-    return hasattr(thing, "regular_faces") and hasattr(thing, "points")
+    return _has(thing, "regular_faces", "points")
 
 
 def _of_pyvista(thing: Any) -> dict[str, Any]:
@@ -62,7 +67,7 @@ def _of_pyvista(thing: Any) -> dict[str, Any]:
 
 
 def _is_manifold(thing: Any) -> bool:
-    return hasattr(thing, "to_mesh") and hasattr(thing, "genus")
+    return _has(thing, "to_mesh", "genus")
 
 
 def _of_manifold(thing: Any) -> dict[str, Any]:
@@ -74,7 +79,7 @@ def _of_manifold(thing: Any) -> dict[str, Any]:
 
 
 def _is_meshio(thing: Any) -> bool:
-    return hasattr(thing, "cells_dict") and hasattr(thing, "points") and hasattr(thing, "point_data")
+    return _has(thing, "cells_dict") and hasattr(thing, "points") and hasattr(thing, "point_data")
 
 
 def _of_meshio(thing: Any) -> dict[str, Any]:

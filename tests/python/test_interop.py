@@ -153,3 +153,15 @@ def test_an_image_says_where_it_is() -> None:
 def test_a_square_of_a_file_is_given_with_what_it_has() -> None:
     library("trimesh")
     assert len(chordal.load(SQUARE, format="obj").mesh(tol=0.1).to_trimesh().faces) == 2
+
+
+def test_what_a_mesh_of_another_library_would_compute_is_not_asked_for() -> None:
+    class Lazy:
+        vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+        faces = np.array([[0, 1, 2]])
+
+        @property
+        def triangles(self) -> None:
+            raise AssertionError("this takes as long as the copy")
+
+    assert len(chordal.Mesh.from_(Lazy()).faces) == 1

@@ -178,3 +178,16 @@ def test_what_is_shown_is_short_and_escaped() -> None:
     assert repr(mesh).startswith("<Mesh: 2 triangles, 4 vertices; between 0 and 0, proved")
     assert mesh._repr_mimebundle_()["text/html"].count("<tr>") == 2
     assert repr(chordal.load(TEAPOT)).startswith("<Shape: patches, from bpt")
+
+
+def test_coordinates_whose_sum_is_too_large_are_taken_and_those_that_are_not_finite_are_named() -> None:
+    large = np.array([[1.7e308, 0, 0], [1.7e308, 1, 0], [1.7e308, 0, 1]])
+    assert np.array_equal(chordal.Mesh(large, [(0, 1, 2)]).vertices, large)
+    for bad in (np.inf, -np.inf, np.nan):
+        wrong = large.copy()
+        wrong[2, 1] = bad
+        with pytest.raises(ValueError, match=r"vertices: the number at \(2, 1\) is not finite"):
+            chordal.Mesh(wrong, [(0, 1, 2)])
+    for index in (-1, 2**32):
+        with pytest.raises(ValueError, match=r"faces: the number at \(0, 2\) is no index"):
+            chordal.Mesh(large, [(0, 1, index)])

@@ -10,7 +10,7 @@ use chordal::implicit::{Affine3, Grid};
 use chordal::{Mesh, Tolerance};
 use chordal_io::{Format, Frame, Scene};
 use chordal_verbs::report::BoundFacts;
-use chordal_verbs::{Input, Shape, sha256};
+use chordal_verbs::{Input, Shape};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -133,20 +133,9 @@ pub(crate) fn joined(
 /// Triangles as what was read, and their bound as JSON.
 pub(crate) fn scene_of(mesh: Mesh, bound: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
     let bound = serde_json::to_string(&BoundFacts::new(bound)).unwrap_or_default();
-    let numbers = mesh.positions().as_flattened().iter().flat_map(|x| x.to_ne_bytes());
-    let digest = sha256(&numbers.collect::<Vec<u8>>());
     let frame = Frame { metres_per_unit, ..Frame::default() };
     let shape = Shape::Scene(Scene::from_mesh("surface", mesh, frame));
-    let input = Input {
-        shape,
-        format: Format::Ply,
-        n_bytes: 0,
-        sha256: digest,
-        files: vec![],
-        warnings: vec![],
-        letters: None,
-    };
-    (input, bound)
+    (Input::made(shape, Format::Ply), bound)
 }
 
 /// Numbers of one key of a vertex in a row: x, y, z, kind.

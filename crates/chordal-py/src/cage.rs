@@ -160,16 +160,8 @@ impl Cage {
             );
             let mut bytes = Vec::new();
             obj::write_polygons(&polygons, None, &mut bytes)?;
-            let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));
-            Ok(Input {
-                shape: Shape::Cage(polygons),
-                format: Format::Obj,
-                n_bytes,
-                sha256,
-                files: Vec::new(),
-                warnings: Vec::new(),
-                letters: None,
-            })
+            let (n_bytes, digest) = (bytes.len() as u64, sha256(&bytes).into());
+            Ok(Input { n_bytes, digest, ..Input::made(Shape::Cage(polygons), Format::Obj) })
         })?;
         made.map(|input| Source::from_input(input, Vec::new())).map_err(|error| failure::write(py, &error))
     }

@@ -19,15 +19,7 @@ pub(crate) fn curves(numbers: &[u8], n_points: usize, width: usize, frame: Frame
         n => return Err(format!("points have 2 or 3 coordinates, not {n}")),
     };
     let n_bytes = numbers.len() as u64;
-    Ok(Input {
-        shape,
-        format: Format::Json,
-        n_bytes,
-        sha256: sha256(numbers),
-        files: Vec::new(),
-        warnings: Vec::new(),
-        letters: None,
-    })
+    Ok(Input { n_bytes, digest: sha256(numbers).into(), ..Input::made(shape, Format::Json) })
 }
 
 /// One chain of cubics for each `n_points` points.

@@ -11,7 +11,7 @@ use chordal_io::glb::GltfPacking;
 use chordal_io::tiles::GeoPlace;
 use chordal_io::{FileSet, Format};
 use chordal_verbs::report::{BoundFacts, Report, RunFacts};
-use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, Shape, TileErrors, lod, sha256};
+use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, Shape, TileErrors, lod};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -113,17 +113,7 @@ impl Levels {
         let made = Arc::clone(&self.made);
         let found = work::run(py, None, move |_| {
             let (scene, bound) = made.level(number)?;
-            let numbers = scene.parts.iter().flat_map(|part| part.mesh.positions().as_flattened());
-            let digest = sha256(&numbers.flat_map(|x| x.to_ne_bytes()).collect::<Vec<u8>>());
-            let input = Input {
-                shape: Shape::Scene(scene.into_owned()),
-                format: Format::Glb,
-                n_bytes: 0,
-                sha256: digest,
-                files: Vec::new(),
-                warnings: Vec::new(),
-                letters: None,
-            };
+            let input = Input::made(Shape::Scene(scene.into_owned()), Format::Glb);
             let bound = serde_json::to_string(&BoundFacts::new(bound)).ok()?;
             Some((input, bound))
         })?;

@@ -170,15 +170,8 @@ impl Outcome {
             let scene = Scene { certificate, ..outcome.scene()?.clone() };
             let mut bytes = Vec::new();
             outcome.write(&mut bytes).ok()?;
-            Some(Input {
-                shape: Shape::Scene(scene),
-                format: outcome.format,
-                n_bytes: bytes.len() as u64,
-                sha256: sha256(&bytes),
-                files: Vec::new(),
-                warnings: Vec::new(),
-                letters: None,
-            })
+            let (n_bytes, digest) = (bytes.len() as u64, sha256(&bytes).into());
+            Some(Input { n_bytes, digest, ..Input::made(Shape::Scene(scene), outcome.format) })
         })?;
         let input = input.ok_or_else(|| failure::internal(py, "there are no triangles"))?;
         Ok(Source::from_input(input, Vec::new()))

@@ -56,15 +56,8 @@ fn source_of(path: ScriptPath, frame: Frame) -> Source {
 
 /// A shape that was made of bytes that are no file.
 pub(crate) fn made(shape: Shape, bytes: &[u8]) -> Source {
-    let input = Input {
-        shape,
-        format: Format::Json,
-        n_bytes: bytes.len() as u64,
-        sha256: sha256(bytes),
-        files: Vec::new(),
-        warnings: Vec::new(),
-        letters: None,
-    };
+    let (n_bytes, digest) = (bytes.len() as u64, sha256(bytes).into());
+    let input = Input { n_bytes, digest, ..Input::made(shape, Format::Json) };
     Source::from_input(input, Vec::new())
 }
 

@@ -1,12 +1,12 @@
 //! What is in a scene of triangles, as Python sees it: facts as JSON, numbers as arrays that are not copied.
 use crate::array::{Array, ArrayData};
 use crate::rows::ShownRows;
-use crate::scene_state::{SceneState, attribute_names};
+use crate::scene_state::{SceneState, attribute_names, scene_of};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::Unit;
 use chordal_io::{Format, ImageContent, Scene};
-use chordal_verbs::{Input, Shape, sha256};
+use chordal_verbs::{Input, InputDigest, Shape};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -142,7 +142,7 @@ pub(crate) fn scene_state<'py>(py: Python<'py>, source: &Source) -> PyResult<Sta
         let SceneState { mut facts, blocks } = SceneState::from_scene(scene_in(&input)?);
         facts["format"] = input.format.to_string().into();
         facts["n_bytes"] = input.n_bytes.into();
-        facts["sha256"] = input.sha256.as_str().into();
+        facts["sha256"] = input.sha256().into();
         Some((facts.to_string(), blocks))
     })?;
     let (text, blocks) = made.ok_or_else(|| failure::internal(py, "these are no triangles"))?;
@@ -150,7 +150,7 @@ pub(crate) fn scene_state<'py>(py: Python<'py>, source: &Source) -> PyResult<Sta
 }
 
 /// The scene of such a text and blocks. What the text leaves out is as in a file that does not say it; without a
-/// digest, that of the blocks stands for the file that there is not.
+/// digest, that of the geometry stands for the file that there is not.
 #[pyfunction]
 pub(crate) fn scene_of_state(
     py: Python<'_>,
@@ -164,16 +164,12 @@ pub(crate) fn scene_of_state(
     let format = format.map_err(|error| failure::argument("state", error))?;
     let made = work::run(py, None, move |_| {
         let n_bytes = blocks.iter().map(|block| block.len() as u64).sum::<u64>();
-        let digest = facts["sha256"].as_str().map(str::to_owned);
-        let sha256 = digest.unwrap_or_else(|| {
-            sha256(&blocks.iter().flat_map(|block| block.iter().copied()).collect::<Vec<u8>>())
-        });
+        let digest =
+            facts["sha256"].as_str().map_or_else(InputDigest::default, |known| known.to_owned().into());
         let n_bytes = facts["n_bytes"].as_u64().unwrap_or(n_bytes);
-        let blocks = blocks.iter().map(|block| block.to_vec()).collect();
-        let mut scene = SceneState { facts, blocks }.into_scene()?;
+        let mut scene = scene_of(&facts, &blocks)?;
         scene.frame.metres_per_unit = metres_per_unit.or(scene.frame.metres_per_unit);
-        let shape = Shape::Scene(scene);
-        Ok(Input { shape, format, n_bytes, sha256, files: Vec::new(), warnings: Vec::new(), letters: None })
+        Ok(Input { n_bytes, digest, ..Input::made(Shape::Scene(scene), format) })
     })?;
     made.map(|input| Source::from_input(input, Vec::new()))
         .map_err(|error: String| failure::argument("faces", error))

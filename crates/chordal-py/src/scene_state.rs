@@ -8,6 +8,7 @@ use chordal_io::{
     TextureOrigin,
 };
 use serde_json::{Map, Value, json};
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// What a scene is, with its numbers in blocks: where the text says `block`, an index of them stands.
@@ -58,47 +59,44 @@ impl SceneState {
         });
         Self { facts, blocks: blocks.0 }
     }
+}
 
-    /// The scene of a state that [`Self::from_scene`] has made, or of one that is spelled like it: what is left out is as
-    /// in a file that does not say it.
-    ///
-    /// # Errors
-    /// A sentence where it is no such state, or its arrays are no mesh.
-    pub(crate) fn into_scene(self) -> Result<Scene, String> {
-        let Self { facts, blocks } = &self;
-        let bytes = Blocks(blocks);
-        let parts = list(&facts["parts"]).iter().map(|part| part_of(part, bytes));
-        let parts = parts.collect::<Result<Vec<_>, _>>()?;
-        let mut nodes = list(&facts["nodes"]).iter().map(node_of).collect::<Result<Vec<_>, _>>()?;
-        let mut roots = indices_in(&facts["roots"])?;
-        if facts["nodes"].is_null() {
-            let shown = |(k, part): (usize, &Part)| Node {
-                name: part.name.clone(),
-                part: Some(k),
-                ..Node::default()
-            };
-            nodes = parts.iter().enumerate().map(shown).collect();
-            roots = (0..nodes.len()).collect();
-        }
-        if nodes.iter().any(|node| node.part.is_some_and(|part| part >= parts.len())) {
-            return Err("a node shows a part that there is not".to_owned());
-        }
-        if nodes.iter().flat_map(|node| &node.children).chain(&roots).any(|node| *node >= nodes.len()) {
-            return Err("there are fewer nodes than are named".to_owned());
-        }
-        let groups = facts["groups"].as_object().into_iter().flatten();
-        Ok(Scene {
-            parts,
-            nodes,
-            roots,
-            frame: frame_of(&facts["frame"]),
-            certificate: Some(facts["certificate"].clone()).filter(|certificate| !certificate.is_null()),
-            groups: groups.map(|(kind, names)| (kind.clone(), texts(names))).collect(),
-            assets: Box::new(assets_of(&facts["assets"], bytes)?),
-            packing: packing_of(&facts["packing"]),
-            stored: packing_of(&facts["stored"]),
-        })
+/// The scene of a state that [`SceneState::from_scene`] has made, or of one that is spelled like it: what is left out is as
+/// in a file that does not say it.
+///
+/// # Errors
+/// A sentence where it is no such state, or its arrays are no mesh.
+pub(crate) fn scene_of(facts: &Value, blocks: &[impl Deref<Target = [u8]>]) -> Result<Scene, String> {
+    let blocks: Vec<&[u8]> = blocks.iter().map(|block| &**block).collect();
+    let bytes = Blocks(&blocks);
+    let parts = list(&facts["parts"]).iter().map(|part| part_of(part, bytes));
+    let parts = parts.collect::<Result<Vec<_>, _>>()?;
+    let mut nodes = list(&facts["nodes"]).iter().map(node_of).collect::<Result<Vec<_>, _>>()?;
+    let mut roots = indices_in(&facts["roots"])?;
+    if facts["nodes"].is_null() {
+        let shown =
+            |(k, part): (usize, &Part)| Node { name: part.name.clone(), part: Some(k), ..Node::default() };
+        nodes = parts.iter().enumerate().map(shown).collect();
+        roots = (0..nodes.len()).collect();
     }
+    if nodes.iter().any(|node| node.part.is_some_and(|part| part >= parts.len())) {
+        return Err("a node shows a part that there is not".to_owned());
+    }
+    if nodes.iter().flat_map(|node| &node.children).chain(&roots).any(|node| *node >= nodes.len()) {
+        return Err("there are fewer nodes than are named".to_owned());
+    }
+    let groups = facts["groups"].as_object().into_iter().flatten();
+    Ok(Scene {
+        parts,
+        nodes,
+        roots,
+        frame: frame_of(&facts["frame"]),
+        certificate: Some(facts["certificate"].clone()).filter(|certificate| !certificate.is_null()),
+        groups: groups.map(|(kind, names)| (kind.clone(), texts(names))).collect(),
+        assets: Box::new(assets_of(&facts["assets"], bytes)?),
+        packing: packing_of(&facts["packing"]),
+        stored: packing_of(&facts["stored"]),
+    })
 }
 
 fn part_facts(part: &Part, blocks: &mut BlockList) -> Value {
@@ -197,28 +195,34 @@ fn assets_facts(assets: &SceneAssets, blocks: &mut BlockList) -> Value {
 
 /// Blocks of bytes on their way in.
 #[derive(Clone, Copy)]
-struct Blocks<'a>(&'a [Vec<u8>]);
+struct Blocks<'a>(&'a [&'a [u8]]);
 
 impl Blocks<'_> {
     fn get(&self, at: &Value) -> Result<&[u8], String> {
         let block = at.as_u64().and_then(|at| self.0.get(usize::try_from(at).ok()?));
-        block.map(Vec::as_slice).ok_or_else(|| format!("there is no block {at}"))
+        block.copied().ok_or_else(|| format!("there is no block {at}"))
+    }
+
+    /// Rows of `N` numbers, each of the `B` bytes that `number` takes.
+    fn rows<T: Copy, const N: usize, const B: usize>(
+        &self,
+        at: &Value,
+        number: impl Fn([u8; B]) -> T,
+    ) -> Result<Vec<[T; N]>, String> {
+        let (numbers, odd) = self.get(at)?.as_chunks::<B>();
+        let (rows, left) = numbers.as_chunks::<N>();
+        if !odd.is_empty() || !left.is_empty() {
+            return Err(format!("a block ends within a row of {N} numbers of {B} bytes"));
+        }
+        Ok(rows.iter().map(|row| row.map(&number)).collect())
     }
 
     fn numbers(&self, at: &Value) -> Result<Vec<f64>, String> {
-        let (numbers, odd) = self.get(at)?.as_chunks::<{ size_of::<f64>() }>();
-        if !odd.is_empty() {
-            return Err("a block of numbers ends within one".to_owned());
-        }
-        Ok(numbers.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect())
+        Ok(self.rows::<_, 1, _>(at, f64::from_ne_bytes)?.into_flattened())
     }
 
     fn indices(&self, at: &Value) -> Result<Vec<u32>, String> {
-        let (indices, odd) = self.get(at)?.as_chunks::<{ size_of::<u32>() }>();
-        if !odd.is_empty() {
-            return Err("a block of indices ends within one".to_owned());
-        }
-        Ok(indices.iter().map(|bytes| u32::from_ne_bytes(*bytes)).collect())
+        Ok(self.rows::<_, 1, _>(at, u32::from_ne_bytes)?.into_flattened())
     }
 
     fn accessors(&self, all: &Value) -> Result<Vec<PackedAccessor>, String> {
@@ -233,13 +237,10 @@ impl Blocks<'_> {
 }
 
 fn part_of(facts: &Value, blocks: Blocks<'_>) -> Result<Part, String> {
-    let (numbers, indices) = (blocks.numbers(&facts["positions"])?, blocks.indices(&facts["faces"])?);
-    let ((points, half_point), (faces, half_face)) = (numbers.as_chunks::<3>(), indices.as_chunks::<3>());
-    if !(half_point.is_empty() && half_face.is_empty()) {
-        return Err("three numbers a vertex and three a face".to_owned());
-    }
+    let points = blocks.rows(&facts["positions"], f64::from_ne_bytes)?;
+    let faces = blocks.rows(&facts["faces"], u32::from_ne_bytes)?;
     let sentence = |error: chordal::explicit::InvalidMesh| error.to_string();
-    let mut mesh = Mesh::new(points.to_vec(), faces.to_vec()).map_err(sentence)?;
+    let mut mesh = Mesh::new(points, faces).map_err(sentence)?;
     if !facts["position_id"].is_null() {
         mesh = mesh.with_position_id(blocks.indices(&facts["position_id"])?).map_err(sentence)?;
     }

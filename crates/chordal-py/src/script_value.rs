@@ -11,7 +11,7 @@ use chordal::implicit::{Distance, DistanceQuality, Expr, Field};
 use chordal::math::Box3;
 use chordal_io::{FileLocation, Format, Frame, Warning};
 use chordal_script::language::{Arg, CallError, ScriptPath, function, functions, operate};
-use chordal_verbs::{ImplicitShape, Input, Shape, scene_to_field, sha256};
+use chordal_verbs::{ImplicitShape, Input, Shape, scene_to_field};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -306,15 +306,8 @@ impl ScriptValue {
             parameters: Vec::new(),
             bodies: Vec::new(),
         };
-        let input = Input {
-            shape: Shape::Field(implicit),
-            format: Format::Star,
-            letters: None,
-            n_bytes: 0,
-            sha256: sha256(&[]),
-            files: Vec::new(),
-            warnings: self.notes.iter().map(|note| warning_of(note)).collect(),
-        };
+        let warnings = self.notes.iter().map(|note| warning_of(note)).collect();
+        let input = Input { warnings, ..Input::made(Shape::Field(implicit), Format::Star) };
         Ok(Source::from_input(input, self.calls.clone()))
     }
 }

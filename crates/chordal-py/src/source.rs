@@ -288,8 +288,8 @@ fn transformed_input(
     let mut scene = moved.scene;
     scene.frame.metres_per_unit = unit.map(Unit::metres).or(scene.frame.metres_per_unit);
     // It stands for the file that there is not.
-    let sha256 = sha256(format!("{} {rows:?} {unit:?}", input.sha256).as_bytes());
-    let made = Input { shape: Shape::Scene(scene), sha256, warnings: Vec::new(), ..Input::clone(input) };
+    let digest = sha256(format!("{} {rows:?} {unit:?}", input.sha256()).as_bytes()).into();
+    let made = Input { shape: Shape::Scene(scene), digest, warnings: Vec::new(), ..Input::clone(input) };
     Ok((made, interval))
 }
 

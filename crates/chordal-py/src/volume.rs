@@ -130,14 +130,6 @@ pub(crate) fn bake_input(
     let unmet = outcome.unmet.as_ref().map(ToString::to_string);
     let volume = outcome.volume.into_dense();
     let shape = Shape::Volume(VolumeShape { volume, surface: SurfaceSpec::default() });
-    let input = Input {
-        shape,
-        format: Format::Nrrd,
-        n_bytes,
-        sha256,
-        files: Vec::new(),
-        warnings: Vec::new(),
-        letters: None,
-    };
+    let input = Input { n_bytes, digest: sha256.into(), ..Input::made(shape, Format::Nrrd) };
     Ok((Source::from_input(input, Vec::new()), report, unmet))
 }

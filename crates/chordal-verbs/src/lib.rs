@@ -106,7 +106,7 @@ pub use file_extension::extension;
 pub use geometry_digest::geometry_digest;
 pub use implicit::{ImplicitShape, Parameter, ShapeBody};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
-pub use load::{FormatHint, Input, InputFile, load, load_with, load_within};
+pub use load::{FormatHint, Input, InputDigest, InputFile, load, load_with, load_within};
 pub use lod::{LodLens, LodOutcome, LodParts, LodSpec, TileErrors, lod};
 pub use lod::{PartTile, TileEntry, part_tile, part_tileset, rounded_part};
 pub use mend::{MendSpec, WeldTolerance, mend};

@@ -1,6 +1,7 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
 use crate::digest::sha256;
 use crate::file_extension::extension;
+use crate::geometry_digest::geometry_digest;
 use crate::script::ScriptContext;
 use crate::{Shape, formats, script};
 use chordal::Job;
@@ -10,6 +11,7 @@ use chordal_io::font::{Letters, read_letters};
 use chordal_io::{
     FileLocation, FileOpener, ForeignFormat, Format, Limits, PolygonSurface, ReadError, Warning,
 };
+use std::sync::OnceLock;
 
 /// How to determine the format of some bytes, and options for reading them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,12 +49,48 @@ pub struct Input {
     pub letters: Option<Letters>,
     /// The number of bytes.
     pub n_bytes: u64,
-    /// Their SHA-256, in hexadecimal.
-    pub sha256: String,
+    /// The digest of the bytes.
+    pub digest: InputDigest,
     /// The files beside it that were read, in the order of reading.
     pub files: Vec<InputFile>,
     /// Irregularities in the bytes.
     pub warnings: Vec<Warning>,
+}
+
+impl Input {
+    /// A shape that never was a file; `format` is the one that could hold it.
+    #[must_use]
+    pub fn made(shape: Shape, format: Format) -> Self {
+        Self {
+            shape,
+            format,
+            letters: None,
+            n_bytes: 0,
+            digest: InputDigest::default(),
+            files: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The SHA-256 of the bytes, in hexadecimal. For a shape that never was a file it is that of its geometry, made when it
+    /// is asked for the first time; of none where that has no digest.
+    #[must_use]
+    pub fn sha256(&self) -> &str {
+        self.digest.0.get_or_init(|| {
+            let found = geometry_digest(&self.shape).ok().flatten();
+            found.unwrap_or_else(|| sha256(&[]))
+        })
+    }
+}
+
+/// What [`Input::sha256`] says. The default is to make it when it is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct InputDigest(OnceLock<String>);
+
+impl From<String> for InputDigest {
+    fn from(sha256: String) -> Self {
+        Self(OnceLock::from(sha256))
+    }
 }
 
 /// A file that an input names and that was read: a buffer, a picture.
@@ -179,7 +217,15 @@ fn load_from(
         }
     }
     let letters = hint.letters.cloned();
-    Ok(Input { shape, format, letters, n_bytes: bytes.len() as u64, sha256: sha256(bytes), files, warnings })
+    Ok(Input {
+        shape,
+        format,
+        letters,
+        n_bytes: bytes.len() as u64,
+        digest: sha256(bytes).into(),
+        files,
+        warnings,
+    })
 }
 
 /// Only OBJ and USD keep polygons; triangles of other files are faceted as they are.

@@ -136,7 +136,7 @@ fn weights_of_joints_are_blended_where_vertices_go() {
         format: Format::Glb,
         letters: None,
         n_bytes: 0,
-        sha256: "0".repeat(64),
+        digest: "0".repeat(64).into(),
         files: Vec::new(),
         warnings: Vec::new(),
     };
@@ -178,7 +178,7 @@ fn white_stays_white() {
         format: Format::Glb,
         letters: None,
         n_bytes: 0,
-        sha256: "0".repeat(64),
+        digest: "0".repeat(64).into(),
         files: Vec::new(),
         warnings: Vec::new(),
     };

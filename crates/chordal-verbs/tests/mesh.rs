@@ -31,7 +31,7 @@ fn input(shape: Shape) -> Input {
         format: Format::Bpt,
         letters: None,
         n_bytes: 0,
-        sha256: "0".repeat(64),
+        digest: "0".repeat(64).into(),
         files: Vec::new(),
         warnings: Vec::new(),
     }

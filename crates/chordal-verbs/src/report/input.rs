@@ -32,7 +32,7 @@ impl InputFacts {
             kind: input.shape.kind(),
             format: input.format.to_string(),
             letters: input.letters.as_ref().map(LettersFacts::new),
-            sha256: input.sha256.clone(),
+            sha256: input.sha256().to_owned(),
             files: input.files.iter().map(InputFileFacts::new).collect(),
             warnings: input.warnings.iter().map(WarningFacts::new).collect(),
         }

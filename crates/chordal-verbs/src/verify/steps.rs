@@ -66,9 +66,9 @@ impl ProvedSteps<'_> {
     fn check_files(&self, claims: &mut ClaimList) {
         let inputs = || self.history.steps.iter().flat_map(|step| &step.inputs);
         for file in self.against {
-            let named: Vec<_> = inputs().filter(|input| input.sha256 == file.sha256).collect();
+            let named: Vec<_> = inputs().filter(|input| input.sha256 == file.sha256()).collect();
             let beside: Vec<&String> = file.files.iter().map(|file| &file.sha256).collect();
-            let short = file.sha256.get(..SHORT).unwrap_or(&file.sha256);
+            let short = file.sha256().get(..SHORT).unwrap_or(file.sha256());
             if named.is_empty() {
                 let kind = file.shape.kind();
                 let reason = format!(
@@ -103,7 +103,7 @@ impl ProvedSteps<'_> {
 
     /// The file that a step read, by the digest of its bytes.
     fn find_input(&self, input: &StepInput) -> Option<&Input> {
-        self.against.iter().find(|file| file.sha256 == input.sha256)
+        self.against.iter().find(|file| file.sha256() == input.sha256)
     }
 
     /// The file between two steps holds the geometry that the first of them wrote.
