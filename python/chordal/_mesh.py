@@ -48,7 +48,7 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
     3
     """
 
-    __slots__ = ("_bound", "_cached", "_is_given", "_outcome", "_text")
+    __slots__ = ("_bound", "_cached", "_is_given", "_outcome", "_told")
 
     @keywords_hinted
     def __init__(
@@ -103,7 +103,7 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
         self._outcome = outcome
         self._is_given = False
         self._bound = bound
-        self._text = report
+        self._told = report
         self._cached: dict[str, Any] = {}
 
     @classmethod
@@ -121,8 +121,15 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
     @classmethod
     def _unjudged(cls, outcome: _chordal.Outcome) -> Mesh:
         made = cls.__new__(cls)
-        made._set(None, outcome, None, outcome.report)
+        made._set(None, outcome, None, None)
         return made
+
+    @property
+    def _text(self) -> str | None:
+        """Its report; None where nothing was made."""
+        if self._told is None and self._outcome is not None:
+            self._told = self._outcome.report
+        return self._told
 
     @property
     def _source(self) -> _chordal.Source:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, overload
 from chordal import _chordal
 from chordal._bound import Bound, bound_of
 from chordal._convert import Convertible
+from chordal._hints import Guessed
 from chordal._made import counted, of_outcome, remade, report_html
 from chordal._sourced import plain_reading
 
@@ -40,7 +41,7 @@ class Polyline:
     source: int
 
 
-class Polylines(Convertible, Sequence[Polyline]):
+class Polylines(Convertible, Sequence[Polyline], Guessed):
     """Points joined by straight segments, one polyline for each curve or subpath, with the bound of all.
 
     `points` of a single curve are its polyline's; of several, `lines[i].points` are those of each.
@@ -57,11 +58,11 @@ class Polylines(Convertible, Sequence[Polyline]):
            [3., 0.]])
     """
 
-    __slots__ = ("_arrays", "_file", "_outcome", "_text")
+    __slots__ = ("_arrays", "_file", "_outcome", "_told")
 
     def __init__(self, outcome: _chordal.Outcome) -> None:
         self._outcome: _chordal.Outcome | None = outcome
-        self._text: str = outcome.report
+        self._told: str | None = None
         self._arrays: dict[str, Any] = {}
         self._file: bytes = b""
 
@@ -69,6 +70,13 @@ class Polylines(Convertible, Sequence[Polyline]):
     def _of(cls, outcome: _chordal.Outcome) -> Polylines:
         """Lines that were made, if they meet their budget."""
         return of_outcome(outcome, cls)
+
+    @property
+    def _text(self) -> str:
+        if self._told is None:
+            assert self._outcome is not None
+            self._told = self._outcome.report
+        return self._told
 
     @property
     def bound(self) -> Bound:
@@ -171,5 +179,5 @@ class _Kept:
 def _again(report: str, arrays: dict[str, Any], content: bytes) -> Polylines:
     """Lines that were pickled."""
     made = Polylines.__new__(Polylines)
-    made._outcome, made._text, made._arrays, made._file = None, report, arrays, content
+    made._outcome, made._told, made._arrays, made._file = None, report, arrays, content
     return made

@@ -6,12 +6,17 @@ use chordal::budget::Progress;
 use chordal_cli::memory;
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often a waiting thread looks whether somebody wants to stop; a fifth of the tenth of a second in which
 /// Ctrl-C has to be obeyed.
 const LOOK: Duration = Duration::from_millis(20);
+
+/// For how long a waiting thread looks before it sleeps: about what it takes to wake one, measured. Nothing in a wait of
+/// [`LOOK`].
+const AWAKE: Duration = Duration::from_micros(50);
 
 /// What comes from the work.
 enum WorkMessage<T> {
@@ -33,7 +38,7 @@ pub(crate) fn run<T: Send + 'static>(
     let pool = pool(py).map_err(|error| failure::internal(py, &format!("no threads: {error}")))?;
     let (sender, receiver) = channel();
     let mut job = Job::default();
-    job.memory_limit = memory::default_limit().unwrap_or(job.memory_limit);
+    job.memory_limit = memory_limit().unwrap_or(job.memory_limit);
     if progress.is_some() {
         let sender = sender.clone();
         // Nobody listens any more once a caller has left.
@@ -50,6 +55,12 @@ pub(crate) fn run<T: Send + 'static>(
         std::mem::forget(on_leaving);
     }
     done
+}
+
+/// The memory that work may take. The system is asked once: its files take longer to read than many a piece of work.
+fn memory_limit() -> Option<u64> {
+    static LIMIT: OnceLock<Option<u64>> = OnceLock::new();
+    *LIMIT.get_or_init(memory::default_limit)
 }
 
 /// Points that a call evaluates on the thread that calls: some microseconds of work, to which the way to another thread
@@ -102,10 +113,23 @@ struct WorkUpdate<T> {
 /// The work panicked.
 struct WorkPanic;
 
+/// The first message; a thread that sleeps is woken later than one that looks, so it looks for a while first.
+fn first_message<T>(messages: &Receiver<WorkMessage<T>>) -> Result<WorkMessage<T>, bool> {
+    let begun = Instant::now();
+    while begun.elapsed() < AWAKE {
+        match messages.try_recv() {
+            Ok(message) => return Ok(message),
+            Err(TryRecvError::Disconnected) => return Err(true),
+            Err(TryRecvError::Empty) => std::hint::spin_loop(),
+        }
+    }
+    messages.recv_timeout(LOOK).map_err(|error| error == RecvTimeoutError::Disconnected)
+}
+
 /// Waits for news, but not for long.
 fn next_update<T>(messages: &mut Receiver<WorkMessage<T>>) -> WorkUpdate<T> {
     let mut news = WorkUpdate { progress: None, end: None };
-    let mut next = messages.recv_timeout(LOOK).map_err(|error| error == RecvTimeoutError::Disconnected);
+    let mut next = first_message(messages);
     loop {
         match next {
             Ok(WorkMessage::Progress(told)) => news.progress = Some(told),
