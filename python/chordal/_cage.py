@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIn
 from chordal import _chordal
 from chordal._arguments import text
 from chordal._arrays import coordinates, indices
+from chordal._hints import Guessed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from chordal._shape import Shape
 
 
-class Cage:
+class Cage(Guessed):
     """A polygon cage: a mesh that refining makes smooth. It does not change.
 
     `positions` is n × 3; `faces` are lists of three vertices or more, counter-clockwise from their front, or m × k indices.

@@ -11,7 +11,7 @@ from chordal._arguments import function, number, text
 from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
-from chordal._hints import refuse_own
+from chordal._hints import Guessed, refuse_own
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
 from chordal._view import View
@@ -171,7 +171,7 @@ def _made(name: str, unit: str | None, *args: Any) -> Curve:
     return Curve(_chordal.path_source(value, text("unit", unit)), None, (_made, (name, unit, *args), {}))
 
 
-class Curve(Remakeable):
+class Curve(Remakeable, Guessed):
     """One or more curves. `bezier`, `spline`, `nurbs`, `arc` and `fit` make it; it does not change.
 
     `polygon` fills one curve of the plane, and `sweep` follows one: both make a `Field`. `revolve` and `extrude` make

@@ -152,6 +152,44 @@ _DEVIATIONS: dict[str, str] = {
     **dict.fromkeys(("mean", "rms"), "mesh.vertex_deviation(other).mean(), of vertices alone"),
 }
 
+#: What shapes do and what has a `shape()` does not.
+_OF_SHAPES = ("mesh", "lod", "inspect", "deviation", "bake", "render", "show", "export", "to_bytes", "to_field", "union")
+
+_CURVES: dict[str, str] = {
+    **{name: f"curve.shape().{name}(…)" for name in _OF_SHAPES},
+    "mesh": "curve.shape().mesh(tol=0.01) fills a closed one; curve.flatten(tol=0.01) makes lines",
+    **dict.fromkeys(
+        ("discretize", "tessellate", "to_polyline", "polyline", "sample", "points", "interpolate", "subdivide"),
+        "curve.flatten(tol=0.01).points, or curve.points_at(t) for parameters",
+    ),
+    **dict.fromkeys(("evaluate", "eval", "point", "point_at", "at", "value"), "curve.points_at(t)"),
+    **dict.fromkeys(("derivative", "tangent", "tangents", "velocity"), "curve.derivatives(t)"),
+    **dict.fromkeys(("is_closed",), "curve.closed"),
+    **dict.fromkeys(("extruded", "sweep", "linear_extrude"), "curve.extrude(…)"),
+    **dict.fromkeys(("revolved", "rotate_extrude", "lathe"), "curve.revolve(…)"),
+}
+
+_CAGES: dict[str, str] = {
+    **{name: f"cage.shape().{name}(…)" for name in _OF_SHAPES},
+    **dict.fromkeys(("vertices", "points", "verts"), "cage.positions"),
+    **dict.fromkeys(("subdivide", "subdivided", "refine", "catmull_clark", "loop"), "cage.refined(levels)"),
+    **dict.fromkeys(("limit", "limit_surface", "tessellate", "triangulate"), "cage.shape().mesh(tol=0.01), within it of the limit"),
+}
+
+_BLOCKS: dict[str, str] = {
+    **dict.fromkeys(("array", "values", "data", "to_numpy"), "chordal.volume(…) holds samples in memory; these are read in blocks"),
+    **dict.fromkeys(("lod", "levels", "to_3dtiles", "tiles"), "volume.tileset(folder, iso=…)"),
+    **dict.fromkeys(("chunks", "chunk_shape", "block_shape"), "block= of volume.mesh and the others"),
+    **dict.fromkeys(("marching_cubes", "contour", "isosurface"), "volume.mesh(iso=0.5)"),
+    **dict.fromkeys(("neuroglancer", "to_precomputed", "fragments"), "volume.precomputed(folder)"),
+}
+
+_LINES: dict[str, str] = {
+    **dict.fromkeys(("save", "write"), 'lines.export("a.svg")'),
+    **dict.fromkeys(("vertices", "coords", "xy"), "lines.points"),
+    **dict.fromkeys(("error", "max_error"), "lines.bound"),
+}
+
 _FROM = "chordal.Mesh.from_(thing)"
 _CLASSES: dict[str, str] = {
     **dict.fromkeys(("from_trimesh", "from_pyvista", "from_open3d", "from_meshio", "from_manifold3d", "wrap"), _FROM),
@@ -200,6 +238,10 @@ _NOUNS: dict[str, tuple[Mapping[str, str], ...]] = {
     "Volume": (_VOLUMES, _VERBS, _CLASSES),
     "Mesh": (_MESHES, _VERBS, _ELSEWHERE, _CLASSES),
     "Shape": (_VERBS, _CLASSES),
+    "Curve": (_CURVES,),
+    "Cage": (_CAGES,),
+    "BlockVolume": (_BLOCKS,),
+    "Polylines": (_LINES,),
     "Picture": (_PICTURES,),
     "Levels": (_LEVELS,),
     "Deviation": (_DEVIATIONS,),

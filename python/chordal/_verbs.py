@@ -8,7 +8,10 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
+from chordal._blockwise.volume import BlockVolume
+from chordal._cage import Cage
 from chordal._combine import one_by_one
+from chordal._curve import Curve
 from chordal._images import lattice_like
 from chordal._interop import mesh_of
 from chordal._load import File, load
@@ -19,7 +22,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 if TYPE_CHECKING:
-    #: A shape, a file, the bytes of one, or a mesh of another library (see `Mesh.from_`).
+    #: A shape, a curve, a cage, a file, the bytes of one, or a mesh of another library (see `Mesh.from_`).
     _Shaped = Shape | File | Any
 
 
@@ -27,12 +30,16 @@ def shaped(name: str, thing: Any) -> Shape:
     """A shape, whatever it is that stands for it."""
     if isinstance(thing, Shape):
         return thing
+    if isinstance(thing, (Curve, Cage)):
+        return thing.shape()
     if isinstance(thing, (str, os.PathLike, bytes, bytearray, memoryview)) or hasattr(thing, "read"):
         return load(thing)
     found = mesh_of(thing)
     if found is None:
         hint = ""
-        if lattice_like(thing) or hasattr(thing, "__array_interface__"):
+        if isinstance(thing, BlockVolume):
+            hint = ": mesh it first, as in volume.mesh(iso=…)"
+        elif lattice_like(thing) or hasattr(thing, "__array_interface__"):
             hint = ": chordal.volume makes one of arrays and images"
         elif callable(thing):
             hint = ": chordal.field makes one of functions"

@@ -24,6 +24,10 @@ SOLID: Any = chordal.Mesh(CORNERS, FACES)
 OPEN: Any = chordal.Mesh(CORNERS, FACES[:3])
 VOLUME: Any = chordal.volume(np.ones((3, 3, 3)))
 BALL: Any = chordal.shapes.sphere(1)
+ARCH: Any = chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
+TENT: Any = chordal.Cage(CORNERS, FACES)
+LINES: Any = ARCH.flatten(tol=0.1)
+BLOCKS: Any = chordal.block_volume(np.ones((3, 3, 3)))
 ANY: Any = chordal
 NOUNS: dict[str, Any] = {
     "Mesh": SOLID,
@@ -33,6 +37,10 @@ NOUNS: dict[str, Any] = {
     "Picture": BALL.render(size=(8, 8)),
     "Levels": BALL.lod(tol=0.1),
     "Deviation": SOLID.deviation(SOLID),
+    "Curve": ARCH,
+    "Cage": TENT,
+    "BlockVolume": BLOCKS,
+    "Polylines": LINES,
     "chordal": chordal,
     "chordal.shapes": chordal.shapes,
 }
@@ -113,7 +121,7 @@ def test_guesses_leave_copies_pickles_and_lists_of_names_as_they_are() -> None:
         assert "simplify" not in dir(thing) and not hasattr(thing, "__array_struct__")
     assert pickle.loads(pickle.dumps(chordal.shapes.sphere)) is chordal.shapes.sphere
     assert getattr(SOLID, "simplify", None) is None
-    with pytest.raises(AttributeError, match="_text"):
+    with pytest.raises(AttributeError, match="_told"):
         chordal.Mesh.__new__(chordal.Mesh)._text
     with pytest.raises(ImportError):
         from chordal import marching_cubes  # type: ignore[attr-defined]  # noqa: F401
@@ -274,12 +282,38 @@ def test_fields_are_moved_by_methods_and_by_vectors() -> None:
 
 def test_answers_name_what_there_is() -> None:
     things = {"mesh": SOLID, "shape": SOLID, "volume": VOLUME, "field": BALL, "picture": NOUNS["Picture"], "chordal": chordal}
-    things |= {"levels": NOUNS["Levels"], "deviation": NOUNS["Deviation"]}
+    things |= {"levels": NOUNS["Levels"], "deviation": NOUNS["Deviation"], "curve": ARCH, "cage": TENT, "lines": LINES}
     n_names = 0
     for owner, tables in _hints._NOUNS.items():
+        things["volume"] = BLOCKS if owner == "BlockVolume" else VOLUME
         for answer in {answer for table in tables for answer in table.values()}:
             for noun, name in re.findall(r"(?<![\w)])(\w+)\.(\w+)", answer):
                 if noun in things:
                     n_names += 1
                     assert hasattr(things[noun], name), f"{owner}: {answer}"
     assert n_names > 100
+
+
+@pytest.mark.parametrize(
+    ("thing", "name", "told"),
+    [
+        (ARCH, "mesh", "flatten"),
+        (ARCH, "evaluate", "points_at"),
+        (TENT, "mesh", r"cage\.shape\(\)\.mesh"),
+        (TENT, "catmull_clark", "refined"),
+        (LINES, "vertices", r"lines\.points"),
+        (BLOCKS, "lod", "tileset"),
+        (BLOCKS, "marching_cubes", "mesh"),
+    ],
+)
+def test_curves_cages_lines_and_block_volumes_say_what_is_meant(thing: Any, name: str, told: str) -> None:
+    assert not hasattr(thing, name)
+    with pytest.raises(AttributeError, match=told):
+        getattr(thing, name)
+
+
+def test_the_verbs_take_curves_and_cages() -> None:
+    assert chordal.flatten(ARCH, tol=0.01).points.shape == ARCH.flatten(tol=0.01).points.shape
+    assert len(chordal.mesh(TENT, tol=0.1).faces) == len(TENT.shape().mesh(tol=0.1).faces)
+    with pytest.raises(TypeError, match=r"volume\.mesh"):
+        chordal.inspect(BLOCKS)
