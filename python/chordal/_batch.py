@@ -12,8 +12,9 @@ from typing import Any, Literal, SupportsFloat, SupportsIndex
 from chordal._arguments import number, positive
 from chordal._errors import Error
 
-# The exit codes of the command after which the manifest says how each file went: all well, or some not.
-_DONE = (0, 1, 3, 4, 5, 6)
+# The exit codes of the command after which the manifest says how each file went: all well, or some not. With others the
+# batch could not be done, whatever an earlier one has left.
+_DONE = (0, 1)
 
 
 def batch(
@@ -28,6 +29,8 @@ def batch(
     timeout: SupportsFloat | None = None,
     redo: bool = False,
     force: bool = False,
+    executor: Any | None = None,
+    cluster: str | None = None,
 ) -> list[dict[str, Any]]:
     """One verb for many files: what `chordal batch` does, which goes on where it was interrupted.
 
@@ -35,6 +38,9 @@ def batch(
     those of the verb, in the command's words, as in `["--px", "1"]`. `to` is the extension of the results, `base` the folder
     that the places of inputs are counted from, `jobs` how many files are done at once, and `timeout` the most seconds for
     one. `redo` does again what was done, and `force` replaces files that no batch wrote.
+
+    `cluster` is the address of a Dask scheduler, as in "tcp://10.0.0.1:8786", or `executor` a `dask.distributed.Client` of it:
+    then its workers do the files. They see the same files under the same names and have the same version of Chordal.
 
     Gives back the last line of the manifest for each file: "input", "output", "exit" (0 where it went well), "error",
     "triangles_out", "bound" and more. Raises `Error` where nothing was begun. It costs a process for each file.
@@ -44,6 +50,8 @@ def batch(
     words += ["--redo"] * redo + ["--force"] * force
     for name, value in (("to", to), ("base", base)):
         words += [] if value is None else [f"--{name}", os.fspath(value)]
+    address = _scheduler(executor, cluster)
+    words += [] if address is None else ["--dask", address]
     words += [] if jobs is None else ["--jobs", str(positive("jobs", jobs))]
     words += [] if timeout is None else ["--timeout", repr(number("timeout", timeout))]
     done = subprocess.run([*words, "--", *options], capture_output=True, text=True, check=False)
@@ -57,3 +65,16 @@ def batch(
             if isinstance(row.get("input"), str):
                 last[row["input"]] = row
     return list(last.values())
+
+
+def _scheduler(executor: Any | None, cluster: str | None) -> str | None:
+    """The address of the scheduler, where there is one."""
+    if executor is None:
+        return cluster
+    if cluster is not None:
+        raise TypeError("executor, cluster: give one of them")
+    # A client and nothing else: each file has a process of its own here, too.
+    scheduler = getattr(executor, "scheduler", None)
+    if not isinstance(getattr(scheduler, "address", None), str):
+        raise TypeError(f"executor: {type(executor).__name__} is no dask.distributed.Client")
+    return str(scheduler.address)  # type: ignore[union-attr]

@@ -5,10 +5,12 @@ import sys
 from typing import NoReturn
 
 from chordal import _chordal
+from chordal._batch_child import start
 
 
 def main() -> NoReturn:
     """Run the command line and end the process with its exit code."""
     # Until the command has its own handler, a signal ends the process without a traceback.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    sys.exit(_chordal.command(["chordal", *sys.argv[1:]]))
+    bridge = [sys.executable, "-m", "chordal._dask_bridge"]
+    sys.exit(_chordal.command(["chordal", *sys.argv[1:]], start(_chordal.__file__), bridge))

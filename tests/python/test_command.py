@@ -11,6 +11,8 @@ import pytest
 from conftest import SQUARE, TEAPOT, Command
 
 import chordal
+from chordal import _chordal
+from chordal._batch_child import INTERRUPTED, start
 
 SCRIPT = Path(sys.executable).parent / "chordal"
 
@@ -40,6 +42,18 @@ def run(*args: str | Path, stdin: bytes = b"") -> subprocess.CompletedProcess[by
 def test_does_what_the_program_does(cargo_chordal: Command, args: list[str | Path]) -> None:
     ours, theirs = run(*args, stdin=SQUARE), cargo_chordal(*args, stdin=SQUARE)
     assert (ours.returncode, ours.stdout, ours.stderr) == (theirs.returncode, theirs.stdout, theirs.stderr)
+
+
+def test_the_process_of_a_file_ends_with_whoever_holds_its_stdin(tmp_path: Path) -> None:
+    (tmp_path / "square.obj").write_bytes(SQUARE)
+    words = ["bake", str(tmp_path / "square.obj"), "-o", str(tmp_path / "square.nrrd"), "--cells", "300", "--threads", "1"]
+    process = subprocess.Popen([*start(_chordal.__file__), *words], stdin=subprocess.PIPE)
+    assert process.stdin is not None
+    process.stdin.close()
+    assert process.wait(60) == INTERRUPTED and not (tmp_path / "square.nrrd").exists()
+    # Without a pipe it ends by itself.
+    done = subprocess.run([*start(_chordal.__file__), *words[:4], "--cells", "4"], stdin=subprocess.DEVNULL, check=False)
+    assert done.returncode == 0 and (tmp_path / "square.nrrd").exists()
 
 
 def test_says_the_version_of_the_package() -> None:

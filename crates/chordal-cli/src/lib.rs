@@ -36,6 +36,7 @@ mod output_set;
 mod output_set_write;
 mod output_write;
 mod overwrite;
+mod program;
 mod progress;
 mod render;
 mod require;
@@ -62,6 +63,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use cli::{Cli, Verb};
 use fault::{Exit, Fault};
+pub use program::Program;
 use std::ffi::OsString;
 use std::io::Write;
 
@@ -71,13 +73,12 @@ use std::io::Write;
 /// It belongs to a process of its own: it writes to stdout and stderr, and from the first verb on SIGINT and
 /// SIGTERM end the process with 130.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
-    let program: Vec<OsString> = std::env::current_exe().ok().map(OsString::from).into_iter().collect();
-    run_started_by(args, &program)
+    run_started_by(args, &Program::own())
 }
 
 /// The same, where other words than the path of this program start the command again, as `batch` does.
 #[cfg_attr(target_family = "wasm", expect(unused_variables, reason = "there is no batch"))]
-pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &[OsString]) -> u8 {
+pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Program) -> u8 {
     // First of all: parsing allocates too.
     signal::end_aborts_with_a_code();
     let cli = match Cli::try_parse_from(args) {

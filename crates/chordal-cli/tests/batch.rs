@@ -330,6 +330,8 @@ fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_starts() {
     refuses(&["studio", "a.obj", "-o", "out"], 2, &["studio"]);
     refuses(&["convert", "a.obj", "-o", "a.obj"], 4, &["a.obj"]);
     refuses(&["convert", "a.obj", "-o", "out", "--base", "x"], 2, &["--base x"]);
+    // A client of a cluster is Python's.
+    refuses(&["convert", "a.obj", "-o", "out", "--dask", "tcp://a:1"], 2, &["--dask", "pip install chordal"]);
     assert_eq!(folder.names(), ["a.obj"]);
 }
 

@@ -1,4 +1,5 @@
 //! One run of a verb in a process of its own, so that nothing that happens to it happens to the others.
+use super::job::JobEnd;
 use crate::signal;
 use std::io::{self, Read};
 use std::process::{Command, ExitStatus, Stdio};
@@ -7,24 +8,11 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How a process ended, and what it said.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ChildEnd {
-    /// Its exit code; none where it was ended from outside.
-    pub exit: Option<i32>,
-    /// Why there is none, in a sentence.
-    pub why: Option<String>,
-    /// What went to stdout.
-    pub stdout: Vec<u8>,
-    /// What went to stderr.
-    pub stderr: Vec<u8>,
-}
-
 /// Runs a command to its end, or for so long at most.
 ///
 /// # Errors
 /// When it cannot be started.
-pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<ChildEnd> {
+pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<JobEnd> {
     let started = Instant::now();
     let child =
         signal::start_child(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()))?;
@@ -32,7 +20,7 @@ pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<Child
     let stdout = lock().stdout.take();
     let stderr = lock().stderr.take();
     let (sender, receiver) = channel();
-    let mut end = ChildEnd::default();
+    let mut end = JobEnd::default();
     let status = thread::scope(|scope| {
         let other = sender.clone();
         let stdout = scope.spawn(move || drain(stdout, &sender));
@@ -48,8 +36,7 @@ pub fn run(command: &mut Command, timeout: Option<Duration>) -> io::Result<Child
             if waited == Err(RecvTimeoutError::Timeout) {
                 // It may have ended by itself in this moment.
                 let _ = lock().kill();
-                let limit = timeout.unwrap_or_default().as_secs_f64();
-                end.why = Some(format!("stopped after {limit} s, which is the limit (--timeout)"));
+                end.timed_out(timeout);
                 break;
             }
         }

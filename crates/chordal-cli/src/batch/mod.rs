@@ -1,9 +1,12 @@
 //! `chordal batch`: one verb over many files, each in a process of its own.
+mod bridge;
 mod child;
 mod glob;
 mod inputs;
+mod job;
 mod manifest;
 mod plan;
+mod runner;
 mod tally;
 mod verb;
 mod work;
@@ -13,11 +16,15 @@ use crate::console::{Console, StdoutUse, print, printable};
 use crate::fault::{Exit, Fault, plainly};
 use crate::memory;
 use crate::overwrite::OverwritePolicy;
+use crate::program::Program;
 use crate::signal;
+use bridge::{Bridge, BridgeArgs};
 use clap::Args;
 use inputs::BatchInputs;
+use job::output_words;
 use manifest::{MANIFEST, Manifest, ManifestEntries};
 use plan::{BatchItem, OutputNaming, plan};
+use runner::BatchRunner;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::fs::{self, File, TryLockError};
@@ -70,7 +77,7 @@ pub struct BatchArgs {
     #[arg(long)]
     pub keep_extension: bool,
 
-    /// How many files are done at once; as many as there are cores unless said
+    /// How many files are done at once; as many as there are cores, or threads of a cluster, unless said
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub jobs: Option<u64>,
 
@@ -82,6 +89,11 @@ pub struct BatchArgs {
     /// gets its share
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
+
+    /// Do the files on the workers of a Dask cluster, by the address of its scheduler, as in tcp://10.0.0.1:8786.
+    /// They see the same files and have the same version; the command is that of the Python package
+    #[arg(long, value_name = "ADDRESS")]
+    pub dask: Option<String>,
 
     /// Say what would be done, and do nothing
     #[arg(long)]
@@ -112,8 +124,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 /// What the command that a batch is part of does for it.
 #[derive(Clone, Copy)]
 pub struct BatchCommand<'a> {
-    /// The words that start it again.
-    pub program: &'a [OsString],
+    /// How it is started again.
+    pub program: &'a Program,
     /// Refuses words that make no sense to it.
     pub check: &'a dyn Fn(Vec<OsString>) -> Result<(), Fault>,
 }
@@ -136,10 +148,8 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
             .warn("folders", &[format!("files whose extension is of no known format were left out ({n}x)")]);
     }
     let items = plan(inputs, args.verb, &naming)?;
-    let jobs = args.jobs.map_or_else(cores, |jobs| usize::try_from(jobs).unwrap_or(usize::MAX));
-    let jobs = jobs.min(items.len()).max(1);
-    let share = args.share(jobs);
-    args.check_words(&items, &share, command)?;
+    args.check_words(&items, command)?;
+    let bridge = args.bridge_words(command.program)?;
     let cancel = Arc::new(AtomicBool::new(false));
     let lock = if args.dry_run { None } else { Some(BatchLock::take(&args.output)?) };
     signal::install(Arc::clone(&cancel));
@@ -148,8 +158,9 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
         let n = entries.n_wrong;
         console.warn(MANIFEST, &[format!("lines that are no entries were left where they are ({n}x)")]);
     }
+    let (runner, share) = args.runner(items.len(), command.program, bridge, &console)?;
     let work = BatchWork {
-        program: command.program,
+        runner,
         verb: args.verb,
         words: std::iter::once(args.verb.name().to_owned()).chain(args.options.iter().cloned()).collect(),
         share,
@@ -166,7 +177,7 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
         return print(&printable(&list(&work, &items)));
     }
     let manifest = Manifest::open(&args.output, &entries)?;
-    let tally = work.run(&items, jobs, manifest)?;
+    let tally = work.run(&items, manifest)?;
     drop(lock);
     let path = args.output.join(MANIFEST).display().to_string();
     let seconds = started.elapsed().as_secs_f64();
@@ -180,21 +191,64 @@ pub fn run(args: &BatchArgs, command: BatchCommand) -> Result<(), Fault> {
 }
 
 impl BatchArgs {
-    /// The options for a share of the threads and of the memory, where the words of the verb do not have them.
-    fn share(&self, jobs: usize) -> Vec<String> {
-        let says = |name: &str| self.options.iter().any(|word| word.split('=').next() == Some(name));
-        let mut share = Vec::new();
-        if !self.verb.is_report() && !says("--threads") {
-            share.extend(["--threads".to_owned(), (cores() / jobs).max(1).to_string()]);
+    /// The words that start the client of the cluster, where there is one.
+    fn bridge_words<'a>(&self, program: &'a Program) -> Result<Option<&'a [OsString]>, Fault> {
+        match (&self.dask, &program.bridge) {
+            (None, _) => Ok(None),
+            (Some(_), Some(words)) => Ok(Some(words)),
+            (Some(_), None) => Err(Fault::usage(
+                "--dask: this program has no Python: 'pip install chordal distributed', and 'python -m chordal batch' in \
+                 place of 'chordal batch'",
+            )),
         }
-        if let Some(all) = self.max_memory.or_else(memory::default_limit).filter(|_| !says("--max-memory")) {
-            share.extend(["--max-memory".to_owned(), (all / jobs as u64).max(1).to_string()]);
+    }
+
+    /// Who does so many files, and the options for the share of threads and memory of each.
+    fn runner<'a>(
+        &self,
+        n_files: usize,
+        program: &'a Program,
+        bridge: Option<&[OsString]>,
+        console: &Console,
+    ) -> Result<(BatchRunner<'a>, Vec<String>), Fault> {
+        let said = self.jobs.map(|jobs| usize::try_from(jobs).unwrap_or(usize::MAX));
+        let (Some(words), Some(address)) = (bridge, &self.dask) else {
+            let jobs = said.unwrap_or_else(cores).min(n_files).max(1);
+            let memory = self.max_memory.or_else(memory::default_limit).map(|all| all / jobs as u64);
+            return Ok((
+                BatchRunner::Here { program: &program.words, jobs },
+                self.share(cores() / jobs, memory),
+            ));
+        };
+        let shares_memory = self.max_memory.is_none() && !self.says("--max-memory");
+        let bridge = Bridge::start(&BridgeArgs { program: words, address, jobs: said, shares_memory })?;
+        if bridge.slots() == 0 {
+            console.warn(address, &["the cluster has no workers: files wait until it has some"]);
+        }
+        let at_once = said.unwrap_or_else(|| bridge.slots()).max(1);
+        // A process for each thread of a worker.
+        let share = self.share(1, self.max_memory.map(|all| all / at_once as u64));
+        Ok((BatchRunner::Cluster(bridge), share))
+    }
+
+    fn says(&self, name: &str) -> bool {
+        self.options.iter().any(|word| word.split('=').next() == Some(name))
+    }
+
+    /// The options for so many threads and so much memory, where the words of the verb do not have them.
+    fn share(&self, threads: usize, memory: Option<u64>) -> Vec<String> {
+        let mut share = Vec::new();
+        if !self.verb.is_report() && !self.says("--threads") {
+            share.extend(["--threads".to_owned(), threads.max(1).to_string()]);
+        }
+        if let Some(memory) = memory.filter(|_| !self.says("--max-memory")) {
+            share.extend(["--max-memory".to_owned(), memory.max(1).to_string()]);
         }
         share
     }
 
     /// Refuses options that the verb does not take, once and not for every file.
-    fn check_words(&self, items: &[BatchItem], share: &[String], command: BatchCommand) -> Result<(), Fault> {
+    fn check_words(&self, items: &[BatchItem], command: BatchCommand) -> Result<(), Fault> {
         for word in &self.options {
             let name = word.split('=').next().unwrap_or_default();
             if ["--to", "--output", "-o"].contains(&name) {
@@ -204,8 +258,9 @@ impl BatchArgs {
         }
         let Some(item) = items.first() else { return Ok(()) };
         let mut words: Vec<OsString> = vec!["chordal".into()];
-        words.extend(child_words(self.verb, &item.file.path, &item.output));
-        words.extend(share.iter().chain(&self.options).map(OsString::from));
+        words.extend(child_words(self.verb, &item.file.path));
+        words.extend(output_words(self.verb.is_report(), &item.output));
+        words.extend(self.share(1, None).iter().chain(&self.options).map(OsString::from));
         (command.check)(words)
     }
 }
@@ -262,7 +317,11 @@ impl BatchLock {
                 let _ = fs::remove_dir_all(entry.path());
             }
         }
-        let work_folder = own.join(std::process::id().to_string());
+        // The number of a process alone comes again, on another machine or in a container: then one of that other batch
+        // would go on for this.
+        let mut random = [0; size_of::<u64>()];
+        getrandom::fill(&mut random).map_err(|error| failed(std::io::Error::other(error)))?;
+        let work_folder = own.join(format!("{}-{:016x}", std::process::id(), u64::from_ne_bytes(random)));
         fs::create_dir_all(&work_folder).map_err(failed)?;
         signal::set_work_folder(Some(work_folder.clone()));
         Ok(Self { _file: file, work_folder })

@@ -1,8 +1,9 @@
 //! The work of a batch: each file in a process, some of them at once, each result recorded and put in its
 //! place.
-use super::child::{self, ChildEnd};
+use super::job::{BatchJob, JobEnd, JobFault};
 use super::manifest::{Manifest, ManifestEntries, ManifestEntry};
 use super::plan::BatchItem;
+use super::runner::BatchRunner;
 use super::tally::{BatchProgress, BatchTally};
 use super::verb::BatchVerb;
 use crate::console::Console;
@@ -15,10 +16,9 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
 /// Files whose errors are told as they end; the manifest has all.
@@ -27,8 +27,8 @@ const MOST_TOLD: u64 = 10;
 /// What holds for all files of a batch.
 #[derive(Debug)]
 pub struct BatchWork<'a> {
-    /// The words that start this command again.
-    pub program: &'a [OsString],
+    /// Who runs the processes.
+    pub runner: BatchRunner<'a>,
     /// The verb.
     pub verb: BatchVerb,
     /// The verb with its options, as the manifest has it.
@@ -59,8 +59,8 @@ enum ItemEnd {
     Skipped(Box<ManifestEntry>),
     /// It was done now; what it made is at that path, if it made anything.
     Done(Box<ManifestEntry>, Option<PathBuf>),
-    /// Somebody asked to stop.
-    Interrupted,
+    /// Somebody asked to stop, or no file can be done any more.
+    Stopped(Fault),
 }
 
 /// What the threads share.
@@ -70,14 +70,18 @@ struct BatchState {
     progress: BatchProgress,
     /// Why no further file is begun.
     fault: Option<Fault>,
+    /// How many items were begun.
+    n_begun: usize,
+    /// Threads, each of which waits for the end of an item.
+    n_threads: usize,
 }
 
 impl BatchWork<'_> {
-    /// Does all items, so many at once, and returns the counts.
+    /// Does all items, as many at once as the runner takes, and returns the counts.
     ///
     /// # Errors
-    /// When the manifest cannot be written, or somebody asked to stop.
-    pub fn run(&self, items: &[BatchItem], jobs: usize, manifest: Manifest) -> Result<BatchTally, Fault> {
+    /// When the manifest cannot be written, a cluster cannot do them, or somebody asked to stop.
+    pub fn run(&self, items: &[BatchItem], manifest: Manifest) -> Result<BatchTally, Fault> {
         let sizes: Vec<u64> =
             items.iter().map(|item| fs::metadata(&item.file.path).map_or(0, |found| found.len())).collect();
         let state = Mutex::new(BatchState {
@@ -85,23 +89,11 @@ impl BatchWork<'_> {
             tally: BatchTally { files: items.len() as u64, ..BatchTally::default() },
             progress: BatchProgress::new(sizes.iter().sum(), self.console.shows_progress()),
             fault: None,
+            n_begun: 0,
+            n_threads: 0,
         });
-        let next = AtomicUsize::new(0);
-        thread::scope(|scope| {
-            for _ in 0..jobs.min(items.len()) {
-                scope.spawn(|| {
-                    while lock(&state).fault.is_none() {
-                        let number = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(item) = items.get(number) else { return };
-                        let end = self.item(number, item);
-                        let mut state = lock(&state);
-                        if let Err(fault) = self.record(item, end, sizes[number], &mut state) {
-                            state.fault.get_or_insert(fault);
-                        }
-                    }
-                });
-            }
-        });
+        let shared = SharedWork { work: self, items, sizes: &sizes, state: &state };
+        thread::scope(|scope| shared.start_threads(scope));
         let state = state.into_inner().unwrap_or_else(PoisonError::into_inner);
         state.progress.finish();
         state.fault.map_or(Ok(state.tally), Err)
@@ -147,23 +139,15 @@ impl BatchWork<'_> {
         if let Err(fault) = refused {
             return fail(entry, &fault);
         }
-        // A folder of its own, where files beside the output get the names that it says.
-        let staging = self.work_folder.join(number.to_string());
-        let made = staging.join(item.output.file_name().unwrap_or_default());
-        if let Err(error) = fs::create_dir_all(&staging) {
-            let message = format!("{}: {}", staging.display(), plainly(&error));
-            return fail(entry, &Fault::output("unwritable", message));
-        }
-        let end = match child::run(&mut self.command(item, &made), self.timeout) {
+        let end = match self.runner.run(&self.job(number, item)) {
             Ok(end) => end,
-            Err(error) => {
-                let message = format!("the command cannot be started: {}", plainly(&error));
-                return fail(entry, &Fault::output("not-started", message));
-            }
+            Err(JobFault::File(fault)) => return fail(entry, &fault),
+            Err(JobFault::Batch(fault)) => return ItemEnd::Stopped(fault),
         };
         if self.cancel.load(Ordering::Relaxed) || end.exit == Some(Exit::Interrupted as i32) {
-            return ItemEnd::Interrupted;
+            return ItemEnd::Stopped(Fault::interrupted());
         }
+        let made = end.made.clone();
         if self.verb.is_report()
             && is_report(&end.stdout)
             && let Err(error) = fs::write(&made, &end.stdout)
@@ -180,7 +164,7 @@ impl BatchWork<'_> {
         if entry.exit == Some(0) && entry.output_sha256.is_none() {
             return fail(entry, &Fault::output("no-output", "the verb ended well and wrote no output"));
         }
-        entry.seconds = started.elapsed().as_secs_f64();
+        entry.seconds = end.seconds.unwrap_or_else(|| started.elapsed().as_secs_f64());
         let made = entry.output_sha256.is_some().then_some(made);
         ItemEnd::Done(Box::new(entry), made)
     }
@@ -191,12 +175,18 @@ impl BatchWork<'_> {
         if is_ours { OverwritePolicy::Replace } else { self.existing }
     }
 
-    fn command(&self, item: &BatchItem, made: &Path) -> Command {
-        let mut words = self.program.iter();
-        let mut command = Command::new(words.next().cloned().unwrap_or_default());
-        command.args(words).args(child_words(self.verb, &item.file.path, made));
-        command.args(&self.share).args(&self.words[1..]);
-        command
+    fn job(&self, number: usize, item: &BatchItem) -> BatchJob<'_> {
+        let tail = self.share.iter().chain(&self.words[1..]).map(OsString::from).collect();
+        BatchJob {
+            number,
+            input: item.file.path.clone(),
+            name: item.output.file_name().unwrap_or_default().to_owned(),
+            is_report: self.verb.is_report(),
+            head: child_words(self.verb, &item.file.path),
+            tail,
+            work_folder: &self.work_folder,
+            timeout: self.timeout,
+        }
     }
 
     /// Writes the line of a file, and then gives its output its name: a kill between the two leaves a line
@@ -209,7 +199,7 @@ impl BatchWork<'_> {
         state: &mut BatchState,
     ) -> Result<(), Fault> {
         let (entry, is_skipped) = match end {
-            ItemEnd::Interrupted => return Err(Fault::interrupted()),
+            ItemEnd::Stopped(fault) => return Err(fault),
             ItemEnd::Skipped(entry) => (entry, true),
             ItemEnd::Done(mut entry, made) => {
                 state.manifest.append(&entry)?;
@@ -241,16 +231,61 @@ impl BatchWork<'_> {
 /// The version of this program, which its outputs depend on.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The words of the verb for one file, without those that are the same for all.
-pub fn child_words(verb: BatchVerb, input: &Path, output: &Path) -> Vec<OsString> {
+/// What all threads know.
+#[derive(Clone, Copy)]
+struct SharedWork<'a, 'b> {
+    work: &'a BatchWork<'b>,
+    items: &'a [BatchItem],
+    sizes: &'a [u64],
+    state: &'a Mutex<BatchState>,
+}
+
+impl<'scope> SharedWork<'scope, '_> {
+    /// Starts as many threads as the runner takes files at once, and there are.
+    fn start_threads(self, scope: &'scope Scope<'scope, '_>) {
+        let mut state = lock(self.state);
+        let wanted = self.work.runner.at_once().min(self.items.len() - state.n_begun + state.n_threads);
+        while state.n_threads < wanted && state.fault.is_none() {
+            state.n_threads += 1;
+            scope.spawn(move || self.do_items(scope));
+        }
+    }
+
+    /// Does one item after the other, until there are no more, or the runner takes fewer at once. Where it takes more,
+    /// there are more threads: a cluster grows and shrinks.
+    fn do_items(self, scope: &'scope Scope<'scope, '_>) {
+        while let Some(number) = self.next() {
+            let item = &self.items[number];
+            let end = self.work.item(number, item);
+            {
+                let mut state = lock(self.state);
+                if let Err(fault) = self.work.record(item, end, self.sizes[number], &mut state) {
+                    state.fault.get_or_insert(fault);
+                }
+            }
+            self.start_threads(scope);
+        }
+    }
+
+    /// The next item for this thread; none where it is to end.
+    fn next(self) -> Option<usize> {
+        let mut state = lock(self.state);
+        let is_wanted = state.n_threads <= self.work.runner.at_once() && state.fault.is_none();
+        if !is_wanted || state.n_begun == self.items.len() {
+            state.n_threads -= 1;
+            return None;
+        }
+        state.n_begun += 1;
+        Some(state.n_begun - 1)
+    }
+}
+
+/// The words of the verb for one file, before those of its output.
+pub fn child_words(verb: BatchVerb, input: &Path) -> Vec<OsString> {
     // A name that begins like an option.
     let is_dashed = input.as_os_str().as_encoded_bytes().starts_with(b"-");
     let input = if is_dashed { Path::new(".").join(input) } else { input.to_owned() };
-    let mut words: Vec<OsString> = vec![verb.name().into(), input.into(), "--json".into()];
-    if !verb.is_report() {
-        words.extend(["-o".into(), output.into()]);
-    }
-    words
+    vec![verb.name().into(), input.into(), "--json".into()]
 }
 
 /// The sentence, which names the file as the verb does.
@@ -273,7 +308,7 @@ fn is_report(stdout: &[u8]) -> bool {
 }
 
 /// What the process says of its file.
-fn describe(entry: &mut ManifestEntry, end: &ChildEnd) {
+fn describe(entry: &mut ManifestEntry, end: &JobEnd) {
     let report: Value = serde_json::from_slice(&end.stdout).unwrap_or_default();
     let text = |place: &str| report.pointer(place).and_then(Value::as_str).map(str::to_owned);
     let count = |place: &str| report.pointer(place).and_then(Value::as_u64);
@@ -282,7 +317,7 @@ fn describe(entry: &mut ManifestEntry, end: &ChildEnd) {
     entry.bound = report.pointer("/certificate/bound/at_most").and_then(Value::as_f64);
     entry.triangles_in = count("/run/input_triangles");
     entry.triangles_out = count("/certificate/output/triangles");
-    entry.code = text("/error/code");
+    entry.code = end.code.clone().or_else(|| text("/error/code"));
     if end.exit == Some(0) {
         return;
     }

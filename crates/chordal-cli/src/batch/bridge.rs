@@ -1,0 +1,337 @@
+//! `Bridge`: a process of the Python package that is a client of a Dask cluster. Each job is a line to it, each end a
+//! line from it.
+use super::job::{BatchJob, JobEnd, JobFault};
+use crate::fault::{Fault, plainly};
+use crate::signal::{self, SharedChild};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::ffi::{OsStr, OsString};
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::PathBuf;
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+
+/// How many files are given to the cluster for each of its threads, so that none waits for the next. Defined: one that
+/// is done and one that comes after it.
+const EACH: usize = 2;
+
+/// The most files that are given to it at once where nobody says a number. Derived: each has a thread here that waits,
+/// and a disk takes about as many lines of the manifest in a second.
+const MOST_AT_ONCE: usize = 1000;
+
+/// What a cluster is asked for.
+#[derive(Clone, Debug)]
+pub struct BridgeArgs<'a> {
+    /// The words that start the process.
+    pub program: &'a [OsString],
+    /// The address of the scheduler.
+    pub address: &'a str,
+    /// How many files are done at once, where that is said.
+    pub jobs: Option<usize>,
+    /// Whether each process is told its share of its worker's memory.
+    pub shares_memory: bool,
+}
+
+/// The process, and who waits for what it says.
+#[derive(Debug)]
+pub struct Bridge {
+    jobs: Option<usize>,
+    shares_memory: bool,
+    cwd: PathBuf,
+    /// None from the end on.
+    stdin: Option<Mutex<ChildStdin>>,
+    reader: Option<JoinHandle<()>>,
+    state: Arc<BridgeState>,
+}
+
+#[derive(Debug, Default)]
+struct BridgeState {
+    /// Threads of all workers.
+    slots: AtomicUsize,
+    waiting: Mutex<WaitingJobs>,
+}
+
+#[derive(Debug, Default)]
+struct WaitingJobs {
+    by_number: BTreeMap<u64, Sender<Value>>,
+    /// Why no job has an end any more.
+    fault: Option<String>,
+}
+
+impl BridgeState {
+    fn waiting(&self) -> MutexGuard<'_, WaitingJobs> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes what the process says.
+    fn hear(&self, line: &str) {
+        let said: Value = serde_json::from_str(line).unwrap_or_default();
+        if let Some(slots) = said.get("slots").and_then(Value::as_u64) {
+            self.slots.store(usize::try_from(slots).unwrap_or(usize::MAX), Ordering::Relaxed);
+        }
+        if let Some(fault) = said.get("fault").and_then(Value::as_str) {
+            self.end(fault.to_owned());
+        }
+        if let Some(number) = said.get("job").and_then(Value::as_u64)
+            && let Some(waiter) = self.waiting().by_number.remove(&number)
+        {
+            // Who waited may be gone.
+            let _ = waiter.send(said);
+        }
+    }
+
+    /// Lets all go who wait. The first reason is the one that is told.
+    fn end(&self, fault: String) {
+        let mut waiting = self.waiting();
+        waiting.fault.get_or_insert(fault);
+        waiting.by_number.clear();
+    }
+}
+
+impl Bridge {
+    /// Starts the process, and waits until it has reached the scheduler.
+    ///
+    /// # Errors
+    /// When it cannot.
+    pub fn start(args: &BridgeArgs) -> Result<Self, Fault> {
+        let cwd = std::env::current_dir().map_err(|error| not_started(&error))?;
+        let mut words = args.program.iter();
+        let mut command = Command::new(words.next().cloned().unwrap_or_default());
+        command.args(words).arg(args.address);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = signal::start_child(&mut command).map_err(|error| not_started(&error))?;
+        let (stdin, stdout, stderr) = {
+            let mut child = child.lock().unwrap_or_else(PoisonError::into_inner);
+            (child.stdin.take(), child.stdout.take(), child.stderr.take())
+        };
+        let state = Arc::new(BridgeState::default());
+        let (ready, is_ready) = channel();
+        let reader = {
+            let state = Arc::clone(&state);
+            let stderr = thread::spawn(move || last_line(stderr));
+            thread::spawn(move || {
+                hear_all(&state, stdout, &ready);
+                let last = stderr.join().unwrap_or_default();
+                wait_for(&child);
+                state.end(format!("the process that is the client of the cluster has ended{last}"));
+            })
+        };
+        // The first line says how many threads there are, or that nobody answers; an error, that there is none.
+        let _ = is_ready.recv();
+        let stdin = stdin.map(Mutex::new);
+        let bridge = Self {
+            jobs: args.jobs,
+            shares_memory: args.shares_memory,
+            cwd,
+            stdin,
+            reader: Some(reader),
+            state,
+        };
+        let fault = bridge.state.waiting().fault.clone();
+        fault.map_or(Ok(bridge), |sentence| Err(cluster_fault(sentence)))
+    }
+
+    /// The threads of all workers.
+    pub fn slots(&self) -> usize {
+        self.state.slots.load(Ordering::Relaxed)
+    }
+
+    /// How many files it is given at once.
+    pub fn at_once(&self) -> usize {
+        self.jobs.unwrap_or_else(|| self.slots().saturating_mul(EACH).clamp(1, MOST_AT_ONCE))
+    }
+
+    /// Has one file done, and waits for its end.
+    ///
+    /// # Errors
+    /// When the cluster can do no file of this batch.
+    pub fn run(&self, job: &BatchJob) -> Result<JobEnd, JobFault> {
+        let (sender, receiver) = channel();
+        {
+            let mut waiting = self.state.waiting();
+            if let Some(sentence) = &waiting.fault {
+                return Err(JobFault::Batch(cluster_fault(sentence.clone())));
+            }
+            waiting.by_number.insert(job.number as u64, sender);
+        }
+        let line = self.line(job);
+        if let Some(stdin) = &self.stdin {
+            let mut stdin = stdin.lock().unwrap_or_else(PoisonError::into_inner);
+            // Where the process is gone, whoever reads says so.
+            let _ = stdin.write_all(line.as_bytes());
+        }
+        match receiver.recv() {
+            Ok(said) => Ok(end_of(&said, job)),
+            Err(_) => {
+                let sentence = self.state.waiting().fault.clone();
+                Err(JobFault::Batch(cluster_fault(sentence.unwrap_or_default())))
+            }
+        }
+    }
+
+    /// The job as the Python package reads it (`_batch_job.py`).
+    fn line(&self, job: &BatchJob) -> String {
+        let names = |words: &[OsString]| words.iter().map(|word| name_value(word)).collect::<Vec<_>>();
+        let work = std::path::absolute(job.work_folder).unwrap_or_else(|_| job.work_folder.to_owned());
+        let job = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "cwd": name_value(self.cwd.as_os_str()),
+            "input": name_value(job.input.as_os_str()),
+            "is_there": job.input.exists(),
+            "work": name_value(work.as_os_str()),
+            "number": job.number,
+            "name": name_value(&job.name),
+            "is_report": job.is_report,
+            "head": names(&job.head),
+            "tail": names(&job.tail),
+            "shares_memory": self.shares_memory,
+            "timeout": job.timeout.map(|timeout| timeout.as_secs_f64()),
+        });
+        job.to_string() + "\n"
+    }
+}
+
+impl Drop for Bridge {
+    /// The process ends when its stdin does, and lets go of what runs.
+    fn drop(&mut self) {
+        self.stdin = None;
+        if let Some(reader) = self.reader.take() {
+            let _ = reader.join();
+        }
+    }
+}
+
+/// Takes all lines, and says when the first was there or there is none.
+fn hear_all(state: &BridgeState, stdout: Option<ChildStdout>, ready: &Sender<()>) {
+    let lines = stdout.into_iter().flat_map(|stdout| BufReader::new(stdout).lines());
+    for line in lines.map_while(Result::ok) {
+        state.hear(&line);
+        let _ = ready.send(());
+    }
+}
+
+/// Takes the end of a process that is over. While a signal ends the command this does not return, so that nobody tells of
+/// a process that was ended with it.
+fn wait_for(child: &SharedChild) {
+    let _ = child.lock().unwrap_or_else(PoisonError::into_inner).wait();
+    signal::forget_child(child);
+}
+
+/// What a process said last, as the end of a sentence.
+fn last_line(stderr: Option<impl Read>) -> String {
+    let lines = stderr.into_iter().flat_map(|stderr| BufReader::new(stderr).lines().map_while(Result::ok));
+    lines
+        .filter(|line| !line.trim().is_empty())
+        .last()
+        .map_or_else(String::new, |line| format!(": {}", line.trim()))
+}
+
+/// A name as text, or as its bytes where it is no Unicode.
+fn name_value(name: &OsStr) -> Value {
+    name.to_str().map_or_else(|| json!(name.as_encoded_bytes()), |text| json!(text))
+}
+
+/// What is said of a job that is over.
+fn end_of(said: &Value, job: &BatchJob) -> JobEnd {
+    let text = |key: &str| said.get(key).and_then(Value::as_str);
+    let mut end = JobEnd {
+        // Without a folder there is no output.
+        made: text("folder").map_or_else(PathBuf::new, |folder| job.work_folder.join(folder).join(&job.name)),
+        exit: said.get("exit").and_then(Value::as_i64).and_then(|exit| i32::try_from(exit).ok()),
+        why: text("why").map(str::to_owned),
+        code: text("code").map(str::to_owned),
+        stdout: text("stdout").unwrap_or_default().into(),
+        stderr: text("stderr").unwrap_or_default().into(),
+        seconds: said.get("seconds").and_then(Value::as_f64),
+    };
+    if said.get("timed_out").is_some() {
+        end.timed_out(job.timeout);
+    }
+    end
+}
+
+fn not_started(error: &io::Error) -> Fault {
+    cluster_fault(format!("the client of the cluster cannot be started: {}", plainly(error)))
+}
+
+fn cluster_fault(sentence: String) -> Fault {
+    Fault::output("cluster", sentence)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A shell in place of Python.
+    fn start(script: &str, jobs: Option<usize>) -> Result<Bridge, Fault> {
+        let program = ["sh", "-c", script].map(OsString::from);
+        Bridge::start(&BridgeArgs { program: &program, address: "tcp://a:1", jobs, shares_memory: true })
+    }
+
+    fn job(number: usize) -> BatchJob<'static> {
+        BatchJob {
+            number,
+            input: "in.obj".into(),
+            name: "out.glb".into(),
+            is_report: false,
+            head: vec!["mesh".into()],
+            tail: Vec::new(),
+            work_folder: Path::new("work"),
+            timeout: None,
+        }
+    }
+
+    fn sentence(fault: JobFault) -> String {
+        match fault {
+            JobFault::Batch(fault) => fault.lines.join("; "),
+            JobFault::File(fault) => panic!("{fault:?}"),
+        }
+    }
+
+    #[test]
+    fn each_job_gets_its_own_end_in_whatever_order_they_come() {
+        let script = r#"echo '{"slots":3}'; read a; read b; echo "$a$b" | grep -q '"name":"out.glb".*"timeout":null' || exit
+            echo '{"slots":5}'; echo '{"job":1,"exit":0,"folder":"1.x","seconds":2.5}'
+            echo '{"job":0,"exit":null,"why":"killed","code":"killed-worker"}'; read c"#;
+        let bridge = start(script, None).unwrap();
+        assert_eq!((bridge.slots(), bridge.at_once()), (3, 6));
+        let ends: Vec<JobEnd> = thread::scope(|scope| {
+            let both = [0, 1].map(|number| {
+                scope.spawn({
+                    let bridge = &bridge;
+                    move || bridge.run(&job(number))
+                })
+            });
+            both.map(|one| one.join().unwrap().unwrap()).into()
+        });
+        assert_eq!((ends[0].exit, ends[0].why.as_deref()), (None, Some("killed")));
+        assert_eq!((ends[0].code.as_deref(), &ends[0].made), (Some("killed-worker"), &PathBuf::new()));
+        assert_eq!((ends[1].exit, ends[1].seconds), (Some(0), Some(2.5)));
+        assert_eq!(ends[1].made, Path::new("work/1.x/out.glb"));
+        assert_eq!(bridge.at_once(), 10);
+    }
+
+    #[test]
+    fn whoever_waits_is_told_why_there_is_no_end() {
+        let told = |script: &str| sentence(start(script, Some(7)).unwrap().run(&job(0)).unwrap_err());
+        assert_eq!(told(r#"echo '{"slots":1}'; read a; echo '{"fault":"gone"}'; read b"#), "gone");
+        let ended = told(r#"echo '{"slots":1}'; read a; echo 'out of ink' >&2"#);
+        assert!(ended.ends_with("has ended: out of ink"), "{ended}");
+        let refused = start(r#"echo '{"fault":"a: nobody answers"}'; read a"#, None).unwrap_err();
+        assert_eq!((refused.code, refused.lines), ("cluster", vec!["a: nobody answers".to_owned()]));
+        assert!(start("exit 1", None).is_err());
+        assert_eq!(start(r#"echo '{"slots":0}'; read a"#, Some(7)).unwrap().at_once(), 7);
+        assert_eq!(start(r#"echo '{"slots":0}'; read a"#, None).unwrap().at_once(), 1);
+    }
+
+    #[test]
+    fn names_that_are_no_unicode_are_sent_as_bytes() {
+        use std::os::unix::ffi::OsStrExt;
+        assert_eq!(name_value(OsStr::new("ä b")), json!("ä b"));
+        assert_eq!(name_value(OsStr::from_bytes(b"a\xff")), json!([97, 255]));
+    }
+}
