@@ -7,6 +7,7 @@ mod edge_collapse;
 mod edge_guard;
 mod error_monitor;
 mod flat_normals;
+mod lattice_fragment;
 mod local_tolerance;
 mod quadric;
 mod reduction;
@@ -37,6 +38,7 @@ pub mod selection {
 
 /// Levels that are cut in space, and parts of a surface that never is in one place.
 pub mod tiling {
+    pub use super::lattice_fragment::{FragmentBox, LatticeFragment};
     pub use super::surface_part::{LatticeBox, SurfacePart};
     pub use super::tree::{LodTile, LodTileTree, TilingOptions, tree};
 }

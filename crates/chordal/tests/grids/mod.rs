@@ -2,6 +2,7 @@
 mod blocks;
 mod contours;
 mod exhaustive;
+mod fragments;
 mod hostile;
 mod labels;
 mod leaves;

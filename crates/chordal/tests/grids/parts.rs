@@ -9,7 +9,7 @@ use chordal::lod::tiling::{LatticeBox, SurfacePart};
 use chordal::{Job, Tolerance};
 use chordal_testkit::{Random, cases};
 
-fn grid(rng: &mut Random, kind: usize) -> Grid {
+pub(super) fn grid(rng: &mut Random, kind: usize) -> Grid {
     let size = [0, 1, 2].map(|_| 5 + rng.below(9));
     let [nx, ny, _] = size;
     let value = |n: usize| {
@@ -24,7 +24,7 @@ fn grid(rng: &mut Random, kind: usize) -> Grid {
 }
 
 /// The box of samples of a range along each axis, in a lattice that begins at zero.
-fn place(size: [usize; 3], low: [usize; 3], high: [usize; 3]) -> LatticeBox {
+pub(super) fn place(size: [usize; 3], low: [usize; 3], high: [usize; 3]) -> LatticeBox {
     LatticeBox {
         low: low.map(|at| at as i64),
         high: high.map(|at| at as i64),
