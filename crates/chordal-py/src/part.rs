@@ -8,7 +8,8 @@ use chordal::Tolerance;
 use chordal::budget::JobError;
 use chordal::convert::lattices::VertexKey;
 use chordal::explicit::{Attribute, Mesh, Semantic};
-use chordal::lod::tiling::{LatticeBox, SurfacePart};
+use chordal::implicit::Affine3;
+use chordal::lod::tiling::{FragmentBox, LatticeBox, LatticeFragment, SurfacePart};
 use chordal::math::Box3;
 use chordal_io::Frame;
 use chordal_verbs::{TileEntry, part_tile, part_tileset, rounded_part};
@@ -33,6 +34,21 @@ impl BoxArguments {
         LatticeBox { low: self.low, high: self.high, goes_on: self.goes_on }
     }
 }
+
+/// The box of a fragment.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct FragmentArguments {
+    /// The index of its first sample, and its cells along each axis.
+    low: [i64; 3],
+    sides: [i64; 3],
+    affine: [[f64; 4]; 3],
+    is_halved: bool,
+}
+
+/// Of a fragment: three whole numbers of 32 bits a vertex, three indices a triangle, in the order of the machine; which
+/// eighths of its box have triangles, and how far the part was moved at most.
+type FragmentState<'py> = (pyo3::Bound<'py, PyBytes>, pyo3::Bound<'py, PyBytes>, u8, f64);
 
 /// A part of a surface.
 #[pyclass(frozen, module = "chordal._chordal")]
@@ -166,6 +182,25 @@ impl BlockPart {
         coordinates.for_each(|x| bytes.extend(((x * scale) as f32).to_le_bytes()));
         mesh.faces().as_flattened().iter().for_each(|row| bytes.extend(row.to_le_bytes()));
         PyBytes::new(py, &bytes)
+    }
+
+    /// A fragment of Neuroglancer's meshes of several levels, before Draco.
+    fn lattice_fragment<'py>(
+        &self,
+        py: Python<'py>,
+        place: BoxArguments,
+        within: FragmentArguments,
+    ) -> PyResult<FragmentState<'py>> {
+        let FragmentArguments { low, sides, affine, is_halved } = within;
+        let affine = Affine3::new(affine).map_err(|error| failure::argument("affine", error))?;
+        let within = FragmentBox { low, sides, affine, is_halved };
+        let part = Arc::clone(&self.0);
+        let made = work::run(py, None, move |_| LatticeFragment::new(&part, &place.place(), &within))?;
+        let made = made.map_err(|error| failure::mesh(py, error.into()))?;
+        let numbers = made.positions.as_flattened().iter().flat_map(|x| i32::from(*x).to_ne_bytes());
+        let indices = made.faces.as_flattened().iter().flat_map(|row| row.to_ne_bytes());
+        let (numbers, indices): (Vec<u8>, Vec<u8>) = (numbers.collect(), indices.collect());
+        Ok((PyBytes::new(py, &numbers), PyBytes::new(py, &indices), made.octants, made.moved_at_most))
     }
 
     /// Its triangles as a scene, and its bound as JSON.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from chordal._blockwise.workers import Task, Workers
 
 #: Nanometres of a metre, in which Neuroglancer's meshes are.
-_NANOMETRES = 1e9
+NANOMETRES = 1e9
 #: Where the results of tasks are meanwhile.
 _PARTS = "parts"
 
@@ -42,9 +42,9 @@ def write_fragments(
     document = os.path.join(target, "info")
     surface, blocks, only, tolerance = tasks
     done: dict[int, Any] = {}
-    _refuse_finished(document)
+    refuse_finished(document)
     with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
-        _refuse_finished(document)
+        refuse_finished(document)
         waiting: list[Task[int]] = []
         shared = workers.shared(array)
         for k in reversed(range(len(blocks))):
@@ -53,7 +53,7 @@ def write_fragments(
                 waiting.append((k, named(blocks[k]), (shared, blocks[k])))
             else:
                 done[k] = unpacked(found)[0]["labels"]
-        call = partial(_fragments, surface, only, tolerance, metres * _NANOMETRES)
+        call = partial(_fragments, surface, only, tolerance, metres * NANOMETRES)
         for k, made in workers.run(waiting, call):
             facts, fragments = unpacked(made)
             for (label, _), fragment in zip(facts["labels"], fragments, strict=True):
@@ -80,7 +80,7 @@ def write_fragments(
     return {label: Bound(0.0, most[label], "proved", "hausdorff", "trilinear interpolant") for label in sorted(names)}
 
 
-def _refuse_finished(document: str) -> None:
+def refuse_finished(document: str) -> None:
     if os.path.exists(document):
         raise Error(f"{_files.shown(document)}: this folder holds meshes or samples; choose another, or remove it")
 
@@ -96,7 +96,7 @@ def _fragments(
     arguments = surface.arguments(block, block.low)
     labels: list[tuple[int, float]] = []
     fragments: list[bytes] = []
-    rounding = ROUNDING * _farthest(surface)
+    rounding = ROUNDING * surface.farthest()
     for label, part in _chordal.label_parts(samples_of(array, block), arguments, surface.place(block)):
         if only is not None and label not in only:
             continue
@@ -106,9 +106,3 @@ def _fragments(
         labels.append((label, math.nextafter(part.at_most + rounding, math.inf)))
         fragments.append(part.fragment(scale))
     return packed({"labels": labels}, fragments)
-
-
-def _farthest(surface: Surface) -> float:
-    """The largest sum of the coordinates' sizes in the lattice."""
-    sizes = [n - 1 for n in surface.shape]
-    return sum(sum(abs(a) * n for a, n in zip(row, sizes, strict=False)) + abs(row[3]) for row in surface.affine)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -77,6 +77,20 @@ class Surface:
         sides = zip(block.low, block.high, self.shape, strict=True)
         goes_on = [[low > 0, high + 1 < n] for low, high, n in sides]
         return {"low": list(block.low), "high": list(block.high), "goes_on": goes_on}
+
+    def extent(self) -> float:
+        """The diagonal of the box around the lattice, about."""
+        sizes = [n - 1 for n in self.shape]
+        return math.hypot(*(sum(abs(row[k]) * sizes[k] for k in range(3)) for row in self.affine))
+
+    def farthest(self) -> float:
+        """The largest sum of the coordinates' sizes in the lattice."""
+        sizes = [n - 1 for n in self.shape]
+        return sum(sum(abs(a) * n for a, n in zip(row, sizes, strict=False)) + abs(row[3]) for row in self.affine)
+
+    def cell(self) -> float:
+        """The shortest edge of a cell."""
+        return min(math.hypot(*(row[k] for row in self.affine)) for k in range(3))
 
     def plan(self, sides: Index, source: str) -> dict[str, Any]:
         """What a folder of results is of."""

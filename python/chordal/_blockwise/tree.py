@@ -5,33 +5,22 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal, _files
+from chordal._blockwise.cubes import ENOUGH, FIRST, MOST, MOST_TRIES, WORTH_IT, Cube, Cubes
 from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import TileEntry, packed, unpacked
-from chordal._blockwise.tasks import ROUNDING, Block, Index, Surface, named, part_of_block
+from chordal._blockwise.tasks import ROUNDING, Surface, part_of_block
 from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetUnmet, Error, Refused
 
 if TYPE_CHECKING:
     from chordal._blockwise.workers import Task, Workers
 
-#: The most triangles of a tile, about: parts that together have twice as many get coarser before they are joined. As in
-#: the levels of a mesh in memory.
-_MOST = 65_536
-#: A coarser tile with more than this fraction of the triangles that it replaces is left out. As there.
-_WORTH_IT = 0.8
-#: How often parts get coarser before they are joined all the same: where their borders alone are too many. Chosen.
-_MOST_TRIES = 6
-#: The coarsest tile has about so many triangles at most. As in the levels of a mesh in memory.
-_ENOUGH = 64
-#: The first error beyond the finest, where nobody says one and triangles are exact, as a fraction of a cell. Chosen.
-_FIRST = 0.25
 #: Where the results of tasks are while a tileset is made.
 _PARTS = "parts"
 
@@ -55,27 +44,6 @@ class Tileset:
     coarsest: int
 
 
-@dataclass(frozen=True)
-class _Cube:
-    """A block, or eight times eight … of them: its level, and its place among those of the level."""
-
-    level: int
-    place: Index
-
-    @property
-    def name(self) -> str:
-        return f"{self.level}/{'_'.join(map(str, self.place))}"
-
-    def child(self, corner: Index) -> _Cube:
-        i, j, k = (2 * at + offset for at, offset in zip(self.place, corner, strict=True))
-        return _Cube(self.level - 1, (i, j, k))
-
-    @property
-    def parent(self) -> _Cube:
-        i, j, k = (at // 2 for at in self.place)
-        return _Cube(self.level + 1, (i, j, k))
-
-
 @dataclass
 class _Grown:
     """A part with the tiles that were made of it: `tops` show it now, `entries` has those and all below them."""
@@ -97,7 +65,7 @@ class _Grown:
     def coarser(self, name: str, metres: float | None) -> None:
         """Fewer triangles, where these are worth a tile."""
         fewer = self.part.simplified(self.length).rounded((0.0, 0.0, 0.0))
-        if fewer.n_faces <= _WORTH_IT * self.part.n_faces:
+        if fewer.n_faces <= WORTH_IT * self.part.n_faces:
             self.put(fewer, name, metres)
         self.length *= 2.0
 
@@ -124,8 +92,7 @@ class BlockTree:
     """The cubes of a volume, and what is made of each: all that a worker needs, but for samples and parts."""
 
     surface: Surface
-    #: The cells of a block along each axis.
-    sides: Index
+    cubes: Cubes
     #: The length within which the finest tiles are to be; None for all triangles.
     tolerance: float | None
     metres: float | None
@@ -141,8 +108,8 @@ class BlockTree:
         """All tiles and their document, in a folder."""
         target = os.fspath(folder)
         document = os.path.join(target, "tileset.json")
-        root = self._root()
-        total = self._n_below(root)
+        root = self.cubes.root()
+        total = self.cubes.n_below(root)
         _refuse_finished(document)
         with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
             # Another program may have finished meanwhile.
@@ -150,7 +117,7 @@ class BlockTree:
             leaves, left = self._open(root, kept)
             n_done = total - len(leaves) - len(left)
             shared = workers.shared(array)
-            ready: list[Task[_Cube]] = [(leaf, self._named(leaf), (shared, leaf, [])) for leaf in reversed(leaves)]
+            ready: list[Task[Cube]] = [(leaf, self.cubes.named(leaf), (shared, leaf, [])) for leaf in reversed(leaves)]
             ready += [self._task(cube, kept) for cube, n in left.items() if n == 0]
             for cube, made in workers.run(ready, partial(_made, self)):
                 self._keep(cube, made, target, kept)
@@ -163,7 +130,7 @@ class BlockTree:
                         ready.append(self._task(cube.parent, kept))
             return self._finish(kept, root, document)
 
-    def _finish(self, kept: KeptFolder, root: _Cube, document: str) -> Tileset:
+    def _finish(self, kept: KeptFolder, root: Cube, document: str) -> Tileset:
         """The document over all tiles."""
         grown = _Grown.of(_whole(kept, root))
         if grown is None:
@@ -186,7 +153,7 @@ class BlockTree:
             raise BudgetUnmet(message, tileset)
         return tileset
 
-    def _keep(self, cube: _Cube, made: bytes, target: str, kept: KeptFolder) -> None:
+    def _keep(self, cube: Cube, made: bytes, target: str, kept: KeptFolder) -> None:
         """Writes the tiles of a result, then the result without them: of those below it nothing is needed any more."""
         facts, arrays = unpacked(made)
         for name, content in zip(facts.get("files", []), arrays[1:], strict=True):
@@ -195,23 +162,23 @@ class BlockTree:
             written(path, content)
         if arrays:
             made = packed({**facts, "files": []}, arrays[:1])
-        kept.write(_kept(cube), made)
+        kept.write(cube.kept, made)
         if cube.level > 0:
-            for child in self.children(cube):
-                kept.forget(_kept(child))
+            for child in self.cubes.children(cube):
+                kept.forget(child.kept)
 
-    def _task(self, cube: _Cube, kept: KeptFolder) -> Task[_Cube]:
+    def _task(self, cube: Cube, kept: KeptFolder) -> Task[Cube]:
         """That of a cube whose children are done."""
-        return cube, self._named(cube), (None, cube, [_whole(kept, child) for child in self.children(cube)])
+        return cube, self.cubes.named(cube), (None, cube, [_whole(kept, child) for child in self.cubes.children(cube)])
 
-    def _open(self, root: _Cube, kept: KeptFolder) -> tuple[list[_Cube], dict[_Cube, int]]:
+    def _open(self, root: Cube, kept: KeptFolder) -> tuple[list[Cube], dict[Cube, int]]:
         """The blocks that are to be done, those of a cube together; and for each cube above them how many are, below it."""
-        leaves: list[_Cube] = []
-        left: dict[_Cube, int] = {}
+        leaves: list[Cube] = []
+        left: dict[Cube, int] = {}
         stack = [root]
         while stack:
             cube = stack.pop()
-            if kept.read(_kept(cube)) is not None:
+            if kept.read(cube.kept) is not None:
                 continue
             if cube != root:
                 left[cube.parent] += 1
@@ -219,43 +186,8 @@ class BlockTree:
                 leaves.append(cube)
             else:
                 left[cube] = 0
-                stack.extend(reversed(list(self.children(cube))))
+                stack.extend(reversed(list(self.cubes.children(cube))))
         return leaves, left
-
-    def _root(self) -> _Cube:
-        level = 0
-        while any(n > 1 for n in self._counts(level)):
-            level += 1
-        return _Cube(level, (0, 0, 0))
-
-    def _n_below(self, root: _Cube) -> int:
-        """How many cubes there are, with the root."""
-        return sum(math.prod(self._counts(level)) for level in range(root.level + 1))
-
-    def _counts(self, level: int) -> Index:
-        """How many cubes a level has along each axis."""
-        sizes = zip(self.surface.shape, self.sides, strict=True)
-        i, j, k = (-(-(n - 1) // (side << level)) for n, side in sizes)
-        return i, j, k
-
-    def children(self, cube: _Cube) -> Iterator[_Cube]:
-        """The cubes of one, in the order of the array."""
-        counts = self._counts(cube.level - 1)
-        for corner in product((0, 1), repeat=3):
-            child = cube.child((corner[0], corner[1], corner[2]))
-            if all(at < n for at, n in zip(child.place, counts, strict=True)):
-                yield child
-
-    def block(self, cube: _Cube) -> Block:
-        """The samples of a cube."""
-        low = [at * (side << cube.level) for at, side in zip(cube.place, self.sides, strict=True)]
-        sizes = zip(low, self.sides, self.surface.shape, strict=True)
-        high = [min(at + (side << cube.level), n - 1) for at, side, n in sizes]
-        return Block((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-
-    def _named(self, cube: _Cube) -> str:
-        block = self.block(cube)
-        return named(block) if cube.level == 0 else f"the cube of blocks from {block.low} to {block.high}"
 
     def origin(self) -> tuple[float, float, float]:
         """The middle of the lattice: coordinates of tiles are relative to it."""
@@ -263,72 +195,58 @@ class BlockTree:
         x, y, z = (math.fsum(a * b for a, b in zip(row, [*middle, 1.0], strict=True)) for row in self.surface.affine)
         return x, y, z
 
-    def extent(self) -> float:
-        """The diagonal of the box around the lattice, about."""
-        sizes = [n - 1 for n in self.surface.shape]
-        rows = [sum(abs(row[k]) * sizes[k] for k in range(3)) for row in self.surface.affine]
-        return math.hypot(*rows)
-
-    def cell(self) -> float:
-        """The shortest edge of a cell."""
-        return min(math.hypot(*(row[k] for row in self.surface.affine)) for k in range(3))
-
 
 def _refuse_finished(document: str) -> None:
     if os.path.exists(document):
         raise Error(f"{_files.shown(document)}: this folder holds a tileset; choose another, or remove it")
 
 
-def _whole(kept: KeptFolder, cube: _Cube) -> bytes:
+def _whole(kept: KeptFolder, cube: Cube) -> bytes:
     """The result of a cube that is done."""
-    content = kept.read(_kept(cube))
+    content = kept.read(cube.kept)
     if content is None:
         raise Error(f"what was kept of {cube.name} is damaged or gone: the same call again does that part anew")
     return content
 
 
-def _kept(cube: _Cube) -> str:
-    return cube.name.replace("/", "_")
-
-
-def _made(tree: BlockTree, array: Any, cube: _Cube, below: Sequence[bytes]) -> bytes:
+def _made(tree: BlockTree, array: Any, cube: Cube, below: Sequence[bytes]) -> bytes:
     """What a worker makes of a block, or of the parts in a cube of them."""
     grown = _leaf(tree, array, cube) if cube.level == 0 else _joined(tree, cube, below)
     if grown is None:
         return packed({"bound": None}, [])
-    if cube == tree._root():
+    if cube == tree.cubes.root():
         step = 0
-        while grown.part.n_faces > _ENOUGH and grown.length < tree.extent():
+        while grown.part.n_faces > ENOUGH and grown.length < tree.surface.extent():
             step += 1
             grown.coarser(f"{cube.name}_top{step}.glb", tree.metres)
     return grown.packed()
 
 
-def _leaf(tree: BlockTree, array: Any, cube: _Cube) -> _Grown | None:
-    part = part_of_block(tree.surface, array, tree.block(cube))
+def _leaf(tree: BlockTree, array: Any, cube: Cube) -> _Grown | None:
+    part = part_of_block(tree.surface, array, tree.cubes.block(cube))
     if part is None:
         return None
     part = part.rounded(tree.origin())
     if tree.tolerance is not None:
-        room = tree.tolerance - part.at_most - ROUNDING * tree.extent()
+        room = tree.tolerance - part.at_most - ROUNDING * tree.surface.extent()
         if room > 0.0:
             part = part.simplified(room).rounded((0.0, 0.0, 0.0))
-    length = max(part.at_most, _FIRST * tree.cell()) if tree.tolerance is None else tree.tolerance
+    length = max(part.at_most, FIRST * tree.surface.cell()) if tree.tolerance is None else tree.tolerance
     grown = _Grown(part, length)
     grown.put(part, f"{cube.name}.glb", tree.metres)
     return grown
 
 
-def _joined(tree: BlockTree, cube: _Cube, below: Sequence[bytes]) -> _Grown | None:
+def _joined(tree: BlockTree, cube: Cube, below: Sequence[bytes]) -> _Grown | None:
     parts = [grown for grown in map(_Grown.of, below) if grown is not None]
     if not parts:
         return None
-    for number in range(_MOST_TRIES):
-        if sum(grown.part.n_faces for grown in parts) <= 2 * _MOST:
+    for number in range(MOST_TRIES):
+        if sum(grown.part.n_faces for grown in parts) <= 2 * MOST:
             break
         for at, grown in enumerate(parts):
             grown.coarser(f"{cube.name}_{at}_{number}.glb", tree.metres)
-    block = tree.block(cube)
+    block = tree.cubes.block(cube)
     joined = _chordal.join_parts([grown.part for grown in parts], tree.surface.place(block))
     made = _Grown(joined, max(grown.length for grown in parts))
     for grown in parts:

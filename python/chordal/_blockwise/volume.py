@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIn
 
 from chordal import _chordal
 from chordal._arguments import function, number, text
+from chordal._blockwise.cubes import Cubes
 from chordal._blockwise.folder import KeptFolder
+from chordal._blockwise.multiresolution import LabelTree, MeshLevel
 from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sources import Placed, opened, source_of
 from chordal._blockwise.tasks import (
@@ -33,6 +35,7 @@ from chordal._blockwise.tree import BlockTree, Tileset
 from chordal._blockwise.workers import Task, Workers
 from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetError, BudgetUnmet, Refused
+from chordal._hints import Guessed
 from chordal._units import METRES, refuse_unknown
 from chordal._volume import _steps
 
@@ -43,7 +46,7 @@ if TYPE_CHECKING:
     from chordal._mesh import Mesh
 
 
-class BlockVolume:
+class BlockVolume(Guessed):
     """Samples on a lattice that are read a block at a time: those of a Zarr array, of a memory-mapped file, of Dask, or of
     anything with a `shape`, a `dtype` and slices. `block_volume` makes it.
 
@@ -248,18 +251,51 @@ class BlockVolume:
         >>> [(label, bound.at_most <= 0.2) for label, bound in bounds.items()], sorted(os.listdir(folder))[:2]
         ([(1, True), (2, True)], ['1:0', '1:0:0_0_0'])
         """
-        if self._unit is None:
-            raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"um\")")
-        surface = self._surface(0.5, "high", border)
-        chosen = None if only is None else frozenset(map(index, only))
-        length = self._tolerance(tol)
+        surface, chosen, length, plan = self._labels_in_nanometres(only, tol, border, block)
         blocks = list(self.blocks(block))
-        named_labels = None if chosen is None else sorted(chosen)
-        plan = {**surface.plan(_sides(block), self._identity()), "labels": named_labels, "tol": length, "unit": self._unit}
         tell = function("progress", progress)
         with Workers(executor, cluster) as workers:
             tasks = (surface, blocks, chosen, length)
-            return write_fragments(folder, plan, tasks, self._array, float(METRES[self._unit]), workers, tell)
+            return write_fragments(folder, plan, tasks, self._array, float(self._metres() or 0.0), workers, tell)
+
+    def precomputed_levels(
+        self,
+        folder: str | os.PathLike[str],
+        only: Sequence[SupportsIndex] | None = None,
+        *,
+        tol: SupportsFloat | None = None,
+        border: Literal["capped", "open"] = "capped",
+        block: SupportsIndex | Sequence[SupportsIndex] = 128,
+        executor: Any | None = None,
+        cluster: str | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> dict[int, tuple[MeshLevel, ...]]:
+        """The meshes of labels in a folder that Neuroglancer reads, in its format of several levels: it loads few triangles for
+        what is far, and more where one comes near. Gives back the levels of each label, the finest first, with their bounds.
+
+        The finest level is that of blocks, simplified within `tol`, in the units of the volume. At each level beyond, the
+        parts of a label in eight boxes are joined and simplified within twice the length, until one box has all of it in some
+        64 triangles. A level's bound is its proved distance to the label's own mask, as the file has it: cut and rounded.
+        Neuroglancer shows the coarsest level whose bound is at most as many pixels as its "Resolution (mesh)" says.
+
+        The levels of a label are closed, each by itself. The volume needs a unit, since these meshes are in nanometres, and
+        fragments are compressed by the package `DracoPy`. `ImportError` where it is missing. The other arguments are those of
+        `precomputed`; memory is that of a block and its parts here or in each worker, and here some numbers for each fragment.
+
+        >>> import chordal, numpy, os, tempfile
+        >>> i, j, k = numpy.indices((40, 40, 40)) - 20.0
+        >>> ball = (i * i + j * j + k * k < 300).astype(numpy.uint8)
+        >>> folder = tempfile.mkdtemp()
+        >>> volume = chordal.block_volume(ball, spacing=8.0, unit="um")
+        >>> levels = volume.precomputed_levels(folder, tol=4.0, block=16)
+        >>> levels[1][0].bound.at_most <= 4.0 and levels[1][-1].triangles < 300, sorted(os.listdir(folder))
+        (True, ['1', '1.index', 'info'])
+        """
+        surface, chosen, length, plan = self._labels_in_nanometres(only, tol, border, block)
+        next(self.blocks(block))
+        tree = LabelTree(surface, Cubes(self.shape, _sides(block)), chosen, length, float(self._metres() or 0.0))
+        with Workers(executor, cluster) as workers:
+            return tree.build(folder, {**plan, "levels": True}, self._array, workers, function("progress", progress))
 
     def tileset(
         self,
@@ -301,11 +337,28 @@ class BlockVolume:
         wanted = None if length is None else 0.5 * length
         surface = replace(self._surface(iso, inside, border), normals=bool(normals), wanted=wanted)
         metres = self._metres()
-        tree = BlockTree(surface, _sides(block), length, metres)
+        tree = BlockTree(surface, Cubes(self.shape, _sides(block)), length, metres)
         next(self.blocks(block))
         plan = {**surface.plan(_sides(block), self._identity()), "tol": length, "unit": self._unit}
         with Workers(executor, cluster) as workers:
             return tree.build(folder, plan, self._array, workers, function("progress", progress))
+
+    def _labels_in_nanometres(
+        self,
+        only: Sequence[SupportsIndex] | None,
+        tol: SupportsFloat | None,
+        border: str,
+        block: SupportsIndex | Sequence[SupportsIndex],
+    ) -> tuple[Surface, frozenset[int] | None, float | None, dict[str, Any]]:
+        """Which meshes of Neuroglancer's are meant: the surface, the labels, the length, and the plan of their folder."""
+        if self._unit is None:
+            raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"um\")")
+        surface = self._surface(0.5, "high", border)
+        chosen = None if only is None else frozenset(map(index, only))
+        length = self._tolerance(tol)
+        named_labels = None if chosen is None else sorted(chosen)
+        plan = {**surface.plan(_sides(block), self._identity()), "labels": named_labels, "tol": length, "unit": self._unit}
+        return surface, chosen, length, plan
 
     def _metres(self) -> float | None:
         return None if self._unit is None else float(METRES[self._unit])

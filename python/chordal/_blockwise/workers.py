@@ -11,8 +11,9 @@ from chordal._errors import Error
 from chordal._libraries import library
 
 Key = TypeVar("Key")
-#: A task: what it is known by, what it is called in messages, and the rest of the arguments of its function.
-Task = tuple[Key, str, tuple[Any, ...]]
+#: A task: what it is known by, what it is called in messages, and the arguments of its function, or what gives them when it
+#: is begun: those of many tasks together may be more than memory.
+Task = tuple[Key, str, tuple[Any, ...] | Callable[[], tuple[Any, ...]]]
 
 
 class Workers:
@@ -43,7 +44,8 @@ class Workers:
         may append more. Few more run at a time than can at once, so that results do not pile up."""
         if self._executor is None:
             while ready:
-                key, name, arguments = ready.pop()
+                key, name, given = ready.pop()
+                arguments = given() if callable(given) else given
                 yield key, _checked(name, lambda arguments=arguments: call(*arguments))  # type: ignore[misc]
             return
         running: dict[Any, tuple[Key, str]] = {}
@@ -52,8 +54,8 @@ class Workers:
                 # A cluster grows and shrinks; to ask it takes as long as a small task, so not for each.
                 most = 2 * self._at_once()
                 while ready and len(running) < most:
-                    key, name, arguments = ready.pop()
-                    running[self._executor.submit(call, *arguments)] = (key, name)
+                    key, name, given = ready.pop()
+                    running[self._executor.submit(call, *(given() if callable(given) else given))] = (key, name)
                 for future in self._done(list(running)):
                     key, name = running.pop(future)
                     yield key, _checked(name, future.result)

@@ -1,0 +1,501 @@
+"""Meshes of labels in Neuroglancer's format of several levels: `<label>.index`, the list of its levels, and `<label>`, their
+fragments, compressed by Draco. Level after level is done, since a label goes on only where it is in several cubes or large.
+
+Source: Neuroglancer, *Precomputed mesh format*, multi-resolution, unsharded.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from chordal import _chordal
+from chordal._blockwise.cubes import ENOUGH, FIRST, MOST, MOST_TRIES, WORTH_IT, Cube, Cubes
+from chordal._blockwise.folder import KeptFolder, left_over, written
+from chordal._blockwise.packing import BoundState, packed, unpacked
+from chordal._blockwise.precomputed import NANOMETRES, refuse_finished
+from chordal._blockwise.tasks import Index, Surface, samples_of
+from chordal._bound import Bound
+from chordal._errors import Error, Refused
+from chordal._libraries import library
+
+if TYPE_CHECKING:
+    from chordal._blockwise.workers import Task, Workers
+
+#: The bits of a coordinate in a fragment: the larger of the two numbers that the format has.
+_BITS = 16
+#: Rounding of the transform as the file says it, in units of the sum of its coordinates' sizes: two roundings of a product
+#: to f64, and some room.
+_TRANSFORM_ROUNDING = 2.0**-50
+#: How often the length within which a block is simplified is halved, so that with what leaves the block it is within the
+#: length that was asked for. Chosen; then its triangles stay as they are.
+_HALVINGS = 3
+#: How hard Draco tries, of 0 to 10: the default of its own encoder.
+_DRACO_LEVEL = 7
+#: Where the results of tasks are meanwhile.
+_PARTS = "parts"
+
+
+@dataclass(frozen=True)
+class MeshLevel:
+    """A level of a label's mesh, as `BlockVolume.precomputed_levels` wrote it."""
+
+    #: How far its triangles are from the label's true surface, as the file has them.
+    bound: Bound
+    #: Its triangles.
+    triangles: int
+    #: How many fragments they are in.
+    fragments: int
+
+
+class _Fragment(NamedTuple):
+    """A label in a cube: what is known of its fragment."""
+
+    label: int
+    #: The length by which its part is simplified next, and the triangles of the part.
+    length: float
+    n_faces: int
+    #: Those of the fragment, where some are cut.
+    triangles: int
+    at_most: float
+    #: The eighths of the cube that have triangles, as bits.
+    octants: int
+    #: The bytes of the fragment.
+    size: int
+
+
+class _Grown(NamedTuple):
+    """A label in a cube: its part, which goes into larger ones."""
+
+    label: int
+    part: _chordal.BlockPart
+    length: float
+
+
+class _Below(NamedTuple):
+    """The level below one that is to be done: its cubes, and the labels that go on."""
+
+    cubes: frozenset[Cube]
+    left: frozenset[int]
+
+
+class _Compressed(NamedTuple):
+    """The bytes of a fragment; its triangles, its bound and the eighths that it has."""
+
+    content: bytes
+    facts: tuple[int, float, int]
+
+
+@dataclass(frozen=True)
+class LabelTree:
+    """What is made of the labels in each cube of a volume: all that a worker needs, but for samples and parts."""
+
+    surface: Surface
+    cubes: Cubes
+    only: frozenset[int] | None
+    #: The length within which the finest level is to be; None for all triangles.
+    tolerance: float | None
+    metres: float
+
+    def build(
+        self,
+        folder: str | os.PathLike[str],
+        plan: Mapping[str, Any],
+        array: Any,
+        workers: Workers,
+        tell: Callable[[str, int, int], object] | None,
+    ) -> dict[int, tuple[MeshLevel, ...]]:
+        """All files of a folder; the levels of each label."""
+        _draco()
+        target = os.fspath(folder)
+        document = os.path.join(target, "info")
+        refuse_finished(document)
+        with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
+            # Another program may have finished meanwhile.
+            refuse_finished(document)
+            found: list[dict[Cube, list[_Fragment]]] = []
+            again = self._again(kept)
+            shared = workers.shared(array)
+            cubes = list(self.cubes.of_level(0))
+            below = _Below(frozenset(), frozenset())
+            while cubes:
+                found.append(self._level(cubes, again, below, shared, kept, workers, tell))
+                left = self._unfinished(found[-1])
+                below = _Below(frozenset(found[-1]), left)
+                holding = (cube.parent for cube, fragments in found[-1].items() if any(one.label in left for one in fragments))
+                cubes = sorted(set(holding), key=lambda cube: cube.place)
+            made = _Levels(self, found)
+            made.write(target, kept)
+            if made.by_label:
+                written(document, self._document())
+            for path in left_over(target):
+                os.unlink(path)
+            kept.remove()
+            if not made.by_label:
+                raise Refused("empty", "no block has a label")
+            return made.facts()
+
+    def _level(
+        self,
+        cubes: list[Cube],
+        again: frozenset[Cube],
+        below: _Below,
+        array: Any,
+        kept: KeptFolder,
+        workers: Workers,
+        tell: Callable[[str, int, int], object] | None,
+    ) -> dict[Cube, list[_Fragment]]:
+        """What each cube of a level has, those that are not done by workers."""
+        done: dict[Cube, list[_Fragment]] = {}
+        waiting: list[Task[Cube]] = []
+        for cube in reversed(cubes):
+            found = None if cube in again else _fragments_kept(kept, cube)
+            if found is not None:
+                done[cube] = found
+                continue
+            if cube.level == 0:
+                waiting.append((cube, self.cubes.named(cube), (array, cube, [])))
+            else:
+                waiting.append((cube, self.cubes.named(cube), partial(self._given, cube, below, kept)))
+        for cube, made in workers.run(waiting, partial(_made, self)):
+            facts, arrays = unpacked(made)
+            n = len(facts["parts"])
+            kept.write(cube.kept, packed({"parts": facts["parts"]}, arrays[:n]))
+            # At last: it says that the cube is done.
+            kept.write(_named(cube), packed({"fragments": facts["fragments"]}, arrays[n:]))
+            if cube.level > 0:
+                for child in self.cubes.children(cube):
+                    kept.forget(child.kept)
+            done[cube] = [_Fragment(*row) for row in facts["fragments"]]
+            if tell is not None:
+                tell(f"level {cube.level}", len(done), len(cubes))
+        return {cube: done[cube] for cube in cubes}
+
+    def _given(self, cube: Cube, below: _Below, kept: KeptFolder) -> tuple[None, Cube, list[bytes]]:
+        """The arguments of a cube: of the parts below it those of labels that go on."""
+        parts: list[bytes] = []
+        for child in self.cubes.children(cube):
+            if child in below.cubes:
+                facts, arrays = unpacked(_whole(kept, child.kept, self.cubes.named(child)))
+                rows = [(row, part) for row, part in zip(facts["parts"], arrays, strict=True) if row[0] in below.left]
+                parts.append(packed({"parts": [row for row, _ in rows]}, [part for _, part in rows]))
+        return None, cube, parts
+
+    def _again(self, kept: KeptFolder) -> frozenset[Cube]:
+        """The cubes whose results are there and of no use: a cube above them is to be done, and their parts are gone."""
+        again: set[Cube] = set()
+        top = self.cubes.root()
+        while _fragments_kept(kept, top.parent) is not None:
+            top = top.parent
+        # What is above is not known yet.
+        open_above = {top.parent}
+        for level in range(top.level, -1, -1):
+            open_here = set()
+            for cube in self.cubes.of_level(level):
+                is_done = _fragments_kept(kept, cube) is not None
+                if is_done and cube.parent in open_above and kept.read(cube.kept) is None:
+                    again.add(cube)
+                if not is_done or cube in again:
+                    open_here.add(cube)
+            open_above = open_here
+        return frozenset(again)
+
+    def _unfinished(self, level: Mapping[Cube, Sequence[_Fragment]]) -> frozenset[int]:
+        """The labels that go on: in several cubes, or of many triangles."""
+        seen: set[int] = set()
+        left: set[int] = set()
+        for fragments in level.values():
+            for one in fragments:
+                is_large = one.n_faces > ENOUGH and one.length < self.surface.extent()
+                if is_large or one.label in seen:
+                    left.add(one.label)
+                seen.add(one.label)
+        return frozenset(left)
+
+    def _document(self) -> bytes:
+        scale = self.metres * NANOMETRES
+        rows = [[number * scale for number in row] for row in self.surface.affine]
+        info = {
+            "@type": "neuroglancer_multilod_draco",
+            "vertex_quantization_bits": _BITS,
+            "transform": [number for row in rows for number in row],
+            "lod_scale_multiplier": 1,
+        }
+        return json.dumps(info).encode()
+
+    def within(self, cube: Cube) -> _chordal.FragmentArguments:
+        """The box of the fragments of a cube."""
+        return {
+            "low": list(self.cubes.low(cube)),
+            "sides": list(self.cubes.sides_of(cube)),
+            "affine": [list(row) for row in self.surface.affine],
+            "is_halved": cube.level > 0,
+        }
+
+    def rounding(self) -> float:
+        """How far the transform in the file is from that of the volume."""
+        return _TRANSFORM_ROUNDING * self.surface.farthest()
+
+    def step(self, cube: Cube) -> float:
+        """The sum of half a step along each axis: how far rounding in a fragment moves a point, about."""
+        sides = self.cubes.sides_of(cube)
+        lengths = (math.hypot(*(row[k] for row in self.surface.affine)) * sides[k] for k in range(3))
+        return 0.5 * sum(lengths) / ((1 << _BITS) - 1)
+
+
+def _draco() -> Any:
+    try:
+        return library("DracoPy")
+    except ImportError as error:
+        message = "Neuroglancer's meshes of several levels are compressed by Draco: install the package DracoPy"
+        raise ImportError(f"{message}, as by pip install DracoPy, here and where workers are", name="DracoPy") from error
+
+
+def _named(cube: Cube) -> str:
+    """The name under which the fragments of a cube are kept."""
+    return f"{cube.kept}_fragments"
+
+
+def _whole(kept: KeptFolder, name: str, title: str) -> bytes:
+    content = kept.read(name)
+    if content is None:
+        raise Error(f"what was kept of {title} is damaged or gone: the same call again does that part anew")
+    return content
+
+
+def _fragments_kept(kept: KeptFolder, cube: Cube) -> list[_Fragment] | None:
+    """What is known of the fragments of a cube that is done."""
+    content = kept.read(_named(cube))
+    return None if content is None else [_Fragment(*row) for row in unpacked(content)[0]["fragments"]]
+
+
+def _made(tree: LabelTree, array: Any, cube: Cube, below: Sequence[bytes]) -> bytes:
+    """What a worker makes of a block, or of the parts in a cube of them: the part of each label, and its fragment."""
+    labels: list[tuple[int, BoundState, float]] = []
+    parts: list[bytes] = []
+    fragments: list[_Fragment] = []
+    contents: list[bytes] = []
+    for grown, made in _leaves(tree, array, cube) if cube.level == 0 else _joined(tree, cube, below):
+        content, bound = grown.part.state()
+        labels.append((grown.label, bound, grown.length))
+        parts.append(content)
+        fragments.append(_Fragment(grown.label, grown.length, grown.part.n_faces, *made.facts, len(made.content)))
+        contents.append(made.content)
+    return packed({"parts": labels, "fragments": fragments}, [*parts, *contents])
+
+
+def _leaves(tree: LabelTree, array: Any, cube: Cube) -> Iterator[tuple[_Grown, _Compressed]]:
+    """The labels of a block, within the length where that can be."""
+    block = tree.cubes.block(cube)
+    arguments = tree.surface.arguments(block, block.low)
+    for label, part in _chordal.label_parts(samples_of(array, block), arguments, tree.surface.place(block)):
+        if tree.only is not None and label not in tree.only:
+            continue
+        if tree.tolerance is None:
+            yield _Grown(label, part, max(part.at_most, FIRST * tree.surface.cell())), _compressed(tree, cube, part)
+            continue
+        room = tree.tolerance - part.at_most - tree.step(cube) - tree.rounding()
+        chosen = part
+        for halving in range(_HALVINGS + 1):
+            if not room > 0.0:
+                break
+            fewer = part.simplified(room * 0.5**halving)
+            if _fragment(tree, cube, fewer)[3] <= tree.tolerance:
+                chosen = fewer
+                break
+        yield _Grown(label, chosen, tree.tolerance), _compressed(tree, cube, chosen)
+
+
+def _joined(tree: LabelTree, cube: Cube, below: Sequence[bytes]) -> Iterator[tuple[_Grown, _Compressed]]:
+    """The parts of each label as one, with fewer triangles where that is worth it."""
+    place = tree.surface.place(tree.cubes.block(cube))
+    by_label: dict[int, list[_Grown]] = {}
+    for child in below:
+        facts, arrays = unpacked(child)
+        for (label, (least, most, at), length), content in zip(facts["parts"], arrays, strict=True):
+            part = _chordal.BlockPart.of_state(content, (least, most, at))
+            by_label.setdefault(label, []).append(_Grown(label, part, length))
+    for label in sorted(by_label):
+        parts = by_label.pop(label)
+        for _ in range(MOST_TRIES):
+            if sum(one.part.n_faces for one in parts) <= 2 * MOST:
+                break
+            parts = [_coarser(one) for one in parts]
+        joined = _chordal.join_parts([one.part for one in parts], place)
+        grown = _coarser(_Grown(label, joined, max(one.length for one in parts)))
+        yield grown, _compressed(tree, cube, grown.part)
+
+
+def _coarser(grown: _Grown) -> _Grown:
+    """Fewer triangles, where these are fewer by enough; next time within twice the length."""
+    fewer = grown.part.simplified(grown.length)
+    is_worth_it = fewer.n_faces <= WORTH_IT * grown.part.n_faces
+    return _Grown(grown.label, fewer if is_worth_it else grown.part, 2.0 * grown.length)
+
+
+def _fragment(tree: LabelTree, cube: Cube, part: _chordal.BlockPart) -> tuple[bytes, bytes, int, float]:
+    """The vertices and triangles of a fragment, the eighths that it has, and its bound."""
+    vertices, faces, octants, moved = part.lattice_fragment(tree.surface.place(tree.cubes.block(cube)), tree.within(cube))
+    at_most: float = part.at_most
+    for more in (moved, tree.rounding()):
+        at_most = math.nextafter(at_most + more, math.inf)
+    return vertices, faces, octants, at_most
+
+
+def _compressed(tree: LabelTree, cube: Cube, part: _chordal.BlockPart) -> _Compressed:
+    import numpy as np
+
+    vertices, faces, octants, at_most = _fragment(tree, cube, part)
+    # Whole numbers of 32 bits with a sign: Neuroglancer takes no others, and Draco keeps them as they are.
+    numbers = np.frombuffer(vertices, np.int32).reshape(-1, 3)
+    corners = np.frombuffer(faces, np.uint32).reshape(-1, 3)
+    content = bytes(_draco().encode(numbers, corners, compression_level=_DRACO_LEVEL))
+    return _Compressed(content, (len(corners), at_most, octants))
+
+
+class _Levels:
+    """The levels of each label, and their files."""
+
+    def __init__(self, tree: LabelTree, found: Sequence[Mapping[Cube, Sequence[_Fragment]]]) -> None:
+        self._tree = tree
+        #: For each label and level the places of its fragments, along a Z-curve.
+        self.by_label: dict[int, list[dict[Index, _Fragment]]] = {}
+        self._order = [sorted(level, key=lambda cube: _on_curve(cube.place)) for level in found]
+        for level, cubes in enumerate(self._order):
+            for cube in cubes:
+                for one in found[level][cube]:
+                    levels = self.by_label.setdefault(one.label, [])
+                    if len(levels) == level:
+                        levels.append({})
+                    levels[level][cube.place] = one
+        for levels in self.by_label.values():
+            while len(levels) > 1 and len(levels[-2]) == 1 and _n_faces(levels[-1]) > WORTH_IT * _n_faces(levels[-2]):
+                levels.pop()
+
+    def write(self, target: str, kept: KeptFolder) -> None:
+        """The files of all labels: first those of fragments, which are read cube by cube."""
+        for path in left_over(target):
+            os.unlink(path)
+        for level, cubes in enumerate(self._order):
+            for cube in cubes:
+                facts, arrays = unpacked(_whole(kept, _named(cube), self._tree.cubes.named(cube)))
+                for row, content in zip(facts["fragments"], arrays, strict=True):
+                    if level < len(self.by_label[row[0]]):
+                        with open(_aside(target, row[0]), "ab") as file:
+                            file.write(content)
+        for label in sorted(self.by_label):
+            with open(_aside(target, label), "rb+") as file:
+                os.fsync(file.fileno())
+            os.replace(_aside(target, label), os.path.join(target, f"{label}"))
+            written(os.path.join(target, f"{label}.index"), self._index(label))
+
+    def _index(self, label: int) -> bytes:
+        """The list of a label's levels and fragments."""
+        levels = [{place: one.size for place, one in level.items()} for level in self.by_label[label]]
+        for level in range(1, len(levels)):
+            for place in _without_child(self.by_label[label][level], levels[level - 1]):
+                # Nothing is there at the finer level. Said so, it takes the place of what the coarser level has there.
+                levels[level - 1][place] = 0
+        rows = [sorted(level.items(), key=lambda item: _on_curve(item[0])) for level in levels]
+        n = len(rows)
+        parts = [struct.pack("<3f3fI", *self._tree.cubes.sides, 0.0, 0.0, 0.0, n)]
+        parts.append(struct.pack(f"<{n}f", *self._scales(label)))
+        parts.append(struct.pack(f"<{3 * n}f", *[0.0] * (3 * n)))
+        parts.append(struct.pack(f"<{n}I", *map(len, rows)))
+        for row in rows:
+            for axis in range(3):
+                parts.append(struct.pack(f"<{len(row)}I", *(place[axis] for place, _ in row)))
+            parts.append(struct.pack(f"<{len(row)}I", *(size for _, size in row)))
+        return b"".join(parts)
+
+    def _scales(self, label: int) -> list[float]:
+        """The error of each level in units of the lattice: a viewer shows it where that is a pixel, or what it is set to. Each
+        is above the one before in single precision."""
+        step = _least_step(self._tree.surface.affine)
+        scales: list[float] = []
+        for level in self.by_label[label]:
+            least = _single_up(max(one.at_most for one in level.values()) / step)
+            scales.append(max(least, _single_up(math.nextafter(scales[-1], math.inf))) if scales else least)
+        return scales
+
+    def facts(self) -> dict[int, tuple[MeshLevel, ...]]:
+        """What is said of each label."""
+        return {label: tuple(map(_fact, self.by_label[label])) for label in sorted(self.by_label)}
+
+
+def _fact(level: Mapping[Index, _Fragment]) -> MeshLevel:
+    at_most = max(one.at_most for one in level.values())
+    bound = Bound(0.0, at_most, "proved", "hausdorff", "trilinear interpolant")
+    return MeshLevel(bound, sum(one.triangles for one in level.values()), len(level))
+
+
+def _n_faces(level: Mapping[Index, _Fragment]) -> int:
+    return sum(one.n_faces for one in level.values())
+
+
+def _aside(target: str, label: int) -> str:
+    """The name of a label's fragments while they are written."""
+    return os.path.join(target, f".chordal-{label}.tmp")
+
+
+def _without_child(level: Mapping[Index, _Fragment], below: Iterable[Index]) -> Iterator[Index]:
+    """The eighths of fragments that have triangles, while no fragment is there at the level below."""
+    known = set(below)
+    for (i, j, k), one in level.items():
+        for eighth in range(8):
+            place = (2 * i + (eighth & 1), 2 * j + (eighth >> 1 & 1), 2 * k + (eighth >> 2))
+            if one.octants >> eighth & 1 and place not in known:
+                yield place
+
+
+def _on_curve(place: Index) -> int:
+    """Where a place is on a Z-curve: the bits of its indices by turns, that of i the lowest."""
+    at = 0
+    for bit in range(max(place).bit_length()):
+        for axis in range(3):
+            at |= (place[axis] >> bit & 1) << (3 * bit + axis)
+    return at
+
+
+def _least_step(affine: Sequence[Sequence[float]]) -> float:
+    """The least length that the longest of the lattice's steps seems to have, seen from any direction; no more than it.
+
+    A viewer takes the longest for the size of a cell on the screen. Let G be the matrix of the steps' scalar products, with
+    the eigenvalues a ≥ b ≥ c. Of three lengths the largest squared is at least a third of the sum of all squared, which
+    seen along one direction is less by at most a: it is at least (b + c) / 3, and for cubes no more than that. By the sum of
+    eigenvalues being 1, b + c = 1 - a ≥ (1 - b) (b + c) = (a + c) (b + c) ≥ ab + bc + ca."""
+    steps = [[row[k] for row in affine] for k in range(3)]
+    products = [[sum(x * y for x, y in zip(u, v, strict=True)) for v in steps] for u in steps]
+    total = products[0][0] + products[1][1] + products[2][2]
+    g = [[x / total for x in row] for row in products]
+    minors = sum(g[i][i] * g[j][j] - g[i][j] * g[j][i] for i, j in ((0, 1), (0, 2), (1, 2)))
+    for _ in range(_SQUARED):
+        g = [[sum(g[i][k] * g[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+    # No eigenvalue is above the root of the sum of powers of all.
+    largest = g[0][0] + g[1][1] + g[2][2]
+    for _ in range(_SQUARED):
+        largest = math.sqrt(largest)
+    rest = max(1.0 - largest - _SLACK, minors * (1.0 - _SLACK))
+    return math.sqrt(total * rest / 3) * (1.0 - _SLACK)
+
+
+#: How often the matrix in `_least_step` is squared: so the root of a sum of three equal powers is 3.5 % too large. Chosen.
+_SQUARED = 5
+#: Room for some hundred roundings of numbers up to 1 in `_least_step`. Derived, and then some.
+_SLACK = 2.0**-40
+
+
+def _single_up(x: float) -> float:
+    """The least number of single precision that is not below."""
+    (nearest,) = struct.unpack("<f", struct.pack("<f", x))
+    if nearest >= x:
+        return float(nearest)
+    (bits,) = struct.unpack("<I", struct.pack("<f", nearest))
+    (above,) = struct.unpack("<f", struct.pack("<I", bits + 1))
+    return float(above)
