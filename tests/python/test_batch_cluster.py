@@ -31,7 +31,7 @@ LONG = ["--cells", "250"]
 @pytest.fixture(name="cluster", scope="module")
 def three_workers() -> Iterator[Any]:
     with distributed.LocalCluster(
-        n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+        n_workers=3, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50
     ) as cluster:
         with distributed.Client(cluster) as client:
             client.run(_find_chordal, sys.path)
@@ -179,7 +179,7 @@ def test_a_scheduler_that_goes_away_loses_nothing(tmp_path: Path) -> None:
         (tmp_path / f"{number}.obj").write_bytes(SQUARE)
     words = ("bake", "*.obj", "-oout", "--", "--cells", "100")
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50
     ) as cluster:
         with distributed.Client(cluster) as client:
             client.run(_find_chordal, sys.path)
