@@ -297,6 +297,34 @@ def test_what_was_killed_goes_on(tmp_path: Path, when: str) -> None:
         volume.precomputed_levels(folder, **arguments)
 
 
+def test_a_result_that_is_damaged_meanwhile_is_no_hole(tmp_path: Path) -> None:
+    volume = chordal.block_volume(cells((18, 18, 18), 3, 2), spacing=0.5, unit="um")
+    arguments: Any = {"tol": 0.5, "block": 7}
+    for name in ("0_1_1_1.chordal", "0_1_1_1_fragments.chordal"):
+        folder = tmp_path / name
+
+        def damage(stage: str, done: int, total: int, path: Path = folder / "parts" / name) -> None:
+            if (stage, done) == ("level 0", total):
+                path.write_bytes(path.read_bytes()[:-1] + b"?")
+
+        with pytest.raises(chordal.Error, match="is damaged or gone: the same call again"):
+            volume.precomputed_levels(folder, progress=damage, **arguments)
+        volume.precomputed_levels(folder, **arguments)
+        if not (tmp_path / "whole").exists():
+            volume.precomputed_levels(tmp_path / "whole", **arguments)
+        assert files(folder) == files(tmp_path / "whole")
+
+
+def test_what_only_a_coarser_level_has_is_empty_below(tmp_path: Path) -> None:
+    # A ball that ends beside a block: coarser triangles reach beyond it, into a block that has nothing.
+    i, j, k = np.indices((40, 40, 40))
+    ball = (i - 8.5) ** 2 + (j - 8.1) ** 2 + (k - 8.3) ** 2 < 7.8**2
+    chordal.block_volume(ball.astype(np.uint8), unit="um").precomputed_levels(tmp_path / "ball", tol=1.2, block=16)
+    fine, coarse = read(tmp_path / "ball", 1).levels
+    assert 0 in fine.places.values() and not ball[:17, 16:33, :17].any()
+    check_octants(coarse, fine)
+
+
 def test_processes_give_the_same_bytes(tmp_path: Path) -> None:
     volume = chordal.block_volume(cells((22, 24, 20), 4, 8), spacing=0.5, unit="um")
     one = volume.precomputed_levels(tmp_path / "one", [1, 3, 77], block=8)

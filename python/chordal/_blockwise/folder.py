@@ -65,6 +65,13 @@ class KeptFolder:
         made = content[_DIGEST_BYTES:]
         return made if _digest(made) == content[:_DIGEST_BYTES] else None
 
+    def whole(self, name: str, title: str) -> bytes:
+        """A result that is to be there; `title` is what it is of."""
+        content = self.read(name)
+        if content is None:
+            raise Error(f"what was kept of {title} is damaged or gone: the same call again does that part anew")
+        return content
+
     def forget(self, name: str) -> None:
         """Removes a result that is part of another one by now."""
         with suppress(FileNotFoundError):

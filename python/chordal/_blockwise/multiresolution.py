@@ -1,16 +1,12 @@
-"""Meshes of labels in Neuroglancer's format of several levels: `<label>.index`, the list of its levels, and `<label>`, their
-fragments, compressed by Draco. Level after level is done, since a label goes on only where it is in several cubes or large.
-
-Source: Neuroglancer, *Precomputed mesh format*, multi-resolution, unsharded.
-"""
+"""`LabelTree`: the labels of blocks simplified, joined by eights and simplified again, each level a fragment of Neuroglancer's
+meshes. Level after level is done, since a label goes on only where it is in several cubes or large."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
-import struct
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,11 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from chordal import _chordal
 from chordal._blockwise.cubes import ENOUGH, FIRST, MOST, MOST_TRIES, WORTH_IT, Cube, Cubes
 from chordal._blockwise.folder import KeptFolder, left_over, written
+from chordal._blockwise.level_files import Fragment, LevelFiles, MeshLevel, fragments_of
 from chordal._blockwise.packing import BoundState, packed, unpacked
 from chordal._blockwise.precomputed import NANOMETRES, refuse_finished
-from chordal._blockwise.tasks import Index, Surface, samples_of
-from chordal._bound import Bound
-from chordal._errors import Error, Refused
+from chordal._blockwise.tasks import Surface, samples_of
+from chordal._errors import Refused
 from chordal._libraries import library
 
 if TYPE_CHECKING:
@@ -40,34 +36,6 @@ _HALVINGS = 3
 _DRACO_LEVEL = 7
 #: Where the results of tasks are meanwhile.
 _PARTS = "parts"
-
-
-@dataclass(frozen=True)
-class MeshLevel:
-    """A level of a label's mesh, as `BlockVolume.precomputed_levels` wrote it."""
-
-    #: How far its triangles are from the label's true surface, as the file has them.
-    bound: Bound
-    #: Its triangles.
-    triangles: int
-    #: How many fragments they are in.
-    fragments: int
-
-
-class _Fragment(NamedTuple):
-    """A label in a cube: what is known of its fragment."""
-
-    label: int
-    #: The length by which its part is simplified next, and the triangles of the part.
-    length: float
-    n_faces: int
-    #: Those of the fragment, where some are cut.
-    triangles: int
-    at_most: float
-    #: The eighths of the cube that have triangles, as bits.
-    octants: int
-    #: The bytes of the fragment.
-    size: int
 
 
 class _Grown(NamedTuple):
@@ -119,7 +87,7 @@ class LabelTree:
         with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
             # Another program may have finished meanwhile.
             refuse_finished(document)
-            found: list[dict[Cube, list[_Fragment]]] = []
+            found: list[dict[Cube, list[Fragment]]] = []
             again = self._again(kept)
             shared = workers.shared(array)
             cubes = list(self.cubes.of_level(0))
@@ -130,8 +98,8 @@ class LabelTree:
                 below = _Below(frozenset(found[-1]), left)
                 holding = (cube.parent for cube, fragments in found[-1].items() if any(one.label in left for one in fragments))
                 cubes = sorted(set(holding), key=lambda cube: cube.place)
-            made = _Levels(self, found)
-            made.write(target, kept)
+            made = LevelFiles(self.cubes, found)
+            made.write(target, kept, self.surface.affine)
             if made.by_label:
                 written(document, self._document())
             for path in left_over(target):
@@ -150,9 +118,9 @@ class LabelTree:
         kept: KeptFolder,
         workers: Workers,
         tell: Callable[[str, int, int], object] | None,
-    ) -> dict[Cube, list[_Fragment]]:
+    ) -> dict[Cube, list[Fragment]]:
         """What each cube of a level has, those that are not done by workers."""
-        done: dict[Cube, list[_Fragment]] = {}
+        done: dict[Cube, list[Fragment]] = {}
         waiting: list[Task[Cube]] = []
         for cube in reversed(cubes):
             found = None if cube in again else _fragments_kept(kept, cube)
@@ -168,11 +136,11 @@ class LabelTree:
             n = len(facts["parts"])
             kept.write(cube.kept, packed({"parts": facts["parts"]}, arrays[:n]))
             # At last: it says that the cube is done.
-            kept.write(_named(cube), packed({"fragments": facts["fragments"]}, arrays[n:]))
+            kept.write(fragments_of(cube), packed({"fragments": facts["fragments"]}, arrays[n:]))
             if cube.level > 0:
                 for child in self.cubes.children(cube):
                     kept.forget(child.kept)
-            done[cube] = [_Fragment(*row) for row in facts["fragments"]]
+            done[cube] = [Fragment(*row) for row in facts["fragments"]]
             if tell is not None:
                 tell(f"level {cube.level}", len(done), len(cubes))
         return {cube: done[cube] for cube in cubes}
@@ -182,7 +150,7 @@ class LabelTree:
         parts: list[bytes] = []
         for child in self.cubes.children(cube):
             if child in below.cubes:
-                facts, arrays = unpacked(_whole(kept, child.kept, self.cubes.named(child)))
+                facts, arrays = unpacked(kept.whole(child.kept, self.cubes.named(child)))
                 rows = [(row, part) for row, part in zip(facts["parts"], arrays, strict=True) if row[0] in below.left]
                 parts.append(packed({"parts": [row for row, _ in rows]}, [part for _, part in rows]))
         return None, cube, parts
@@ -206,7 +174,7 @@ class LabelTree:
             open_above = open_here
         return frozenset(again)
 
-    def _unfinished(self, level: Mapping[Cube, Sequence[_Fragment]]) -> frozenset[int]:
+    def _unfinished(self, level: Mapping[Cube, Sequence[Fragment]]) -> frozenset[int]:
         """The labels that go on: in several cubes, or of many triangles."""
         seen: set[int] = set()
         left: set[int] = set()
@@ -257,35 +225,23 @@ def _draco() -> Any:
         raise ImportError(f"{message}, as by pip install DracoPy, here and where workers are", name="DracoPy") from error
 
 
-def _named(cube: Cube) -> str:
-    """The name under which the fragments of a cube are kept."""
-    return f"{cube.kept}_fragments"
-
-
-def _whole(kept: KeptFolder, name: str, title: str) -> bytes:
-    content = kept.read(name)
-    if content is None:
-        raise Error(f"what was kept of {title} is damaged or gone: the same call again does that part anew")
-    return content
-
-
-def _fragments_kept(kept: KeptFolder, cube: Cube) -> list[_Fragment] | None:
+def _fragments_kept(kept: KeptFolder, cube: Cube) -> list[Fragment] | None:
     """What is known of the fragments of a cube that is done."""
-    content = kept.read(_named(cube))
-    return None if content is None else [_Fragment(*row) for row in unpacked(content)[0]["fragments"]]
+    content = kept.read(fragments_of(cube))
+    return None if content is None else [Fragment(*row) for row in unpacked(content)[0]["fragments"]]
 
 
 def _made(tree: LabelTree, array: Any, cube: Cube, below: Sequence[bytes]) -> bytes:
     """What a worker makes of a block, or of the parts in a cube of them: the part of each label, and its fragment."""
     labels: list[tuple[int, BoundState, float]] = []
     parts: list[bytes] = []
-    fragments: list[_Fragment] = []
+    fragments: list[Fragment] = []
     contents: list[bytes] = []
     for grown, made in _leaves(tree, array, cube) if cube.level == 0 else _joined(tree, cube, below):
         content, bound = grown.part.state()
         labels.append((grown.label, bound, grown.length))
         parts.append(content)
-        fragments.append(_Fragment(grown.label, grown.length, grown.part.n_faces, *made.facts, len(made.content)))
+        fragments.append(Fragment(grown.label, grown.length, grown.part.n_faces, *made.facts, len(made.content)))
         contents.append(made.content)
     return packed({"parts": labels, "fragments": fragments}, [*parts, *contents])
 
@@ -297,8 +253,9 @@ def _leaves(tree: LabelTree, array: Any, cube: Cube) -> Iterator[tuple[_Grown, _
     for label, part in _chordal.label_parts(samples_of(array, block), arguments, tree.surface.place(block)):
         if tree.only is not None and label not in tree.only:
             continue
+        first = FIRST * tree.surface.cell()
         if tree.tolerance is None:
-            yield _Grown(label, part, max(part.at_most, FIRST * tree.surface.cell())), _compressed(tree, cube, part)
+            yield _Grown(label, part, max(part.at_most, first)), _compressed(tree, cube, part)
             continue
         room = tree.tolerance - part.at_most - tree.step(cube) - tree.rounding()
         chosen = part
@@ -309,7 +266,7 @@ def _leaves(tree: LabelTree, array: Any, cube: Cube) -> Iterator[tuple[_Grown, _
             if _fragment(tree, cube, fewer)[3] <= tree.tolerance:
                 chosen = fewer
                 break
-        yield _Grown(label, chosen, tree.tolerance), _compressed(tree, cube, chosen)
+        yield _Grown(label, chosen, max(tree.tolerance, first)), _compressed(tree, cube, chosen)
 
 
 def _joined(tree: LabelTree, cube: Cube, below: Sequence[bytes]) -> Iterator[tuple[_Grown, _Compressed]]:
@@ -357,145 +314,3 @@ def _compressed(tree: LabelTree, cube: Cube, part: _chordal.BlockPart) -> _Compr
     corners = np.frombuffer(faces, np.uint32).reshape(-1, 3)
     content = bytes(_draco().encode(numbers, corners, compression_level=_DRACO_LEVEL))
     return _Compressed(content, (len(corners), at_most, octants))
-
-
-class _Levels:
-    """The levels of each label, and their files."""
-
-    def __init__(self, tree: LabelTree, found: Sequence[Mapping[Cube, Sequence[_Fragment]]]) -> None:
-        self._tree = tree
-        #: For each label and level the places of its fragments, along a Z-curve.
-        self.by_label: dict[int, list[dict[Index, _Fragment]]] = {}
-        self._order = [sorted(level, key=lambda cube: _on_curve(cube.place)) for level in found]
-        for level, cubes in enumerate(self._order):
-            for cube in cubes:
-                for one in found[level][cube]:
-                    levels = self.by_label.setdefault(one.label, [])
-                    if len(levels) == level:
-                        levels.append({})
-                    levels[level][cube.place] = one
-        for levels in self.by_label.values():
-            while len(levels) > 1 and len(levels[-2]) == 1 and _n_faces(levels[-1]) > WORTH_IT * _n_faces(levels[-2]):
-                levels.pop()
-
-    def write(self, target: str, kept: KeptFolder) -> None:
-        """The files of all labels: first those of fragments, which are read cube by cube."""
-        for path in left_over(target):
-            os.unlink(path)
-        for level, cubes in enumerate(self._order):
-            for cube in cubes:
-                facts, arrays = unpacked(_whole(kept, _named(cube), self._tree.cubes.named(cube)))
-                for row, content in zip(facts["fragments"], arrays, strict=True):
-                    if level < len(self.by_label[row[0]]):
-                        with open(_aside(target, row[0]), "ab") as file:
-                            file.write(content)
-        for label in sorted(self.by_label):
-            with open(_aside(target, label), "rb+") as file:
-                os.fsync(file.fileno())
-            os.replace(_aside(target, label), os.path.join(target, f"{label}"))
-            written(os.path.join(target, f"{label}.index"), self._index(label))
-
-    def _index(self, label: int) -> bytes:
-        """The list of a label's levels and fragments."""
-        levels = [{place: one.size for place, one in level.items()} for level in self.by_label[label]]
-        for level in range(1, len(levels)):
-            for place in _without_child(self.by_label[label][level], levels[level - 1]):
-                # Nothing is there at the finer level. Said so, it takes the place of what the coarser level has there.
-                levels[level - 1][place] = 0
-        rows = [sorted(level.items(), key=lambda item: _on_curve(item[0])) for level in levels]
-        n = len(rows)
-        parts = [struct.pack("<3f3fI", *self._tree.cubes.sides, 0.0, 0.0, 0.0, n)]
-        parts.append(struct.pack(f"<{n}f", *self._scales(label)))
-        parts.append(struct.pack(f"<{3 * n}f", *[0.0] * (3 * n)))
-        parts.append(struct.pack(f"<{n}I", *map(len, rows)))
-        for row in rows:
-            for axis in range(3):
-                parts.append(struct.pack(f"<{len(row)}I", *(place[axis] for place, _ in row)))
-            parts.append(struct.pack(f"<{len(row)}I", *(size for _, size in row)))
-        return b"".join(parts)
-
-    def _scales(self, label: int) -> list[float]:
-        """The error of each level in units of the lattice: a viewer shows it where that is a pixel, or what it is set to. Each
-        is above the one before in single precision."""
-        step = _least_step(self._tree.surface.affine)
-        scales: list[float] = []
-        for level in self.by_label[label]:
-            least = _single_up(max(one.at_most for one in level.values()) / step)
-            scales.append(max(least, _single_up(math.nextafter(scales[-1], math.inf))) if scales else least)
-        return scales
-
-    def facts(self) -> dict[int, tuple[MeshLevel, ...]]:
-        """What is said of each label."""
-        return {label: tuple(map(_fact, self.by_label[label])) for label in sorted(self.by_label)}
-
-
-def _fact(level: Mapping[Index, _Fragment]) -> MeshLevel:
-    at_most = max(one.at_most for one in level.values())
-    bound = Bound(0.0, at_most, "proved", "hausdorff", "trilinear interpolant")
-    return MeshLevel(bound, sum(one.triangles for one in level.values()), len(level))
-
-
-def _n_faces(level: Mapping[Index, _Fragment]) -> int:
-    return sum(one.n_faces for one in level.values())
-
-
-def _aside(target: str, label: int) -> str:
-    """The name of a label's fragments while they are written."""
-    return os.path.join(target, f".chordal-{label}.tmp")
-
-
-def _without_child(level: Mapping[Index, _Fragment], below: Iterable[Index]) -> Iterator[Index]:
-    """The eighths of fragments that have triangles, while no fragment is there at the level below."""
-    known = set(below)
-    for (i, j, k), one in level.items():
-        for eighth in range(8):
-            place = (2 * i + (eighth & 1), 2 * j + (eighth >> 1 & 1), 2 * k + (eighth >> 2))
-            if one.octants >> eighth & 1 and place not in known:
-                yield place
-
-
-def _on_curve(place: Index) -> int:
-    """Where a place is on a Z-curve: the bits of its indices by turns, that of i the lowest."""
-    at = 0
-    for bit in range(max(place).bit_length()):
-        for axis in range(3):
-            at |= (place[axis] >> bit & 1) << (3 * bit + axis)
-    return at
-
-
-def _least_step(affine: Sequence[Sequence[float]]) -> float:
-    """The least length that the longest of the lattice's steps seems to have, seen from any direction; no more than it.
-
-    A viewer takes the longest for the size of a cell on the screen. Let G be the matrix of the steps' scalar products, with
-    the eigenvalues a ≥ b ≥ c. Of three lengths the largest squared is at least a third of the sum of all squared, which
-    seen along one direction is less by at most a: it is at least (b + c) / 3, and for cubes no more than that. By the sum of
-    eigenvalues being 1, b + c = 1 - a ≥ (1 - b) (b + c) = (a + c) (b + c) ≥ ab + bc + ca."""
-    steps = [[row[k] for row in affine] for k in range(3)]
-    products = [[sum(x * y for x, y in zip(u, v, strict=True)) for v in steps] for u in steps]
-    total = products[0][0] + products[1][1] + products[2][2]
-    g = [[x / total for x in row] for row in products]
-    minors = sum(g[i][i] * g[j][j] - g[i][j] * g[j][i] for i, j in ((0, 1), (0, 2), (1, 2)))
-    for _ in range(_SQUARED):
-        g = [[sum(g[i][k] * g[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
-    # No eigenvalue is above the root of the sum of powers of all.
-    largest = g[0][0] + g[1][1] + g[2][2]
-    for _ in range(_SQUARED):
-        largest = math.sqrt(largest)
-    rest = max(1.0 - largest - _SLACK, minors * (1.0 - _SLACK))
-    return math.sqrt(total * rest / 3) * (1.0 - _SLACK)
-
-
-#: How often the matrix in `_least_step` is squared: so the root of a sum of three equal powers is 3.5 % too large. Chosen.
-_SQUARED = 5
-#: Room for some hundred roundings of numbers up to 1 in `_least_step`. Derived, and then some.
-_SLACK = 2.0**-40
-
-
-def _single_up(x: float) -> float:
-    """The least number of single precision that is not below."""
-    (nearest,) = struct.unpack("<f", struct.pack("<f", x))
-    if nearest >= x:
-        return float(nearest)
-    (bits,) = struct.unpack("<I", struct.pack("<f", nearest))
-    (above,) = struct.unpack("<f", struct.pack("<I", bits + 1))
-    return float(above)

@@ -132,7 +132,7 @@ class BlockTree:
 
     def _finish(self, kept: KeptFolder, root: Cube, document: str) -> Tileset:
         """The document over all tiles."""
-        grown = _Grown.of(_whole(kept, root))
+        grown = _Grown.of(kept.whole(root.kept, root.name))
         if grown is None:
             kept.remove()
             raise Refused("empty", "no block has a surface")
@@ -169,7 +169,7 @@ class BlockTree:
 
     def _task(self, cube: Cube, kept: KeptFolder) -> Task[Cube]:
         """That of a cube whose children are done."""
-        return cube, self.cubes.named(cube), (None, cube, [_whole(kept, child) for child in self.cubes.children(cube)])
+        return cube, self.cubes.named(cube), (None, cube, [kept.whole(child.kept, child.name) for child in self.cubes.children(cube)])
 
     def _open(self, root: Cube, kept: KeptFolder) -> tuple[list[Cube], dict[Cube, int]]:
         """The blocks that are to be done, those of a cube together; and for each cube above them how many are, below it."""
@@ -199,14 +199,6 @@ class BlockTree:
 def _refuse_finished(document: str) -> None:
     if os.path.exists(document):
         raise Error(f"{_files.shown(document)}: this folder holds a tileset; choose another, or remove it")
-
-
-def _whole(kept: KeptFolder, cube: Cube) -> bytes:
-    """The result of a cube that is done."""
-    content = kept.read(cube.kept)
-    if content is None:
-        raise Error(f"what was kept of {cube.name} is damaged or gone: the same call again does that part anew")
-    return content
 
 
 def _made(tree: BlockTree, array: Any, cube: Cube, below: Sequence[bytes]) -> bytes:

@@ -16,7 +16,8 @@ from chordal import _chordal
 from chordal._arguments import function, number, text
 from chordal._blockwise.cubes import Cubes
 from chordal._blockwise.folder import KeptFolder
-from chordal._blockwise.multiresolution import LabelTree, MeshLevel
+from chordal._blockwise.level_files import MeshLevel
+from chordal._blockwise.multiresolution import LabelTree
 from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sources import Placed, opened, source_of
 from chordal._blockwise.tasks import (
