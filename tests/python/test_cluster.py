@@ -123,3 +123,16 @@ def test_a_worker_that_is_killed_loses_no_tile(tmp_path: Path, cluster: Any) -> 
     assert told[-1] == 4**3 + 2**3 + 1 and made.tiles == alone.tiles > 64 and made.bound == alone.bound
     here, there = [sorted(path for path in (tmp_path / name).rglob("*") if path.is_file()) for name in ("alone", "tiles")]
     assert [path.read_bytes() for path in here] == [path.read_bytes() for path in there]
+
+
+def test_levels_of_labels_are_the_same_on_a_cluster(tmp_path: Path, cluster: Any) -> None:
+    pytest.importorskip("DracoPy", reason="DracoPy is not installed: meshes of several levels are not tried")
+    i, j, k = np.indices((30, 26, 22))
+    volume = chordal.block_volume(((i // 9 + j // 8 + k // 7) % 4).astype(np.uint16), spacing=0.5, unit="um")
+    with distributed.Client(cluster) as client:
+        client.run(_find_chordal, sys.path)
+        there = volume.precomputed_levels(tmp_path / "there", tol=0.5, block=9, executor=client)
+    here = volume.precomputed_levels(tmp_path / "here", tol=0.5, block=9)
+    assert there == here and max(map(len, here.values())) > 2
+    made = [{path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ("there", "here")]
+    assert made[0] == made[1]
