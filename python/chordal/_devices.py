@@ -11,7 +11,7 @@ from typing import Any
 def with_arrays(function: Callable[[Any], Any], like: Any | None) -> Callable[[Any], Any]:
     """A function of numpy's arrays that calls another one with arrays like `like`."""
     if like is None:
-        like = _parameter(function)
+        like = parameter_of(function)
     if like is None:
         return lambda points: to_numpy(function(points))
     if not hasattr(like, "new_tensor") and not hasattr(like, "__array_namespace__"):
@@ -27,7 +27,7 @@ def with_arrays(function: Callable[[Any], Any], like: Any | None) -> Callable[[A
     return called
 
 
-def _parameter(function: Any) -> Any | None:
+def parameter_of(function: Any) -> Any | None:
     """The first parameter of a module of PyTorch; None for any other function."""
     if not (hasattr(function, "parameters") and hasattr(function, "forward")):
         return None
@@ -48,6 +48,11 @@ def _padded(points: Any, like: Any) -> Any:
     rows = np.concatenate([points, np.broadcast_to(points[-1], (n - len(points), 3))])
     xp = like.__array_namespace__()
     return xp.asarray(rows, dtype=like.dtype, device=like.device)
+
+
+def wants_tensors(error: Exception) -> bool:
+    """Whether a function raised that because it got an array of numpy's instead of a tensor of PyTorch."""
+    return "torch" in sys.modules and ("numpy" in str(error) or "Tensor" in str(error))
 
 
 def _no_gradients(like: Any) -> Any:

@@ -14,7 +14,7 @@ from chordal import _chordal
 from chordal._arguments import text as _text
 from chordal._arrays import coordinates
 from chordal._curve import Curve
-from chordal._devices import with_arrays
+from chordal._devices import parameter_of, wants_tensors, with_arrays
 from chordal._hints import keywords_hinted, refuse_own
 from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
@@ -187,14 +187,20 @@ class Field(Shape):
     ('lower bound', 'exact distance')
     """
 
-    __slots__ = ("_value",)
+    __slots__ = ("_uncut", "_value")
 
     def __init__(
-        self, value: _chordal.ScriptValue, source: _chordal.Source | None = None, recipe: Recipe | None = None
+        self,
+        value: _chordal.ScriptValue,
+        source: _chordal.Source | None = None,
+        recipe: Recipe | None = None,
+        uncut: _chordal.ScriptValue | None = None,
     ) -> None:
         refuse_own(self, value, _chordal.ScriptValue)
         super().__init__(value.source(None) if source is None else source, recipe)
         self._value = value
+        # What is cut off at a box; of a function without the box that is said to hold it, so that it is cut there.
+        self._uncut = value if uncut is None else uncut
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
         """The values at points, whose last axis is 3 long: negative inside, NaN where there is none."""
@@ -241,8 +247,14 @@ class Field(Shape):
 
     def within(self, low: Sequence[SupportsFloat], high: Sequence[SupportsFloat]) -> Field:
         """The same shape, cut off at a box for whatever is made of it."""
-        cut = self._value.source(_box("box", (low, high)))
-        return Field(self._value, cut, (Field.within, (self, tuple(map(float, low)), tuple(map(float, high))), {}))
+        least, most = _box("box", (low, high))
+        known = _chordal.region_of(self._source)
+        if known is not None:
+            least = [max(a, b) for a, b in zip(least, known[0], strict=True)]
+            most = [min(a, b) for a, b in zip(most, known[1], strict=True)]
+        cut = self._uncut.source(_box("box", (least, most)))
+        recipe: Recipe = (Field.within, (self, tuple(map(float, low)), tuple(map(float, high))), {})
+        return Field(self._value, cut, recipe, self._uncut)
 
     def move(self, *by: SupportsFloat | Sequence[SupportsFloat] | NDArray[Any]) -> Field:
         """The shape moved by a vector, or by two or three numbers: `shapes.move`.
@@ -338,7 +350,7 @@ def field(
 
     A function is called with an array n × 3 of double precision, all points at a time that are asked for at once: from
     one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. It is called from other threads.
-    What it raises comes back as it is. `bounds` is a box that holds the shape. With `lipschitz` you promise that values
+    What it raises comes back as it is. `bounds` is a box that holds the shape, which is cut off there. With `lipschitz` you promise that values
     of two points differ by no more than that many times their distance, and what is proved is proved under that
     promise; without it a mesh is measured, at samples. `gradient` gives back the derivatives along x, y and z, n × 3;
     without it they come from four values beside each point. `report["run"]["evaluations"]` of a mesh says how many
@@ -370,16 +382,17 @@ def field(
         raise ValueError(f"lipschitz: a number that is not negative, not {slope}")
     if gradient is not None and not callable(gradient):
         raise TypeError("gradient: a function of points")
-    if like is None:
+    if like is None and parameter_of(what) is None:
         _try(what, bounds)
-    value = _chordal.ScriptValue.callable(
-        _of_bytes(what, "function", lambda n: ((n,), (n, 1)), like),
-        None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),), like),
-        None if bounds is None else _box("bounds", bounds),
-        slope,
-    )
-    named = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like}
-    return Field(value, None, (field, (what,), named))
+    values = _of_bytes(what, "function", lambda n: ((n,), (n, 1)), like)
+    slopes = None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),), like)
+    recipe: Recipe = (field, (what,), {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like})
+    uncut = _chordal.ScriptValue.callable(values, slopes, None, slope)
+    if bounds is None:
+        return Field(uncut, None, recipe)
+    box = _box("bounds", bounds)
+    # A network is anything far from what it has learned: what is made of this one alone does not rest on the box.
+    return Field(_chordal.ScriptValue.callable(values, slopes, box, slope), uncut.source(box), recipe, uncut)
 
 
 def _field_by(shape: Shape) -> str:
@@ -406,6 +419,10 @@ def _try(function: Callable[..., Any], bounds: Any) -> None:
     points = ends[0] + np.array([[0.25], [0.625]]) * (ends[1] - ends[0])
     try:
         found = np.shape(function(points))
+    except (AttributeError, TypeError) as error:
+        if wants_tensors(error):
+            raise TypeError(f"what: {error}; with like=torch.empty(0), say, it is called with tensors like that one") from error
+        return
     except Exception:
         return
     if found not in ((2,), (2, 1)):

@@ -50,6 +50,19 @@ def _of_open3d(thing: Any) -> dict[str, Any]:
     return found
 
 
+def _is_open3d_tensor(thing: Any) -> bool:
+    return _has(thing, "vertex", "triangle", "to_legacy")
+
+
+def _of_open3d_tensor(thing: Any) -> dict[str, Any]:
+    vertex = thing.vertex
+    found: dict[str, Any] = {"vertices": vertex.positions.cpu().numpy(), "faces": thing.triangle.indices.cpu().numpy()}
+    for name in ("normals", "colors"):
+        if name in vertex:
+            found[name] = vertex[name].cpu().numpy()
+    return found
+
+
 def _is_pyvista(thing: Any) -> bool:
     return _has(thing, "regular_faces", "points")
 
@@ -121,6 +134,7 @@ def _of_trimesh(thing: Any) -> dict[str, Any]:
 # Asked in this order: the last takes whatever has vertices and faces.
 _KNOWN = (
     (_is_open3d, _of_open3d),
+    (_is_open3d_tensor, _of_open3d_tensor),
     (_is_pyvista, _of_pyvista),
     (_is_manifold, _of_manifold),
     (_is_meshio, _of_meshio),

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ast
 import inspect
+import sys
+import threading
+import types
 from pathlib import Path
 from typing import Any
 
@@ -185,3 +188,39 @@ def test_powers_and_functions_of_numpy_are_formulas() -> None:
         assert np.allclose(made(points), expected, rtol=1e-14)
     with pytest.raises(TypeError):
         x ** True  # noqa: B015
+
+
+@pytest.mark.parametrize("lipschitz", [None, 1.0])
+def test_a_function_that_goes_on_beyond_its_box_is_cut_off_there(lipschitz: float | None) -> None:
+    normal = np.array([0.6, 0.64, 0.48])
+    half = chordal.field(lambda p: p @ normal - 0.05, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=lipschitz)
+    mesh = half.mesh(tol=0.05)
+    assert mesh.is_watertight and np.allclose(mesh.bounds, [[-1] * 3, [1] * 3])
+    assert not any("beyond the box" in sentence for sentence in mesh.bound.assumptions)
+    # Smaller boxes go on from there, larger ones change nothing.
+    assert np.allclose(half.within((-2, -2, -2), (2, 2, 0)).mesh(tol=0.05).bounds, [[-1, -1, -1], [1, 1, 0]])
+    with pytest.raises(ValueError, match="box: the lowest corner"):
+        half.within((2, 2, 2), (3, 3, 3))
+
+
+def test_last_digits_that_other_points_of_a_call_change_do_not_tear_a_surface() -> None:
+    random, lock = np.random.default_rng(5), threading.Lock()
+
+    def ball(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        with lock:
+            noise = 1e-7 * random.standard_normal(len(points))
+        # Zero, but for that, at many corners of cells.
+        box: npt.NDArray[np.float64] = np.abs(points).max(axis=1) - 0.5 + noise
+        return box
+
+    assert chordal.field(ball, bounds=((-1, -1, -1), (1, 1, 1))).mesh(tol=0.05).is_watertight
+
+
+def test_a_function_of_tensors_is_told_how_it_gets_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "torch", types.ModuleType("torch"))
+
+    def norm(points: Any) -> Any:
+        return points.norm(dim=-1) - 1
+
+    with pytest.raises(TypeError, match=r"like=torch\.empty\(0\)"):
+        chordal.field(norm)

@@ -4,6 +4,7 @@ use chordal::implicit::Lipschitz;
 use chordal::implicit::leaves::{Leaf, LeafAnswer, LeafError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use std::collections::HashMap;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -29,6 +30,47 @@ impl CallLog {
     }
 }
 
+/// What a function said first of points where it is nearly zero.
+///
+/// A network in single precision has another last digit for a point with other points beside it. Where that changes the
+/// sign, neighbours would disagree about the corner that they share, so there the first answer counts.
+#[derive(Debug, Default)]
+pub(crate) struct FirstAnswers {
+    answers: Mutex<HashMap<[u64; 3], f64>>,
+    /// The bits of the largest size of a value so far, which are ordered as sizes are.
+    largest: AtomicU64,
+}
+
+impl FirstAnswers {
+    /// What is nearly zero beside the largest value: 64 times what single precision can tell from it, chosen so that sums of
+    /// many terms are among it.
+    const NEAR: f64 = 64.0 * f32::EPSILON as f64;
+    /// The most points that are kept, about 50 MB. Chosen; what is beyond counts as it comes.
+    const MOST: usize = 1 << 20;
+
+    /// Values that are nearly zero become those that were the first for their points.
+    fn keep(&self, points: &[[f64; 3]], values: &mut [f64]) {
+        let sizes = values.iter().map(|value| value.abs()).filter(|size| size.is_finite());
+        let most = sizes.fold(0.0, |a: f64, b| if b > a { b } else { a });
+        let before = f64::from_bits(self.largest.fetch_max(most.to_bits(), Ordering::Relaxed));
+        let near = Self::NEAR * if before > most { before } else { most };
+        // That it is locked only for points near the surface keeps threads out of each other's way.
+        let mut close = values.iter_mut().zip(points).filter(|(value, _)| value.abs() <= near).peekable();
+        if close.peek().is_none() {
+            return;
+        }
+        let Ok(mut answers) = self.answers.lock() else { return };
+        for (value, point) in close {
+            let key = point.map(|x| (x + 0.0).to_bits());
+            if answers.len() < Self::MOST {
+                *value = *answers.entry(key).or_insert(*value);
+            } else if let Some(first) = answers.get(&key) {
+                *value = *first;
+            }
+        }
+    }
+}
+
 /// A function from the bytes of points to the bytes of values. It is called from threads of our own, with
 /// Python's lock.
 pub(crate) struct PythonLeaf {
@@ -37,6 +79,7 @@ pub(crate) struct PythonLeaf {
     pub gradient: Option<Py<PyAny>>,
     pub lipschitz: Option<f64>,
     pub calls: Arc<CallLog>,
+    pub first: FirstAnswers,
 }
 
 impl PythonLeaf {
@@ -77,7 +120,9 @@ impl fmt::Debug for PythonLeaf {
 
 impl Leaf for PythonLeaf {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
-        self.ask(&self.call, points, out)
+        self.ask(&self.call, points, out)?;
+        self.first.keep(points, out);
+        Ok(())
     }
 
     fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {

@@ -102,7 +102,7 @@ impl From<ImproveError> for Failure<Mesh> {
 fn contradiction() -> LeafError {
     LeafError::new(
         "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
-         or two calls gave different values for one point",
+         two calls gave different values for one point, or it is inside beyond the bounds that it was given",
     )
 }
 
