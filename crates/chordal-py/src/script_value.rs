@@ -1,6 +1,6 @@
 //! `ScriptValue`: a shape or a formula of the language of shape scripts, as Python holds it.
 use crate::path::path_of;
-use crate::python_leaf::{CallLog, PythonLeaf};
+use crate::python_leaf::{CallLog, FirstAnswers, PythonLeaf};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::Job;
@@ -8,7 +8,7 @@ use chordal::budget::Evidence;
 use chordal::implicit::evaluation::Dual;
 use chordal::implicit::leaves::LeafError;
 use chordal::implicit::{Distance, DistanceQuality, Expr, Field};
-use chordal::math::Box3;
+use chordal::math::{Box3, Interval};
 use chordal_io::{FileLocation, Format, Frame, Warning};
 use chordal_script::language::{Arg, CallError, ScriptPath, function, functions, operate};
 use chordal_verbs::{ImplicitShape, Input, Shape, scene_to_field};
@@ -202,7 +202,13 @@ impl ScriptValue {
         lipschitz: Option<f64>,
     ) -> Self {
         let calls = Arc::<CallLog>::default();
-        let leaf = PythonLeaf { call, gradient, lipschitz, calls: Arc::clone(&calls) };
+        let leaf = PythonLeaf {
+            call,
+            gradient,
+            lipschitz,
+            calls: Arc::clone(&calls),
+            first: FirstAnswers::default(),
+        };
         let mut field = Field::new(Expr::leaf(Arc::new(leaf), Expr::axes()));
         if let Some([min, max]) = bounds {
             field = field.with_bounds(Box3 { min, max });
@@ -278,6 +284,24 @@ impl ScriptValue {
         Ok(PyBytes::new(py, &gradients.map_err(|error| leaf_failure(&error, &self.calls))?))
     }
 
+    /// An interval of the values in each box: six numbers a box, its least and its greatest corner, and two an interval.
+    /// Without an end on either side where nothing is known.
+    fn ranges<'py>(&self, py: Python<'py>, boxes: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
+        let field = self.evaluable_field()?;
+        let corners = points_of(&boxes);
+        let boxes: Vec<Box3> =
+            corners.as_chunks::<2>().0.iter().map(|&[min, max]| Box3 { min, max }).collect();
+        let ranges = self.evaluated(py, boxes.len(), move || {
+            let mut ranges = vec![Interval::point(0.0); boxes.len()];
+            let ends = |range: Interval| match range.is_defined() {
+                true => [range.lo(), range.hi()],
+                false => [f64::NEG_INFINITY, f64::INFINITY],
+            };
+            field.tape().over(&boxes, &mut ranges).map(|()| bytes_of(ranges.into_iter().flat_map(ends)))
+        })?;
+        Ok(PyBytes::new(py, &ranges.map_err(|error| leaf_failure(&error, &self.calls))?))
+    }
+
     /// The shape as one that was read, cut off at a box.
     fn source(&self, region: Option<[[f64; 3]; 2]>) -> PyResult<Source> {
         self.source_in(region, Frame::default())
@@ -310,6 +334,13 @@ impl ScriptValue {
         let input = Input { warnings, ..Input::made(Shape::Field(implicit), Format::Star) };
         Ok(Source::from_input(input, self.calls.clone()))
     }
+}
+
+/// The box that a field is cut off at, where it is.
+#[pyfunction]
+pub(crate) fn region_of(source: &Source) -> Option<[[f64; 3]; 2]> {
+    let Shape::Field(implicit) = source.shape() else { return None };
+    implicit.region.map(|Box3 { min, max }| [min, max])
 }
 
 /// The value of a field that was read, or none for other shapes.

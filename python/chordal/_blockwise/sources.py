@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from chordal._blockwise.sampled import FieldSamples
 from chordal._images import nibabel_facts
 from chordal._libraries import library
 from chordal._units import METRES
@@ -59,7 +60,7 @@ def opened(path: str, level: int, channel: int) -> Placed:
 
 def source_of(array: Any) -> str:
     """Where samples are, or some of them: two volumes with other samples differ in it but for bad luck."""
-    if isinstance(array, _Opened):
+    if isinstance(array, (_Opened, FieldSamples)):
         return array.source()
     if not hasattr(array, "__array_interface__"):
         return type(array).__name__

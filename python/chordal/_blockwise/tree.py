@@ -14,6 +14,7 @@ from chordal import _chordal, _files
 from chordal._blockwise.cubes import ENOUGH, FIRST, MOST, MOST_TRIES, WORTH_IT, Cube, Cubes
 from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import TileEntry, packed, unpacked
+from chordal._blockwise.sampled import crossed
 from chordal._blockwise.tasks import ROUNDING, Surface, part_of_block
 from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetUnmet, Error, Refused
@@ -114,11 +115,11 @@ class BlockTree:
         with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
             # Another program may have finished meanwhile.
             _refuse_finished(document)
-            leaves, left = self._open(root, kept)
+            leaves, left = self._open(root, array, kept)
             n_done = total - len(leaves) - len(left)
             shared = workers.shared(array)
             ready: list[Task[Cube]] = [(leaf, self.cubes.named(leaf), (shared, leaf, [])) for leaf in reversed(leaves)]
-            ready += [self._task(cube, kept) for cube, n in left.items() if n == 0]
+            ready += [self._task(cube, array, kept) for cube, n in left.items() if n == 0]
             for cube, made in workers.run(ready, partial(_made, self)):
                 self._keep(cube, made, target, kept)
                 n_done += 1
@@ -127,7 +128,7 @@ class BlockTree:
                 if cube != root:
                     left[cube.parent] -= 1
                     if left[cube.parent] == 0:
-                        ready.append(self._task(cube.parent, kept))
+                        ready.append(self._task(cube.parent, array, kept))
             return self._finish(kept, root, document)
 
     def _finish(self, kept: KeptFolder, root: Cube, document: str) -> Tileset:
@@ -167,11 +168,19 @@ class BlockTree:
             for child in self.cubes.children(cube):
                 kept.forget(child.kept)
 
-    def _task(self, cube: Cube, kept: KeptFolder) -> Task[Cube]:
-        """That of a cube whose children are done."""
-        return cube, self.cubes.named(cube), (None, cube, [kept.whole(child.kept, child.name) for child in self.cubes.children(cube)])
+    def _below(self, cube: Cube, array: Any) -> list[Cube]:
+        """The cubes of one that may have triangles."""
+        cubes = list(self.cubes.children(cube))
+        blocks = [self.cubes.block(one) for one in cubes]
+        wanted = set(crossed(array, blocks, self.surface))
+        return [one for one, block in zip(cubes, blocks, strict=True) if block in wanted]
 
-    def _open(self, root: Cube, kept: KeptFolder) -> tuple[list[Cube], dict[Cube, int]]:
+    def _task(self, cube: Cube, array: Any, kept: KeptFolder) -> Task[Cube]:
+        """That of a cube whose children are done."""
+        below = [kept.whole(child.kept, child.name) for child in self._below(cube, array)]
+        return cube, self.cubes.named(cube), (None, cube, below)
+
+    def _open(self, root: Cube, array: Any, kept: KeptFolder) -> tuple[list[Cube], dict[Cube, int]]:
         """The blocks that are to be done, those of a cube together; and for each cube above them how many are, below it."""
         leaves: list[Cube] = []
         left: dict[Cube, int] = {}
@@ -186,7 +195,7 @@ class BlockTree:
                 leaves.append(cube)
             else:
                 left[cube] = 0
-                stack.extend(reversed(list(self.cubes.children(cube))))
+                stack.extend(reversed(self._below(cube, array)))
         return leaves, left
 
     def origin(self) -> tuple[float, float, float]:
