@@ -86,6 +86,8 @@ _MESHES: dict[str, str] = {
     **dict.fromkeys(("point_normals", "normal"), "mesh.vertex_normals"),
     **dict.fromkeys(("compute_normals", "compute_vertex_normals"), "mesh.vertex_normals and mesh.face_normals"),
     "cell_normals": "mesh.face_normals",
+    **dict.fromkeys(("curvature", "curvatures", "mean_curvature"), "mesh.vertex_curvature()"),
+    "gaussian_curvature": 'mesh.vertex_curvature("gaussian")',
     **dict.fromkeys(("as_trimesh", "trimesh"), "mesh.to_trimesh()"),
     **dict.fromkeys(("as_pyvista", "to_polydata"), "mesh.to_pyvista()"),
     "copy": "copy.copy(mesh), which is the mesh itself: it does not change",
@@ -102,7 +104,7 @@ _ELSEWHERE: dict[str, str] = {
     },
     **{
         name: f"{_BOUNDED}: mesh.to_pyvista().{name}(…), or mesh.to_trimesh(), and back by Mesh.from_"
-        for name in ("smooth", "smooth_taubin", "clip", "slice", "curvature", "geodesic", "ray_trace", "delaunay_3d")
+        for name in ("smooth", "smooth_taubin", "clip", "slice", "geodesic", "ray_trace", "delaunay_3d")
         + ("extract_surface", "compute_cell_sizes")
     },
     "sample_points_uniformly": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",

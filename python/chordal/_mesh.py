@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from chordal import _chordal
 from chordal._arguments import text
@@ -11,6 +11,7 @@ from chordal._arrays import coordinates, indices
 from chordal._bound import Bound, bound_of
 from chordal._convert import refuse_unknown
 from chordal._corners import warn_of_soup, welded
+from chordal._curvature import curvatures
 from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade
@@ -323,6 +324,30 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
     def is_winding_consistent(self) -> bool:
         """Whether no two faces run along an edge the same way: counted as for `is_watertight`."""
         return bool(self._valid["oriented"])
+
+    def vertex_curvature(self, kind: Literal["mean", "gaussian", "maximum", "minimum"] = "mean") -> NDArray[np.float64]:
+        """The curvature at each vertex, as the triangles around it say: one over a length, or over its square for
+        "gaussian". Positive where the surface bends away from its outside: a ball has one over its radius. "maximum" and
+        "minimum" are the principal curvatures. NaN at borders.
+
+        It is an estimate, without a bound: triangles that are near a surface need not have its curvature.
+
+        >>> import chordal
+        >>> ball = chordal.shapes.sphere(2).mesh(tol=0.001)
+        >>> abs(float(ball.vertex_curvature().mean()) - 0.5) < 0.01
+        True
+        """
+        import numpy as np
+
+        if kind not in ("mean", "gaussian", "maximum", "minimum"):
+            raise ValueError(f"kind: mean, gaussian, maximum or minimum, not {kind!r}")
+        gaussian, mean = curvatures(self.vertices, self.faces)
+        if kind in ("mean", "gaussian"):
+            return mean if kind == "mean" else gaussian
+        # The principal ones are the roots of a quadratic; rounding may leave none where they are equal.
+        apart: NDArray[np.float64] = np.sqrt(np.maximum(mean * mean - gaussian, 0.0))
+        principal: NDArray[np.float64] = mean + apart if kind == "maximum" else mean - apart
+        return principal
 
     def vertex_deviation(self, other: Shape | Any, *, tol: Length | None = None) -> NDArray[np.float64]:
         """How far each vertex is from the triangles of another shape, as rounded; other shapes are meshed within `tol` first.

@@ -6,6 +6,10 @@ import errno
 import json
 import os
 import pickle
+import signal
+import threading
+import time
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -202,3 +206,34 @@ def test_meshes_of_labels_for_neuroglancer_are_closed_across_fragments(tmp_path:
         volume.precomputed(tmp_path / "within None")
     with pytest.raises(ValueError, match="unit: these meshes are in nanometres"):
         chordal.block_volume(samples).precomputed(tmp_path / "no unit")
+
+
+@pytest.mark.parametrize("delay", [0.05, 0.3])
+@pytest.mark.parametrize("kind", ["mesh", "simplified", "labels", "tileset"])
+def test_ctrl_c_is_obeyed_at_once(kind: str, delay: float, tmp_path: Path) -> None:
+    i, j, k = np.indices((140, 140, 140), dtype=np.float32) * 0.3
+    waves = chordal.block_volume(np.sin(i) * np.cos(j) + np.sin(j) * np.cos(k) + np.sin(k) * np.cos(i))
+    cells = chordal.block_volume((i // 3 + j // 4 * 7 + k // 5 * 13).astype(np.uint16))
+    work: dict[str, Callable[[], object]] = {
+        "mesh": lambda: [waves.mesh(iso=0, inside="low", block=64) for _ in range(20)],
+        "simplified": lambda: waves.mesh(iso=0, inside="low", tol=0.5, block=64),
+        "labels": lambda: [cells.labels(block=64) for _ in range(20)],
+        "tileset": lambda: waves.tileset(tmp_path, iso=0, inside="low", tol=0.3, block=64),
+    }
+    sent: list[float] = []
+
+    def send() -> None:
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(delay, send)
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            work[kind]()
+        # A fifth of a second is promised; a machine with other work on it takes some more to get round to it.
+        assert time.perf_counter() - sent[0] < 0.5
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)

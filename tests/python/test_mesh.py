@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import json
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -191,3 +192,36 @@ def test_coordinates_whose_sum_is_too_large_are_taken_and_those_that_are_not_fin
     for index in (-1, 2**32):
         with pytest.raises(ValueError, match=r"faces: the number at \(0, 2\) is no index"):
             chordal.Mesh(large, [(0, 1, index)])
+
+
+def test_curvature_is_that_of_the_surface() -> None:
+    n, m = 120, 60
+    u, v = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.arange(m) * 2 * np.pi / m, indexing="ij")
+    ring = 2 + 0.5 * np.cos(v)
+    points = np.stack([ring * np.cos(u), ring * np.sin(u), 0.5 * np.sin(v)], axis=-1).reshape(-1, 3)
+    i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+
+    def at(di: int, dj: int) -> Any:
+        return ((i + di) % n * m + (j + dj) % m).ravel()
+
+    faces = np.concatenate([np.stack([at(0, 0), at(1, 0), at(1, 1)], 1), np.stack([at(0, 0), at(1, 1), at(0, 1)], 1)])
+    torus = chordal.Mesh(points, faces)
+    gaussian = np.cos(v) / (0.5 * ring)
+    mean = (2 + np.cos(v)) / (2 * 0.5 * ring)
+    assert np.allclose(torus.vertex_curvature("gaussian"), gaussian.ravel(), atol=2e-3)
+    assert np.allclose(torus.vertex_curvature(), mean.ravel(), atol=2e-3)
+    assert np.allclose(torus.vertex_curvature("maximum"), 2.0, atol=0.05)
+    assert np.allclose(torus.vertex_curvature("minimum"), (np.cos(v) / ring).ravel(), atol=0.05)
+    # Turned inside out it bends the other way, and as much.
+    inside_out = chordal.Mesh(points, faces[:, ::-1])
+    assert np.allclose(inside_out.vertex_curvature(), -torus.vertex_curvature())
+    assert np.allclose(inside_out.vertex_curvature("gaussian"), torus.vertex_curvature("gaussian"))
+    # Vertices at one place are one, and borders have none.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        soup = chordal.Mesh(points[faces.ravel()], np.arange(faces.size).reshape(-1, 3))
+    assert np.allclose(soup.vertex_curvature(), torus.vertex_curvature()[faces.ravel()])
+    half = chordal.Mesh(points, faces[: len(faces) // 2])
+    assert np.isnan(half.vertex_curvature()).any()
+    with pytest.raises(ValueError, match="kind"):
+        torus.vertex_curvature("total")  # type: ignore[arg-type]

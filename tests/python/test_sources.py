@@ -166,3 +166,24 @@ def test_a_path_that_holds_something_else_by_now_is_read_anew(tmp_path: Path) ->
         zarr.create_array(tmp_path / "a.zarr", shape=shape, dtype="f4", overwrite=True)[...] = ball(shape)
         volume = chordal.block_volume(tmp_path / "a.zarr")
         assert volume.shape == shape and len(volume.mesh(iso=0.5, block=4).faces) > 8
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_an_array_mapped_from_a_file_is_pickled_as_its_place(tmp_path: Path, order: Any) -> None:
+    samples = np.random.default_rng(3).uniform(-1, 1, (40, 30, 20))
+    path = tmp_path / "raw.bin"
+    mapped = np.memmap(path, np.float64, "w+", offset=24, shape=samples.shape, order=order)
+    mapped[...] = samples
+    mapped.flush()
+    whole = chordal.volume(samples).mesh(iso=0, inside="low")
+    for given in (mapped, np.memmap(path, np.float64, "r", offset=24, shape=samples.shape, order=order)):
+        volume = chordal.block_volume(given)
+        assert len(pickle.dumps(volume._array)) < 1000
+        mesh = pickle.loads(pickle.dumps(volume)).mesh(iso=0, inside="low", block=16)
+        assert np.array_equal(mesh.vertices, whole.vertices) and np.array_equal(mesh.faces, whole.faces)
+    # What is not all of the file, or not what is in it, is samples like any others.
+    part = chordal.block_volume(mapped[5:30, ::2])
+    assert part.shape == (25, 15, 20) and np.array_equal(part._array[0:25, 0:15, 0:20], samples[5:30, ::2])
+    changed = np.memmap(path, np.float64, "c", offset=24, shape=samples.shape, order=order)
+    changed[0, 0, 0] = 9
+    assert chordal.block_volume(changed)._array[0, 0, 0] == 9

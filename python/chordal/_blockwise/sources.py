@@ -6,12 +6,13 @@ formats' own specifications, NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0
 
 from __future__ import annotations
 
+import mmap
 import os
 import secrets
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal._blockwise.sampled import FieldSamples
 from chordal._images import nibabel_facts
@@ -107,6 +108,32 @@ class _NpyFile(_Opened):
         import numpy as np
 
         return np.load(self._path, mmap_mode="r")
+
+
+class _MappedFile(_Opened):
+    """An array that is mapped from a file: it goes to others as the place in that file, and not as all that is there."""
+
+    def __init__(self, mapped: np.memmap[Any, Any]) -> None:
+        self._path: Final = os.path.abspath(mapped.filename or "")
+        self._offset: Final = mapped.offset
+        self._order: Final[Literal["C", "F"]] = "C" if mapped.flags.c_contiguous else "F"
+        self.shape, self.dtype = mapped.shape, mapped.dtype
+
+    def _array(self) -> Any:
+        import numpy as np
+
+        return np.memmap(self._path, self.dtype, "r", self._offset, self.shape, self._order)
+
+
+def mapped_file(array: Any) -> Any:
+    """A whole array that numpy has mapped from a file as one that each process maps for itself; any other as it is. A part of
+    one, or one whose changes stay in memory, is an array like any other."""
+    import numpy as np
+
+    is_whole = isinstance(array, np.memmap) and isinstance(array.base, mmap.mmap)
+    if not is_whole or array.mode == "c" or not isinstance(array.filename, (str, os.PathLike)):
+        return array
+    return _MappedFile(array)
 
 
 class _NiftiFile(_Opened):

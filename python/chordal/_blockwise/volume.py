@@ -20,7 +20,7 @@ from chordal._blockwise.level_files import MeshLevel
 from chordal._blockwise.multiresolution import LabelTree
 from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sampled import FieldSamples, crossed
-from chordal._blockwise.sources import Placed, opened, source_of
+from chordal._blockwise.sources import Placed, mapped_file, opened, source_of
 from chordal._blockwise.tasks import (
     Block,
     Surface,
@@ -477,7 +477,7 @@ def block_volume(
             raise ValueError(f"spacing: steps above 0, not {steps}")
         samples = FieldSamples.of(array, steps, None if origin is None else rows[3].tolist())
         return BlockVolume(samples, spacing=samples.steps, origin=samples.origin, unit=unit)
-    found = Placed(array)
+    found = Placed(mapped_file(array))
     if isinstance(array, (str, os.PathLike)):
         found = opened(os.fspath(array), index(level), index(channel))
     if found.affine is not None and spacing is None and origin is None and affine is None:
