@@ -80,7 +80,8 @@ def do_job(job: Job) -> dict[str, Any] | None:
         shutil.rmtree(folder, ignore_errors=True)
     if ended is None:
         return None
-    ended["folder"] = os.path.basename(folder)
+    if ended.get("exit") is not None:
+        ended["folder"] = os.path.basename(folder)
     ended["seconds"] = time.monotonic() - started
     if ended.pop("was_ended", False):
         ended["why"] += f" on {socket.gethostname()}, as when memory runs out"

@@ -268,9 +268,9 @@ class ScriptValue:
     def callable(
         call: Callable[[bytes], bytes],
         gradient: Callable[[bytes], bytes] | None,
-        bounds: Sequence[Sequence[float]] | None,
         lipschitz: float | None,
     ) -> ScriptValue: ...
+    def with_bounds(self, bounds: Sequence[Sequence[float]]) -> ScriptValue: ...
     @property
     def is_shape(self) -> bool: ...
     @property

@@ -43,9 +43,14 @@ class Bridge:
         """Says how many threads all workers have, now and whenever that changes."""
         before = -1
         while True:
-            # Without a connection each job says so.
-            with contextlib.suppress(OSError, AttributeError):
+            try:
                 slots = sum((await self._client.nthreads()).values())
+            except Exception as error:
+                # The batch waits for the first number. Later, without a connection, each job says so.
+                if before < 0:
+                    _say(self._out, fault=f"{self._address}: the Dask scheduler tells of no workers ({type(error).__name__}: {error})")
+                    return
+            else:
                 if slots != before:
                     before = slots
                     _say(self._out, slots=slots)
@@ -65,7 +70,8 @@ class Bridge:
                 if ended is not None and os.path.exists(ended.get("unseen", ".")):
                     break
                 # It is gone here, too: no matter of the worker.
-                job["is_there"] = ended is None
+                if ended is not None:
+                    job["is_there"] = False
             line = _ended(job, ended)
         except (asyncio.CancelledError, concurrent.futures.CancelledError):
             line = {"fault": f"{self._address}: the Dask scheduler is gone, or has given up the files of this batch"}
@@ -84,8 +90,9 @@ class Bridge:
 
 
 def _say(out: int, **line: Any) -> None:
-    """One line to the batch; where that is gone, stdin ends as well."""
-    data = json.dumps(line).encode() + b"\n"
+    """One line to the batch; where that is gone, stdin ends as well. Parts of names that are no text are question marks."""
+    plain = {name: value.encode(errors="replace").decode() if isinstance(value, str) else value for name, value in line.items()}
+    data = json.dumps(plain).encode() + b"\n"
     with contextlib.suppress(OSError):
         while data:
             data = data[os.write(out, data) :]

@@ -52,7 +52,8 @@ def _padded(points: Any, like: Any) -> Any:
 
 def wants_tensors(error: Exception) -> bool:
     """Whether a function raised that because it got an array of numpy's instead of a tensor of PyTorch."""
-    return "torch" in sys.modules and ("numpy" in str(error) or "Tensor" in str(error))
+    told = str(error)
+    return "torch" in sys.modules and ("numpy.ndarray' object has no attribute" in told or "must be Tensor" in told)
 
 
 def _no_gradients(like: Any) -> Any:

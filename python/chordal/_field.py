@@ -387,12 +387,12 @@ def field(
     values = _of_bytes(what, "function", lambda n: ((n,), (n, 1)), like)
     slopes = None if gradient is None else _of_bytes(gradient, "gradient", lambda n: ((n, 3),), like)
     recipe: Recipe = (field, (what,), {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like})
-    uncut = _chordal.ScriptValue.callable(values, slopes, None, slope)
+    uncut = _chordal.ScriptValue.callable(values, slopes, slope)
     if bounds is None:
         return Field(uncut, None, recipe)
     box = _box("bounds", bounds)
     # A network is anything far from what it has learned: what is made of this one alone does not rest on the box.
-    return Field(_chordal.ScriptValue.callable(values, slopes, box, slope), uncut.source(box), recipe, uncut)
+    return Field(uncut.with_bounds(box), uncut.source(box), recipe, uncut)
 
 
 def _field_by(shape: Shape) -> str:

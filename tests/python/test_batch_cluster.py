@@ -197,7 +197,13 @@ def test_a_scheduler_that_goes_away_loses_nothing(tmp_path: Path) -> None:
 def test_a_worker_that_sees_other_files_or_has_another_version_is_named(tmp_path: Path, cluster: Any) -> None:
     (tmp_path / "a.obj").write_bytes(SQUARE)
     # The same name is another folder for each process.
-    for inputs, output in (("/proc/self/cwd/a.obj", "out"), ("a.obj", "/proc/self/cwd/out")):
+    odd = os.fsdecode(b"no unicode \xff.obj")
+    (tmp_path / odd).write_bytes(SQUARE)
+    for inputs, output in (
+        ("/proc/self/cwd/a.obj", "out"),
+        ("a.obj", "/proc/self/cwd/out"),
+        (f"/proc/self/cwd/{odd}", "out"),
+    ):
         batch = start(tmp_path, cluster, "convert", inputs, f"-o{output}")
         _, told = batch.communicate(timeout=60)
         assert batch.returncode == 4 and "worker tcp://" in told and "does not see the f" in told, told

@@ -237,3 +237,12 @@ def test_ctrl_c_is_obeyed_at_once(kind: str, delay: float, tmp_path: Path) -> No
     finally:
         timer.join()
         signal.signal(signal.SIGINT, before)
+
+
+def test_labels_that_are_off_by_more_than_the_length_are_told(tmp_path: Path) -> None:
+    dust = (np.random.default_rng(2).uniform(size=(24, 24, 24)) < 0.03).astype(np.uint8)
+    volume = chordal.block_volume(dust, unit="um")
+    with pytest.raises(chordal.BudgetUnmet, match=r"within 0\.\d+, not within 0\.01") as unmet:
+        volume.precomputed(tmp_path / "one", tol=0.01, block=6)
+    best: Any = unmet.value.best
+    assert best[1].at_most > 0.01 and (tmp_path / "one" / "info").exists()

@@ -103,3 +103,25 @@ def test_where_there_is_nothing_it_is_said(tmp_path: Path) -> None:
 def test_what_cannot_be_sampled_is_said(call: Any, error: type[Exception], told: str) -> None:
     with pytest.raises(error, match=told):
         call()
+
+
+@pytest.mark.parametrize("step", [0.3, 0.1, 0.07])
+@pytest.mark.parametrize("size", [1.0, 2.1])
+def test_a_field_that_is_cut_off_goes_nowhere_beyond_its_box(step: float, size: float) -> None:
+    cut = SHAPES.sphere(5).within((0, 0, 0), (size, size, size))
+    low, high = chordal.block_volume(cut, spacing=step).mesh(iso=0, block=4).bounds
+    assert np.all(low == 0) and np.all(high <= size * (1 + 1e-12)) and np.all(high > size - step * (1 + 1e-9))
+
+
+@pytest.mark.parametrize(("origin", "told"), [((-2, 0, 0), "in the box"), ((3, 0, 0), "below the highest")])
+def test_an_origin_outside_of_the_box_is_refused(origin: Any, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        chordal.block_volume(SHAPES.sphere(5).within((0, 0, 0), (1, 1, 1)), spacing=0.1, origin=origin)
+
+
+def test_last_digits_that_depend_on_how_many_points_are_asked_for_do_not_part_blocks() -> None:
+    def ball(points: Any) -> Any:
+        return np.linalg.norm(points, axis=1) - 0.8 + 1e-7 * np.sin(1e6 * points[:, 0] + len(points))
+
+    volume = chordal.block_volume(chordal.field(ball, bounds=((-1, -1, -1), (1, 1, 1))), spacing=0.05)
+    assert volume.mesh(iso=0, block=8).is_watertight and volume.mesh(iso=0.1, block=8, tol=0.05).is_watertight

@@ -45,7 +45,7 @@ impl FirstAnswers {
     /// What is nearly zero beside the largest value: 64 times what single precision can tell from it, chosen so that sums of
     /// many terms are among it.
     const NEAR: f64 = 64.0 * f32::EPSILON as f64;
-    /// The most points that are kept, about 50 MB. Chosen; what is beyond counts as it comes.
+    /// The most points that are kept, about 70 MB. Chosen; what is beyond counts as it comes.
     const MOST: usize = 1 << 20;
 
     /// Values that are nearly zero become those that were the first for their points.

@@ -195,12 +195,7 @@ impl ScriptValue {
     /// The shape of a function from the bytes of points to the bytes of values, and one to those of
     /// gradients.
     #[staticmethod]
-    fn callable(
-        call: Py<PyAny>,
-        gradient: Option<Py<PyAny>>,
-        bounds: Option<[[f64; 3]; 2]>,
-        lipschitz: Option<f64>,
-    ) -> Self {
+    fn callable(call: Py<PyAny>, gradient: Option<Py<PyAny>>, lipschitz: Option<f64>) -> Self {
         let calls = Arc::<CallLog>::default();
         let leaf = PythonLeaf {
             call,
@@ -210,15 +205,19 @@ impl ScriptValue {
             first: FirstAnswers::default(),
         };
         let mut field = Field::new(Expr::leaf(Arc::new(leaf), Expr::axes()));
-        if let Some([min, max]) = bounds {
-            field = field.with_bounds(Box3 { min, max });
-        }
         // With a slope of at most 1 the value is never more than the distance.
         if lipschitz.is_some_and(|slope| slope <= 1.0) {
             field = field
                 .with_distance(Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Bound });
         }
         Self { arg: Arg::shape(field), calls: vec![calls], notes: Vec::new() }
+    }
+
+    /// The same shape, with the promise that a box holds it.
+    fn with_bounds(&self, bounds: [[f64; 3]; 2]) -> PyResult<Self> {
+        let [min, max] = bounds;
+        let field = self.field()?.clone().with_bounds(Box3 { min, max });
+        Ok(Self { arg: Arg::shape(field), calls: self.calls.clone(), notes: self.notes.clone() })
     }
 
     /// Sentences about what it was made of.

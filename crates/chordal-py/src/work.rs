@@ -120,7 +120,8 @@ fn first_message<T>(messages: &Receiver<WorkMessage<T>>) -> Result<WorkMessage<T
         match messages.try_recv() {
             Ok(message) => return Ok(message),
             Err(TryRecvError::Disconnected) => return Err(true),
-            Err(TryRecvError::Empty) => std::hint::spin_loop(),
+            // The thread that works may be waiting for this very processor.
+            Err(TryRecvError::Empty) => std::thread::yield_now(),
         }
     }
     messages.recv_timeout(LOOK).map_err(|error| error == RecvTimeoutError::Disconnected)

@@ -4,8 +4,10 @@ which intervals prove that there is no surface are not read at all.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import math
+import pickle
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -20,6 +22,10 @@ if TYPE_CHECKING:
 
 #: So many samples along each axis tell a field from another. Chosen.
 _LOOKED_AT = 8
+#: How many points a field is asked for at once. Chosen: enough for numpy and for networks, a megabyte or so.
+_BATCH = 16_384
+#: By what share a length is taken to be longer, when its steps are counted: rounding of a sum and of a quotient, and room.
+_ROUNDING = 2.0**-40
 
 
 @dataclass(frozen=True)
@@ -34,15 +40,22 @@ class FieldSamples:
 
     @staticmethod
     def of(field: Field, steps: Sequence[float], origin: Sequence[float] | None) -> FieldSamples:
-        """The lattice over the box of a field, with a cell around it; over just the box that it is cut off at, where it is."""
+        """The lattice over the box of a field, with a cell around it. Where the field is cut off at a box it has as many whole
+        steps as are in that."""
         cut = _chordal.region_of(field._source)
         low, high = field.bounds if cut is None else cut
         if not all(map(math.isfinite, (*low, *high))):
             raise ValueError("field: its box is not known; say it, as in field.within((-1, -1, -1), (1, 1, 1))")
         room = 1 if cut is None else 0
         first = [a - room * step for a, step in zip(low, steps, strict=True)] if origin is None else origin
-        counts = [math.ceil((b - a) / step) + room + 1 for a, b, step in zip(first, high, steps, strict=True)]
-        i, j, k = counts
+        if cut is not None and any(a < b for a, b in zip(first, low, strict=True)):
+            raise ValueError(f"origin: in the box that the field is cut off at, which begins at {tuple(low)}")
+        if any(a >= b for a, b in zip(first, high, strict=True)):
+            raise ValueError(f"origin: below the highest corner of the field's box, {tuple(high)}")
+        lengths = [(b - a) / step for a, b, step in zip(first, high, steps, strict=True)]
+        # A length that is so many steps but for rounding is that many.
+        whole = [math.floor(n * (1 + _ROUNDING)) if cut is not None else math.ceil(n) + room for n in lengths]
+        i, j, k = (n + 1 for n in whole)
         (x, y, z), (dx, dy, dz) = first, steps
         return FieldSamples(field, (x, y, z), (dx, dy, dz), (i, j, k))
 
@@ -58,20 +71,27 @@ class FieldSamples:
 
         indices = [np.arange(*place.indices(n)) for place, n in zip(places, self.shape, strict=True)]
         xs, ys, zs = (self._along(k, index) for k, index in enumerate(indices))
-        # A plane after the other: the points of all would take three times the memory of the values.
-        values = np.empty((len(xs), len(ys), len(zs)))
-        points = np.empty((len(ys), len(zs), 3))
-        points[..., 1], points[..., 2] = ys[:, None], zs
-        for i, x in enumerate(xs):
-            points[..., 0] = x
-            values[i] = self.field(points)
-        return values
+        # The points of all would take three times the memory of the values. Each call has as many, since the last digits of
+        # a network depend on that, and blocks that share a point are to have the same value there.
+        values = np.empty(len(xs) * len(ys) * len(zs))
+        points = np.zeros((_BATCH, 3))
+        for first in range(0, len(values), _BATCH):
+            at = np.arange(first, min(first + _BATCH, len(values)))
+            row, k = np.divmod(at, len(zs))
+            i, j = np.divmod(row, len(ys))
+            points[: len(at), 0], points[: len(at), 1], points[: len(at), 2] = xs[i], ys[j], zs[k]
+            points[len(at) :] = points[0]
+            values[at] = self.field(points)[: len(at)]
+        return values.reshape(len(xs), len(ys), len(zs))
 
     def source(self) -> str:
         """What tells it from others, for a folder of results."""
         steps = [slice(None, None, max(1, n // _LOOKED_AT)) for n in self.shape]
-        some = hashlib.sha256(self[steps[0], steps[1], steps[2]].tobytes()).hexdigest()
-        return f"{self.field!r} {self.origin} {self.steps} {some}"
+        known = self[steps[0], steps[1], steps[2]].tobytes()
+        # How it was made, where that can be written down: of a function its name.
+        with contextlib.suppress(Exception):
+            known += pickle.dumps(self.field)
+        return f"{self.field!r} {self.origin} {self.steps} {hashlib.sha256(known).hexdigest()}"
 
     def crosses(self, blocks: Sequence[Block], surface: Surface) -> list[bool]:
         """For each block whether it may have triangles. Of a field whose ranges rest on somebody's word all may have some,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
@@ -10,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import product
 from operator import index
-from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex, TypeVar
 
 from chordal import _chordal
 from chordal._arguments import function, number, text
@@ -47,6 +48,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from chordal._mesh import Mesh
+
+
+Made = TypeVar("Made")
 
 
 class BlockVolume(Guessed):
@@ -244,7 +248,8 @@ class BlockVolume(Guessed):
 
         With `tol`, a length in the units of the volume, fragments have fewer triangles; those of one label fit, while two
         labels that meet are simplified each by itself. The volume needs a unit, since these meshes are in nanometres.
-        What is done is kept in the subfolder `parts` until all is; the other arguments are those of `labels`.
+        What is done is kept in the subfolder `parts` until all is; the other arguments are those of `labels`. Raises
+        `BudgetUnmet` with the bounds where a label is off by more than `tol`; all files are there then, too.
 
         >>> import chordal, numpy, os, tempfile
         >>> halves = numpy.ones((12, 12, 12), numpy.uint8)
@@ -259,7 +264,8 @@ class BlockVolume(Guessed):
         tell = function("progress", progress)
         with Workers(executor, cluster) as workers:
             tasks = (surface, blocks, chosen, length)
-            return write_fragments(folder, plan, tasks, self._array, float(self._metres() or 0.0), workers, tell)
+            made = write_fragments(folder, plan, tasks, self._array, float(self._metres() or 0.0), workers, tell)
+        return _within(length, made, list(made.values()))
 
     def precomputed_levels(
         self,
@@ -281,8 +287,8 @@ class BlockVolume(Guessed):
         64 triangles. A level's bound is its proved distance to the label's own mask, as the file has it: cut and rounded.
         Neuroglancer shows the coarsest level whose bound is at most as many pixels as its "Resolution (mesh)" says.
 
-        The levels of a label are closed, each by itself. The volume needs a unit, since these meshes are in nanometres, and
-        fragments are compressed by the package `DracoPy`. `ImportError` where it is missing. The other arguments are those of
+        The levels of a label are closed, each by itself, but for borders that are left open. The volume needs a unit, since these meshes are in nanometres, and
+        fragments are compressed by the package `DracoPy`. `ImportError` where it is missing, and `BudgetUnmet` with the levels as `precomputed` does. The other arguments are those of
         `precomputed`; memory is that of a block and its parts here or in each worker, and here some numbers for each fragment.
 
         >>> import chordal, numpy, os, tempfile
@@ -298,7 +304,8 @@ class BlockVolume(Guessed):
         next(self.blocks(block))
         tree = LabelTree(surface, Cubes(self.shape, _sides(block)), chosen, length, float(self._metres() or 0.0))
         with Workers(executor, cluster) as workers:
-            return tree.build(folder, {**plan, "levels": True}, self._array, workers, function("progress", progress))
+            made = tree.build(folder, {**plan, "levels": True}, self._array, workers, function("progress", progress))
+        return _within(length, made, [levels[0].bound for levels in made.values()])
 
     def tileset(
         self,
@@ -415,7 +422,8 @@ class BlockVolume(Guessed):
         call: Callable[..., bytes],
     ) -> list[bytes]:
         """What is made of each block, in their order."""
-        blocks = crossed(self._array, list(self.blocks(block)), surface)
+        numbers = {one: k for k, one in enumerate(self.blocks(block))}
+        blocks = crossed(self._array, list(numbers), surface)
         whole = {**surface.plan(_sides(block), self._identity()), **plan}
         tell = function("progress", progress)
         done: dict[int, bytes] = {}
@@ -424,14 +432,14 @@ class BlockVolume(Guessed):
         with keeping as kept, Workers(executor, cluster) as workers:
             array = workers.shared(self._array)
             for k in reversed(range(len(blocks))):
-                found = None if kept is None else kept.read(f"block_{k}")
+                found = None if kept is None else kept.read(f"block_{numbers[blocks[k]]}")
                 if found is None:
                     waiting.append((k, named(blocks[k]), (array, blocks[k])))
                 else:
                     done[k] = found
             for k, made in workers.run(waiting, call):
                 if kept is not None:
-                    kept.write(f"block_{k}", made)
+                    kept.write(f"block_{numbers[blocks[k]]}", made)
                 done[k] = made
                 if tell is not None:
                     tell("blocks", len(done), len(blocks))
@@ -461,8 +469,10 @@ def block_volume(
     - an .npy file.
 
     Or it is a `Field`, which `spacing` samples at the points of a lattice over its box: these values are computed where a
-    block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that a lattice
-    of 10¹² cells costs what its surface costs. Bounds are against the trilinear interpolant of the samples, and not against
+    block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that the
+    tileset of a lattice of 10¹² cells costs what its surface costs, and a mesh that and an interval for each block. A field
+    that is cut off at a box has as many whole steps as are in that. A function is to have the same value for a point
+    whichever others it is asked for with, in as many. Bounds are against the trilinear interpolant of the samples, and not against
     the field: that is what `Field.mesh` does.
 
     `array[i, j, k]` is the sample at x = i, y = j, z = k; what a file says of axes, spacing, origin and unit holds unless
@@ -483,6 +493,14 @@ def block_volume(
     if found.affine is not None and spacing is None and origin is None and affine is None:
         return BlockVolume(found.array, affine=found.affine, unit=unit or found.unit)
     return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+
+
+def _within(length: float | None, made: Made, bounds: Sequence[Bound]) -> Made:
+    """What was made of labels; raised as the best there is where one is off by more than a length."""
+    reached = max((math.inf if bound.at_most is None else bound.at_most for bound in bounds), default=0.0)
+    if length is not None and reached > length:
+        raise BudgetUnmet(f"the meshes of labels are proved to be within {reached:.6g}, not within {length:.6g}", made)
+    return made
 
 
 def _sides(block: SupportsIndex | Sequence[SupportsIndex]) -> tuple[int, int, int]:

@@ -68,7 +68,12 @@ impl BridgeState {
 
     /// Takes what the process says.
     fn hear(&self, line: &str) {
-        let said: Value = serde_json::from_str(line).unwrap_or_default();
+        let Ok(said) = serde_json::from_str::<Value>(line) else {
+            // Somebody may wait for what it was to say.
+            return self.end(
+                "the process that is the client of the cluster said what is no line of a batch".to_owned(),
+            );
+        };
         if let Some(slots) = said.get("slots").and_then(Value::as_u64) {
             self.slots.store(usize::try_from(slots).unwrap_or(usize::MAX), Ordering::Relaxed);
         }
