@@ -6,7 +6,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, SupportsFloat, SupportsIndex
 
 from chordal._arguments import number, positive
@@ -22,7 +22,7 @@ def batch(
     files: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     output: str | os.PathLike[str],
     *,
-    options: Sequence[str] = (),
+    options: Sequence[str] | Mapping[str, Any] = (),
     to: str | None = None,
     base: str | os.PathLike[str] | None = None,
     jobs: SupportsIndex | None = None,
@@ -35,8 +35,8 @@ def batch(
     """One verb for many files: what `chordal batch` does, which goes on where it was interrupted.
 
     `files` are files, folders or patterns, as in "assets/**/*.glb"; `output` is the folder of the results. `options` are
-    those of the verb, in the command's words, as in `["--px", "1"]`. `to` is the extension of the results, `base` the folder
-    that the places of inputs are counted from, `jobs` how many files are done at once, and `timeout` the most seconds for
+    those of the verb, in the command's words, as in `["--px", "1"]` or `{"px": 1}`. `to` is the extension of the
+    results, `base` the folder that the places of inputs are counted from, `jobs` how many files are done at once, and `timeout` the most seconds for
     one. `redo` does again what was done, and `force` replaces files that no batch wrote.
 
     `cluster` is the address of a Dask scheduler, as in "tcp://10.0.0.1:8786", or `executor` a `dask.distributed.Client` of it:
@@ -54,7 +54,7 @@ def batch(
     words += [] if address is None else ["--dask", address]
     words += [] if jobs is None else ["--jobs", str(positive("jobs", jobs))]
     words += [] if timeout is None else ["--timeout", repr(number("timeout", timeout))]
-    done = subprocess.run([*words, "--", *options], capture_output=True, text=True, check=False)
+    done = subprocess.run([*words, "--", *_words(options)], capture_output=True, text=True, check=False)
     manifest = os.path.join(os.fspath(output), "manifest.jsonl")
     if done.returncode not in _DONE or not os.path.exists(manifest):
         raise Error(done.stderr.strip().removeprefix("chordal: "))
@@ -78,3 +78,18 @@ def _scheduler(executor: Any | None, cluster: str | None) -> str | None:
     if not isinstance(getattr(scheduler, "address", None), str):
         raise TypeError(f"executor: {type(executor).__name__} is no dask.distributed.Client")
     return str(scheduler.address)  # type: ignore[union-attr]
+
+
+def _words(options: Sequence[str] | Mapping[str, Any]) -> list[str]:
+    """Options as the command's words: of `{"tol": 0.1, "normals": True}` they are --tol 0.1 --normals."""
+    if isinstance(options, str):
+        raise TypeError(f'options: words, as in ["--tol", "0.1"], or {{"tol": 0.1}}, not {options!r}')
+    if not isinstance(options, Mapping):
+        return list(options)
+    words: list[str] = []
+    for name, value in options.items():
+        if value is None or value is False:
+            continue
+        words.append("--" + str(name).lstrip("-").replace("_", "-"))
+        words += [] if value is True else [str(value)]
+    return words

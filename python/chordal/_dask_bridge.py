@@ -48,7 +48,8 @@ class Bridge:
             except Exception as error:
                 # The batch waits for the first number. Later, without a connection, each job says so.
                 if before < 0:
-                    _say(self._out, fault=f"{self._address}: the Dask scheduler tells of no workers ({type(error).__name__}: {error})")
+                    told = f"{type(error).__name__}: {error}"
+                    _say(self._out, fault=f"{self._address}: the Dask scheduler tells of no workers ({told})")
                     return
             else:
                 if slots != before:

@@ -50,10 +50,15 @@ def _padded(points: Any, like: Any) -> Any:
     return xp.asarray(rows, dtype=like.dtype, device=like.device)
 
 
-def wants_tensors(error: Exception) -> bool:
-    """Whether a function raised that because it got an array of numpy's instead of a tensor of PyTorch."""
-    told = str(error)
-    return "torch" in sys.modules and ("numpy.ndarray' object has no attribute" in told or "must be Tensor" in told)
+def wants_tensors(function: Callable[[Any], Any], points: Any) -> bool:
+    """Whether a function that fails with arrays of numpy's is one of tensors: where PyTorch is loaded it is tried."""
+    torch: Any = sys.modules.get("torch")
+    try:
+        with torch.no_grad():
+            # Networks have single precision, as a rule.
+            return hasattr(function(torch.as_tensor(points, dtype=torch.float32)), "detach")
+    except Exception:
+        return False
 
 
 def _no_gradients(like: Any) -> Any:

@@ -350,8 +350,8 @@ def field(
 
     A function is called with an array n × 3 of double precision, all points at a time that are asked for at once: from
     one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. It is called from other threads.
-    What it raises comes back as it is. `bounds` is a box that holds the shape, which is cut off there. With `lipschitz` you promise that values
-    of two points differ by no more than that many times their distance, and what is proved is proved under that
+    What it raises comes back as it is. `bounds` is a box that holds the shape, which is cut off there. With `lipschitz`
+    you promise that values of two points differ by no more than that many times their distance, and what is proved is proved under that
     promise; without it a mesh is measured, at samples. `gradient` gives back the derivatives along x, y and z, n × 3;
     without it they come from four values beside each point. `report["run"]["evaluations"]` of a mesh says how many
     points were asked for.
@@ -419,11 +419,10 @@ def _try(function: Callable[..., Any], bounds: Any) -> None:
     points = ends[0] + np.array([[0.25], [0.625]]) * (ends[1] - ends[0])
     try:
         found = np.shape(function(points))
-    except (AttributeError, TypeError) as error:
-        if wants_tensors(error):
-            raise TypeError(f"what: {error}; with like=torch.empty(0), say, it is called with tensors like that one") from error
-        return
-    except Exception:
+    except Exception as error:
+        if wants_tensors(function, points):
+            told = str(error).splitlines()[0]
+            raise TypeError(f"what: {told}; with like=torch.empty(0), say, it is called with tensors like that one") from error
         return
     if found not in ((2,), (2, 1)):
         raise ValueError(

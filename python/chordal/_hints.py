@@ -77,6 +77,12 @@ _MESHES: dict[str, str] = {
     ),
     **dict.fromkeys(("mirror", "reflect"), "mesh.scale((-1, 1, 1)), a new mesh"),
     **dict.fromkeys(("concatenate", "append", "merge"), "chordal.concatenate([a, b])"),
+    **dict.fromkeys(("to_3dtiles", "tiles", "tileset", "to_tileset"), "mesh.lod(…).export(folder)"),
+    **dict.fromkeys(
+        ("to_neuroglancer", "neuroglancer", "precomputed", "to_precomputed"),
+        'chordal.block_volume(labels, unit="nm").precomputed_levels(folder), of samples',
+    ),
+    **dict.fromkeys(("area_faces", "face_areas"), "mesh.area is that of all; of each: mesh.to_trimesh()"),
     **dict.fromkeys(("components", "connectivity", "split_bodies"), "mesh.split()"),
     **dict.fromkeys(("body_count", "n_components"), "len(mesh.split())"),
     **dict.fromkeys(("centroid", "center_of_mass", "center"), "mesh.center_mass"),
@@ -121,6 +127,8 @@ _VOLUMES: dict[str, str] = {
     **dict.fromkeys(("resample", "crop", "gaussian_smooth"), "chordal.volume of an array that scipy.ndimage makes"),
     **dict.fromkeys(("transform", "matrix", "orientation", "direction"), "volume.affine"),
     "labels": 'volume.mesh(labels="all"), or chordal.labels(array)',
+    **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "volume.mesh(iso=0.5).to_trimesh()"),
+    **dict.fromkeys(("tileset", "precomputed", "to_3dtiles"), "that of chordal.block_volume(array)"),
 }
 
 _FIELDS: dict[str, str] = {
@@ -134,6 +142,11 @@ _FIELDS: dict[str, str] = {
     **dict.fromkeys(("blend", "smooth_union"), "chordal.shapes.smooth_union(a, b, radius)"),
     **dict.fromkeys(("volume", "area", "is_watertight"), "that of its mesh: field.mesh(tol=0.01)"),
     **dict.fromkeys(("marching_cubes", "to_mesh", "generate"), "field.mesh(tol=0.01)"),
+    **dict.fromkeys(
+        ("sample", "grid", "to_grid", "sample_grid", "to_volume", "voxels", "rasterize"),
+        "field.bake(cells=64), or field(points) of an array whose last axis is 3 long",
+    ),
+    **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "field.mesh(tol=0.01).to_trimesh()"),
 }
 
 _PICTURES: dict[str, str] = {
@@ -175,15 +188,18 @@ _CAGES: dict[str, str] = {
     **{name: f"cage.shape().{name}(…)" for name in _OF_SHAPES},
     **dict.fromkeys(("vertices", "points", "verts"), "cage.positions"),
     **dict.fromkeys(("subdivide", "subdivided", "refine", "catmull_clark", "loop"), "cage.refined(levels)"),
-    **dict.fromkeys(("limit", "limit_surface", "tessellate", "triangulate"), "cage.shape().mesh(tol=0.01), within it of the limit"),
+    **dict.fromkeys(("limit", "limit_surface", "tessellate", "triangulate"), "cage.shape().mesh(tol=0.01)"),
 }
 
 _BLOCKS: dict[str, str] = {
-    **dict.fromkeys(("array", "values", "data", "to_numpy"), "chordal.volume(…) holds samples in memory; these are read in blocks"),
+    **dict.fromkeys(("array", "values", "data", "to_numpy"), "chordal.volume(…) holds samples in memory"),
     **dict.fromkeys(("lod", "levels", "to_3dtiles", "tiles"), "volume.tileset(folder, iso=…)"),
     **dict.fromkeys(("chunks", "chunk_shape", "block_shape"), "block= of volume.mesh and the others"),
     **dict.fromkeys(("marching_cubes", "contour", "isosurface"), "volume.mesh(iso=0.5)"),
-    **dict.fromkeys(("neuroglancer", "to_precomputed", "fragments"), "volume.precomputed(folder)"),
+    **dict.fromkeys(
+        ("neuroglancer", "to_neuroglancer", "to_precomputed", "fragments", "multiresolution"),
+        "volume.precomputed_levels(folder), or volume.precomputed(folder)",
+    ),
 }
 
 _LINES: dict[str, str] = {
@@ -194,6 +210,7 @@ _LINES: dict[str, str] = {
 
 _FROM = "chordal.Mesh.from_(thing)"
 _CLASSES: dict[str, str] = {
+    **dict.fromkeys(("bezier", "spline", "nurbs", "arc"), "the functions of chordal.shapes"),
     **dict.fromkeys(("from_trimesh", "from_pyvista", "from_open3d", "from_meshio", "from_manifold3d", "wrap"), _FROM),
     **dict.fromkeys(("load", "read", "from_file", "open", "load_mesh", "from_bytes"), 'chordal.load("a.stl")'),
     **dict.fromkeys(("from_array", "from_numpy", "from_arrays"), "chordal.Mesh(vertices, faces), or chordal.volume(array)"),
@@ -257,7 +274,7 @@ _KEYWORDS: dict[str, tuple[str, ...]] = {
     + ("max_faces", "count", "n_triangles", "num_faces"),
     "tol=": ("tolerance", "error", "max_error", "target_error", "deflection", "linear_deflection", "epsilon", "eps")
     + ("precision", "absolute", "max_deviation"),
-    "rel=": ("relative", "relative_error", "ratio", "percent", "fraction", "target_reduction"),
+    "rel=": ("relative", "relative_error"),
     "angle=": ("angular_deflection", "angular_tolerance", "feature_angle"),
     "iso=": ("level", "isovalue", "threshold", "isosurface", "isosurfaces", "value", "iso_value", "isolevel"),
     "cells=": ("resolution", "grid", "n_cells", "divisions"),
@@ -266,7 +283,7 @@ _KEYWORDS: dict[str, tuple[str, ...]] = {
     "unit=": ("units",),
     "radius": ("r",),
     "height": ("h", "length"),
-    "size=": ("width", "window_size", "image_size"),
+    "size=": ("width", "window_size", "image_size", "resolution"),
     "view=": ("camera", "camera_position", "cpos"),
     "weld=": ("merge", "merge_vertices", "process"),
     "fill_holes=": ("fillholes", "holes", "hole_size"),
@@ -280,6 +297,23 @@ _KEYWORDS: dict[str, tuple[str, ...]] = {
     "normals=": ("vertex_normals", "normal"),
     "distances=": ("lod_distances", "switch_distances"),
 }
+
+
+#: Keywords of other libraries for which no single one stands here: the way there, where a function has one of these.
+_ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
+    (
+        ("ratio", "percent", "fraction", "target_reduction", "keep", "reduction"),
+        "triangles",
+        "say how many, as in triangles=len(mesh.faces) // 10",
+    ),
+    (
+        ("levels", "ratios", "lods", "n_levels", "count", "triangles", "faces"),
+        "tile_triangles",
+        "levels are those that a screen can tell apart; for your own, [shape.mesh(triangles=n) for n in counts]",
+    ),
+    (("labels",), "executor", "volume.labels() has a mesh for each"),
+    (("angle", "theta"), "degrees", "here it is degrees="),
+)
 
 
 def found_hint(owner: str, name: str) -> str | None:
@@ -395,6 +429,9 @@ def refuse_own(made: object, given: object, wanted: type) -> None:
 def meant_keyword(wrong: str, known: Iterable[str]) -> str:
     """What stands for a keyword of another library, among those that a function has."""
     names = sorted(known)
+    for words, needed, answer in _ANSWERS:
+        if wrong in words and needed in known:
+            return answer
     for own, others in _KEYWORDS.items():
         if wrong in others and own.rstrip("=") in names:
             return f"here it is {own}"

@@ -118,6 +118,8 @@ def load(
     if isinstance(source, (bytes, bytearray, memoryview)):
         content = bytes(source)
     elif isinstance(source, (str, os.PathLike)):
+        if os.path.isdir(source) and any(os.path.exists(os.path.join(source, mark)) for mark in _ARRAY_MARKS):
+            raise TypeError(f"source: {_files.shown(source)} is a volume on disk: chordal.block_volume reads it block by block")
         if os.path.isdir(source):
             name, content = _files.slices_of(source)
             format = format or "dicom"
@@ -145,6 +147,10 @@ def load(
         "letters": letters,
     }
     return read(content, reading)
+
+
+#: Files by which a folder is known as samples of Zarr (versions 3 and 2) or of Neuroglancer.
+_ARRAY_MARKS = ("zarr.json", ".zarray", ".zgroup", "info")
 
 
 def _who_takes(source: object) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Literal, SupportsFloat
 
 from chordal import _chordal
-from chordal._arguments import number, text
+from chordal._arguments import number, text, warn
 
 
 def meant(
@@ -32,7 +32,24 @@ def meant(
         "labels": None if labels is None else [] if labels == "all" else _labels(labels),
         "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(number("smooth", smooth)),
     }
+    if iso is not None and inside is None and labels is None:
+        _warn_of_distances(source, arguments["iso"])
     return source.surface(arguments)
+
+
+def _warn_of_distances(source: _chordal.Source, level: float | None) -> None:
+    """Says it where samples are taken for distances, below 0 inside, and most at the ends of the lattice are inside."""
+    import numpy as np
+
+    samples = np.asarray(_chordal.samples(source)[0])
+    if level != 0 or samples.dtype.kind != "f":
+        return
+    ends = np.concatenate([samples.take((0, -1), axis).ravel() for axis in range(3)])
+    if np.mean(ends < 0) > 0.5:
+        warn(
+            "iso: at level 0 floating-point samples are taken for distances, negative inside, and most at the ends of the "
+            "lattice are; say inside='high' if they are positive inside, or inside='low' if this is meant"
+        )
 
 
 def _labels(labels: Sequence[int] | str) -> list[int]:

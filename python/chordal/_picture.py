@@ -45,6 +45,11 @@ class Picture(Guessed):
         array: NDArray[np.uint8] = np.asarray(self._picture.array())
         return array
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        import numpy as np
+
+        return np.array(self.array, dtype=dtype, copy=True) if copy else np.asarray(self.array, dtype=dtype)
+
     @property
     def view(self) -> View:
         """The view that it was taken from: the same picture again."""

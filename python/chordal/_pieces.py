@@ -47,8 +47,9 @@ class Splittable:
         return concatenate([self, found])
 
 
-def concatenate(meshes: Iterable[Shape | Any], /) -> Mesh:
-    """The triangles of meshes, files or meshes of other libraries, next to each other as one part. Nothing is cut or joined:
+def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) -> Mesh:
+    """The triangles of meshes, files or meshes of other libraries, next to each other as one part, of a list or one after
+    the other. Nothing is cut or joined:
     `union` makes one closed mesh of solids.
 
     Normals, texture coordinates and colours stay where every mesh has them for its vertices; materials stay behind. The bound
@@ -63,9 +64,11 @@ def concatenate(meshes: Iterable[Shape | Any], /) -> Mesh:
     import numpy as np
 
     from chordal._mesh import Mesh
+    from chordal._shape import Shape
     from chordal._verbs import shaped
 
-    given = [shaped("meshes", one) for one in meshes]
+    several = [meshes, *more] if more or isinstance(meshes, Shape) else meshes
+    given = [shaped("meshes", one) for one in several]
     found = [one for one in given if isinstance(one, Mesh)]
     if len(found) < len(given):
         other = next(one for one in given if not isinstance(one, Mesh))

@@ -40,6 +40,11 @@ class Polyline:
     #: The number of the element in its file, or of the curve.
     source: int
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        import numpy as np
+
+        return np.array(self.points, dtype=dtype, copy=True) if copy else np.asarray(self.points, dtype=dtype)
+
 
 class Polylines(Convertible, Sequence[Polyline], Guessed):
     """Points joined by straight segments, one polyline for each curve or subpath, with the bound of all.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal._arguments import number, vector
 from chordal._arrays import coordinates
+from chordal._hints import keywords_hinted
 from chordal._units import METRES, refuse_unknown
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ class Transformable:
         is_alike = len({abs(step) for step in steps}) == 1
         return self._moved(_about([[step if j == k else 0.0 for j in range(3)] for k, step in enumerate(steps)], about), is_alike)
 
+    @keywords_hinted
     def rotate(
         self, axis: Literal["x", "y", "z"] | _Vector, degrees: SupportsFloat, *, about: _Vector = (0.0, 0.0, 0.0)
     ) -> Mesh:
@@ -84,6 +86,8 @@ class Transformable:
         >>> one.rotate("z", 90).vertices[1]
         array([0., 1., 0.])
         """
+        if isinstance(degrees, str):
+            raise TypeError(f"axis, degrees: in this order, as in rotate({degrees!r}, {axis!r})")
         return self._moved(_about(_turn(axis, number("degrees", degrees)), about), keeps_angles=True)
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 #: Metres in a unit; exact by definition.
@@ -16,7 +17,11 @@ METRES = {
 }
 
 
-def refuse_unknown(unit: object) -> None:
+#: The same with that of volumes under electron microscopes, which meshes have no name for.
+VOLUME_METRES = {"nm": Fraction(1, 10**9), **METRES}
+
+
+def refuse_unknown(unit: object, known: Mapping[str, Fraction] = METRES) -> None:
     """Raise `ValueError` for what is no unit."""
-    if unit not in METRES:
-        raise ValueError(f"unit: one of {', '.join(METRES)}, not {unit!r}")
+    if unit not in known:
+        raise ValueError(f"unit: one of {', '.join(known)}, not {unit!r}")

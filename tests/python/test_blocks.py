@@ -246,3 +246,17 @@ def test_labels_that_are_off_by_more_than_the_length_are_told(tmp_path: Path) ->
         volume.precomputed(tmp_path / "one", tol=0.01, block=6)
     best: Any = unmet.value.best
     assert best[1].at_most > 0.01 and (tmp_path / "one" / "info").exists()
+
+
+def test_labels_may_have_64_bits(tmp_path: Path) -> None:
+    i, j, k = np.indices((17, 15, 13))
+    small = ((i // 6) * 4 + (j // 5) * 2 + k // 7).astype(np.uint64)
+    names = np.array([0, 1, 720575940621039146, 2**64 - 1, 5, 2**33, 7, 8, 9, 2**40, 11, 12, 13, 14], dtype=np.uint64)
+    volume, large = chordal.block_volume(small.astype(np.uint32)), chordal.block_volume(names[small], spacing=1, unit="nm")
+    expected, meshes = volume.labels(block=6), large.labels(block=6)
+    assert sorted(meshes) == sorted(int(names[label]) for label in expected)
+    assert all(same(meshes[int(names[label])], mesh) for label, mesh in expected.items())
+    bounds = large.precomputed(tmp_path, only=[720575940621039146], tol=0.9, block=6)
+    assert list(bounds) == [720575940621039146] and (tmp_path / "720575940621039146:0").exists()
+    with pytest.raises(chordal.Error, match="label -3"):
+        chordal.block_volume(np.full((4, 4, 4), -3, dtype=np.int64)).labels()

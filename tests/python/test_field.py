@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import inspect
 import sys
 import threading
@@ -217,10 +218,22 @@ def test_last_digits_that_other_points_of_a_call_change_do_not_tear_a_surface() 
 
 
 def test_a_function_of_tensors_is_told_how_it_gets_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "torch", types.ModuleType("torch"))
+    class Tensor:
+        def norm(self, dim: int) -> Any:
+            return self
 
-    def norm(points: Any) -> Any:
-        return points.norm(dim=-1) - 1
+        def detach(self) -> Any:
+            return self
 
+        def __sub__(self, other: float) -> Any:
+            return self
+
+    torch: Any = types.ModuleType("torch")
+    torch.float32, torch.as_tensor, torch.no_grad = "f4", lambda points, dtype: Tensor(), contextlib.nullcontext
+    monkeypatch.setitem(sys.modules, "torch", torch)
     with pytest.raises(TypeError, match=r"like=torch\.empty\(0\)"):
-        chordal.field(norm)
+        chordal.field(lambda points: points.norm(dim=-1) - 1)
+    # What fails with tensors, too, is what it is where it is used.
+    wrong = chordal.field(lambda points: points.nrom(dim=-1) - 1, bounds=((-1, -1, -1), (1, 1, 1)))
+    with pytest.raises(AttributeError, match="nrom"):
+        wrong.mesh(tol=0.1)

@@ -98,7 +98,7 @@ def test_a_name_of_another_library_is_answered_by_the_call(thing: Any, name: str
         (lambda: SOLID.bake(resolution=5), "cells="),
         (lambda: SOLID.mend(fillholes=True), "fill_holes="),
         (lambda: SOLID.mend(orientt=True), "is orient= meant?"),
-        (lambda: SOLID.lod(levels=3), "it has at=, "),
+        (lambda: SOLID.lod(levels=3), "shape.mesh(triangles=n)"),
         (lambda: ANY.volume(VOLUME.array, voxel_size=1), "spacing="),
         (lambda: ANY.load(b"", file_type="stl"), "format="),
         (lambda: ANY.Mesh(CORNERS, FACES, color="red"), "colors="),
@@ -317,3 +317,56 @@ def test_the_verbs_take_curves_and_cages() -> None:
     assert len(chordal.mesh(TENT, tol=0.1).faces) == len(TENT.shape().mesh(tol=0.1).faces)
     with pytest.raises(TypeError, match=r"volume\.mesh"):
         chordal.inspect(BLOCKS)
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: SOLID.mesh(target_reduction=0.9), r"triangles=len\(mesh\.faces\)"),
+        (lambda: SOLID.mesh(ratio=0.5), r"triangles=len\(mesh\.faces\)"),
+        (lambda: SOLID.lod(levels=3), r"shape\.mesh\(triangles=n\)"),
+        (lambda: SOLID.lod(triangles=[10]), r"shape\.mesh\(triangles=n\)"),
+        (lambda: SOLID.rotate(90, "z"), r"rotate\('z', 90\)"),
+        (lambda: SOLID.rotate(axis="z", angle=90), "degrees="),
+        (lambda: BLOCKS.mesh(labels=True, iso=0), r"volume\.labels\(\)"),
+        (lambda: BLOCKS.mesh(level=0), "iso="),
+        (lambda: SOLID.render(resolution=(8, 8)), "size="),
+    ],
+)
+def test_keywords_that_have_no_equal_are_answered_with_the_way(call: Any, told: str) -> None:
+    with pytest.raises(TypeError, match=told):
+        call()
+
+
+def test_several_meshes_may_stand_one_after_the_other() -> None:
+    assert len(chordal.concatenate(SOLID, SOLID).faces) == len(chordal.concatenate([SOLID, SOLID]).faces) == 8
+
+
+def test_pictures_and_lines_are_arrays_for_numpy() -> None:
+    picture = NOUNS["Picture"]
+    assert np.array_equal(np.asarray(picture), picture.array) and np.array(picture, copy=True).flags.writeable
+    assert np.array_equal(np.asarray(LINES[0]), LINES[0].points)
+
+
+def test_samples_that_are_positive_inside_are_told_of() -> None:
+    i, j, k = np.indices((12, 12, 12)) - 5.5
+    ball = 4 - np.sqrt(i * i + j * j + k * k)
+    with pytest.warns(UserWarning, match="inside='high'"):
+        inside_out = chordal.volume(ball).mesh(iso=0)
+    right = chordal.volume(ball).mesh(iso=0, inside="high")
+    assert right.volume < 300 < inside_out.volume
+    assert len(chordal.volume(-ball).mesh(iso=0).faces) == len(right.faces)
+
+
+def test_a_volume_on_disk_is_sent_to_who_reads_it(tmp_path: Any) -> None:
+    (tmp_path / "zarr.json").write_text("{}")
+    with pytest.raises(TypeError, match="chordal.block_volume"):
+        chordal.load(tmp_path)
+
+
+def test_options_of_a_batch_may_be_named(tmp_path: Any) -> None:
+    SOLID.export(tmp_path / "a.stl")
+    rows = chordal.batch("mesh", tmp_path / "a.stl", tmp_path / "out", options={"tol": 0.1, "normals": "flat", "quantize": False})
+    assert [row["exit"] for row in rows] == [0], rows
+    with pytest.raises(TypeError, match="options: words"):
+        chordal.batch("mesh", tmp_path / "a.stl", tmp_path / "out", options="--tol 0.1")

@@ -17,7 +17,7 @@ from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.level_files import Fragment, LevelFiles, MeshLevel, fragments_of
 from chordal._blockwise.packing import BoundState, packed, unpacked
 from chordal._blockwise.precomputed import NANOMETRES, refuse_finished
-from chordal._blockwise.tasks import Surface, samples_of
+from chordal._blockwise.tasks import Surface, label_named, labelled
 from chordal._errors import Refused
 from chordal._libraries import library
 
@@ -250,7 +250,9 @@ def _leaves(tree: LabelTree, array: Any, cube: Cube) -> Iterator[tuple[_Grown, _
     """The labels of a block, within the length where that can be."""
     block = tree.cubes.block(cube)
     arguments = tree.surface.arguments(block, block.low)
-    for label, part in _chordal.label_parts(samples_of(array, block), arguments, tree.surface.place(block)):
+    samples, names = labelled(array, block)
+    for rank, part in _chordal.label_parts(samples, arguments, tree.surface.place(block)):
+        label = label_named(rank, names)
         if tree.only is not None and label not in tree.only:
             continue
         first = FIRST * tree.surface.cell()

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from chordal import _chordal, _files
 from chordal._blockwise.folder import KeptFolder, left_over, written
 from chordal._blockwise.packing import packed, unpacked
-from chordal._blockwise.tasks import ROUNDING, Block, Surface, named, samples_of
+from chordal._blockwise.tasks import ROUNDING, Block, Surface, label_named, labelled, named
 from chordal._bound import Bound
 from chordal._errors import Error, Refused
 
@@ -97,7 +97,9 @@ def _fragments(
     labels: list[tuple[int, float]] = []
     fragments: list[bytes] = []
     rounding = ROUNDING * surface.farthest()
-    for label, part in _chordal.label_parts(samples_of(array, block), arguments, surface.place(block)):
+    samples, names = labelled(array, block)
+    for rank, part in _chordal.label_parts(samples, arguments, surface.place(block)):
+        label = label_named(rank, names)
         if only is not None and label not in only:
             continue
         room = 0.0 if tolerance is None else tolerance - part.at_most - 2 * rounding

@@ -126,6 +126,26 @@ def samples_of(array: Any, block: Block) -> _chordal.Source:
     return volume(read(array, block))._source
 
 
+def labelled(array: Any, block: Block) -> tuple[_chordal.Source, NDArray[Any] | None]:
+    """The labels of a block as a volume; where they have 64 bits, their ranks among those of the block, and which they are."""
+    import numpy as np
+
+    samples = read(array, block)
+    is_long = samples.dtype.kind in "iu" and samples.dtype.itemsize == 8 and samples.size > 0
+    if not is_long or (samples.min() >= 0 and samples.max() < 2**32):
+        return volume(samples)._source, None
+    if samples.min() < 0:
+        raise Error(f"{named(block)} has the label {samples.min()}: labels are from 0 on")
+    # That of nothing is there always, and stays 0.
+    names, ranks = np.unique(np.append(samples.ravel(), samples.dtype.type(0)), return_inverse=True)
+    return volume(ranks.ravel()[:-1].reshape(samples.shape).astype(np.uint32))._source, names
+
+
+def label_named(label: int, names: NDArray[Any] | None) -> int:
+    """The label that has a rank."""
+    return label if names is None else int(names[label])
+
+
 def named(block: Block) -> str:
     """A block, as messages call it."""
     return f"the block at {block.low}"
@@ -151,10 +171,11 @@ def block_of(content: bytes) -> _chordal.Block:
 
 def mesh_labels(surface: Surface, only: frozenset[int] | None, array: Any, block: Block) -> bytes:
     """The triangles of each label of a block, of all but 0 or of `only` some."""
-    made = _chordal.label_blocks(samples_of(array, block), surface.arguments(block, block.low))
+    samples, known = labelled(array, block)
     names: list[int] = []
     blocks: list[bytes] = []
-    for label, found in made:
+    for rank, found in _chordal.label_blocks(samples, surface.arguments(block, block.low)):
+        label = label_named(rank, known)
         if only is None or label in only:
             arrays, bound = found.state()
             names.append(label)

@@ -39,8 +39,8 @@ from chordal._blockwise.workers import Task, Workers
 from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._field import Field
-from chordal._hints import Guessed
-from chordal._units import METRES, refuse_unknown
+from chordal._hints import Guessed, keywords_hinted
+from chordal._units import VOLUME_METRES, refuse_unknown
 from chordal._volume import _steps
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ class BlockVolume(Guessed):
         self._affine: Final = tuple(tuple(float(x) for x in row) for row in rows)
         self._unit: Final = text("unit", unit)
         if unit is not None:
-            refuse_unknown(unit)
+            refuse_unknown(unit, VOLUME_METRES)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -120,6 +120,7 @@ class BlockVolume(Guessed):
         for i, j, k in product(*ranges):
             yield Block((i[0], j[0], k[0]), (i[1], j[1], k[1]))
 
+    @keywords_hinted
     def mesh(
         self,
         *,
@@ -189,6 +190,7 @@ class BlockVolume(Guessed):
             raise BudgetUnmet(message, mesh)
         return mesh
 
+    @keywords_hinted
     def labels(
         self,
         only: Sequence[SupportsIndex] | None = None,
@@ -203,7 +205,7 @@ class BlockVolume(Guessed):
         """A mesh for each label but 0, or for `only` some, block by block: the triangles that `chordal.labels(array).mesh()`
         has for it, closed and manifold across blocks, each with a proved bound against its own mask.
 
-        Two labels that meet have the same vertices between them. Samples are whole numbers from 0 to 2³² - 1. The other
+        Two labels that meet have the same vertices between them. Samples are whole numbers from 0 to 2⁶⁴ - 1. The other
         arguments are those of `mesh`; memory is that of all meshes, and of one block here or in each worker.
 
         >>> import chordal, numpy
@@ -231,6 +233,7 @@ class BlockVolume(Guessed):
             meshes[label] = Mesh._of_source(source, bound_of(json.loads(bound)))
         return meshes
 
+    @keywords_hinted
     def precomputed(
         self,
         folder: str | os.PathLike[str],
@@ -267,6 +270,7 @@ class BlockVolume(Guessed):
             made = write_fragments(folder, plan, tasks, self._array, float(self._metres() or 0.0), workers, tell)
         return _within(length, made, list(made.values()))
 
+    @keywords_hinted
     def precomputed_levels(
         self,
         folder: str | os.PathLike[str],
@@ -287,8 +291,9 @@ class BlockVolume(Guessed):
         64 triangles. A level's bound is its proved distance to the label's own mask, as the file has it: cut and rounded.
         Neuroglancer shows the coarsest level whose bound is at most as many pixels as its "Resolution (mesh)" says.
 
-        The levels of a label are closed, each by itself, but for borders that are left open. The volume needs a unit, since these meshes are in nanometres, and
-        fragments are compressed by the package `DracoPy`. `ImportError` where it is missing, and `BudgetUnmet` with the levels as `precomputed` does. The other arguments are those of
+        The levels of a label are closed, each by itself, but for borders that are left open. The volume needs a unit, since
+        these meshes are in nanometres, and fragments are compressed by the package `DracoPy`: `ImportError` where it is
+        missing. `BudgetUnmet`, with the levels, is raised as by `precomputed`. The other arguments are those of
         `precomputed`; memory is that of a block and its parts here or in each worker, and here some numbers for each fragment.
 
         >>> import chordal, numpy, os, tempfile
@@ -307,6 +312,7 @@ class BlockVolume(Guessed):
             made = tree.build(folder, {**plan, "levels": True}, self._array, workers, function("progress", progress))
         return _within(length, made, [levels[0].bound for levels in made.values()])
 
+    @keywords_hinted
     def tileset(
         self,
         folder: str | os.PathLike[str],
@@ -362,7 +368,7 @@ class BlockVolume(Guessed):
     ) -> tuple[Surface, frozenset[int] | None, float | None, dict[str, Any]]:
         """Which meshes of Neuroglancer's are meant: the surface, the labels, the length, and the plan of their folder."""
         if self._unit is None:
-            raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"um\")")
+            raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"nm\")")
         surface = self._surface(0.5, "high", border)
         chosen = None if only is None else frozenset(map(index, only))
         length = self._tolerance(tol)
@@ -371,7 +377,7 @@ class BlockVolume(Guessed):
         return surface, chosen, length, plan
 
     def _metres(self) -> float | None:
-        return None if self._unit is None else float(METRES[self._unit])
+        return None if self._unit is None else float(VOLUME_METRES[self._unit])
 
     def _identity(self) -> str:
         """What tells these samples from others, for a folder of results: where they are, or some of them."""
@@ -472,8 +478,8 @@ def block_volume(
     block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that the
     tileset of a lattice of 10¹² cells costs what its surface costs, and a mesh that and an interval for each block. A field
     that is cut off at a box has as many whole steps as are in that. A function is to have the same value for a point
-    whichever others it is asked for with, in as many. Bounds are against the trilinear interpolant of the samples, and not against
-    the field: that is what `Field.mesh` does.
+    whichever others it is asked for with, in as many. Bounds are against the trilinear interpolant of the samples, not
+    against the field: that is what `Field.mesh` does.
 
     `array[i, j, k]` is the sample at x = i, y = j, z = k; what a file says of axes, spacing, origin and unit holds unless
     `spacing`, `origin` or `affine` say others, as for `volume`. `channel` is that of an image of several.
