@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal
+from chordal._arguments import warn
 from chordal._libraries import library
 from chordal._scene import first_of
 
@@ -16,13 +17,45 @@ if TYPE_CHECKING:
 
 
 def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
-    """The mesh of an object of another library, with its normals, texture coordinates and colours; None where it is none."""
+    """The mesh of an object of another library, with its normals, texture coordinates, colours, and its unit where that has a
+    name here; None where it is none."""
     from chordal._mesh import Mesh
 
     for is_one, arrays in _KNOWN:
         if is_one(thing):
-            return Mesh(**arrays(thing), weld=weld)
+            return Mesh(**arrays(thing), weld=weld, unit=_unit_of(thing))
     return None
+
+
+#: Units of trimesh, and what they are called here.
+_UNITS = {
+    "millimeters": "mm",
+    "millimeter": "mm",
+    "mm": "mm",
+    "meters": "m",
+    "meter": "m",
+    "m": "m",
+    "centimeters": "cm",
+    "centimeter": "cm",
+    "cm": "cm",
+    "inches": "in",
+    "inch": "in",
+    "in": "in",
+    "feet": "ft",
+    "ft": "ft",
+    "kilometers": "km",
+    "km": "km",
+    "micrometers": "um",
+    "microns": "um",
+    "um": "um",
+}
+#: The same the other way.
+_NAMES = {"mm": "millimeters", "m": "meters", "cm": "centimeters", "in": "inches", "ft": "feet", "km": "kilometers", "um": "microns"}
+
+
+def _unit_of(thing: Any) -> str | None:
+    said = getattr(thing, "units", None)
+    return _UNITS.get(said.lower()) if isinstance(said, str) else None
 
 
 def mesh_like(thing: Any) -> bool:
@@ -47,7 +80,22 @@ def _of_open3d(thing: Any) -> dict[str, Any]:
         found["normals"] = np.asarray(thing.vertex_normals)
     if thing.has_vertex_colors():
         found["colors"] = np.asarray(thing.vertex_colors)
+    if thing.has_triangle_uvs():
+        uv = _of_corners(np.asarray(thing.triangle_uvs), found["faces"], len(found["vertices"]))
+        if uv is not None:
+            found["uv"] = uv
     return found
+
+
+def _of_corners(rows: Any, faces: Any, n_vertices: int) -> Any:
+    """What corners have as rows of vertices; None where two corners at a vertex differ."""
+    import numpy as np
+
+    if len(rows) != faces.size:
+        return None
+    found = np.zeros((n_vertices, rows.shape[1]))
+    found[faces.ravel()] = rows
+    return found if np.array_equal(found[faces.ravel()], rows) else None
 
 
 def _is_open3d_tensor(thing: Any) -> bool:
@@ -76,6 +124,10 @@ def _of_pyvista(thing: Any) -> dict[str, Any]:
         found["uv"] = np.asarray(mesh.active_texture_coordinates)
     if "Normals" in mesh.point_data:
         found["normals"] = np.asarray(mesh.point_data["Normals"])
+    for name in ("colors", "RGB", "RGBA", "rgb", "rgba"):
+        if name in mesh.point_data and np.ndim(mesh.point_data[name]) == 2 and mesh.point_data[name].shape[1] in (3, 4):
+            found["colors"] = np.asarray(mesh.point_data[name])
+            break
     return found
 
 
@@ -107,7 +159,12 @@ def _of_meshio(thing: Any) -> dict[str, Any]:
         rows += [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     points = np.asarray(thing.points)
     flat = np.zeros((len(points), 3 - points.shape[1]))
-    return {"vertices": np.hstack([points, flat]), "faces": np.concatenate(rows)}
+    found: dict[str, Any] = {"vertices": np.hstack([points, flat]), "faces": np.concatenate(rows)}
+    for name, width in (("normals", (3,)), ("uv", (2,)), ("colors", (3, 4))):
+        values = np.asarray(thing.point_data.get(name, ()))
+        if values.ndim == 2 and values.shape[1] in width:
+            found[name] = values
+    return found
 
 
 def _is_trimesh(thing: Any) -> bool:
@@ -124,6 +181,8 @@ def _of_trimesh(thing: Any) -> dict[str, Any]:
         found["uv"] = np.asarray(uv)
     if visual is not None and getattr(visual, "kind", None) == "vertex":
         found["colors"] = np.asarray(visual.vertex_colors)
+    elif visual is not None and getattr(visual, "kind", None) == "face":
+        warn("colours of faces: these stay behind, for a mesh has colours of vertices")
     # Normals that were only computed are not part of the mesh.
     cache = getattr(thing, "_cache", None)
     if cache is not None and "vertex_normals" in getattr(cache, "cache", {}):
@@ -153,12 +212,13 @@ class Interoperable:
     colors: Any
     parts: Any
     attributes: Any
+    unit: Any
 
     @classmethod
     def from_(cls, thing: Any, *, weld: bool = False) -> Mesh:
         """The mesh of an object of trimesh, PyVista, Open3D, manifold3d or meshio, or of anything that has `vertices` and
-        `faces`: positions, faces, and normals, texture coordinates and colours of vertices. Materials and other data of
-        theirs stay behind; to keep these, go through a file. `weld` is as for `Mesh`.
+        `faces`: positions, faces, and normals, texture coordinates and colours of vertices; the unit of trimesh. Materials and
+        other data of theirs stay behind, and so does the bound; to keep these, go through a file. `weld` is as for `Mesh`.
 
         >>> import chordal, types
         >>> other = types.SimpleNamespace(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)])
@@ -198,6 +258,9 @@ class Interoperable:
             process=False,
             metadata={"chordal": self._about()},
         )
+        if self.unit is not None:
+            made.units = _NAMES[self.unit]
+        self._warn_of_loss([] if colors is None or uv is None else ["colours beside texture coordinates"])
         return made
 
     def to_pyvista(self) -> Any:
@@ -216,6 +279,7 @@ class Interoperable:
         if colors is not None:
             made.point_data["colors"] = np.array(colors)
         made.add_field_data([str(self._about())], "chordal")
+        self._warn_of_loss([])
         return made
 
     def to_open3d(self) -> Any:
@@ -233,6 +297,7 @@ class Interoperable:
             made.vertex_colors = open3d.utility.Vector3dVector(np.array(colors[:, :3]))
         if uv is not None:
             made.triangle_uvs = open3d.utility.Vector2dVector(np.array(uv)[self.faces.ravel()])
+        self._warn_of_loss(["alpha of colours"] if colors is not None and colors.shape[1] == 4 and np.any(colors[:, 3] != 1) else [])
         return made
 
     def to_manifold3d(self) -> Any:
@@ -255,7 +320,21 @@ class Interoperable:
         names: tuple[tuple[_Kind, str], ...] = (("normal", "normals"), ("uv", "uv"), ("color", "colors"))
         rows = {name: self._vertex_rows(kind) for kind, name in names}
         data = {name: np.array(values) for name, values in rows.items() if values is not None}
+        self._warn_of_loss([])
         return meshio.Mesh(np.array(self.vertices), [("triangle", np.array(self.faces))], point_data=data)
+
+    def _warn_of_loss(self, lost: list[str]) -> None:
+        """Says what of a mesh the other library does not get."""
+        names = {"normal": "normals", "uv": "texture coordinates", "color": "colours"}
+        if len(self.parts) > 1:
+            kinds = {one.kind for part in self.parts for one in part.attributes} & names.keys()
+            lost = [*lost, *(f"{names[kind]} of several parts" for kind in sorted(kinds))]
+        else:
+            there: tuple[_Kind, ...] = ("normal", "uv", "color")
+            missing = (k for k in there if first_of(self.attributes, k) is not None and self._vertex_rows(k) is None)
+            lost = [*lost, *(f"{names[kind]} of faces or corners" for kind in missing)]
+        if lost:
+            warn(f"{', '.join(lost)}: these stay behind; a file keeps them, as mesh.export(\"a.glb\") does")
 
     def _about(self) -> dict[str, Any]:
         bound = self.bound  # type: ignore[attr-defined]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import types
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -165,3 +166,42 @@ def test_what_a_mesh_of_another_library_would_compute_is_not_asked_for() -> None
             raise AssertionError("this takes as long as the copy")
 
     assert len(chordal.Mesh.from_(Lazy()).faces) == 1
+
+
+def test_a_part_that_is_shown_twice_has_its_attributes_twice() -> None:
+    mesh = chordal.load(Path(__file__).parents[1] / "web" / "painted.gltf")
+    assert isinstance(mesh, chordal.Mesh) and len(mesh.parts) == 1
+    n_shown = sum(node.part is not None for node in mesh.nodes)
+    rows = len(mesh.parts[0].vertices)
+    assert n_shown == 2 and len(mesh.vertices) == n_shown * rows
+    assert mesh.uv is not None and np.array_equal(mesh.uv[:rows], mesh.uv[rows:]) and len(mesh.uv) == len(mesh.vertices)
+    # Normals are turned with their instance: they fit the faces that are shown.
+    assert mesh.normals is not None and len(mesh.normals) == len(mesh.vertices)
+    flat = mesh.face_normals
+    assert np.all(np.einsum("fk,fk->f", flat, mesh.normals[mesh.faces[:, 0]]) > 0)
+
+
+@pytest.mark.parametrize("name", ["trimesh", "pyvista", "meshio", "open3d"])
+def test_what_goes_to_another_library_comes_back(name: str) -> None:
+    library(name)
+    normals = np.tile([0.0, 0, 1], (3, 1))
+    uv, colors = np.array([[0, 0], [1, 0], [0, 0.5]]), np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    given: dict[str, Any] = {"normals": normals, "uv": uv, "colors": colors}
+    for kind in (["normals", "uv"], ["normals", "colors"]):
+        mesh = chordal.Mesh(POINTS[:3], [(0, 1, 2)], **{one: given[one] for one in kind})
+        back = chordal.Mesh.from_(getattr(mesh, f"to_{name}")())
+        for one in kind:
+            found = getattr(back, one)
+            assert found is not None and np.allclose(found[:, : given[one].shape[1]], given[one], atol=0.003), (one, found)
+
+
+def test_trimesh_gets_the_unit_and_what_it_does_not_get_is_told() -> None:
+    trimesh = library("trimesh")
+    uv = np.zeros((3, 2))
+    both = chordal.Mesh(POINTS[:3], [(0, 1, 2)], uv=uv, colors=np.ones((3, 3)), unit="mm")
+    with pytest.warns(UserWarning, match="colours beside texture coordinates"):
+        there = both.to_trimesh()
+    assert there.units == "millimeters" and chordal.Mesh.from_(there).unit == "mm"
+    painted = trimesh.Trimesh(POINTS[:3], [(0, 1, 2)], process=False, face_colors=[[255, 0, 0, 255]])
+    with pytest.warns(UserWarning, match="colours of faces"):
+        chordal.Mesh.from_(painted)

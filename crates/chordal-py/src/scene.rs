@@ -97,16 +97,20 @@ pub(crate) fn scene_array(
     }))
 }
 
-/// The attribute of that number of the only part, in the scene's coordinates where it is shown once.
+/// The attribute of that number of the only part, in the scene's coordinates: once for each time that it is shown, in the
+/// order of [`shown_array`].
 fn shown_attribute(py: Python<'_>, source: &Source, number: usize) -> PyResult<Array> {
     let scene = scene_in(source.input()).ok_or_else(|| failure::internal(py, "these are no triangles"))?;
-    let mut meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
-    let moved = match (meshes.pop(), &meshes[..]) {
-        (Some((_, Cow::Owned(mesh))), []) => mesh.attributes().get(number).cloned(),
-        _ => None,
-    };
-    let Some(moved) = moved else { return scene_array(py, source, Some(0), "attribute", Some(number)) };
-    Ok(Array::new(&Arc::new(moved), |own| ArrayData::from_f64(&own.values, own.width)))
+    let meshes = scene.world_meshes().map_err(|error| failure::write(py, &error))?;
+    if let [] | [(_, Cow::Borrowed(_))] = &meshes[..] {
+        return scene_array(py, source, Some(0), "attribute", Some(number));
+    }
+    let mut shown = (0, Vec::new());
+    for attribute in meshes.iter().filter_map(|(_, mesh)| mesh.attributes().get(number)) {
+        shown.0 = attribute.width;
+        shown.1.extend_from_slice(&attribute.values);
+    }
+    Ok(Array::new(&Arc::new(shown), |(width, values)| ArrayData::from_f64(values, *width)))
 }
 
 /// Not copied where the scene shows one part as it is.
