@@ -60,6 +60,7 @@ mesh = learned.mesh(tol=0.08)
 print(mesh.bound.sentence())
 print("a Lipschitz constant:", round(float(np.abs(weights) @ np.linalg.norm(waves, axis=0)), 1))
 assert mesh.bound.evidence == "measured" and mesh.is_watertight
+mesh
 
 # %% [markdown]
 # How far is the learned surface from the true one? That is a question to `deviation`, whose answer is proved.

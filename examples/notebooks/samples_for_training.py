@@ -17,6 +17,7 @@ import chordal
 shape = chordal.load("examples/teapot.bpt")
 mesh = shape.mesh(rel=0.002)
 print(mesh.bound.sentence())
+mesh
 
 # %% [markdown]
 # The teapot's patches are open, so which side a point is on rests on a sentence, and the field says which.

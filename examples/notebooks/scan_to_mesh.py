@@ -47,6 +47,7 @@ coarse = scan.mesh(iso=500, tol="3mm")
 print(f"{len(coarse.faces):,} triangles, {coarse.bound.sentence()}")
 assert mesh.bound.evidence == "proved" and mesh.bound.at_most <= 0.5 < fine.bound.at_most and mesh.is_watertight
 assert coarse.bound.at_most <= 3 and len(coarse.faces) < len(mesh.faces) / 4
+mesh
 
 # %% [markdown]
 # The same volume read block by block, as one would where it does not fit: bit for bit the fine mesh.

@@ -35,6 +35,11 @@ class ErrorCurve:
     #: The axes of matplotlib that they are drawn in; None where it is not installed.
     axes: Any
 
+    def _repr_html_(self) -> str:
+        rows = zip(self.counts.tolist(), self.errors.tolist(), strict=True)
+        cells = "".join(f"<tr><td>{count:,}</td><td>{error:.3g}</td></tr>" for count, error in rows)
+        return f"<table><tr><th>pieces</th><th>error</th></tr>{cells}</table>slope {self.slope:.2f}"
+
 
 def plot_error(
     shape: Shape | Curve,

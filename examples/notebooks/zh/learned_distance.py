@@ -59,6 +59,7 @@ mesh = learned.mesh(tol=0.08)
 print(mesh.bound.sentence())
 print("a Lipschitz constant:", round(float(np.abs(weights) @ np.linalg.norm(waves, axis=0)), 1))
 assert mesh.bound.evidence == "measured" and mesh.is_watertight
+mesh
 
 # %% [markdown]
 # 学到的曲面离真实曲面有多远？这个问题交给 `deviation`，它的答案是已证明的。

@@ -16,6 +16,7 @@ import chordal
 shape = chordal.load("examples/teapot.bpt")
 mesh = shape.mesh(rel=0.002)
 print(mesh.bound.sentence())
+mesh
 
 # %% [markdown]
 # 茶壶的曲面片并不封闭，所以一个点在里面还是外面取决于一条约定，场会说明是哪一条。

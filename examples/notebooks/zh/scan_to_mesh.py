@@ -46,6 +46,7 @@ coarse = scan.mesh(iso=500, tol="3mm")
 print(f"{len(coarse.faces):,} triangles, {coarse.bound.sentence()}")
 assert mesh.bound.evidence == "proved" and mesh.bound.at_most <= 0.5 < fine.bound.at_most and mesh.is_watertight
 assert coarse.bound.at_most <= 3 and len(coarse.faces) < len(mesh.faces) / 4
+mesh
 
 # %% [markdown]
 # 数据装不进内存时，可以分块读取同一份体数据：结果与上面的精细网格逐位相同。

@@ -33,6 +33,7 @@ print(len(smooth.points) - 1, "segments;", smooth.bound.sentence())
 found = chordal.plot_error(curve, rel=[0.01, 0.003, 0.001, 0.0003])
 print("slope", round(found.slope, 2))
 assert abs(found.slope + 2) < 0.2
+found
 
 # %% [markdown]
 # ## 一个高次多项式，还是许多段三次曲线
