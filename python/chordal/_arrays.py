@@ -63,6 +63,13 @@ def indices(name: str, value: ArrayLike) -> NDArray[np.uint32]:
     return found.astype(np.uint32, order="C", copy=True, subok=False)
 
 
+def as_asked(array: NDArray[Any], dtype: Any, copy: bool | None) -> NDArray[Any]:
+    """An array as numpy's `__array__` is asked for it."""
+    import numpy as np
+
+    return np.array(array, dtype=dtype, copy=True) if copy else np.asarray(array, dtype=dtype)
+
+
 def _can_lose(dtype: np.dtype[Any]) -> bool:
     """Whether there are numbers of this type that double precision rounds."""
     return dtype.itemsize > (8 if dtype.kind == "f" else 4)

@@ -10,6 +10,7 @@ from chordal import _chordal
 from chordal._arguments import warn
 from chordal._libraries import library
 from chordal._scene import first_of
+from chordal._units import TRIMESH_NAMES
 
 if TYPE_CHECKING:
     from chordal._mesh import Mesh
@@ -27,35 +28,11 @@ def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
     return None
 
 
-#: Units of trimesh, and what they are called here.
-_UNITS = {
-    "millimeters": "mm",
-    "millimeter": "mm",
-    "mm": "mm",
-    "meters": "m",
-    "meter": "m",
-    "m": "m",
-    "centimeters": "cm",
-    "centimeter": "cm",
-    "cm": "cm",
-    "inches": "in",
-    "inch": "in",
-    "in": "in",
-    "feet": "ft",
-    "ft": "ft",
-    "kilometers": "km",
-    "km": "km",
-    "micrometers": "um",
-    "microns": "um",
-    "um": "um",
-}
-#: The same the other way.
-_NAMES = {"mm": "millimeters", "m": "meters", "cm": "centimeters", "in": "inches", "ft": "feet", "km": "kilometers", "um": "microns"}
-
-
 def _unit_of(thing: Any) -> str | None:
     said = getattr(thing, "units", None)
-    return _UNITS.get(said.lower()) if isinstance(said, str) else None
+    if not isinstance(said, str):
+        return None
+    return next((unit for unit, names in TRIMESH_NAMES.items() if said.lower() in names), None)
 
 
 def mesh_like(thing: Any) -> bool:
@@ -259,7 +236,7 @@ class Interoperable:
             metadata={"chordal": self._about()},
         )
         if self.unit is not None:
-            made.units = _NAMES[self.unit]
+            made.units = TRIMESH_NAMES[self.unit][0]
         self._warn_of_loss([] if colors is None or uv is None else ["colours beside texture coordinates"])
         return made
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 
 from chordal import _chordal, _files
 from chordal._arguments import function, number, positive, text
+from chordal._arrays import as_asked
 from chordal._budget import Length, budget_arguments, length
 from chordal._hints import Guessed, keywords_hinted
 from chordal._sourced import Sourced
@@ -46,9 +47,7 @@ class Picture(Guessed):
         return array
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        import numpy as np
-
-        return np.array(self.array, dtype=dtype, copy=True) if copy else np.asarray(self.array, dtype=dtype)
+        return as_asked(self.array, dtype, copy)
 
     @property
     def view(self) -> View:

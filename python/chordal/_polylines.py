@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, overload
 
 from chordal import _chordal
+from chordal._arrays import as_asked
 from chordal._bound import Bound, bound_of
 from chordal._convert import Convertible
 from chordal._hints import Guessed
@@ -41,9 +42,7 @@ class Polyline:
     source: int
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        import numpy as np
-
-        return np.array(self.points, dtype=dtype, copy=True) if copy else np.asarray(self.points, dtype=dtype)
+        return as_asked(self.points, dtype, copy)
 
 
 class Polylines(Convertible, Sequence[Polyline], Guessed):

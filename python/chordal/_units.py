@@ -21,6 +21,18 @@ METRES = {
 VOLUME_METRES = {"nm": Fraction(1, 10**9), **METRES}
 
 
+#: What trimesh calls them; the first of each is what it is given.
+TRIMESH_NAMES = {
+    "um": ("microns", "micrometers", "um"),
+    "mm": ("millimeters", "millimeter", "mm"),
+    "cm": ("centimeters", "centimeter", "cm"),
+    "m": ("meters", "meter", "m"),
+    "km": ("kilometers", "kilometer", "km"),
+    "in": ("inches", "inch", "in"),
+    "ft": ("feet", "foot", "ft"),
+}
+
+
 def refuse_unknown(unit: object, known: Mapping[str, Fraction] = METRES) -> None:
     """Raise `ValueError` for what is no unit."""
     if unit not in known:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal import _chordal
 from chordal._arguments import text
-from chordal._arrays import coordinates
+from chordal._arrays import as_asked, coordinates
 from chordal._bound import Bound, bound_of
 from chordal._errors import ReadError
 from chordal._hints import keywords_hinted
@@ -59,9 +59,7 @@ class Volume(Shape, Imaged):
         return array
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        import numpy as np
-
-        return np.array(self.array, dtype=dtype, copy=True) if copy else np.asarray(self.array, dtype=dtype)
+        return as_asked(self.array, dtype, copy)
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -18,6 +18,12 @@ _DIGEST_BYTES = 32
 _PLAN, _LOCK, _KEPT = "plan.json", "lock", ".chordal"
 
 
+def refuse_finished(document: str, holds: str) -> None:
+    """Raises `Error` for a folder whose document, which is written last, is there."""
+    if os.path.exists(document):
+        raise Error(f"{_files.shown(document)}: this folder holds {holds}; choose another, or remove it")
+
+
 class KeptFolder:
     """A file for each result, with the digest of what is in it, under a plan that says of what. Several programs may be at
     work in it, since each file is whole and the same whoever wrote it; where one `is_alone`, others are refused."""

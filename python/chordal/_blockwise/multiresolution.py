@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from chordal import _chordal
 from chordal._blockwise.cubes import ENOUGH, FIRST, MOST, MOST_TRIES, WORTH_IT, Cube, Cubes
-from chordal._blockwise.folder import KeptFolder, left_over, written
+from chordal._blockwise.folder import KeptFolder, left_over, refuse_finished, written
 from chordal._blockwise.level_files import Fragment, LevelFiles, MeshLevel, fragments_of
 from chordal._blockwise.packing import BoundState, packed, unpacked
-from chordal._blockwise.precomputed import NANOMETRES, refuse_finished
+from chordal._blockwise.precomputed import HOLDS, NANOMETRES
 from chordal._blockwise.tasks import Surface, label_named, labelled
 from chordal._errors import Refused
 from chordal._libraries import library
@@ -53,6 +53,15 @@ class _Below(NamedTuple):
     left: frozenset[int]
 
 
+class _Rounded(NamedTuple):
+    """The vertices and triangles of a fragment in whole numbers, the eighths that it has, and its bound."""
+
+    vertices: bytes
+    faces: bytes
+    octants: int
+    at_most: float
+
+
 class _Compressed(NamedTuple):
     """The bytes of a fragment; its triangles, its bound and the eighths that it has."""
 
@@ -83,10 +92,10 @@ class LabelTree:
         _draco()
         target = os.fspath(folder)
         document = os.path.join(target, "info")
-        refuse_finished(document)
+        refuse_finished(document, HOLDS)
         with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
             # Another program may have finished meanwhile.
-            refuse_finished(document)
+            refuse_finished(document, HOLDS)
             found: list[dict[Cube, list[Fragment]]] = []
             again = self._again(kept)
             shared = workers.shared(array)
@@ -257,18 +266,17 @@ def _leaves(tree: LabelTree, array: Any, cube: Cube) -> Iterator[tuple[_Grown, _
             continue
         first = FIRST * tree.surface.cell()
         if tree.tolerance is None:
-            yield _Grown(label, part, max(part.at_most, first)), _compressed(tree, cube, part)
+            yield _Grown(label, part, max(part.at_most, first)), _compressed(_fragment(tree, cube, part))
             continue
         room = tree.tolerance - part.at_most - tree.step(cube) - tree.rounding()
-        chosen = part
-        for halving in range(_HALVINGS + 1):
-            if not room > 0.0:
+        for halving in range(_HALVINGS + 1 if room > 0.0 else 0):
+            chosen = part.simplified(room * 0.5**halving)
+            fragment = _fragment(tree, cube, chosen)
+            if fragment.at_most <= tree.tolerance:
                 break
-            fewer = part.simplified(room * 0.5**halving)
-            if _fragment(tree, cube, fewer)[3] <= tree.tolerance:
-                chosen = fewer
-                break
-        yield _Grown(label, chosen, max(tree.tolerance, first)), _compressed(tree, cube, chosen)
+        else:
+            chosen, fragment = part, _fragment(tree, cube, part)
+        yield _Grown(label, chosen, max(tree.tolerance, first)), _compressed(fragment)
 
 
 def _joined(tree: LabelTree, cube: Cube, below: Sequence[bytes]) -> Iterator[tuple[_Grown, _Compressed]]:
@@ -288,7 +296,7 @@ def _joined(tree: LabelTree, cube: Cube, below: Sequence[bytes]) -> Iterator[tup
             parts = [_coarser(one) for one in parts]
         joined = _chordal.join_parts([one.part for one in parts], place)
         grown = _coarser(_Grown(label, joined, max(one.length for one in parts)))
-        yield grown, _compressed(tree, cube, grown.part)
+        yield grown, _compressed(_fragment(tree, cube, grown.part))
 
 
 def _coarser(grown: _Grown) -> _Grown:
@@ -298,21 +306,20 @@ def _coarser(grown: _Grown) -> _Grown:
     return _Grown(grown.label, fewer if is_worth_it else grown.part, 2.0 * grown.length)
 
 
-def _fragment(tree: LabelTree, cube: Cube, part: _chordal.BlockPart) -> tuple[bytes, bytes, int, float]:
-    """The vertices and triangles of a fragment, the eighths that it has, and its bound."""
+def _fragment(tree: LabelTree, cube: Cube, part: _chordal.BlockPart) -> _Rounded:
+    """A part as a fragment has it."""
     vertices, faces, octants, moved = part.lattice_fragment(tree.surface.place(tree.cubes.block(cube)), tree.within(cube))
     at_most: float = part.at_most
     for more in (moved, tree.rounding()):
         at_most = math.nextafter(at_most + more, math.inf)
-    return vertices, faces, octants, at_most
+    return _Rounded(vertices, faces, octants, at_most)
 
 
-def _compressed(tree: LabelTree, cube: Cube, part: _chordal.BlockPart) -> _Compressed:
+def _compressed(fragment: _Rounded) -> _Compressed:
     import numpy as np
 
-    vertices, faces, octants, at_most = _fragment(tree, cube, part)
     # Whole numbers of 32 bits with a sign: Neuroglancer takes no others, and Draco keeps them as they are.
-    numbers = np.frombuffer(vertices, np.int32).reshape(-1, 3)
-    corners = np.frombuffer(faces, np.uint32).reshape(-1, 3)
+    numbers = np.frombuffer(fragment.vertices, np.int32).reshape(-1, 3)
+    corners = np.frombuffer(fragment.faces, np.uint32).reshape(-1, 3)
     content = bytes(_draco().encode(numbers, corners, compression_level=_DRACO_LEVEL))
-    return _Compressed(content, (len(corners), at_most, octants))
+    return _Compressed(content, (len(corners), fragment.at_most, fragment.octants))

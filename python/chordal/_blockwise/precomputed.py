@@ -12,18 +12,20 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from chordal import _chordal, _files
-from chordal._blockwise.folder import KeptFolder, left_over, written
+from chordal import _chordal
+from chordal._blockwise.folder import KeptFolder, left_over, refuse_finished, written
 from chordal._blockwise.packing import packed, unpacked
 from chordal._blockwise.tasks import ROUNDING, Block, Surface, label_named, labelled, named
 from chordal._bound import Bound
-from chordal._errors import Error, Refused
+from chordal._errors import Refused
 
 if TYPE_CHECKING:
     from chordal._blockwise.workers import Task, Workers
 
 #: Nanometres of a metre, in which Neuroglancer's meshes are.
 NANOMETRES = 1e9
+#: What a folder has that is done.
+HOLDS = "meshes or samples"
 #: Where the results of tasks are meanwhile.
 _PARTS = "parts"
 
@@ -42,9 +44,9 @@ def write_fragments(
     document = os.path.join(target, "info")
     surface, blocks, only, tolerance = tasks
     done: dict[int, Any] = {}
-    refuse_finished(document)
+    refuse_finished(document, HOLDS)
     with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
-        refuse_finished(document)
+        refuse_finished(document, HOLDS)
         waiting: list[Task[int]] = []
         shared = workers.shared(array)
         for k in reversed(range(len(blocks))):
@@ -78,11 +80,6 @@ def write_fragments(
         if not names:
             raise Refused("empty", "no block has a label")
     return {label: Bound(0.0, most[label], "proved", "hausdorff", "trilinear interpolant") for label in sorted(names)}
-
-
-def refuse_finished(document: str) -> None:
-    if os.path.exists(document):
-        raise Error(f"{_files.shown(document)}: this folder holds meshes or samples; choose another, or remove it")
 
 
 def _fragment(label: int, block: Block) -> str:

@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from chordal import _chordal, _files
+from chordal import _chordal
 from chordal._blockwise.cubes import ENOUGH, FIRST, MOST, MOST_TRIES, WORTH_IT, Cube, Cubes
-from chordal._blockwise.folder import KeptFolder, left_over, written
+from chordal._blockwise.folder import KeptFolder, left_over, refuse_finished, written
 from chordal._blockwise.packing import TileEntry, packed, unpacked
 from chordal._blockwise.sampled import crossed
 from chordal._blockwise.tasks import ROUNDING, Surface, part_of_block
 from chordal._bound import Bound, bound_of
-from chordal._errors import BudgetUnmet, Error, Refused
+from chordal._errors import BudgetUnmet, Refused
 
 if TYPE_CHECKING:
     from chordal._blockwise.workers import Task, Workers
@@ -111,10 +111,10 @@ class BlockTree:
         document = os.path.join(target, "tileset.json")
         root = self.cubes.root()
         total = self.cubes.n_below(root)
-        _refuse_finished(document)
+        refuse_finished(document, "a tileset")
         with KeptFolder(os.path.join(target, _PARTS), plan, is_alone=True) as kept:
             # Another program may have finished meanwhile.
-            _refuse_finished(document)
+            refuse_finished(document, "a tileset")
             leaves, left = self._open(root, array, kept)
             n_done = total - len(leaves) - len(left)
             shared = workers.shared(array)
@@ -203,11 +203,6 @@ class BlockTree:
         middle = [(n - 1) / 2 for n in self.surface.shape]
         x, y, z = (math.fsum(a * b for a, b in zip(row, [*middle, 1.0], strict=True)) for row in self.surface.affine)
         return x, y, z
-
-
-def _refuse_finished(document: str) -> None:
-    if os.path.exists(document):
-        raise Error(f"{_files.shown(document)}: this folder holds a tileset; choose another, or remove it")
 
 
 def _made(tree: BlockTree, array: Any, cube: Cube, below: Sequence[bytes]) -> bytes:
