@@ -339,11 +339,11 @@ def _box(name: str, value: Any) -> list[list[float]]:
 
 @keywords_hinted
 def field(
-    what: Formula | float | Callable[..., Any],
+    what: Formula | float | Callable[[Any], Any],
     *,
     bounds: tuple[Sequence[SupportsFloat], Sequence[SupportsFloat]] | None = None,
     lipschitz: SupportsFloat | None = None,
-    gradient: Callable[..., Any] | None = None,
+    gradient: Callable[[Any], Any] | None = None,
     like: Any | None = None,
 ) -> Field:
     """A shape from a formula, or from a function of points.

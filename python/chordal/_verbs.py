@@ -6,9 +6,10 @@ import functools
 import inspect as _inspect
 import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, TypeVar
 
 from chordal._blockwise.volume import BlockVolume
+from chordal._budget import Length, Share
 from chordal._cage import Cage
 from chordal._combine import one_by_one
 from chordal._curve import Curve
@@ -16,7 +17,7 @@ from chordal._images import lattice_like
 from chordal._interop import mesh_of
 from chordal._load import File, load
 from chordal._mesh import Mesh
-from chordal._shape import Shape
+from chordal._shape import Progress, Shape
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -47,39 +48,68 @@ def shaped(name: str, thing: Any) -> Shape:
     return found
 
 
-def _verb(method: Callable[Concatenate[Shape, P], R]) -> Callable[Concatenate[_Shaped, P], R]:
-    """The function of a method of shapes."""
+def _verb(
+    method: Callable[Concatenate[Shape, P], R],
+) -> Callable[[Callable[..., object]], Callable[Concatenate[_Shaped, P], R]]:
+    """Makes the function of a method of shapes: of the name, and with the text, of what it decorates. Type checkers take its
+    type from the method, and that it is one from the `def`.
+    """
 
-    @functools.wraps(method)
-    def verb(shape: _Shaped, *args: P.args, **named: P.kwargs) -> R:
-        # By its name, for a kind of shape may have a method of its own.
-        found: R = getattr(shaped("shape", shape), method.__name__)(*args, **named)
-        return found
+    def of_shape(title: Callable[..., object]) -> Callable[Concatenate[_Shaped, P], R]:
+        @functools.wraps(title)
+        def verb(shape: _Shaped, *args: P.args, **named: P.kwargs) -> R:
+            # By its name, for a kind of shape may have a method of its own.
+            found: R = getattr(shaped("shape", shape), method.__name__)(*args, **named)
+            return found
 
-    own = _inspect.signature(method)
-    first = _inspect.Parameter("shape", _inspect.Parameter.POSITIONAL_ONLY)
-    signature = own.replace(parameters=[first, *list(own.parameters.values())[1:]])
-    verb.__signature__ = signature  # type: ignore[attr-defined]
-    verb.__module__, verb.__qualname__ = "chordal", method.__name__
-    # The examples are tried where the method is.
-    verb.__doc__ = f"`Shape.{method.__name__}` of a shape, a file, or the bytes of one.\n\n{_without_examples(method)}"
-    return verb  # type: ignore[return-value]
+        own = _inspect.signature(method)
+        first = _inspect.Parameter("shape", _inspect.Parameter.POSITIONAL_ONLY)
+        signature = own.replace(parameters=[first, *list(own.parameters.values())[1:]])
+        verb.__signature__ = signature  # type: ignore[attr-defined]
+        verb.__module__ = "chordal"
+        if title.__doc__ is None:
+            # The examples are tried where the method is.
+            told = _without_examples(method)
+            verb.__doc__ = f"`Shape.{method.__name__}` of a shape, a file, or the bytes of one.\n\n{told}"
+        return verb  # type: ignore[return-value]
+
+    return of_shape
 
 
-def _without_examples(method: Callable[..., Any]) -> str:
+def _without_examples(method: Callable[..., object]) -> str:
     return _inspect.cleandoc(method.__doc__ or "").split(">>>")[0].rstrip()
 
 
-mesh = _verb(Shape.mesh)
-flatten = _verb(Shape.flatten)
-lod = _verb(Shape.lod)
-inspect = _verb(Shape.inspect)
-mend = _verb(Shape.mend)
-bake = _verb(Shape.bake)
-render = _verb(Shape.render)
+@_verb(Shape.mesh)
+def mesh() -> None: ...
 
 
-def deviation(shape: _Shaped, other: _Shaped, /, **options: Any) -> Any:
+@_verb(Shape.flatten)
+def flatten() -> None: ...
+
+
+@_verb(Shape.lod)
+def lod() -> None: ...
+
+
+@_verb(Shape.inspect)
+def inspect() -> None: ...
+
+
+@_verb(Shape.mend)
+def mend() -> None: ...
+
+
+@_verb(Shape.bake)
+def bake() -> None: ...
+
+
+@_verb(Shape.render)
+def render() -> None: ...
+
+
+@_verb(Shape.deviation)
+def deviation() -> None:
     """How far two shapes are apart, both ways: `Shape.deviation`, of shapes or files. Raises as that does.
 
     >>> import chordal
@@ -88,10 +118,10 @@ def deviation(shape: _Shaped, other: _Shaped, /, **options: Any) -> Any:
     >>> chordal.deviation(triangle, lifted, max=3).verdict
     'within'
     """
-    return shaped("shape", shape).deviation(shaped("other", other), **options)
 
 
-def convert(shape: _Shaped, path: str | os.PathLike[str], /, **options: Any) -> dict[str, Any]:
+@_verb(Shape.export)
+def convert() -> None:
     """Write a shape, or a file, in the format that the name of `path` says, as it is: `Shape.export`.
 
     Nothing is made simpler, and the report says what the format does not hold. What is no mesh yet needs a budget: `mesh`.
@@ -105,10 +135,11 @@ def convert(shape: _Shaped, path: str | os.PathLike[str], /, **options: Any) -> 
     >>> report["certificate"]["bound"]["at_most"]
     0.0
     """
-    return shaped("shape", shape).export(path, **options)
 
 
-def union(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+def union(
+    first: _Shaped, /, *others: _Shaped, tol: Length | None = None, rel: Share | None = None, progress: Progress | None = None
+) -> Mesh:
     """What is in any of some solids, or of those in a list, as one closed mesh: `Shape.combine`.
 
     Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
@@ -124,7 +155,9 @@ def union(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None,
     return _combined("union", first, others, tol=tol, rel=rel, progress=progress)
 
 
-def difference(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+def difference(
+    first: _Shaped, /, *others: _Shaped, tol: Length | None = None, rel: Share | None = None, progress: Progress | None = None
+) -> Mesh:
     """A solid without others, as one closed mesh: `Shape.combine`.
 
     Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
@@ -140,7 +173,9 @@ def difference(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = 
     return _combined("difference", first, others, tol=tol, rel=rel, progress=progress)
 
 
-def intersection(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any = None, progress: Any = None) -> Mesh:
+def intersection(
+    first: _Shaped, /, *others: _Shaped, tol: Length | None = None, rel: Share | None = None, progress: Progress | None = None
+) -> Mesh:
     """What is in all of some solids, as one closed mesh: `Shape.combine`.
 
     Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
@@ -156,7 +191,15 @@ def intersection(first: _Shaped, /, *others: _Shaped, tol: Any = None, rel: Any 
     return _combined("intersection", first, others, tol=tol, rel=rel, progress=progress)
 
 
-def _combined(operation: Any, first: _Shaped, others: tuple[_Shaped, ...], **options: Any) -> Mesh:
+def _combined(
+    operation: Literal["union", "difference", "intersection"],
+    first: _Shaped,
+    others: tuple[_Shaped, ...],
+    *,
+    tol: Length | None,
+    rel: Share | None,
+    progress: Progress | None,
+) -> Mesh:
     one, *more = one_by_one((first, *others))
     steps = [(operation, shaped("others", other)) for other in more]
-    return shaped("first", one).combine(*steps, **options)
+    return shaped("first", one).combine(*steps, tol=tol, rel=rel, progress=progress)
