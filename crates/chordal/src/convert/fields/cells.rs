@@ -117,6 +117,16 @@ pub(super) enum ZeroSide {
     Inside,
 }
 
+impl ZeroSide {
+    /// Whether a point with this value is inside; NaN is outside.
+    pub fn is_inside(self, value: f64) -> bool {
+        match self {
+            Self::Outside => value < 0.0,
+            Self::Inside => value <= 0.0,
+        }
+    }
+}
+
 /// The side of a primitive on which all values of a range are.
 pub(super) fn range_side([low, high]: [f64; 2], zero: ZeroSide) -> Membership {
     match zero {

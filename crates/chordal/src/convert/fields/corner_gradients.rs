@@ -1,10 +1,12 @@
-//! Gradients at the corners of cells in place of ranges: for functions known only at points, and where ranges
-//! are too wide.
-use super::cells::{CellTest, PrunedTree};
+//! Samples in place of ranges, for functions known only at points and where ranges are too wide: gradients at the corners of
+//! cells, and signs on a lattice.
+use super::cells::{CellTest, PrunedTree, prune};
 use super::grid::{CELLS_A_TASK, CellAction, CellBuffers, CellQuery, FieldGrid, FieldGridError, PendingCell};
+use super::tetrahedra::IntegerBox;
 use crate::budget::par_map;
-use crate::implicit::{DualRange, PrimitiveEvaluator};
+use crate::implicit::{DualRange, Membership, PrimitiveEvaluator};
 use crate::math::{Interval, greater, lesser};
+use std::sync::Arc;
 
 /// Cells of one level are cut by ranges of slopes up to this number; beyond, slopes at their corners decide.
 /// Measured: 51,000 on the cube with gyroid infill.
@@ -91,6 +93,28 @@ impl<'a> FieldGrid<'a> {
             let at = cell.one.corners.map(|v| self.values.gradient(v, *p).unwrap_or([f64::NAN; 3]));
             ranges[k].gradient = hull(&at);
         }
+    }
+
+    /// Whether a cell is decided if primitives that are sampled are everywhere in it as at its corners and at the samples.
+    pub(super) fn is_decided_by_signs(
+        &self,
+        open: &Arc<PrunedTree>,
+        values: &[[f64; 4]],
+        sides: &mut [Membership],
+        whole: IntegerBox,
+    ) -> bool {
+        for ((p, values), side) in open.primitives.iter().zip(values).zip(sides.iter_mut()) {
+            if *side != Membership::Unknown {
+                continue;
+            }
+            let zero = self.zero[*p as usize];
+            if let Some(is_inside) = self.signs.is_inside(*p, whole)
+                && values.iter().all(|x| zero.is_inside(*x) == is_inside)
+            {
+                *side = if is_inside { Membership::Inside } else { Membership::Outside };
+            }
+        }
+        prune(open, sides).is_none()
     }
 }
 

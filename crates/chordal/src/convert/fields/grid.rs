@@ -5,6 +5,7 @@
 //! contain no boundary, whatever their neighbours look like. All others conform.
 use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side};
 use super::cells_at_vertices::CellsAtVertices;
+use super::sign_lattice::SignLattice;
 use super::sizing::{SizingField, SizingPoint};
 use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
@@ -75,6 +76,7 @@ pub(in crate::convert) struct FieldGrid<'a> {
     cells: Vec<GridCell>,
     /// The trees of all cells.
     trees: PrunedTreeCache,
+    pub(super) signs: SignLattice,
     /// Whether slopes at corners decide, as ranges are too wide.
     pub(super) goes_by_samples: bool,
     extent: FieldGridStatus,
@@ -152,16 +154,20 @@ impl<'a> FieldGrid<'a> {
         let stretch = separate_axes(csg).map(|is_separate| if is_separate { STRETCH } else { 1.0 });
         let origin = std::array::from_fn(|k| centre[k] + stretch[k] * (OFFSET[k] * longest - 0.5 * side));
         let (tetrahedra, all) = Tetrahedra::new(origin, side, stretch);
+        let has_leaves: Vec<bool> = csg.primitives().iter().map(|p| p.tape().has_leaves()).collect();
+        let zero = zeros(csg);
+        let signs = SignLattice::new(evaluator, &has_leaves, &zero, &tetrahedra, options.coarsest)?;
         let mut grid = Self {
             csg,
             job,
             options,
             tetrahedra,
             values: VertexValues::default(),
-            zero: zeros(csg),
-            has_leaves: csg.primitives().iter().map(|p| p.tape().has_leaves()).collect(),
+            zero,
+            has_leaves,
             cells: Vec::new(),
             trees: PrunedTreeCache::default(),
+            signs,
             goes_by_samples: false,
             extent: FieldGridStatus::Whole,
             n_alive: 0,
@@ -404,8 +410,10 @@ impl<'a> FieldGrid<'a> {
                 .map(|k| range_side(facts.value_range(k), self.zero[open.primitives[k] as usize])),
         );
         let left = prune(open, sides)?;
-        if longest > self.options.coarsest || self.is_requested(&cell.one, asked) {
-            return Some((left, CellAction::CutAnyway));
+        let is_requested = self.is_requested(&cell.one, asked);
+        if longest > self.options.coarsest || is_requested {
+            let is_empty = !is_requested && self.is_decided_by_signs(open, values, sides, whole);
+            return Some((left, if is_empty { CellAction::Done } else { CellAction::CutAnyway }));
         }
         if !Arc::ptr_eq(&left, open) {
             self.gather(cell, &left, buffers);

@@ -16,6 +16,7 @@ mod material_borders;
 mod mesher;
 mod polygon_triangulation;
 mod search;
+mod sign_lattice;
 mod sizing;
 mod tetrahedra;
 mod vertex_values;
