@@ -45,6 +45,7 @@ from chordal._picture import Picture
 from chordal._pieces import concatenate
 from chordal._plots import ErrorCurve, plot_error
 from chordal._polylines import Polyline, Polylines
+from chordal._report import Report
 from chordal._scene import Attribute, Node, Part
 from chordal._shape import Shape
 from chordal._verbs import (
@@ -92,6 +93,7 @@ __all__ = [
     "Polylines",
     "ReadError",
     "Refused",
+    "Report",
     "Shape",
     "Tileset",
     "View",

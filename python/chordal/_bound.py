@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
-from typing import Any
+from typing import Any, SupportsFloat
+
+from chordal._table import table
 
 
 @dataclass(frozen=True)
@@ -39,23 +41,42 @@ class Bound:
     #: How many samples were taken, for "measured".
     samples: int | None = None
 
+    def _length(self) -> str:
+        least = _short(self.at_least, ROUND_FLOOR)
+        return f"at least {least}" if self.at_most is None else f"between {least} and {_short(self.at_most, ROUND_CEILING)}"
+
+    def is_within(self, length: SupportsFloat) -> bool:
+        """Whether the distance is known to be no more than a length, by its evidence; never where nothing bounds it from above.
+
+        >>> import chordal
+        >>> mesh = chordal.shapes.sphere(1).mesh(tol=0.01)
+        >>> mesh.bound.is_within(0.01), mesh.bound.is_within(1e-9)
+        (True, False)
+        """
+        return self.at_most is not None and self.at_most <= float(length)
+
+    def _repr_html_(self) -> str:
+        rows = [("length", self._length()), ("evidence", self.evidence), ("metric", self.metric), ("to the", self.reference)]
+        if self.pixels is not None:
+            rows.append(("on the screen", f"at most {_short(self.pixels, ROUND_CEILING)} px"))
+        if self.angle_deg is not None:
+            rows.append(("angle", f"{_short(self.angle_deg, ROUND_CEILING)}° at most, as found"))
+        if self.samples is not None:
+            rows.append(("samples", f"{self.samples:,}"))
+        return table("Bound", [*rows, *(("assumed", text) for text in self.assumptions)])
+
     def __repr__(self) -> str:
         return f"<Bound: {self.sentence()}>"
 
     def sentence(self) -> str:
         """All of it in one line. Digits are left out such that the interval only grows."""
-        least = _short(self.at_least, ROUND_FLOOR)
-        if self.at_most is None:
-            length = f"at least {least}"
-        else:
-            length = f"between {least} and {_short(self.at_most, ROUND_CEILING)}"
         known = self.evidence
         if self.assumptions:
             known += f" ({'; '.join(self.assumptions)})"
         if self.samples is not None:
             known += f" ({self.samples} samples)"
         pixels = "" if self.pixels is None else f"; at most {_short(self.pixels, ROUND_CEILING)} px"
-        return f"{length}, {known}; {self.metric} distance to the {self.reference}{pixels}"
+        return f"{self._length()}, {known}; {self.metric} distance to the {self.reference}{pixels}"
 
 
 def bound_of(facts: Mapping[str, Any]) -> Bound:

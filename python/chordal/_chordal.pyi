@@ -5,6 +5,7 @@ from typing import Any, Final, TypedDict, final, type_check_only
 
 from chordal._blockwise.packing import BoundState, TileEntry
 from chordal._budget import BudgetArguments
+from chordal._picture import PictureState
 
 __all__ = [
     "Array", "Block", "BlockPart", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source",
@@ -255,6 +256,9 @@ class Picture:
     @property
     def darkest(self) -> float | None: ...
     def write(self, format: str) -> bytes: ...
+    def state(self) -> PictureState: ...
+    @staticmethod
+    def of_state(state: PictureState) -> Picture: ...
 
 @final
 class ScriptValue:

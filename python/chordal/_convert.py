@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
 from chordal import _chordal, _files
 from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import keywords_hinted
+from chordal._report import Report
 from chordal._sourced import Sourced
 
 
@@ -38,7 +39,7 @@ class Convertible(Sourced):
         compress: Literal["meshopt"] | None = None,
         tol: Length | None = None,
         rel: Share | None = None,
-    ) -> dict[str, Any]:
+    ) -> Report:
         """Write a file, in the format that its extension names, and return the report on what is in it.
 
         The shape is written as it is: triangles, polygons, samples, straight lines; `report["certificate"]["notes"]` says
@@ -108,7 +109,7 @@ def refuse_unknown(shape: Sourced, format: str) -> None:
         raise ValueError(f"format: {format!r} is no format; {source.kinds} are written as {', '.join(source.written)}")
 
 
-def write(written: Written, path: str | os.PathLike[str]) -> dict[str, Any]:
+def write(written: Written, path: str | os.PathLike[str]) -> Report:
     """Write what was made ready, with the files beside it first, and return its report."""
     if written.names_files:
         target = os.path.realpath(path)
@@ -120,6 +121,6 @@ def write(written: Written, path: str | os.PathLike[str]) -> dict[str, Any]:
     else:
         content = written.write()
     _files.replace(path, content)
-    report: dict[str, Any] = json.loads(written.report)
+    report = Report(json.loads(written.report))
     report["run"].update(output=_files.shown(path), bytes=len(content))
     return report

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from chordal import _chordal
@@ -13,6 +13,8 @@ from chordal._bound import Bound, bound_of
 from chordal._budget import Length, length
 from chordal._errors import BudgetError
 from chordal._hints import Guessed
+from chordal._report import Report
+from chordal._table import table
 
 if TYPE_CHECKING:
     from chordal._shape import Shape
@@ -62,7 +64,7 @@ class Deviation(Guessed):
     #: On which side of `max` the distance is: "within", "exceeds" or "undecided"; None without `max`.
     verdict: str | None
     #: The report of `chordal deviation --json`.
-    report: dict[str, Any]
+    report: Report = field(compare=False)
 
     @property
     def at_least(self) -> float:
@@ -73,6 +75,12 @@ class Deviation(Guessed):
     def at_most(self) -> float | None:
         """The Hausdorff distance is at most this; None where nothing bounds it from above."""
         return self.bound.at_most
+
+    def _repr_html_(self) -> str:
+        rows = [("verdict", self.verdict or ""), ("bound", self.bound.sentence())]
+        for title, side in (("from this one", self.forward), ("from the other", self.backward)):
+            rows.append((title, f"between {side.at_least:.6g} and {side.at_most:.6g}, farthest at {_place(side.point)}"))
+        return table("Deviation", [(title, text) for title, text in rows if text])
 
     def __repr__(self) -> str:
         verdict = "" if self.verdict is None else f"; {self.verdict}"
@@ -100,7 +108,7 @@ def measured(
         "absolute": None if absolute is None else length("absolute", absolute),
         "max": None if max is None else length("max", max),
     }
-    report: dict[str, Any] = json.loads(one.deviation(second, arguments, function("progress", progress)))
+    report = Report(json.loads(one.deviation(second, arguments, function("progress", progress))))
     facts = report["deviation"]
     return Deviation(
         bound=bound_of(report["certificate"]["bound"]),
@@ -110,6 +118,10 @@ def measured(
         verdict=facts["verdict"],
         report=report,
     )
+
+
+def _place(point: tuple[float, float, float]) -> str:
+    return f"({', '.join(f'{x:.6g}' for x in point)})"
 
 
 def _one_sided(facts: Mapping[str, Any]) -> OneSided:

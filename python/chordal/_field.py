@@ -18,6 +18,7 @@ from chordal._devices import parameter_of, wants_tensors, with_arrays
 from chordal._hints import keywords_hinted, refuse_own
 from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
+from chordal._table import table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -303,6 +304,12 @@ class Field(Shape):
     def __sub__(self, other: Field) -> Field:  # type: ignore[override]
         _only_fields(other)
         return _operated("-", self, other)  # type: ignore[no-any-return]
+
+    def _repr_html_(self) -> str:
+        outside, inside = self.distance
+        box = " to ".join(f"({', '.join(f'{x:.6g}' for x in corner)})" for corner in self.bounds)
+        rows = [("outside", outside), ("inside", inside), ("evidence", self.evidence), ("box", box), ("terms", f"{self._value.terms:,}")]
+        return table("Field", [*rows, *(("assumed", text) for text in self.assumptions), *(("note", text) for text in self.notes)])
 
     def __repr__(self) -> str:
         outside, inside = self.distance

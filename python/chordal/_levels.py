@@ -14,7 +14,9 @@ from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import Guessed, keywords_hinted
 from chordal._recipe import Recipe, Remakeable
+from chordal._report import Report
 from chordal._sourced import Sourced
+from chordal._table import columns
 from chordal._view import View, words_of
 
 if TYPE_CHECKING:
@@ -38,6 +40,10 @@ class Level:
     bound: Bound
     #: From this distance of the eye to the shape's box on it may be shown; None where no distance is far enough.
     distance: float | None
+
+    def __repr__(self) -> str:
+        start = "from no distance on" if self.distance is None else f"from {self.distance:.6g} on"
+        return f"<Level: {len(self.mesh.faces):,} triangles, {start}; {self.bound.sentence()}>"
 
 
 class Levels(Sequence[Level], Guessed, Remakeable):
@@ -63,10 +69,9 @@ class Levels(Sequence[Level], Guessed, Remakeable):
         self._own: dict[int, Level] = {}
 
     @property
-    def report(self) -> dict[str, Any]:
+    def report(self) -> Report:
         """The report of `chordal lod --json`, which `docs/schema` describes. It is yours to change."""
-        report: dict[str, Any] = json.loads(self._levels.report)
-        return report
+        return Report(json.loads(self._levels.report))
 
     @property
     def bound(self) -> Bound:
@@ -113,7 +118,7 @@ class Levels(Sequence[Level], Guessed, Remakeable):
             self._own[k] = Level(Mesh._of_source(source, bound), bound, self.distances[k])
         return self._own[k]
 
-    def export(self, path: str | os.PathLike[str]) -> dict[str, Any]:
+    def export(self, path: str | os.PathLike[str]) -> Report:
         """Write all levels and return the report: one glTF where the name ends in .glb or .gltf (`MSFT_lod`), else a folder
         of 3D Tiles with its `tileset.json`.
 
@@ -139,6 +144,15 @@ class Levels(Sequence[Level], Guessed, Remakeable):
     def to_bytes(self, format: Literal["glb", "gltf"]) -> bytes:
         """One glTF of all levels, as `export` writes it."""
         return self._levels.write(format)
+
+    def _repr_html_(self) -> str:
+        def row(facts: dict[str, Any]) -> tuple[str, str, str, str]:
+            start = "" if facts["distance"] is None else f"{facts['distance']:.6g}"
+            most = "" if facts["at_most"] is None else f"{facts['at_most']:.3g}"
+            return f"{facts['triangles']:,}", most, str(facts["evidence"]), start
+
+        title = f"Levels, against the {self.bound.reference}"
+        return columns(title, ("triangles", "off at most", "evidence", "from distance"), map(row, self._rows()))
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{row['triangles']:,}" for row in self._rows()[:6])

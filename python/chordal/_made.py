@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
@@ -10,7 +9,6 @@ from chordal._errors import BudgetUnmet
 
 if TYPE_CHECKING:
     from chordal import _chordal
-    from chordal._bound import Bound
 
 Made = TypeVar("Made")
 
@@ -38,15 +36,6 @@ def remade(
     return found
 
 
-def report_html(name: str, size: str, bound: Bound) -> str:
-    """A result as a table of HTML."""
-    rows = ((name, size), ("bound", bound.sentence()))
-    cells = "".join(f"<tr><th>{title}</th><td>{html.escape(text)}</td></tr>" for title, text in rows)
-    return f"<table>{cells}</table>"
-
-
 def counted(count: int, one: str, many: str) -> str:
     """A number with its noun."""
     return f"{count:,} {one if count == 1 else many}"
-
-

@@ -17,6 +17,7 @@ from chordal._interop import Interoperable
 from chordal._made import counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
 from chordal._pieces import Splittable
+from chordal._report import Report
 from chordal._scene import Attribute, Node, Part, SeveralPartsError, bounds_of, first_of, nodes_of
 from chordal._shape import Shape
 from chordal._transform import Transformable
@@ -162,10 +163,9 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
         return bound_of(facts)
 
     @property
-    def report(self) -> dict[str, Any]:
+    def report(self) -> Report:
         """The report of `chordal mesh --json` on what was made, else that of `chordal inspect`. It is yours to change."""
-        report: dict[str, Any] = self.inspect() if self._text is None else json.loads(self._text)
-        return report
+        return self.inspect() if self._text is None else Report(json.loads(self._text))
 
     @property
     def vertices(self) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import json
 import os
 from typing import TYPE_CHECKING, Any, Final
 
-from chordal._made import report_html
+from chordal._table import columns, table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -96,11 +96,28 @@ def page_of(mesh: Mesh, *, wire: bool, values: NDArray[Any] | None, what: str) -
     return _PAGE.format(name=name, scale=scale, data=data, script=script)
 
 
+#: Parts beyond these are counted. Chosen, so that the table stays on a screen.
+_MOST_PARTS: Final = 8
+
+
+def _table(mesh: Mesh) -> str:
+    rows = [("size", mesh._size()), ("bound", mesh.bound.sentence())]
+    if mesh.materials:
+        rows.append(("materials", ", ".join(str(material.get("name") or k) for k, material in enumerate(mesh.materials[:_MOST_PARTS]))))
+    own, parts = table("Mesh", rows), mesh.parts
+    if len(parts) < 2:
+        return own
+    listed = [(part.name or str(k), f"{len(part.faces):,}", f"{len(part.vertices):,}") for k, part in enumerate(parts[:_MOST_PARTS])]
+    if len(parts) > _MOST_PARTS:
+        listed.append((f"and {len(parts) - _MOST_PARTS:,} more", "", ""))
+    return own + columns(f"{len(parts):,} parts", ("part", "triangles", "vertices"), listed)
+
+
 def html_of(mesh: Mesh, *, wire: bool = False, against: Any = None, height: int = 380) -> str:
     """A mesh as a notebook shows it: a frame to turn it in, or a picture where there are too many triangles or no viewer."""
-    table = report_html("Mesh", mesh._size(), mesh.bound)
+    shown = _table(mesh)
     if len(mesh.faces) == 0:
-        return table
+        return shown
     values, what = None, ""
     if against is not None:
         values, what = mesh.vertex_deviation(against), "off, at vertices"
@@ -108,8 +125,8 @@ def html_of(mesh: Mesh, *, wire: bool = False, against: Any = None, height: int 
     if page is None:
         show: Any = {"show": "deviation", "against": against} if against is not None else {"show": "wire" if wire else "shaded"}
         picture = base64.b64encode(mesh.render(size=(640, height), **show).to_bytes("png")).decode()
-        return f'<img alt="{html.escape(mesh._size(), quote=True)}" src="data:image/png;base64,{picture}">{table}'
+        return f'<img alt="{html.escape(mesh._size(), quote=True)}" src="data:image/png;base64,{picture}">{shown}'
     frame = html.escape(page, quote=True)
     style = f"width:100%;max-width:720px;height:{height}px;border:1px solid #8884;border-radius:4px"
     title = html.escape(mesh._size(), quote=True)
-    return f'<iframe sandbox="allow-scripts" title="{title}" style="{style}" srcdoc="{frame}"></iframe>{table}'
+    return f'<iframe sandbox="allow-scripts" title="{title}" style="{style}" srcdoc="{frame}"></iframe>{shown}'

@@ -12,6 +12,7 @@ from chordal._arguments import function, number, positive, text
 from chordal._arrays import as_asked
 from chordal._budget import Length, budget_arguments, length
 from chordal._hints import Guessed, keywords_hinted
+from chordal._report import Report
 from chordal._sourced import Sourced
 from chordal._view import View, words_of
 
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     from chordal._shape import Progress, Shape
 
     _Style = Literal["shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb"]
+
+
+#: Columns and rows, pixels, and what is said of them: what goes to another process.
+PictureState = tuple[tuple[int, int], bytes, list[tuple[str, str]], str, str, float | None]
 
 
 class Picture(Guessed):
@@ -60,16 +65,15 @@ class Picture(Guessed):
         return self._picture.darkest
 
     @property
-    def report(self) -> dict[str, Any]:
+    def report(self) -> Report:
         """The report of `chordal render --json`."""
-        report: dict[str, Any] = json.loads(self._picture.report)
-        return report
+        return Report(json.loads(self._picture.report))
 
     def to_bytes(self, format: Literal["png", "jpg", "webp"] = "png") -> bytes:
         """The picture as a file, with the certificate in it."""
         return self._picture.write(format)
 
-    def export(self, path: str | os.PathLike[str]) -> dict[str, Any]:
+    def export(self, path: str | os.PathLike[str]) -> Report:
         """Write it as PNG, JPEG or WebP, as the name says, and return the report."""
         extension = os.path.splitext(os.fspath(path))[1].lstrip(".").lower()
         content = self._picture.write(extension)
@@ -78,12 +82,26 @@ class Picture(Guessed):
         report["run"].update(output=_files.shown(path), bytes=len(content))
         return report
 
+    def __copy__(self) -> Picture:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Picture:
+        return self
+
+    def __reduce__(self) -> Any:
+        return _again, (self._picture.state(),)
+
     def _repr_png_(self) -> bytes:
         return self.to_bytes("png")
 
     def __repr__(self) -> str:
         height, width, _ = self.array.shape
         return f"<Picture: {width} × {height} pixels>"
+
+
+def _again(state: PictureState) -> Picture:
+    """A picture that was pickled."""
+    return Picture(_chordal.Picture.of_state(state))
 
 
 class Pictured(Sourced):

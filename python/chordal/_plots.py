@@ -10,6 +10,7 @@ from chordal._arguments import number
 from chordal._curve import Curve
 from chordal._errors import BudgetUnmet
 from chordal._shape import Shape
+from chordal._table import columns
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,9 +37,11 @@ class ErrorCurve:
     axes: Any
 
     def _repr_html_(self) -> str:
-        rows = zip(self.counts.tolist(), self.errors.tolist(), strict=True)
-        cells = "".join(f"<tr><td>{count:,}</td><td>{error:.3g}</td></tr>" for count, error in rows)
-        return f"<table><tr><th>pieces</th><th>error</th></tr>{cells}</table>slope {self.slope:.2f}"
+        rows = [(f"{count:,}", f"{error:.3g}") for count, error in zip(self.counts.tolist(), self.errors.tolist(), strict=True)]
+        return columns(f"slope {self.slope:.2f}", ("pieces", "error"), rows)
+
+    def __repr__(self) -> str:
+        return f"<ErrorCurve: {len(self.counts)} places, slope {self.slope:.2f}>"
 
 
 def plot_error(

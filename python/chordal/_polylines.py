@@ -12,8 +12,10 @@ from chordal._arrays import as_asked
 from chordal._bound import Bound, bound_of
 from chordal._convert import Convertible
 from chordal._hints import Guessed
-from chordal._made import counted, of_outcome, remade, report_html
+from chordal._made import counted, of_outcome, remade
+from chordal._report import Report
 from chordal._sourced import plain_reading
+from chordal._table import table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,6 +45,9 @@ class Polyline:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return as_asked(self.points, dtype, copy)
+
+    def __repr__(self) -> str:
+        return f"<Polyline: {counted(len(self.points), 'point', 'points')}, {'closed' if self.closed else 'open'}>"
 
 
 class Polylines(Convertible, Sequence[Polyline], Guessed):
@@ -88,10 +93,9 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
         return bound_of(self.report["certificate"]["bound"])
 
     @property
-    def report(self) -> dict[str, Any]:
+    def report(self) -> Report:
         """The report of `chordal mesh --json`, which `docs/schema` describes. It is yours to change."""
-        report: dict[str, Any] = json.loads(self._text)
-        return report
+        return Report(json.loads(self._text))
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -156,7 +160,7 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
         return f"<Polylines: {self._size()}; {self.bound.sentence()}>"
 
     def _repr_html_(self) -> str:
-        return report_html("Polylines", self._size(), self.bound)
+        return table("Polylines", [("size", self._size()), ("bound", self.bound.sentence())])
 
     def _size(self) -> str:
         output = self.report["certificate"]["output"]

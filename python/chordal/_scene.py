@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal import _chordal
+from chordal._table import table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -123,6 +125,24 @@ class Part:
         """The lowest and the highest corner of its box in its own coordinates, 2 × 3."""
         return bounds_of(self.vertices)
 
+    def __copy__(self) -> Part:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Part:
+        return self
+
+    def __reduce__(self) -> Any:
+        # Of the scene its own part goes along and no other.
+        text, blocks = _chordal.scene_state(self._source)
+        facts = json.loads(text)
+        own = facts["parts"][self._index]
+        kept: list[bytes] = []
+        for holder, key in numbers_in(own):
+            kept.append(blocks[holder[key]])
+            holder[key] = len(kept) - 1
+        state = {"parts": [own], "frame": facts["frame"]}
+        return _again, (json.dumps(state), kept)
+
     def _values(self, kind: _Kind) -> NDArray[np.float64] | None:
         found = self.attribute(kind)
         return None if found is None else found.values
@@ -132,9 +152,29 @@ class Part:
 
         return np.asarray(_chordal.scene_array(self._source, self._index, name, attribute))
 
+    def _repr_html_(self) -> str:
+        rows = [("size", f"{self._facts['faces']:,} triangles, {self._facts['vertices']:,} vertices")]
+        for one in self.attributes:
+            of = "" if one.of is None else f" {one.of}"
+            rows.append((f"{one.kind}{of}", f"{' × '.join(str(n) for n in one.values.shape)}, by {one.domain}"))
+        return table(f"Part {self.name}".strip(), rows)
+
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
         return f"<Part{name}: {self._facts['faces']:,} triangles, {self._facts['vertices']:,} vertices>"
+
+
+def _again(state: str, blocks: list[bytes]) -> Part:
+    """A part that was pickled: the only one of its scene."""
+    source = _chordal.scene_of_state(state, blocks, None)
+    return Part(source, 0, json.loads(_chordal.scene_facts(source))["parts"][0])
+
+
+def numbers_in(part: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
+    """Where the state of a part names blocks of numbers: dictionaries with a key of theirs."""
+    own = [(part, name) for name in ("positions", "faces", "position_id") if part.get(name) is not None]
+    marks = [accessor for mark in part.get("marks", ()) for accessor in mark["accessors"]]
+    return own + [(holder, "block") for holder in (*part["attributes"], *marks)]
 
 
 class SeveralPartsError(AttributeError, ValueError):

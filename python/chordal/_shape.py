@@ -21,6 +21,8 @@ from chordal._meant import meant
 from chordal._picture import Pictured
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
+from chordal._report import Report
+from chordal._table import table
 from chordal._view import View
 
 if TYPE_CHECKING:
@@ -68,10 +70,9 @@ class Shape(
         """The format that it was read from, as in "bpt"."""
         return self._source.format
 
-    def inspect(self) -> dict[str, Any]:
+    def inspect(self) -> Report:
         """The report of `chordal inspect`: what it is, its size, its warnings, and whether it is sound."""
-        report: dict[str, Any] = json.loads(self._source.inspect())
-        return report
+        return Report(json.loads(self._source.inspect()))
 
     @keywords_hinted
     def deviation(
@@ -244,6 +245,10 @@ class Shape(
         if self.kind not in ("curves", "drawing"):
             raise Refused("unsupported", f"{self._source.kinds} hold no curves to flatten: mesh them")
         return Polylines._of(self._source.mesh(budget, "json", function("progress", progress)))
+
+    def _repr_html_(self) -> str:
+        name = self._source.name
+        return table(type(self).__name__, [("kind", self.kind), ("format", self.format), *([("file", name)] if name else [])])
 
     def __repr__(self) -> str:
         name = f" {self._source.name}" if self._source.name else ""

@@ -5,9 +5,8 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
-from typing import Any
-
 from chordal._errors import ReadError
+from chordal._report import Report
 
 __all__ = ["verify"]
 
@@ -21,7 +20,7 @@ def verify(
     *,
     certificate: str | PathLike[str] | None = None,
     options: Mapping[str, str] | None = None,
-) -> dict[str, Any]:
+) -> Report:
     """Prove the certificate of the file at `path` again, from the files that it was made of.
 
     `certificate` is a report for formats that hold none, and `options` are more options of the command by their
@@ -37,5 +36,4 @@ def verify(
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode not in _JUDGED:
         raise ReadError("unverifiable", None, done.stderr.strip().removeprefix("chordal: "))
-    report: dict[str, Any] = json.loads(done.stdout)
-    return report
+    return Report(json.loads(done.stdout))

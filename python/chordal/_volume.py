@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 from collections.abc import Sequence
@@ -9,14 +10,17 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal import _chordal
 from chordal._arguments import text
+from chordal._array_to_png import slice_to_png
 from chordal._arrays import as_asked, coordinates
 from chordal._bound import Bound, bound_of
 from chordal._errors import ReadError
 from chordal._hints import keywords_hinted
 from chordal._images import Imaged, lattice_of
 from chordal._meant import meant
+from chordal._report import Report
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
+from chordal._table import table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -104,9 +108,9 @@ class Volume(Shape, Imaged):
         return np.array([places.min(axis=1), places.max(axis=1)])
 
     @property
-    def report(self) -> dict[str, Any] | None:
+    def report(self) -> Report | None:
         """The report of `chordal bake`, where the samples are baked: what distances and sides rest on."""
-        return None if self._report is None else json.loads(self._report)
+        return None if self._report is None else Report(json.loads(self._report))
 
     @property
     def bound(self) -> Bound | None:
@@ -147,6 +151,18 @@ class Volume(Shape, Imaged):
     def __reduce__(self) -> Any:
         content = _chordal.convert(self._source, "nrrd", (False, None), None).write()
         return _again, (content, self._report, self._meant)
+
+    def _repr_html_(self) -> str:
+        i, j, k = self.shape
+        box = " to ".join(f"({', '.join(f'{x:.6g}' for x in corner)})" for corner in self.bounds.tolist())
+        steps = ", ".join(f"{step:.6g}" for step in self.spacing)
+        rows = [("samples", f"{i} × {j} × {k} of {self.dtype}"), ("spacing", steps), ("box", box)]
+        rows += [] if not self._meant else [("surface", ", ".join(f"{name}={value!r}" for name, value in self._meant.items()))]
+        rows += [] if self.bound is None else [("bound", self.bound.sentence())]
+        layer = base64.b64encode(slice_to_png(self.array[:, :, k // 2])).decode()
+        title = f"the layer of samples at k = {k // 2}, x to the right and y up"
+        style = f"width:160px;aspect-ratio:{i * self.spacing[0]:.6g}/{j * self.spacing[1]:.6g};image-rendering:pixelated"
+        return f'<img alt="{title}" title="{title}" style="{style}" src="data:image/png;base64,{layer}">{table("Volume", rows)}'
 
     def __repr__(self) -> str:
         i, j, k = self.shape

@@ -6,12 +6,13 @@ use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
 use chordal::budget::{Length, Pixels, View};
-use chordal::render::{CullMode, RenderOptions, RenderStyle, Viewpoint};
+use chordal::render::{self, CullMode, RenderOptions, RenderStyle, Viewpoint};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::PictureFormat;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{PictureTolerance, RenderOutcome, render, render_against, render_comb};
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 
@@ -78,11 +79,36 @@ impl PictureArguments {
     }
 }
 
+/// A picture, and what is said of it.
+struct ShownPicture {
+    picture: render::Picture,
+    /// What a file says of it, by name.
+    told: Vec<(String, String)>,
+    report: String,
+    view: String,
+    darkest: Option<f64>,
+}
+
+impl ShownPicture {
+    fn from_outcome(made: RenderOutcome, name: Option<String>) -> Self {
+        let run = RunFacts { verb: "render", input: name, ..RunFacts::default() };
+        Self {
+            told: made.told().map(|(name, text)| (name.to_owned(), text)).into(),
+            report: Report::new(made.certificate, run).to_value().to_string(),
+            view: View::Camera(made.camera).to_string(),
+            picture: made.picture,
+            darkest: made.darkest,
+        }
+    }
+}
+
+/// Columns, rows, pixels, and the texts and numbers of a picture: what [`Picture::of_state`] makes the same of.
+type PictureState<T> = ((u32, u32), T, Vec<(String, String)>, String, String, Option<f64>);
+
 /// A picture with its certificate.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Picture {
-    made: Arc<RenderOutcome>,
-    name: Option<String>,
+    made: Arc<ShownPicture>,
 }
 
 /// A picture of a shape, or of its distance from another one.
@@ -104,7 +130,8 @@ pub(crate) fn picture(
         None => render(&input, &options, fineness, job),
     })?;
     let made = made.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
-    Ok(Picture { made: Arc::new(made.spelled(&CommandLine)), name: source.named_input().name })
+    let name = source.named_input().name;
+    Ok(Picture { made: Arc::new(ShownPicture::from_outcome(made.spelled(&CommandLine), name)) })
 }
 
 #[pymethods]
@@ -119,21 +146,42 @@ impl Picture {
 
     /// The report of `chordal render`, as JSON.
     #[getter]
-    fn report(&self) -> String {
-        let run = RunFacts { verb: "render", input: self.name.clone(), ..RunFacts::default() };
-        Report::new(self.made.certificate.clone(), run).to_value().to_string()
+    fn report(&self) -> &str {
+        &self.made.report
     }
 
     /// The view that it was taken from, as text.
     #[getter]
-    fn view(&self) -> String {
-        View::Camera(self.made.camera).to_string()
+    fn view(&self) -> &str {
+        &self.made.view
     }
 
     /// The distance of the darkest colour, in a picture of distances.
     #[getter]
     fn darkest(&self) -> Option<f64> {
         self.made.darkest
+    }
+
+    /// All of it.
+    fn state<'py>(&self, py: Python<'py>) -> PictureState<Bound<'py, PyBytes>> {
+        let ShownPicture { picture, told, report, view, darkest } = &*self.made;
+        let pixels = PyBytes::new(py, &picture.rgba);
+        ((picture.width, picture.height), pixels, told.clone(), report.clone(), view.clone(), *darkest)
+    }
+
+    /// The picture of a state.
+    #[staticmethod]
+    fn of_state(state: PictureState<PyBackedBytes>) -> PyResult<Self> {
+        let ((width, height), pixels, told, report, view, darkest) = state;
+        let rgba = pixels.to_vec();
+        if rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
+            return Err(failure::argument(
+                "state",
+                format!("{} bytes are no {width} × {height} pixels", rgba.len()),
+            ));
+        }
+        let picture = render::Picture { width, height, rgba };
+        Ok(Self { made: Arc::new(ShownPicture { picture, told, report, view, darkest }) })
     }
 
     /// The bytes of a picture file: "png", "jpg" or "webp".
@@ -143,7 +191,8 @@ impl Picture {
         let made = Arc::clone(&self.made);
         let written = work::run(py, None, move |_| {
             let mut bytes = Vec::new();
-            made.write(format, &mut bytes).map(|()| bytes)
+            let told: Vec<_> = made.told.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+            format.write(&made.picture, &told, &mut bytes).map(|()| bytes)
         })?;
         Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
     }

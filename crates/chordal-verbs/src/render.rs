@@ -50,9 +50,15 @@ impl RenderOutcome {
     /// # Errors
     /// When the format does not hold so many pixels; when the sink fails.
     pub fn write(&self, format: PictureFormat, mut out: &mut dyn Write) -> Result<(), WriteError> {
+        let told = self.told();
+        format.write(&self.picture, &told.each_ref().map(|(name, text)| (*name, text.as_str())), &mut out)
+    }
+
+    /// What a file says of the picture, name by name: what wrote it, and the certificate.
+    #[must_use]
+    pub fn told(&self) -> [(&'static str, String); 2] {
         let software = format!("chordal {}", self.certificate.version);
-        let certificate = self.certificate.to_value().to_string();
-        format.write(&self.picture, &[("Software", &software), ("chordal", &certificate)], &mut out)
+        [("Software", software), ("chordal", self.certificate.to_value().to_string())]
     }
 }
 

@@ -40,6 +40,7 @@ from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._field import Field
 from chordal._hints import Guessed, keywords_hinted
+from chordal._table import table
 from chordal._units import VOLUME_METRES, refuse_unknown
 from chordal._volume import _steps
 
@@ -450,6 +451,13 @@ class BlockVolume(Guessed):
                 if tell is not None:
                     tell("blocks", len(done), len(blocks))
         return [done[k] for k in range(len(blocks))]
+
+    def _repr_html_(self) -> str:
+        i, j, k = self.shape
+        low, *steps = (", ".join(f"{row[column]:.6g}" for row in self._affine) for column in (3, 0, 1, 2))
+        rows = [("samples", f"{i} × {j} × {k} of {self.dtype}, not read yet"), ("first sample", f"({low})")]
+        rows += [(f"step of {axis}", f"({step})") for axis, step in zip("ijk", steps)]
+        return table("BlockVolume", [*rows, *([] if self._unit is None else [("unit", self._unit)])])
 
     def __repr__(self) -> str:
         i, j, k = self.shape
