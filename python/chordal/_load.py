@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, TypeVar, overload
 
 from chordal import _chordal, _files
 from chordal._arguments import number
 from chordal._arguments import text as _text
+from chordal._errors import ReadError
 from chordal._field import Field
 from chordal._hints import keywords_hinted
 from chordal._images import lattice_like
@@ -28,11 +29,30 @@ if TYPE_CHECKING:
     _VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "mha", "mhd", "vti", "slc"]
     _FieldFormat = Literal["star", "vm"]
 
+Kind = TypeVar("Kind", bound=Shape)
+
 
 @overload
 def load(
     source: File,
     *,
+    kind: type[Kind],
+    format: str | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    strict: bool = False,
+    lenient: bool = False,
+    drop_nonfinite: bool = False,
+    surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
+    text: str | None = None,
+    em: SupportsFloat | None = None,
+    axes: Mapping[str, SupportsFloat] | None = None,
+) -> Kind: ...
+@overload
+def load(
+    source: File,
+    *,
+    kind: None = None,
     format: _VolumeFormat,
     unit: str | None = None,
     up: str | None = None,
@@ -43,6 +63,7 @@ def load(
 def load(
     source: File,
     *,
+    kind: None = None,
     format: _FieldFormat,
     unit: str | None = None,
     up: str | None = None,
@@ -53,6 +74,7 @@ def load(
 def load(
     source: File,
     *,
+    kind: None = None,
     format: _TriangleFormat,
     unit: str | None = None,
     up: str | None = None,
@@ -65,6 +87,7 @@ def load(
 def load(
     source: File,
     *,
+    kind: None = None,
     format: str | None = None,
     unit: str | None = None,
     up: str | None = None,
@@ -80,6 +103,7 @@ def load(
 def load(
     source: File,
     *,
+    kind: type[Kind] | None = None,
     format: str | None = None,
     unit: str | None = None,
     up: str | None = None,
@@ -92,7 +116,8 @@ def load(
     axes: Mapping[str, SupportsFloat] | None = None,
 ) -> Shape:
     """Read a shape from a file, from an open one, or from the bytes of one: triangles as a `Mesh`, samples as a `Volume`, a script as a
-    `Field`, anything else as a `Shape`.
+    `Field`, anything else as a `Shape`. Which of them it is no type checker knows of a path; `kind` says it, as in
+    `kind=chordal.Volume`, and what is of another class is a `ReadError` then.
 
     A folder is read where it holds the slices of a series of DICOM: as one `Volume`.
 
@@ -109,7 +134,7 @@ def load(
     Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
 
     >>> import chordal
-    >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
+    >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj", kind=chordal.Mesh)
     <Mesh: 1 triangle, 3 vertices, from obj>
     """
     if strict and lenient:
@@ -146,7 +171,16 @@ def load(
         "surface": _text("surface", surface),
         "letters": letters,
     }
-    return read(content, reading)
+    found = read(content, reading)
+    if kind is not None and not isinstance(found, kind):
+        raise ReadError("other-kind", None, _other_kind(found, kind), name)
+    return found
+
+
+def _other_kind(found: Shape, kind: type[Shape]) -> str:
+    """What is said of a shape that is of another class than was asked for."""
+    way = ": mesh it, as in chordal.load(path).mesh(tol=0.01)" if kind is Mesh else ""
+    return f"this holds {found._source.kinds}, which are a {type(found).__name__} and not a {kind.__name__}{way}"
 
 
 #: Files by which a folder is known as samples of Zarr (versions 3 and 2) or of Neuroglancer.

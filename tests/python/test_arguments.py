@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import SQUARE
+from conftest import SQUARE, TEAPOT
 
 import chordal
 
@@ -124,3 +124,13 @@ def test_a_source_is_a_path_or_bytes() -> None:
         chordal.load(3)  # type: ignore[call-overload]
     for source in (SQUARE, bytearray(SQUARE), memoryview(SQUARE)):
         assert chordal.load(source, format="obj").kind == "triangles"
+
+
+def test_a_file_of_another_kind_than_was_said_is_refused() -> None:
+    assert isinstance(chordal.load(SQUARE, format="obj", kind=chordal.Mesh), chordal.Mesh)
+    assert isinstance(chordal.load(TEAPOT, kind=chordal.Shape), chordal.Shape)
+    with pytest.raises(chordal.ReadError, match=r"teapot.bpt: this holds .*patches, which are a Shape and not a Mesh: mesh it") as raised:
+        chordal.load(TEAPOT, kind=chordal.Mesh)
+    assert raised.value.code == "other-kind"
+    with pytest.raises(chordal.ReadError, match="a Mesh and not a Volume$"):
+        chordal.load(SQUARE, format="obj", kind=chordal.Volume)
