@@ -15,8 +15,8 @@ use crate::math::{flushes_subnormals, lesser};
 /// field's surface, proved by [`crate::check::field_deviation`] for the exact numbers of the mesh. The rule
 /// is [`Field::sign`], and [`Field::bounds`] is taken at its word. Triangles that are not proved are split.
 /// Where a leaf of the field knows no ranges, and with [`RequiredEvidence::Measured`], the mesh is measured:
-/// points of the surface are searched for near the triangles, so parts of the surface without triangles near
-/// them are missed. Without [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
+/// points of the surface are searched for near the middles of triangles and of edges, and triangles that are too far from
+/// one are split; parts of the surface without triangles near them are missed. Without [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
 ///
 /// With [`RequiredEvidence::Estimated`] it is a draft: cubes about as large as the length, at most 96 along the longest
 /// side, polygonized, and the vertices moved onto the surface. It takes a tenth of the time, has many triangles and rounds

@@ -26,6 +26,7 @@ use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, flushes_subnormals, greater, lesser};
 pub(crate) use prover::{SandwichProver, SandwichVerdict};
+pub(crate) use sampled::MeasuredDeviation;
 pub(crate) use sandwich::{SandwichGoal, is_hopeless};
 
 use backward::BackwardDistance;
@@ -124,7 +125,7 @@ pub fn field_deviation(
         }
         let tape = Tape::new(field.sign());
         if !field.evidence().bounds_above() {
-            return sampled::measured(mesh, field, &tape, job);
+            return Ok(sampled::measured(mesh, field, &tape, f64::INFINITY, job)?.whole);
         }
         let bvh = Bvh::build(mesh, job)?;
         let floor = FLOOR * reach(mesh, &bounds);
@@ -165,13 +166,14 @@ pub(crate) fn sandwich_bound(
 }
 
 /// Measures the deviation of a mesh from the surface of a field by samples alone, even where a proof is
-/// possible.
+/// possible, and finds the faces from which the surface is seen to be farther than a length.
 pub(crate) fn measured_field_deviation(
     mesh: &Mesh,
     field: &Field,
+    length: f64,
     job: &Job,
-) -> Result<FieldDeviation, JobError> {
-    sampled::measured(mesh, field, &Tape::new(field.sign()), job)
+) -> Result<MeasuredDeviation, JobError> {
+    sampled::measured(mesh, field, &Tape::new(field.sign()), length, job)
 }
 
 fn refused<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {

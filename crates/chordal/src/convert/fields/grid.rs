@@ -5,7 +5,7 @@
 //! contain no boundary, whatever their neighbours look like. All others conform.
 use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side};
 use super::cells_at_vertices::CellsAtVertices;
-use super::sign_lattice::SignLattice;
+use super::sampled_signs::SampledSigns;
 use super::sizing::{SizingField, SizingPoint};
 use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
@@ -76,7 +76,7 @@ pub(in crate::convert) struct FieldGrid<'a> {
     cells: Vec<GridCell>,
     /// The trees of all cells.
     trees: PrunedTreeCache,
-    pub(super) signs: SignLattice,
+    pub(super) signs: SampledSigns,
     /// Whether slopes at corners decide, as ranges are too wide.
     pub(super) goes_by_samples: bool,
     extent: FieldGridStatus,
@@ -156,7 +156,7 @@ impl<'a> FieldGrid<'a> {
         let (tetrahedra, all) = Tetrahedra::new(origin, side, stretch);
         let has_leaves: Vec<bool> = csg.primitives().iter().map(|p| p.tape().has_leaves()).collect();
         let zero = zeros(csg);
-        let signs = SignLattice::new(evaluator, &has_leaves, &zero, &tetrahedra, options.coarsest)?;
+        let signs = SampledSigns::new(evaluator, &has_leaves, &zero, &tetrahedra, options.coarsest)?;
         let mut grid = Self {
             csg,
             job,

@@ -5,8 +5,8 @@ use super::improve::SurfaceImprover;
 use super::mesher::{FieldMeshGoal, FieldMesher, ImprovedSurface, leaf_failure, longest};
 use crate::budget::{Bounded, Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::check::{
-    Goal, SandwichGoal, SandwichProver, field_deviation, is_hopeless, measured_field_deviation,
-    sandwich_bound,
+    Goal, MeasuredDeviation, SandwichGoal, SandwichProver, field_deviation, is_hopeless,
+    measured_field_deviation, sandwich_bound,
 };
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Expr, Field, PrimitiveEvaluator, Tape};
@@ -114,8 +114,7 @@ impl<'s> FieldMeshSearch<'s> {
     fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> FieldMeshResult {
         self.mesher.check_precision(length.get())?;
         if self.is_measured {
-            let made =
-                self.measure(mesh_of(&self.mesher.improved_surface(evaluator, length.get())?.surface).0)?;
+            let made = self.by_samples(evaluator, length.get())?;
             return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
         // Without slopes signs are proved by values alone, on pieces as small as the rest of the length.
@@ -142,6 +141,30 @@ impl<'s> FieldMeshSearch<'s> {
         let is_met = bound.at_most().is_some_and(|most| most <= length.get());
         let made = Bounded { shape: mesh, bound };
         if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    }
+
+    /// Makes a mesh and measures it; faces from which the surface is seen to be too far are split. The best one counts.
+    fn by_samples(&self, evaluator: PrimitiveEvaluator<'s>, length: f64) -> FieldMeshResult {
+        let mut improved = self.mesher.improved_surface(evaluator, length)?.surface;
+        let n_first = improved.n_faces();
+        let mut best: Option<Bounded<Mesh>> = None;
+        for round in 0..MOST_ROUNDS {
+            self.job.report(Progress { stage: "measure", done: round as u64, total: MOST_ROUNDS as u64 });
+            let (mesh, numbers) = mesh_of(&improved);
+            let MeasuredDeviation { whole, far } =
+                measured_field_deviation(&mesh, self.field, length, self.job)?;
+            if best.as_ref().is_none_or(|best| whole.bound.at_least() < best.bound.at_least()) {
+                best = Some(Bounded { shape: mesh, bound: whole.bound });
+            }
+            let far: Vec<u32> = far.iter().map(|f| numbers[*f as usize]).collect();
+            let is_hopeless =
+                is_hopeless(far.len(), improved.n_faces()) || improved.n_faces() > SETTLED_GROWTH * n_first;
+            if far.is_empty() || is_hopeless || improved.split_faces(&far)? == 0 {
+                break;
+            }
+            self.mesher.check_size(improved.n_faces() as f64)?;
+        }
+        Ok(best.expect("there is a first round"))
     }
 
     /// Makes a mesh for a fraction of a length and proves it for all of it; unproved faces are split.
@@ -213,7 +236,7 @@ impl<'s> FieldMeshSearch<'s> {
     }
 
     fn measure(&self, mesh: Mesh) -> FieldMeshResult {
-        let found = measured_field_deviation(&mesh, self.field, self.job)?;
+        let found = measured_field_deviation(&mesh, self.field, f64::INFINITY, self.job)?.whole;
         Ok(Bounded { shape: mesh, bound: found.bound })
     }
 

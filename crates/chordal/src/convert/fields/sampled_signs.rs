@@ -1,4 +1,4 @@
-//! `SignLattice`: which points are inside functions that are known only at points.
+//! `SampledSigns`: which points are inside functions that are known only at points.
 //!
 //! Without ranges, nothing but samples tells a large cell from one that the boundary passes. Instead of cutting all of space
 //! into small cells, functions are sampled once on a lattice as dense as the corners of such cells, and a cell stays large
@@ -15,14 +15,14 @@ const STEPS: f64 = 1.74;
 
 /// On which side of some primitives the points of a lattice over the whole cube are.
 #[derive(Debug, Default)]
-pub(super) struct SignLattice {
+pub(super) struct SampledSigns {
     /// Steps along each axis.
     n_steps: usize,
     /// By primitive, if it is sampled: the number of points inside that come before each point along all axes.
     before: Vec<Option<Vec<u32>>>,
 }
 
-impl SignLattice {
+impl SampledSigns {
     /// Samples all primitives with leaves whose range over the cube has no end; `zero` is the side of 0 by primitive.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ mod tests {
     fn counts_of_boxes_are_those_of_their_points() {
         let n = 5;
         let is_inside = |i: usize| (i * i + i / 7) % 3 == 0;
-        let lattice = SignLattice { n_steps: n - 1, before: vec![Some(count_before(n, is_inside)), None] };
+        let lattice = SampledSigns { n_steps: n - 1, before: vec![Some(count_before(n, is_inside)), None] };
         let step = TOP / (n as i64 - 1);
         for low in 0..n {
             for high in low..n {
@@ -126,7 +126,7 @@ mod tests {
                 assert_eq!(lattice.is_inside(1, whole), None);
             }
         }
-        let all = SignLattice { n_steps: n - 1, before: vec![Some(count_before(n, |_| true))] };
+        let all = SampledSigns { n_steps: n - 1, before: vec![Some(count_before(n, |_| true))] };
         assert_eq!(all.is_inside(0, [[1; 3], [TOP - 1; 3]]), Some(true));
     }
 }
