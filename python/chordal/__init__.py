@@ -18,6 +18,7 @@ The words of shape scripts (`box`, `sphere`, `union`, `spline`, `x`, …) are in
 from typing import TYPE_CHECKING
 
 from chordal import shapes
+from chordal._assembly import Placed, scene
 from chordal._batch import batch
 from chordal._blockwise.tasks import Block
 from chordal._blockwise.level_files import MeshLevel
@@ -40,6 +41,7 @@ from chordal._errors import (
 from chordal._field import Field, Formula, field, script
 from chordal._levels import Level, Levels
 from chordal._load import load
+from chordal._material import Material
 from chordal._mesh import Mesh
 from chordal._picture import Picture
 from chordal._pieces import concatenate
@@ -83,12 +85,14 @@ __all__ = [
     "InternalError",
     "Level",
     "Levels",
+    "Material",
     "Mesh",
     "MeshLevel",
     "Node",
     "OneSided",
     "Part",
     "Picture",
+    "Placed",
     "Polyline",
     "Polylines",
     "ReadError",
@@ -118,6 +122,7 @@ __all__ = [
     "mesh",
     "plot_error",
     "render",
+    "scene",
     "script",
     "shapes",
     "union",

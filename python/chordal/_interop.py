@@ -10,6 +10,7 @@ from chordal import _chordal
 from chordal._arguments import warn
 from chordal._libraries import library
 from chordal._scene import first_of
+from chordal._trimesh_to_scene import is_trimesh_scene, scene_of_trimesh
 from chordal._units import TRIMESH_NAMES
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
     name here; None where it is none."""
     from chordal._mesh import Mesh
 
+    if is_trimesh_scene(thing):
+        return scene_of_trimesh(thing, weld=weld, unit=_unit_of(thing))
     for is_one, arrays in _KNOWN:
         if is_one(thing):
             return Mesh(**arrays(thing), weld=weld, unit=_unit_of(thing))
@@ -37,7 +40,7 @@ def _unit_of(thing: Any) -> str | None:
 
 def mesh_like(thing: Any) -> bool:
     """Whether it is a mesh of another library."""
-    return any(is_one(thing) for is_one, _ in _KNOWN)
+    return is_trimesh_scene(thing) or any(is_one(thing) for is_one, _ in _KNOWN)
 
 
 def _has(thing: Any, *names: str) -> bool:
@@ -194,8 +197,9 @@ class Interoperable:
     @classmethod
     def from_(cls, thing: Any, *, weld: bool = False) -> Mesh:
         """The mesh of an object of trimesh, PyVista, Open3D, manifold3d or meshio, or of anything that has `vertices` and
-        `faces`: positions, faces, and normals, texture coordinates and colours of vertices; the unit of trimesh. Materials and
-        other data of theirs stay behind, and so does the bound; to keep these, go through a file. `weld` is as for `Mesh`.
+        `faces`: positions, faces, and normals, texture coordinates and colours of vertices; the unit of trimesh. A scene of trimesh
+        comes with its nodes and materials. Materials of single meshes and other data of theirs stay behind, and so does the
+        bound; to keep these, go through a file. `weld` is as for `Mesh`.
 
         >>> import chordal, types
         >>> other = types.SimpleNamespace(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)])

@@ -205,3 +205,29 @@ def test_trimesh_gets_the_unit_and_what_it_does_not_get_is_told() -> None:
     painted = trimesh.Trimesh(POINTS[:3], [(0, 1, 2)], process=False, face_colors=[[255, 0, 0, 255]])
     with pytest.warns(UserWarning, match="colours of faces"):
         chordal.Mesh.from_(painted)
+
+
+def test_a_scene_of_trimesh_comes_with_places_and_materials() -> None:
+    trimesh = library("trimesh")
+    box = trimesh.creation.box()
+    red = trimesh.visual.material.PBRMaterial(name="red", baseColorFactor=[255, 0, 0, 255], metallicFactor=0.25, roughnessFactor=0.5)
+    ball = trimesh.creation.icosphere(subdivisions=1)
+    ball.visual = trimesh.visual.TextureVisuals(uv=ball.vertices[:, :2], material=red)
+    moved = trimesh.transformations.translation_matrix((3, 0, 0))
+    theirs = trimesh.Scene({"box": box, "ball": ball})
+    theirs.add_geometry(trimesh.load_path([[0, 0], [1, 1]]), geom_name="line")
+    theirs.graph.update("far", geometry="ball", matrix=moved)
+    with pytest.warns(UserWarning, match="Path2D: these stay behind"):
+        ours = chordal.Mesh.from_(theirs)
+    assert len(ours.parts) == 2 and {node.name for node in ours.nodes} == {"box", "ball", "far"}
+    assert ours.materials == [
+        {
+            "name": "red",
+            "pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 0.5, "baseColorFactor": [1, 0, 0, 1]},
+        }
+    ]
+    assert np.allclose(ours.bounds, [(-1, -1, -1), (4, 1, 1)])
+    assert np.isclose(ours.volume, box.volume + 2 * ball.volume)
+    assert chordal.mesh(chordal.scene(trimesh.Scene(box)), tol=0.1).is_watertight
+    with pytest.raises(ValueError, match="no mesh in this scene"):
+        chordal.Mesh.from_(trimesh.Scene())

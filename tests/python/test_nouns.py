@@ -48,12 +48,14 @@ def nouns(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "InternalError": chordal.InternalError("broken"),
         "Level": levels[0],
         "Levels": levels,
+        "Material": chordal.Material("red", color="#f00", texture=b"1234"),
         "Mesh": solid,
         "MeshLevel": chordal.MeshLevel(solid.bound, 4, 1),
         "Node": solid.nodes[0],
         "OneSided": deviation.forward,
         "Part": solid.parts[0],
         "Picture": sphere(1).render(size=(16, 12)),
+        "Placed": chordal.Placed(solid, (1, 0, 0), name="a"),
         "Polyline": lines[0],
         "Polylines": lines,
         "ReadError": chordal.ReadError("code", "line 1", "wrong"),
@@ -69,7 +71,7 @@ def nouns(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 CLASSES = [name for name in chordal.__all__ if isinstance(getattr(chordal, name), type) and name not in ABSTRACT]
 #: Values, which are what they say: two of them are equal where all of that is.
-VALUES = {"Block", "Bound", "Deviation", "MeshLevel", "Node", "OneSided", "Report", "Tileset", "View"}
+VALUES = {"Block", "Bound", "Deviation", "Material", "MeshLevel", "Node", "OneSided", "Report", "Tileset", "View"}
 
 
 @pytest.mark.parametrize("name", CLASSES)

@@ -46,6 +46,12 @@ assert_type(mesh.bound.is_within(0.1), bool)
 assert_type(mesh.report.bound, chordal.Bound | None)
 assert_type(mesh.export("a.stl").bound, chordal.Bound | None)
 
+# Scenes.
+steel = chordal.Material("steel", color="#889", metallic=1)
+table = chordal.scene({"top": mesh, "leg": chordal.Placed(mesh, [(0, 0, 0), (1, 0, 0)], material=steel)}, unit="mm")
+assert_type(table, chordal.Mesh)
+assert_type(table.nodes[0].children, tuple[int, ...])
+
 # Fields, formulas, curves, volumes.
 assert_type(chordal.field(distance, bounds=((-1, -1, -1), (1, 1, 1))), chordal.Field)
 assert_type(chordal.field(lambda p: p[:, 2])([[0, 0, 0]]), NDArray[np.float64])

@@ -135,6 +135,14 @@ pub(crate) fn scene_image<'py>(
     }
 }
 
+/// How far what a scene shows is from what it was composed of, where it is known of some nodes how far all below them is.
+#[pyfunction]
+pub(crate) fn composed_bound(py: Python<'_>, source: &Source, known: Vec<(usize, f64)>) -> PyResult<f64> {
+    let input = Arc::clone(source.input());
+    let found = work::run(py, None, move |_| Some(chordal_verbs::composed_bound(scene_in(&input)?, &known)))?;
+    found.ok_or_else(|| failure::internal(py, "these are no triangles"))
+}
+
 /// A text and blocks of bytes.
 type StateBytes<'py> = (String, Vec<Bound<'py, PyBytes>>);
 

@@ -120,7 +120,7 @@ pub use seal::seal_of;
 pub use shape::Shape;
 pub use smoothing_width::SmoothingWidth;
 pub use spec::BudgetSpec;
-pub use transform::{MovedScene, transform};
+pub use transform::{MovedScene, composed_bound, transform};
 pub use verify::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, verify};
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 

@@ -75,6 +75,37 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteE
     Ok(MovedScene { scene: moved, longest, shortest, rounding })
 }
 
+/// How far what a scene shows is from what it was composed of, rounded up: where `known` says of nodes how far all below
+/// them is from the truth, in their own coordinates, and of all else that it is the truth. The nodes stretch that on their
+/// way up, and their rounding is added.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_verbs::{Frame, Scene, composed_bound};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut scene = Scene::from_mesh("triangle", mesh, Frame::default());
+/// assert_eq!(composed_bound(&scene, &[(0, 0.5)]), 0.5);
+/// (scene.nodes[0].matrix[0], scene.nodes[0].matrix[5], scene.nodes[0].matrix[10]) = (3.0, 3.0, 3.0);
+/// assert!((1.5..1.5 + 1e-13).contains(&composed_bound(&scene, &[(0, 0.5)])));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn composed_bound(scene: &Scene, known: &[(usize, f64)]) -> f64 {
+    let mut stretches = vec![0.0; scene.nodes.len()];
+    let mut open: Vec<(usize, f64)> = scene.roots.iter().map(|root| (*root, 1.0)).collect();
+    while let Some((at, above)) = open.pop() {
+        let node = &scene.nodes[at];
+        stretches[at] = scaled_up(largest_stretch(&node.matrix), above);
+        open.extend(node.children.iter().map(|child| (*child, stretches[at])));
+    }
+    let stretched = |(at, off): &(usize, f64)| scaled_up(*off, stretches.get(*at).copied().unwrap_or(0.0));
+    // What is not moved is not rounded, and a sum is rounded up even where nothing is added.
+    let moved = part_placements(scene).into_iter().filter(|place| !place.is_identity);
+    let rounding = moved.map(|place| place.rounding(&scene.parts[place.part])).fold(0.0, greater);
+    let off = known.iter().map(stretched).fold(0.0, greater);
+    if rounding > 0.0 { add_up(off, rounding) } else { off }
+}
+
 /// Whether every part is shown once and as it is, by a node that says nothing else.
 fn is_plain(scene: &Scene) -> bool {
     let mut shown = vec![0_u32; scene.parts.len()];
@@ -103,6 +134,25 @@ mod tests {
     fn triangle() -> Scene {
         let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
         Scene::from_mesh("triangle", mesh.expect("valid"), Frame::default())
+    }
+
+    #[test]
+    fn bounds_of_composed_scenes_are_stretched_by_every_node_above() {
+        let mut scene = triangle();
+        let mut twice = Node { children: vec![0], ..Node::default() };
+        (twice.matrix[0], twice.matrix[5], twice.matrix[10]) = (2.0, 2.0, 2.0);
+        scene.nodes.push(Node { children: vec![1], ..twice.clone() });
+        scene.nodes.insert(1, twice);
+        scene.roots = vec![2];
+        let near = |found: f64, wanted: f64| (wanted..wanted + 1e-13).contains(&found);
+        assert!(
+            near(composed_bound(&scene, &[(0, 1.0)]), 4.0) && near(composed_bound(&scene, &[(1, 1.0)]), 4.0)
+        );
+        assert!(near(composed_bound(&scene, &[(2, 1.0), (0, 0.25)]), 2.0));
+        // What is moved is rounded, whatever is known of it.
+        let rounding = composed_bound(&scene, &[]);
+        assert!(rounding > 0.0 && rounding < 1e-13);
+        assert!(composed_bound(&triangle(), &[]) <= 0.0);
     }
 
     #[test]

@@ -1,0 +1,160 @@
+"""`Material`: what a surface looks like."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
+
+from chordal import _files
+from chordal._arguments import number
+from chordal._picture import Picture
+
+#: A file of PNG or JPEG, by its path or its bytes, or a picture.
+Image = str | os.PathLike[str] | bytes | Picture
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from numpy.typing import NDArray
+
+    #: Red, green and blue, and perhaps alpha, from 0 to 1, or a text as in "#d33" or "#dd3333".
+    _Color: TypeAlias = str | Sequence[SupportsFloat] | NDArray[Any]
+
+#: How the files begin that glTF holds.
+_IMAGES = ((b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg"))
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a surface looks like, in the terms of glTF. `Placed` gives one to a mesh.
+
+    >>> import chordal
+    >>> red = chordal.Material("red", color="#d33", roughness=0.4)
+    >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    >>> chordal.scene(chordal.Placed(one, material=red)).materials[0]["name"]
+    'red'
+    """
+
+    #: Its name.
+    name: str = ""
+    #: The colour: three or four numbers from 0 to 1, which are linear, as in glTF; or a text as in "#d33" or "#dd3333", which
+    #: is sRGB, as in CSS. It multiplies that of the texture.
+    color: _Color = (1.0, 1.0, 1.0)
+    #: How much of a metal it is, from 0 to 1.
+    metallic: float = 0.0
+    #: How rough it is, from 0, a mirror, to 1.
+    roughness: float = 1.0
+    #: The light that it gives by itself, as `color`.
+    emissive: _Color = (0.0, 0.0, 0.0)
+    #: A picture of its colour, over the texture coordinates of the mesh.
+    texture: Image | None = None
+    #: One of `roughness` in green and `metallic` in blue.
+    metallic_roughness_texture: Image | None = None
+    #: One of its normals.
+    normal_texture: Image | None = None
+    #: One of the light that reaches it, in red.
+    occlusion_texture: Image | None = None
+    #: One of `emissive`.
+    emissive_texture: Image | None = None
+    #: Whether its back is drawn, too.
+    double_sided: bool = False
+    #: What alpha does: nothing; "mask", which leaves away what is below `cutoff`; or "blend".
+    alpha: Literal["opaque", "mask", "blend"] = "opaque"
+    #: The least alpha that is drawn, for "mask".
+    cutoff: float = 0.5
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise TypeError(f"name: a text, not {type(self.name).__name__}")
+        own: dict[str, Any] = {"color": _color("color", self.color, 4), "emissive": _color("emissive", self.emissive, 3)}
+        for name in ("metallic", "roughness", "cutoff"):
+            own[name] = _share(name, getattr(self, name))
+        if self.alpha not in ("opaque", "mask", "blend"):
+            raise ValueError(f"alpha: opaque, mask or blend, not {self.alpha!r}")
+        for name, value in own.items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        said = [repr(self.name)] if self.name else []
+        for one in fields(self)[1:]:
+            value = getattr(self, one.name)
+            if isinstance(value, tuple):
+                # Alpha that is 1 is not said.
+                value = value[:3] if value[3:] == (1.0,) else value
+            if value != one.default:
+                said.append(f"{one.name}={f'<{len(value):,} bytes>' if isinstance(value, bytes) else repr(value)}")
+        return f"Material({', '.join(said)})"
+
+
+def image_of(name: str, image: object) -> tuple[bytes, str]:
+    """A file of a picture, with the name of its format."""
+    if isinstance(image, Picture):
+        content = image.to_bytes("png")
+    elif isinstance(image, (bytes, bytearray, memoryview)):
+        content = bytes(image)
+    elif isinstance(image, (str, os.PathLike)):
+        content = _files.read(image)
+    else:
+        raise TypeError(f"{name}: a path, the bytes of a file or a Picture, not {type(image).__name__}")
+    kind = next((kind for mark, kind in _IMAGES if content.startswith(mark)), None)
+    if kind is None:
+        raise ValueError(f"{name}: a file of PNG or JPEG, as glTF holds it; this one begins with {content[:4]!r}")
+    return content, kind
+
+
+def gltf_of(material: Material, texture: Any) -> dict[str, Any]:
+    """A material as glTF describes it, where `texture` makes the number of a picture by its name and itself."""
+    color, emissive = list(material.color), list(material.emissive)
+    surface: dict[str, Any] = {"metallicFactor": material.metallic, "roughnessFactor": material.roughness}
+    surface |= {} if color == [1.0] * 4 else {"baseColorFactor": color}
+    found: dict[str, Any] = {"name": material.name} if material.name else {}
+    found["pbrMetallicRoughness"] = surface
+    places = (
+        ("texture", surface, "baseColorTexture"),
+        ("metallic_roughness_texture", surface, "metallicRoughnessTexture"),
+        ("normal_texture", found, "normalTexture"),
+        ("occlusion_texture", found, "occlusionTexture"),
+        ("emissive_texture", found, "emissiveTexture"),
+    )
+    for name, place, title in places:
+        image = getattr(material, name)
+        if image is not None:
+            place[title] = {"index": texture(name, image)}
+    found |= {} if emissive == [0.0] * 3 else {"emissiveFactor": emissive}
+    found |= {"doubleSided": True} if material.double_sided else {}
+    if material.alpha != "opaque":
+        found["alphaMode"] = material.alpha.upper()
+    if material.alpha == "mask":
+        found["alphaCutoff"] = material.cutoff
+    return found
+
+
+def _share(name: str, value: object) -> float:
+    found = number(name, value)
+    if not 0 <= found <= 1:
+        raise ValueError(f"{name}: from 0 to 1, not {found:g}")
+    return found
+
+
+def _color(name: str, color: object, width: int) -> tuple[float, ...]:
+    if isinstance(color, str):
+        return (*_of_text(name, color), 1.0)[:width] if len(color) in (4, 7) else _of_text(name, color)[:width]
+    parts = color.tolist() if hasattr(color, "tolist") else color
+    if not isinstance(parts, (list, tuple)) or len(parts) not in (3, width):
+        form = "three or four numbers" if width == 4 else "three numbers"
+        raise ValueError(f'{name}: {form} from 0 to 1, or a text as in "#d33", not {color!r}')
+    shares = tuple(_share(name, part) for part in parts)
+    return (*shares, 1.0)[:width]
+
+
+def _of_text(name: str, text: str) -> tuple[float, ...]:
+    """The numbers of "#rgb", "#rrggbb" or "#rrggbbaa", with light instead of sRGB."""
+    digits = text.removeprefix("#")
+    digits = "".join(2 * digit for digit in digits) if len(digits) == 3 else digits
+    if not text.startswith("#") or len(digits) not in (6, 8) or any(digit not in "0123456789abcdefABCDEF" for digit in digits):
+        raise ValueError(f'{name}: a text as in "#d33" or "#dd3333", not {text!r}')
+    shares = [int(digits[k : k + 2], 16) / 255 for k in range(0, len(digits), 2)]
+    # The curve of sRGB (IEC 61966-2-1:1999); six digits, so that it is the same number everywhere.
+    light = [share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares[:3]]
+    return (*(round(share, 6) for share in light), *shares[3:])
