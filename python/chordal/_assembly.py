@@ -216,7 +216,9 @@ class _Assembly:
         import numpy as np
 
         if self.assets.has_textures(material) and all(one["kind"] != "uv" for one in part["attributes"]):
-            raise ValueError("material: it has a texture, and the mesh no texture coordinates to put it on, as Mesh(…, uv=) takes")
+            raise ValueError(
+                "material: it has a texture, and the mesh no texture coordinates to put it on, as Mesh(…, uv=) takes"
+            )
         # Three indices of four bytes.
         n_faces = len(blocks[part["faces"]]) // 12
         own = {"kind": "group", "of": "material", "domain": "face", "width": 1, "block": len(blocks)}
@@ -288,7 +290,9 @@ def _one_unit(frames: list[dict[str, Any]], metres: float | None) -> float | Non
     if len(units) > 1:
         names = {float(exact): name for name, exact in METRES.items()}
         said = ", ".join(sorted("none" if one is None else names.get(one, f"{one:g} m") for one in units))
-        raise ValueError(f"things: they are in different units ({said}); to_unit makes them one, and unit= says that of those with none")
+        raise ValueError(
+            f"things: they are in different units ({said}); to_unit makes them one, and unit= says that of those with none"
+        )
     return units.pop()
 
 

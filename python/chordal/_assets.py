@@ -63,7 +63,9 @@ class Assets:
             elif isinstance(material, Mapping):
                 found = json.loads(json.dumps(dict(material)))
                 if any(_textures_in(found)):
-                    raise ValueError("material: textures of a dictionary are those of another file; a Material takes pictures")
+                    raise ValueError(
+                        "material: textures of a dictionary are those of another file; a Material takes pictures"
+                    )
             else:
                 raise TypeError(f"material: a Material, or a dictionary as of glTF, not {type(material).__name__}")
             self._given[id(material)] = material, len(self.materials)

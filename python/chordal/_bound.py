@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from typing import Any, SupportsFloat
 
+from chordal._hints import Guessed
 from chordal._table import table
 
 
 @dataclass(frozen=True)
-class Bound:
+class Bound(Guessed):
     """What was lost: an interval that holds the distance between the true shape and the one that was made.
 
     >>> import chordal

@@ -308,8 +308,9 @@ class Field(Shape):
     def _repr_html_(self) -> str:
         outside, inside = self.distance
         box = " to ".join(f"({', '.join(f'{x:.6g}' for x in corner)})" for corner in self.bounds)
-        rows = [("outside", outside), ("inside", inside), ("evidence", self.evidence), ("box", box), ("terms", f"{self._value.terms:,}")]
-        return table("Field", [*rows, *(("assumed", text) for text in self.assumptions), *(("note", text) for text in self.notes)])
+        rows = [("outside", outside), ("inside", inside), ("evidence", self.evidence), ("box", box)]
+        rows += [("terms", f"{self._value.terms:,}"), *(("assumed", text) for text in self.assumptions)]
+        return table("Field", [*rows, *(("note", text) for text in self.notes)])
 
     def __repr__(self) -> str:
         outside, inside = self.distance

@@ -6,267 +6,13 @@ import difflib
 import functools
 import inspect
 import types
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from chordal._guessed_names import NOUNS
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-_FEWER = "shape.mesh(triangles=5000), or shape.mesh(tol=0.01) for the fewest within a length"
-_BOUNDED = "Chordal has none, for nothing would bound what it does"
-
-#: What all shapes do.
-_VERBS: dict[str, str] = {
-    **dict.fromkeys(
-        ("simplify", "decimate", "decimate_pro", "reduce", "remesh", "tessellate", "triangulate", "to_mesh")
-        + ("simplify_quadric_decimation", "simplify_quadratic_decimation", "simplify_vertex_clustering"),
-        _FEWER,
-    ),
-    **dict.fromkeys(("save", "write", "save_mesh", "write_mesh", "dump"), 'shape.export("a.stl"), or shape.to_bytes("stl")'),
-    **dict.fromkeys(("fill_holes", "close_holes"), "shape.mend(fill_holes=True)"),
-    **dict.fromkeys(
-        ("weld", "merge_vertices", "merge_close_vertices", "remove_duplicated_vertices"),
-        "shape.mend(weld=True), or shape.mend(weld=1e-6) for vertices that are nearly one",
-    ),
-    **dict.fromkeys(("clean", "repair", "process", "fix", "make_watertight", "make_manifold"), "shape.mend(all=True)"),
-    **dict.fromkeys(
-        ("fix_normals", "fix_winding", "flip_normals", "orient", "orient_triangles", "invert"), "shape.mend(orient=True)"
-    ),
-    **dict.fromkeys(("remove_degenerate_faces", "remove_degenerate_triangles"), "shape.mend(drop_degenerate=True)"),
-    **dict.fromkeys(("remove_duplicate_faces", "remove_duplicated_triangles"), "shape.mend(drop_duplicates=True)"),
-    **dict.fromkeys(("remove_unreferenced_vertices", "remove_unused_points"), "shape.mend(drop_unused=True)"),
-    **dict.fromkeys(
-        ("signed_distance", "implicit_distance", "compute_implicit_distance", "sdf"),
-        "shape.to_field()(points), negative inside",
-    ),
-    **dict.fromkeys(("contains", "select_enclosed_points", "is_inside"), "shape.to_field()(points) < 0"),
-    **dict.fromkeys(
-        ("nearest", "proximity", "closest_point", "find_closest_cell", "nearest_point"),
-        "shape.to_field()(points) for distances; nearest points are those of to_trimesh().nearest",
-    ),
-    **dict.fromkeys(("distance", "hausdorff", "hausdorff_distance", "compare"), "shape.deviation(other)"),
-    **dict.fromkeys(
-        ("voxelized", "voxelize", "voxels"), "shape.bake(cells=64), the distances on a lattice; samples below 0 are inside"
-    ),
-    "boolean_union": "shape.union(other), or a | b",
-    "boolean_difference": "shape.difference(other), or a - b",
-    "boolean_intersection": "shape.intersection(other), or a & b",
-    "boolean": "shape.union, difference and intersection",
-    "levels": "shape.lod(…)",
-    **dict.fromkeys(("to_file", "to_stl", "to_gltf"), 'shape.export("a.glb")'),
-    **dict.fromkeys(("screenshot", "save_image", "picture"), 'shape.render(…).export("a.png")'),
-}
-
-#: What only a mesh does or has.
-_MESHES: dict[str, str] = {
-    **dict.fromkeys(("plot", "view", "display"), 'mesh.show(), in a notebook; else mesh.render().export("a.png")'),
-    **dict.fromkeys(("n_faces", "n_cells", "num_faces", "n_triangles"), "len(mesh.faces)"),
-    **dict.fromkeys(("n_points", "n_vertices", "num_vertices"), "len(mesh.vertices)"),
-    **dict.fromkeys(("points", "verts", "positions", "v"), "mesh.vertices"),
-    **dict.fromkeys(("triangles", "cells", "f", "indices", "regular_faces"), "mesh.faces"),
-    **dict.fromkeys(("watertight", "is_closed", "is_manifold", "is_volume", "is_solid"), "mesh.is_watertight"),
-    **dict.fromkeys(("bounding_box", "bbox", "aabb"), "mesh.bounds and mesh.extents"),
-    **dict.fromkeys(("error", "max_error", "tolerance", "quality"), "mesh.bound"),
-    **dict.fromkeys(("units", "length_unit"), "mesh.unit"),
-    **dict.fromkeys(("convert_units", "to_units"), 'mesh.to_unit("mm")'),
-    **dict.fromkeys(("apply_transform", "transformed"), "mesh.transform(matrix), a new mesh"),
-    **dict.fromkeys(("apply_translation", "translated", "move", "moved"), "mesh.translate((x, y, z)), a new mesh"),
-    **dict.fromkeys(("apply_scale", "scaled"), "mesh.scale(2), a new mesh"),
-    **dict.fromkeys(
-        ("rotated", "rotate_x", "rotate_y", "rotate_z", "rotate_vector"), 'mesh.rotate("z", 90), in degrees: a new mesh'
-    ),
-    **dict.fromkeys(("mirror", "reflect"), "mesh.scale((-1, 1, 1)), a new mesh"),
-    **dict.fromkeys(("concatenate", "append", "merge"), "chordal.concatenate([a, b])"),
-    **dict.fromkeys(("to_3dtiles", "tiles", "tileset", "to_tileset"), "mesh.lod(…).export(folder)"),
-    **dict.fromkeys(
-        ("to_neuroglancer", "neuroglancer", "precomputed", "to_precomputed"),
-        'chordal.block_volume(labels, unit="nm").precomputed_levels(folder), of samples',
-    ),
-    **dict.fromkeys(("area_faces", "face_areas"), "mesh.area is that of all; of each: mesh.to_trimesh()"),
-    **dict.fromkeys(("components", "connectivity", "split_bodies"), "mesh.split()"),
-    **dict.fromkeys(("body_count", "n_components"), "len(mesh.split())"),
-    **dict.fromkeys(("centroid", "center_of_mass", "center"), "mesh.center_mass"),
-    **dict.fromkeys(("geometry", "meshes", "blocks"), "mesh.parts"),
-    **dict.fromkeys(("graph", "scene"), "mesh.nodes and mesh.roots"),
-    **dict.fromkeys(("visual", "texture"), "mesh.uv, mesh.colors, mesh.materials, mesh.textures and mesh.images"),
-    **dict.fromkeys(("point_normals", "normal"), "mesh.vertex_normals"),
-    **dict.fromkeys(("compute_normals", "compute_vertex_normals"), "mesh.vertex_normals and mesh.face_normals"),
-    "cell_normals": "mesh.face_normals",
-    **dict.fromkeys(("curvature", "curvatures", "mean_curvature"), "mesh.vertex_curvature()"),
-    "gaussian_curvature": 'mesh.vertex_curvature("gaussian")',
-    **dict.fromkeys(("as_trimesh", "trimesh"), "mesh.to_trimesh()"),
-    **dict.fromkeys(("as_pyvista", "to_polydata"), "mesh.to_pyvista()"),
-    "copy": "copy.copy(mesh), which is the mesh itself: it does not change",
-    **dict.fromkeys(("contour", "isosurface"), "mesh.to_field().offset(distance).mesh(tol=0.01)"),
-}
-
-#: What a mesh of other libraries does and ours does not: the way there.
-_ELSEWHERE: dict[str, str] = {
-    **{
-        name: f"{_BOUNDED}: mesh.to_trimesh().{name}, or mesh.to_pyvista(), and back by Mesh.from_"
-        for name in ("convex_hull", "subdivide", "subdivide_loop", "smoothed", "unwrap", "moment_inertia", "ray", "sample")
-        + ("edges", "edges_unique", "face_adjacency", "bounding_sphere", "bounding_box_oriented", "section", "submesh")
-        + ("slice_plane", "update_faces", "principal_inertia_transform")
-    },
-    **{
-        name: f"{_BOUNDED}: mesh.to_pyvista().{name}(…), or mesh.to_trimesh(), and back by Mesh.from_"
-        for name in ("smooth", "smooth_taubin", "clip", "slice", "geodesic", "ray_trace", "delaunay_3d")
-        + ("extract_surface", "compute_cell_sizes")
-    },
-    "sample_points_uniformly": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",
-}
-
-_VOLUMES: dict[str, str] = {
-    **dict.fromkeys(
-        ("marching_cubes", "contour", "isosurface", "extract_surface", "flying_edges", "threshold"), "volume.mesh(iso=0.5)"
-    ),
-    "contour_labels": 'volume.mesh(labels="all")',
-    **dict.fromkeys(("values", "data", "samples", "voxels", "to_numpy", "numpy"), "volume.array"),
-    **dict.fromkeys(("min", "max", "mean", "std"), "the same of volume.array"),
-    **dict.fromkeys(("dimensions", "dims", "size"), "volume.shape"),
-    **dict.fromkeys(("resample", "crop", "gaussian_smooth"), "chordal.volume of an array that scipy.ndimage makes"),
-    **dict.fromkeys(("transform", "matrix", "orientation", "direction"), "volume.affine"),
-    "labels": 'volume.mesh(labels="all"), or chordal.labels(array)',
-    **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "volume.mesh(iso=0.5).to_trimesh()"),
-    **dict.fromkeys(("tileset", "precomputed", "to_3dtiles"), "that of chordal.block_volume(array)"),
-}
-
-_FIELDS: dict[str, str] = {
-    **dict.fromkeys(("signed_distance", "sdf", "evaluate", "eval", "values", "f"), "field(points), n × 3"),
-    "contains": "field(points) < 0",
-    **dict.fromkeys(("translate", "moved", "at"), "field.move(x, y, z)"),
-    **dict.fromkeys(("scaled", "rotated"), "field.scale(k) and field.rotate(axis, degrees)"),
-    **dict.fromkeys(("round", "dilate", "grow", "erode"), "field.offset(distance)"),
-    **dict.fromkeys(("hollow", "thicken"), "field.shell(thickness)"),
-    **dict.fromkeys(("normal", "normals"), "field.gradient(points)"),
-    **dict.fromkeys(("blend", "smooth_union"), "chordal.shapes.smooth_union(a, b, radius)"),
-    **dict.fromkeys(("volume", "area", "is_watertight"), "that of its mesh: field.mesh(tol=0.01)"),
-    **dict.fromkeys(("marching_cubes", "to_mesh", "generate"), "field.mesh(tol=0.01)"),
-    **dict.fromkeys(
-        ("sample", "grid", "to_grid", "sample_grid", "to_volume", "voxels", "rasterize"),
-        "field.bake(cells=64), or field(points) of an array whose last axis is 3 long",
-    ),
-    **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "field.mesh(tol=0.01).to_trimesh()"),
-}
-
-_PICTURES: dict[str, str] = {
-    **dict.fromkeys(("save", "write", "to_file"), 'picture.export("a.png")'),
-    **dict.fromkeys(("to_pil", "image"), "PIL.Image.fromarray(picture.array)"),
-    **dict.fromkeys(("data", "numpy", "to_numpy", "pixels"), "picture.array"),
-    **dict.fromkeys(("show", "plot", "display"), "the picture itself, as the last line of a cell"),
-    **dict.fromkeys(("size", "width", "height", "shape"), "picture.array.shape: height, width, 4"),
-}
-
-_LEVELS: dict[str, str] = {
-    **dict.fromkeys(("save", "write"), 'levels.export("a.glb")'),
-    **dict.fromkeys(("meshes", "levels"), "[level.mesh for level in levels]"),
-}
-
-_DEVIATIONS: dict[str, str] = {
-    **dict.fromkeys(("max", "hausdorff", "distance", "value"), "deviation.at_most"),
-    **dict.fromkeys(("mean", "rms"), "mesh.vertex_deviation(other).mean(), of vertices alone"),
-}
-
-#: What shapes do and what has a `shape()` does not.
-_OF_SHAPES = ("mesh", "lod", "inspect", "deviation", "bake", "render", "show", "export", "to_bytes", "to_field", "union")
-
-_CURVES: dict[str, str] = {
-    **{name: f"curve.shape().{name}(…)" for name in _OF_SHAPES},
-    "mesh": "curve.shape().mesh(tol=0.01) fills a closed one; curve.flatten(tol=0.01) makes lines",
-    **dict.fromkeys(
-        ("discretize", "tessellate", "to_polyline", "polyline", "sample", "points", "interpolate", "subdivide"),
-        "curve.flatten(tol=0.01).points, or curve.points_at(t) for parameters",
-    ),
-    **dict.fromkeys(("evaluate", "eval", "point", "point_at", "at", "value"), "curve.points_at(t)"),
-    **dict.fromkeys(("derivative", "tangent", "tangents", "velocity"), "curve.derivatives(t)"),
-    **dict.fromkeys(("is_closed",), "curve.closed"),
-    **dict.fromkeys(("extruded", "sweep", "linear_extrude"), "curve.extrude(…)"),
-    **dict.fromkeys(("revolved", "rotate_extrude", "lathe"), "curve.revolve(…)"),
-}
-
-_CAGES: dict[str, str] = {
-    **{name: f"cage.shape().{name}(…)" for name in _OF_SHAPES},
-    **dict.fromkeys(("vertices", "points", "verts"), "cage.positions"),
-    **dict.fromkeys(("subdivide", "subdivided", "refine", "catmull_clark", "loop"), "cage.refined(levels)"),
-    **dict.fromkeys(("limit", "limit_surface", "tessellate", "triangulate"), "cage.shape().mesh(tol=0.01)"),
-}
-
-_BLOCKS: dict[str, str] = {
-    **dict.fromkeys(("array", "values", "data", "to_numpy"), "chordal.volume(…) holds samples in memory"),
-    **dict.fromkeys(("lod", "levels", "to_3dtiles", "tiles"), "volume.tileset(folder, iso=…)"),
-    **dict.fromkeys(("chunks", "chunk_shape", "block_shape"), "block= of volume.mesh and the others"),
-    **dict.fromkeys(("marching_cubes", "contour", "isosurface"), "volume.mesh(iso=0.5)"),
-    **dict.fromkeys(
-        ("neuroglancer", "to_neuroglancer", "to_precomputed", "fragments", "multiresolution"),
-        "volume.precomputed_levels(folder), or volume.precomputed(folder)",
-    ),
-}
-
-_LINES: dict[str, str] = {
-    **dict.fromkeys(("save", "write"), 'lines.export("a.svg")'),
-    **dict.fromkeys(("vertices", "coords", "xy"), "lines.points"),
-    **dict.fromkeys(("error", "max_error"), "lines.bound"),
-}
-
-_FROM = "chordal.Mesh.from_(thing)"
-_CLASSES: dict[str, str] = {
-    **dict.fromkeys(("bezier", "spline", "nurbs", "arc"), "the functions of chordal.shapes"),
-    **dict.fromkeys(("from_trimesh", "from_pyvista", "from_open3d", "from_meshio", "from_manifold3d", "wrap"), _FROM),
-    **dict.fromkeys(("load", "read", "from_file", "open", "load_mesh", "from_bytes"), 'chordal.load("a.stl")'),
-    **dict.fromkeys(("from_array", "from_numpy", "from_arrays"), "chordal.Mesh(vertices, faces), or chordal.volume(array)"),
-}
-
-_MODULE: dict[str, str] = {
-    **_CLASSES,
-    **_VERBS,
-    **dict.fromkeys(
-        ("save", "write", "save_mesh", "write_mesh", "export"), 'shape.export("a.stl"), or chordal.convert(shape, path)'
-    ),
-    **dict.fromkeys(("read_mesh", "read_image", "imread", "read_volume"), 'chordal.load("a.nrrd")'),
-    **dict.fromkeys(("marching_cubes", "isosurface", "contour"), "chordal.volume(array).mesh(iso=0.5)"),
-    **dict.fromkeys(("Trimesh", "PolyData", "TriangleMesh"), "chordal.Mesh(vertices, faces)"),
-    **dict.fromkeys(("ImageData", "UniformGrid", "Image", "Grid"), "chordal.volume(array, spacing=…)"),
-    **dict.fromkeys(("SDF", "sdf3"), "chordal.field(function, bounds=…)"),
-    "boolean": "chordal.union, chordal.difference and chordal.intersection",
-    "boolean_union": "chordal.union(a, b)",
-    "boolean_difference": "chordal.difference(a, b)",
-    "boolean_intersection": "chordal.intersection(a, b)",
-    "merge": "chordal.concatenate([a, b]), or chordal.union(a, b) for one closed mesh",
-    **dict.fromkeys(("plot", "show"), 'mesh.show(), in a notebook; else shape.render().export("a.png")'),
-    "to_trimesh": "mesh.to_trimesh()",
-    "sample": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",
-    **dict.fromkeys(("patches", "bezier", "spline", "nurbs", "arc"), "the functions of chordal.shapes"),
-}
-
-_SHAPES: dict[str, str] = {
-    **dict.fromkeys(("cube", "Box", "Cube"), "box(x, y, z)"),
-    **dict.fromkeys(("Sphere", "ball", "icosphere", "uv_sphere"), "sphere(radius)"),
-    **dict.fromkeys(("Cylinder",), "cylinder(radius, height)"),
-    **dict.fromkeys(("Torus", "donut"), "torus(major, minor)"),
-    **dict.fromkeys(("translate", "translated"), "move(shape, x, y, z)"),
-    **dict.fromkeys(("subtract", "cut"), "difference(a, b), or a - b"),
-    "intersect": "intersection(a, b), or a & b",
-    "blend": "smooth_union(a, b, radius)",
-    "round": "offset(shape, distance)",
-    "bezier_curve": "bezier(control)",
-    "slice": "section(shape, z)",
-}
-
-_NOUNS: dict[str, tuple[Mapping[str, str], ...]] = {
-    "Field": (_FIELDS, _VERBS, _CLASSES),
-    "Volume": (_VOLUMES, _VERBS, _CLASSES),
-    "Mesh": (_MESHES, _VERBS, _ELSEWHERE, _CLASSES),
-    "Shape": (_VERBS, _CLASSES),
-    "Curve": (_CURVES,),
-    "Cage": (_CAGES,),
-    "BlockVolume": (_BLOCKS,),
-    "Polylines": (_LINES,),
-    "Picture": (_PICTURES,),
-    "Levels": (_LEVELS,),
-    "Deviation": (_DEVIATIONS,),
-    "chordal": (_MODULE,),
-    "chordal.shapes": (_SHAPES,),
-}
 
 #: Keywords of other libraries, by what stands for them here.
 _KEYWORDS: dict[str, tuple[str, ...]] = {
@@ -318,8 +64,14 @@ _ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
 
 def found_hint(owner: str, name: str) -> str | None:
     """The call that does here what a name does elsewhere; None where nothing is known of it."""
-    tables = _NOUNS.get(owner, ())
-    return next((table[name] for table in tables if name in table), None)
+    tables = NOUNS.get(owner, ())
+    found = next((table[name] for table in tables if name in table), None)
+    if found is None and owner == "Field":
+        from chordal import shapes
+
+        # What scripts do with a shape stands beside it.
+        found = f"chordal.shapes.{name}(…)" if name in shapes.__all__ else None
+    return found
 
 
 def no_attribute(owner: str, title: str, name: str, thing: object) -> AttributeError:
@@ -349,7 +101,7 @@ def _names_in(owner: object) -> list[str]:
 
 def owner_of(kind: type) -> str:
     """The name of a class, or of the first of those that it is made of, that the table knows."""
-    return next((base.__name__ for base in kind.__mro__ if base.__name__ in _NOUNS), "")
+    return next((base.__name__ for base in kind.__mro__ if base.__name__ in NOUNS), "")
 
 
 class Guessed:

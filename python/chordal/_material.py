@@ -152,7 +152,11 @@ def _of_text(name: str, text: str) -> tuple[float, ...]:
     """The numbers of "#rgb", "#rrggbb" or "#rrggbbaa", with light instead of sRGB."""
     digits = text.removeprefix("#")
     digits = "".join(2 * digit for digit in digits) if len(digits) == 3 else digits
-    if not text.startswith("#") or len(digits) not in (6, 8) or any(digit not in "0123456789abcdefABCDEF" for digit in digits):
+    if (
+        not text.startswith("#")
+        or len(digits) not in (6, 8)
+        or any(digit not in "0123456789abcdefABCDEF" for digit in digits)
+    ):
         raise ValueError(f'{name}: a text as in "#d33" or "#dd3333", not {text!r}')
     shares = [int(digits[k : k + 2], 16) / 255 for k in range(0, len(digits), 2)]
     # The curve of sRGB (IEC 61966-2-1:1999); six digits, so that it is the same number everywhere.

@@ -103,11 +103,14 @@ _MOST_PARTS: Final = 8
 def _table(mesh: Mesh) -> str:
     rows = [("size", mesh._size()), ("bound", mesh.bound.sentence())]
     if mesh.materials:
-        rows.append(("materials", ", ".join(str(material.get("name") or k) for k, material in enumerate(mesh.materials[:_MOST_PARTS]))))
+        names = [str(material.get("name") or k) for k, material in enumerate(mesh.materials[:_MOST_PARTS])]
+        rows.append(("materials", ", ".join(names)))
     own, parts = table("Mesh", rows), mesh.parts
     if len(parts) < 2:
         return own
-    listed = [(part.name or str(k), f"{len(part.faces):,}", f"{len(part.vertices):,}") for k, part in enumerate(parts[:_MOST_PARTS])]
+    listed = [
+        (part.name or str(k), f"{len(part.faces):,}", f"{len(part.vertices):,}") for k, part in enumerate(parts[:_MOST_PARTS])
+    ]
     if len(parts) > _MOST_PARTS:
         listed.append((f"and {len(parts) - _MOST_PARTS:,} more", "", ""))
     return own + columns(f"{len(parts):,} parts", ("part", "triangles", "vertices"), listed)

@@ -70,7 +70,10 @@ class Report(dict[str, Any]):
         return " of ".join(str(word) for word in (verb, kind) if word)
 
     def __repr__(self) -> str:
-        lines = [f"<Report: {self._title()}" if self._title() else "<Report", *(f"  {title}: {text}" for title, text in self.rows())]
+        lines = [
+            f"<Report: {self._title()}" if self._title() else "<Report",
+            *(f"  {title}: {text}" for title, text in self.rows()),
+        ]
         return "\n".join(lines) + ">"
 
     def __reduce__(self) -> Any:
@@ -93,9 +96,19 @@ def _counts(output: Any) -> str:
     """Counts with their nouns, as in "1 triangle"."""
     if not isinstance(output, dict):
         return ""
-    singular = {"vertices": "vertex", "triangles": "triangle", "polylines": "polyline", "segments": "segment", "faces": "face"}
+    singular = {
+        "vertices": "vertex",
+        "triangles": "triangle",
+        "polylines": "polyline",
+        "segments": "segment",
+        "faces": "face",
+    }
     # Positions are there beside vertices, for files in which these differ.
-    counts = [(name, n) for name, n in output.items() if isinstance(n, int) and (name != "positions" or n != output.get("vertices"))]
+    counts = [
+        (name, n)
+        for name, n in output.items()
+        if isinstance(n, int) and (name != "positions" or n != output.get("vertices"))
+    ]
     return ", ".join(f"{n:,} {singular.get(name, name) if n == 1 else name}" for name, n in counts)
 
 

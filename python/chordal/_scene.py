@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal import _chordal
+from chordal._hints import Guessed
 from chordal._table import table
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class Node:
     matrix: tuple[tuple[float, float, float, float], ...]
 
 
-class Part:
+class Part(Guessed):
     """One mesh of a scene, in its own coordinates. `Mesh.parts` are all of them.
 
     >>> import chordal

@@ -16,6 +16,7 @@ import pytest
 import chordal
 from chordal import _hints
 from chordal._errors import plain_numbers
+from chordal._guessed_names import NOUNS
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
@@ -29,7 +30,7 @@ TENT: Any = chordal.Cage(CORNERS, FACES)
 LINES: Any = ARCH.flatten(tol=0.1)
 BLOCKS: Any = chordal.block_volume(np.ones((3, 3, 3)))
 ANY: Any = chordal
-NOUNS: dict[str, Any] = {
+THINGS: dict[str, Any] = {
     "Mesh": SOLID,
     "Shape": chordal.shapes.arc(0.5, center=(2, 0)).revolve(),
     "Volume": VOLUME,
@@ -37,6 +38,8 @@ NOUNS: dict[str, Any] = {
     "Picture": BALL.render(size=(8, 8)),
     "Levels": BALL.lod(tol=0.1),
     "Deviation": SOLID.deviation(SOLID),
+    "Part": SOLID.parts[0],
+    "Bound": SOLID.bound,
     "Curve": ARCH,
     "Cage": TENT,
     "BlockVolume": BLOCKS,
@@ -46,10 +49,10 @@ NOUNS: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("owner", NOUNS)
+@pytest.mark.parametrize("owner", THINGS)
 def test_every_guessed_name_is_answered(owner: str) -> None:
-    thing = NOUNS[owner]
-    for table in _hints._NOUNS[owner]:
+    thing = THINGS[owner]
+    for table in NOUNS[owner]:
         for name in table:
             if name in dir(type(thing)) or name in dir(thing):
                 continue
@@ -69,9 +72,25 @@ def test_every_guessed_name_is_answered(owner: str) -> None:
         (SOLID, "smooth", "to_pyvista().smooth"),
         (SOLID, "hausdorff", "deviation(other)"),
         (SOLID, "vertice", "is vertices meant?"),
+        (SOLID, "mass", "mesh.volume and mesh.center_mass"),
+        (SOLID, "is_convex", "to_trimesh().is_convex"),
+        (SOLID, "triangle_normals", "mesh.face_normals"),
+        (SOLID, "get_axis_aligned_bounding_box", "mesh.bounds"),
+        (SOLID, "is_edge_manifold", 'report["certificate"]["valid"]'),
+        (SOLID, "metadata", "mesh.attributes"),
+        (SOLID, "add_geometry", "chordal.scene("),
+        (SOLID, "warp_by_scalar", "to_pyvista().warp_by_scalar"),
+        (SOLID, "filter_smooth_taubin", "to_open3d().filter_smooth_taubin"),
+        (VOLUME, "point_data", "volume.array"),
+        (BALL, "twist", "chordal.shapes.twist("),
+        (BALL, "faces", "field.mesh(tol=0.01)"),
+        (chordal, "Scene", "chordal.scene("),
+        (chordal, "creation", "chordal.shapes"),
+        (chordal, "Plotter", "mesh.show()"),
+        (chordal, "read_triangle_mesh", "chordal.load("),
         (VOLUME, "contour", "mesh(iso=0.5)"),
         (BALL, "contains", "field(points) < 0"),
-        (NOUNS["Picture"], "save", 'export("a.png")'),
+        (THINGS["Picture"], "save", 'export("a.png")'),
         (chordal, "marching_cubes", "chordal.volume(array).mesh(iso="),
         (chordal, "sphere", "chordal.shapes.sphere"),
         (chordal, "lods", "is lod meant?"),
@@ -84,6 +103,16 @@ def test_a_name_of_another_library_is_answered_by_the_call(thing: Any, name: str
     with pytest.raises(AttributeError) as raised:
         getattr(thing, name)
     assert answer in str(raised.value)
+
+
+def test_whatever_trimesh_does_with_a_mesh_is_there_or_answered() -> None:
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: its names are not looked at")
+    # How it keeps what it has computed, and what belongs to cameras.
+    own = {"eval_cached", "mutable", "register", "source"}
+    names = {name for name in dir(trimesh.Trimesh) if not name.startswith("_")} - own
+    assert len(names) > 120
+    unknown = [name for name in sorted(names) if not hasattr(SOLID, name) and _hints.found_hint("Mesh", name) is None]
+    assert unknown == []
 
 
 @pytest.mark.parametrize(
@@ -281,10 +310,11 @@ def test_fields_are_moved_by_methods_and_by_vectors() -> None:
 
 
 def test_answers_name_what_there_is() -> None:
-    things = {"mesh": SOLID, "shape": SOLID, "volume": VOLUME, "field": BALL, "picture": NOUNS["Picture"], "chordal": chordal}
-    things |= {"levels": NOUNS["Levels"], "deviation": NOUNS["Deviation"], "curve": ARCH, "cage": TENT, "lines": LINES}
+    things = {"mesh": SOLID, "shape": SOLID, "volume": VOLUME, "field": BALL, "picture": THINGS["Picture"], "chordal": chordal}
+    things |= {"part": SOLID.parts[0], "bound": SOLID.bound}
+    things |= {"levels": THINGS["Levels"], "deviation": THINGS["Deviation"], "curve": ARCH, "cage": TENT, "lines": LINES}
     n_names = 0
-    for owner, tables in _hints._NOUNS.items():
+    for owner, tables in NOUNS.items():
         things["volume"] = BLOCKS if owner == "BlockVolume" else VOLUME
         for answer in {answer for table in tables for answer in table.values()}:
             for noun, name in re.findall(r"(?<![\w)])(\w+)\.(\w+)", answer):
@@ -343,7 +373,7 @@ def test_several_meshes_may_stand_one_after_the_other() -> None:
 
 
 def test_pictures_and_lines_are_arrays_for_numpy() -> None:
-    picture = NOUNS["Picture"]
+    picture = THINGS["Picture"]
     assert np.array_equal(np.asarray(picture), picture.array) and np.array(picture, copy=True).flags.writeable
     assert np.array_equal(np.asarray(LINES[0]), LINES[0].points)
 

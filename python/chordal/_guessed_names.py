@@ -1,0 +1,446 @@
+"""Names of other libraries, by what they belong to here, with the call that does the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from chordal._library_names import NAMES
+
+_FEWER = "shape.mesh(triangles=5000), or shape.mesh(tol=0.01) for the fewest within a length"
+_BOUNDED = "Chordal has none, for nothing would bound what it does"
+
+#: What all shapes do.
+_VERBS: dict[str, str] = {
+    **dict.fromkeys(
+        ("simplify", "decimate", "decimate_pro", "reduce", "remesh", "tessellate", "triangulate", "to_mesh")
+        + ("simplify_quadric_decimation", "simplify_quadratic_decimation", "simplify_vertex_clustering"),
+        _FEWER,
+    ),
+    **dict.fromkeys(("save", "write", "save_mesh", "write_mesh", "dump"), 'shape.export("a.stl"), or shape.to_bytes("stl")'),
+    **dict.fromkeys(("fill_holes", "close_holes"), "shape.mend(fill_holes=True)"),
+    **dict.fromkeys(
+        ("weld", "merge_vertices", "merge_close_vertices", "remove_duplicated_vertices"),
+        "shape.mend(weld=True), or shape.mend(weld=1e-6) for vertices that are nearly one",
+    ),
+    **dict.fromkeys(("clean", "repair", "process", "fix", "make_watertight", "make_manifold"), "shape.mend(all=True)"),
+    **dict.fromkeys(
+        ("fix_normals", "fix_winding", "flip_normals", "orient", "orient_triangles", "invert"), "shape.mend(orient=True)"
+    ),
+    **dict.fromkeys(("remove_degenerate_faces", "remove_degenerate_triangles"), "shape.mend(drop_degenerate=True)"),
+    **dict.fromkeys(("remove_duplicate_faces", "remove_duplicated_triangles"), "shape.mend(drop_duplicates=True)"),
+    **dict.fromkeys(("remove_unreferenced_vertices", "remove_unused_points"), "shape.mend(drop_unused=True)"),
+    **dict.fromkeys(
+        ("signed_distance", "implicit_distance", "compute_implicit_distance", "sdf"),
+        "shape.to_field()(points), negative inside",
+    ),
+    **dict.fromkeys(("contains", "select_enclosed_points", "is_inside"), "shape.to_field()(points) < 0"),
+    **dict.fromkeys(
+        ("nearest", "proximity", "closest_point", "find_closest_cell", "nearest_point"),
+        "shape.to_field()(points) for distances; nearest points are those of to_trimesh().nearest",
+    ),
+    **dict.fromkeys(("distance", "hausdorff", "hausdorff_distance", "compare"), "shape.deviation(other)"),
+    **dict.fromkeys(
+        ("voxelized", "voxelize", "voxels"), "shape.bake(cells=64), the distances on a lattice; samples below 0 are inside"
+    ),
+    "boolean_union": "shape.union(other), or a | b",
+    "boolean_difference": "shape.difference(other), or a - b",
+    "boolean_intersection": "shape.intersection(other), or a & b",
+    "boolean": "shape.union, difference and intersection",
+    "levels": "shape.lod(…)",
+    **dict.fromkeys(("to_file", "to_stl", "to_gltf"), 'shape.export("a.glb")'),
+    **dict.fromkeys(("screenshot", "save_image", "picture"), 'shape.render(…).export("a.png")'),
+}
+
+#: What only a mesh does or has.
+_MESHES: dict[str, str] = {
+    **dict.fromkeys(("plot", "view", "display"), 'mesh.show(), in a notebook; else mesh.render().export("a.png")'),
+    **dict.fromkeys(("n_faces", "n_cells", "num_faces", "n_triangles", "num_tri", "number_of_cells"), "len(mesh.faces)"),
+    **dict.fromkeys(
+        ("n_points", "n_vertices", "num_vertices", "n_verts", "num_vert", "number_of_points"), "len(mesh.vertices)"
+    ),
+    **dict.fromkeys(("is_empty", "has_triangles", "has_vertices"), "len(mesh.faces) == 0"),
+    **dict.fromkeys(
+        ("mass", "density", "mass_properties"), "mesh.volume and mesh.center_mass; a mass is the volume times a density"
+    ),
+    **dict.fromkeys(("surface_area", "get_surface_area"), "mesh.area"),
+    "get_volume": "mesh.volume",
+    **dict.fromkeys(
+        ("triangle_normals", "compute_triangle_normals", "facets_normal", "normalize_normals"), "mesh.face_normals"
+    ),
+    **dict.fromkeys(("triangles_center", "cell_centers", "face_centers"), "mesh.vertices[mesh.faces].mean(axis=1)"),
+    **dict.fromkeys(("corners", "triangles_points"), "mesh.vertices[mesh.faces]"),
+    **dict.fromkeys(("euler_poincare_characteristic", "euler_characteristic"), "mesh.euler_number"),
+    "genus": "(2 - mesh.euler_number) // 2, of one closed piece",
+    **dict.fromkeys(
+        ("is_edge_manifold", "is_vertex_manifold", "is_orientable", "is_valid", "get_non_manifold_edges", "n_open_edges")
+        + ("get_non_manifold_vertices", "validate_mesh", "status", "broken_faces", "is_self_intersecting"),
+        'mesh.report["certificate"]["valid"], which counts what is wrong',
+    ),
+    **dict.fromkeys(
+        ("has_triangle_uvs", "has_vertex_colors", "has_vertex_normals", "has_textures", "has_triangle_normals"),
+        "mesh.uv is not None, and the same of mesh.colors, mesh.normals and mesh.images",
+    ),
+    **dict.fromkeys(("vertex_colors", "face_colors", "colours"), "mesh.colors"),
+    **dict.fromkeys(("triangle_uvs", "texture_coordinates", "active_texture_coordinates", "t_coords"), "mesh.uv"),
+    **dict.fromkeys(
+        (
+            "metadata",
+            "point_data",
+            "cell_data",
+            "field_data",
+            "vertex_attributes",
+            "face_attributes",
+            "array_names",
+            "user_dict",
+        ),
+        "mesh.attributes, and mesh.report for what is known of it",
+    ),
+    **dict.fromkeys(
+        ("triangle_material_ids", "material_ids"),
+        'mesh.parts[0].attribute("group", "material"), numbers of mesh.materials from 1',
+    ),
+    **dict.fromkeys(
+        ("material", "paint_uniform_color", "set_color", "set_material", "strip_visuals"),
+        'chordal.scene(chordal.Placed(mesh, material=chordal.Material(color="#d33")))',
+    ),
+    **dict.fromkeys(
+        ("add_geometry", "add_mesh", "add_part", "to_scene", "subscene"), 'chordal.scene({"a": mesh, "b": other})'
+    ),
+    **dict.fromkeys(("to_geometry", "to_mesh64", "to_legacy"), "mesh.vertices and mesh.faces, which are of all parts"),
+    **dict.fromkeys(("camera", "lights", "set_camera"), "the view= of mesh.render"),
+    **dict.fromkeys(("cluster_connected_triangles", "decompose", "separate_cells", "extract_largest"), "mesh.split()"),
+    **dict.fromkeys(("flip_x", "flip_y", "flip_z"), "mesh.scale((-1, 1, 1)), a new mesh"),
+    **dict.fromkeys(("flip_faces", "flip_normal"), "chordal.Mesh(mesh.vertices, mesh.faces[:, ::-1])"),
+    **dict.fromkeys(("remove_infinite_values", "remove_nan_cells"), "chordal.load(path, drop_nonfinite=True)"),
+    **dict.fromkeys(
+        ("referenced_vertices", "rezero", "remove_points"), "mesh.mend(drop_unused=True), or mesh.translate((x, y, z))"
+    ),
+    **dict.fromkeys(("nondegenerate_faces", "unique_faces"), "mesh.mend(drop_degenerate=True, drop_duplicates=True)"),
+    **dict.fromkeys(
+        ("minkowski_sum", "offset", "inflate", "dilate", "shell", "thicken"), "mesh.to_field().offset(0.1).mesh(tol=0.01)"
+    ),
+    **dict.fromkeys(("to_dict", "to_pandas", "to_arrow"), "mesh.vertices and mesh.faces, arrays of numpy"),
+    **dict.fromkeys(("identifier", "identifier_hash", "md5", "crc"), 'mesh.report["certificate"]["input"]["sha256"]'),
+    **dict.fromkeys(("points", "verts", "positions", "v"), "mesh.vertices"),
+    **dict.fromkeys(("triangles", "cells", "f", "indices", "regular_faces"), "mesh.faces"),
+    **dict.fromkeys(("watertight", "is_closed", "is_manifold", "is_volume", "is_solid"), "mesh.is_watertight"),
+    **dict.fromkeys(
+        (
+            "bounding_box",
+            "bbox",
+            "aabb",
+            "get_axis_aligned_bounding_box",
+            "get_max_bound",
+            "get_min_bound",
+            "bounds_corners",
+        ),
+        "mesh.bounds and mesh.extents",
+    ),
+    **dict.fromkeys(("error", "max_error", "tolerance", "quality"), "mesh.bound"),
+    **dict.fromkeys(("units", "length_unit"), "mesh.unit"),
+    **dict.fromkeys(("convert_units", "to_units"), 'mesh.to_unit("mm")'),
+    **dict.fromkeys(("apply_transform", "transformed"), "mesh.transform(matrix), a new mesh"),
+    **dict.fromkeys(("apply_translation", "translated", "move", "moved"), "mesh.translate((x, y, z)), a new mesh"),
+    **dict.fromkeys(("apply_scale", "scaled"), "mesh.scale(2), a new mesh"),
+    **dict.fromkeys(
+        ("rotated", "rotate_x", "rotate_y", "rotate_z", "rotate_vector"), 'mesh.rotate("z", 90), in degrees: a new mesh'
+    ),
+    **dict.fromkeys(("mirror", "reflect"), "mesh.scale((-1, 1, 1)), a new mesh"),
+    **dict.fromkeys(("concatenate", "append", "merge"), "chordal.concatenate([a, b])"),
+    **dict.fromkeys(("to_3dtiles", "tiles", "tileset", "to_tileset"), "mesh.lod(…).export(folder)"),
+    **dict.fromkeys(
+        ("to_neuroglancer", "neuroglancer", "precomputed", "to_precomputed"),
+        'chordal.block_volume(labels, unit="nm").precomputed_levels(folder), of samples',
+    ),
+    **dict.fromkeys(("area_faces", "face_areas"), "mesh.area is that of all; of each: mesh.to_trimesh()"),
+    **dict.fromkeys(("components", "connectivity", "split_bodies"), "mesh.split()"),
+    **dict.fromkeys(("body_count", "n_components"), "len(mesh.split())"),
+    **dict.fromkeys(("centroid", "center_of_mass", "center", "get_center"), "mesh.center_mass"),
+    **dict.fromkeys(("geometry", "meshes", "blocks"), "mesh.parts"),
+    **dict.fromkeys(("graph", "scene"), "mesh.nodes and mesh.roots"),
+    **dict.fromkeys(("visual", "texture"), "mesh.uv, mesh.colors, mesh.materials, mesh.textures and mesh.images"),
+    **dict.fromkeys(("point_normals", "normal"), "mesh.vertex_normals"),
+    **dict.fromkeys(("compute_normals", "compute_vertex_normals"), "mesh.vertex_normals and mesh.face_normals"),
+    "cell_normals": "mesh.face_normals",
+    **dict.fromkeys(("curvature", "curvatures", "mean_curvature"), "mesh.vertex_curvature()"),
+    "gaussian_curvature": 'mesh.vertex_curvature("gaussian")',
+    **dict.fromkeys(("as_trimesh", "trimesh"), "mesh.to_trimesh()"),
+    **dict.fromkeys(("as_pyvista", "to_polydata"), "mesh.to_pyvista()"),
+    **dict.fromkeys(("clone", "deep_copy", "shallow_copy"), "copy.copy(mesh), which is the mesh itself: it does not change"),
+    "copy": "copy.copy(mesh), which is the mesh itself: it does not change",
+    **dict.fromkeys(("contour", "isosurface"), "mesh.to_field().offset(distance).mesh(tol=0.01)"),
+}
+
+#: What a mesh of other libraries does and ours does not: the way there.
+_ELSEWHERE: dict[str, str] = {
+    **{
+        name: f"{_BOUNDED}: mesh.to_trimesh().{name}, or mesh.to_pyvista(), and back by Mesh.from_"
+        for name in ("convex_hull", "subdivide", "subdivide_loop", "smoothed", "unwrap", "moment_inertia", "ray", "sample")
+        + ("edges", "edges_unique", "face_adjacency", "bounding_sphere", "bounding_box_oriented", "section", "submesh")
+        + ("slice_plane", "update_faces", "principal_inertia_transform")
+    },
+    **{
+        name: f"{_BOUNDED}: mesh.to_pyvista().{name}(…), or mesh.to_trimesh(), and back by Mesh.from_"
+        for name in ("smooth", "smooth_taubin", "clip", "slice", "geodesic", "ray_trace", "delaunay_3d")
+        + ("extract_surface", "compute_cell_sizes")
+    },
+    "sample_points_uniformly": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",
+}
+
+#: What else these libraries do with a mesh.
+_OF_LIBRARIES: dict[str, str] = {
+    name: f"{_BOUNDED}: mesh.{library}().{name}, and back by Mesh.from_"
+    for library, names in NAMES.items()
+    for name in names.split()
+}
+
+_VOLUMES: dict[str, str] = {
+    **dict.fromkeys(
+        ("marching_cubes", "contour", "isosurface", "extract_surface", "flying_edges", "threshold"), "volume.mesh(iso=0.5)"
+    ),
+    "contour_labels": 'volume.mesh(labels="all")',
+    **dict.fromkeys(("values", "data", "samples", "voxels", "to_numpy", "numpy"), "volume.array"),
+    **dict.fromkeys(("min", "max", "mean", "std"), "the same of volume.array"),
+    **dict.fromkeys(("dimensions", "dims", "size", "extent", "n_points", "n_cells"), "volume.shape"),
+    **dict.fromkeys(("point_data", "cell_data", "scalars", "active_scalars", "GetScalars", "get_fdata"), "volume.array"),
+    **dict.fromkeys(("get_data_range", "scalar_range"), "volume.array.min() and volume.array.max()"),
+    **dict.fromkeys(("center", "extents", "bounding_box"), "volume.bounds"),
+    **dict.fromkeys(
+        ("clip", "extract_subset", "pad_image", "resize", "median_smooth", "dilate", "erode", "image_threshold")
+        + ("rotate", "flip", "slice", "sample", "interpolate", "to_unit", "unit"),
+        "chordal.volume of an array that numpy or scipy.ndimage makes",
+    ),
+    **dict.fromkeys(("resample", "crop", "gaussian_smooth"), "chordal.volume of an array that scipy.ndimage makes"),
+    **dict.fromkeys(("transform", "matrix", "orientation", "direction"), "volume.affine"),
+    "labels": 'volume.mesh(labels="all"), or chordal.labels(array)',
+    **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "volume.mesh(iso=0.5).to_trimesh()"),
+    **dict.fromkeys(("tileset", "precomputed", "to_3dtiles"), "that of chordal.block_volume(array)"),
+}
+
+_FIELDS: dict[str, str] = {
+    **dict.fromkeys(("signed_distance", "sdf", "evaluate", "eval", "values", "f"), "field(points), n × 3"),
+    "contains": "field(points) < 0",
+    **dict.fromkeys(("translate", "moved", "at"), "field.move(x, y, z)"),
+    **dict.fromkeys(("scaled", "rotated"), "field.scale(k) and field.rotate(axis, degrees)"),
+    **dict.fromkeys(("round", "dilate", "grow", "erode"), "field.offset(distance)"),
+    **dict.fromkeys(("hollow", "thicken"), "field.shell(thickness)"),
+    **dict.fromkeys(("normal", "normals"), "field.gradient(points)"),
+    **dict.fromkeys(("blend", "smooth_union"), "chordal.shapes.smooth_union(a, b, radius)"),
+    **dict.fromkeys(("orient", "transform"), "field.rotate(axis, degrees)"),
+    **dict.fromkeys(("negate", "complement", "invert"), "chordal.shapes.box(…) - field, within a box"),
+    **dict.fromkeys(("smooth_out", "k", "fillet"), "chordal.shapes.smooth_union(a, b, radius)"),
+    **dict.fromkeys(("repeat", "circular_array", "array"), "chordal.shapes.linear and chordal.shapes.polar"),
+    **dict.fromkeys(("bounding_box", "bbox", "box"), "field.bounds"),
+    **dict.fromkeys(
+        ("vertices", "faces", "num_tri", "center_mass", "centroid", "surface_area", "genus"),
+        "that of its mesh: field.mesh(tol=0.01)",
+    ),
+    **dict.fromkeys(("volume", "area", "is_watertight"), "that of its mesh: field.mesh(tol=0.01)"),
+    **dict.fromkeys(("marching_cubes", "to_mesh", "generate"), "field.mesh(tol=0.01)"),
+    **dict.fromkeys(
+        ("sample", "grid", "to_grid", "sample_grid", "to_volume", "voxels", "rasterize"),
+        "field.bake(cells=64), or field(points) of an array whose last axis is 3 long",
+    ),
+    **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "field.mesh(tol=0.01).to_trimesh()"),
+}
+
+_PICTURES: dict[str, str] = {
+    **dict.fromkeys(("save", "write", "to_file"), 'picture.export("a.png")'),
+    **dict.fromkeys(("to_pil", "image"), "PIL.Image.fromarray(picture.array)"),
+    **dict.fromkeys(("data", "numpy", "to_numpy", "pixels"), "picture.array"),
+    **dict.fromkeys(("show", "plot", "display"), "the picture itself, as the last line of a cell"),
+    **dict.fromkeys(("size", "width", "height", "shape"), "picture.array.shape: height, width, 4"),
+}
+
+_LEVELS: dict[str, str] = {
+    **dict.fromkeys(("save", "write"), 'levels.export("a.glb")'),
+    **dict.fromkeys(("meshes", "levels"), "[level.mesh for level in levels]"),
+}
+
+_DEVIATIONS: dict[str, str] = {
+    **dict.fromkeys(("max", "hausdorff", "distance", "value"), "deviation.at_most"),
+    **dict.fromkeys(("mean", "rms"), "mesh.vertex_deviation(other).mean(), of vertices alone"),
+}
+
+#: What shapes do and what has a `shape()` does not.
+_OF_SHAPES = ("mesh", "lod", "inspect", "deviation", "bake", "render", "show", "export", "to_bytes", "to_field", "union")
+
+_CURVES: dict[str, str] = {
+    **{name: f"curve.shape().{name}(…)" for name in _OF_SHAPES},
+    "mesh": "curve.shape().mesh(tol=0.01) fills a closed one; curve.flatten(tol=0.01) makes lines",
+    **dict.fromkeys(
+        ("discretize", "tessellate", "to_polyline", "polyline", "sample", "points", "interpolate", "subdivide"),
+        "curve.flatten(tol=0.01).points, or curve.points_at(t) for parameters",
+    ),
+    **dict.fromkeys(("evaluate", "eval", "point", "point_at", "at", "value"), "curve.points_at(t)"),
+    **dict.fromkeys(("derivative", "tangent", "tangents", "velocity"), "curve.derivatives(t)"),
+    **dict.fromkeys(("is_closed",), "curve.closed"),
+    **dict.fromkeys(("extruded", "sweep", "linear_extrude"), "curve.extrude(…)"),
+    **dict.fromkeys(("revolved", "rotate_extrude", "lathe"), "curve.revolve(…)"),
+}
+
+_CAGES: dict[str, str] = {
+    **{name: f"cage.shape().{name}(…)" for name in _OF_SHAPES},
+    **dict.fromkeys(("vertices", "points", "verts"), "cage.positions"),
+    **dict.fromkeys(("subdivide", "subdivided", "refine", "catmull_clark", "loop"), "cage.refined(levels)"),
+    **dict.fromkeys(("limit", "limit_surface", "tessellate", "triangulate"), "cage.shape().mesh(tol=0.01)"),
+}
+
+_BLOCKS: dict[str, str] = {
+    **dict.fromkeys(("array", "values", "data", "to_numpy"), "chordal.volume(…) holds samples in memory"),
+    **dict.fromkeys(("lod", "levels", "to_3dtiles", "tiles"), "volume.tileset(folder, iso=…)"),
+    **dict.fromkeys(("chunks", "chunk_shape", "block_shape"), "block= of volume.mesh and the others"),
+    **dict.fromkeys(("marching_cubes", "contour", "isosurface"), "volume.mesh(iso=0.5)"),
+    **dict.fromkeys(
+        ("neuroglancer", "to_neuroglancer", "to_precomputed", "fragments", "multiresolution"),
+        "volume.precomputed_levels(folder), or volume.precomputed(folder)",
+    ),
+}
+
+_LINES: dict[str, str] = {
+    **dict.fromkeys(("save", "write"), 'lines.export("a.svg")'),
+    **dict.fromkeys(("vertices", "coords", "xy"), "lines.points"),
+    **dict.fromkeys(("error", "max_error"), "lines.bound"),
+}
+
+_FROM = "chordal.Mesh.from_(thing)"
+_CLASSES: dict[str, str] = {
+    **dict.fromkeys(("bezier", "spline", "nurbs", "arc"), "the functions of chordal.shapes"),
+    **dict.fromkeys(("from_trimesh", "from_pyvista", "from_open3d", "from_meshio", "from_manifold3d", "wrap"), _FROM),
+    **dict.fromkeys(("load", "read", "from_file", "open", "load_mesh", "from_bytes"), 'chordal.load("a.stl")'),
+    **{
+        f"create_{name}": "a word of chordal.shapes, as in chordal.shapes.box(1, 2, 3).mesh(tol=0.01)"
+        for name in (
+            "box",
+            "sphere",
+            "cylinder",
+            "cone",
+            "torus",
+            "ellipsoid",
+            "icosahedron",
+            "tetrahedron",
+            "octahedron",
+            "text",
+        )
+    },
+    **dict.fromkeys(
+        ("from_array", "from_numpy", "from_arrays", "from_regular_faces", "from_irregular_faces"),
+        "chordal.Mesh(vertices, faces), or chordal.volume(array)",
+    ),
+}
+
+_MODULE: dict[str, str] = {
+    **_CLASSES,
+    **_VERBS,
+    **dict.fromkeys(
+        ("save", "write", "save_mesh", "write_mesh", "export"), 'shape.export("a.stl"), or chordal.convert(shape, path)'
+    ),
+    **dict.fromkeys(("read_mesh", "read_image", "imread", "read_volume"), 'chordal.load("a.nrrd")'),
+    **dict.fromkeys(("marching_cubes", "isosurface", "contour"), "chordal.volume(array).mesh(iso=0.5)"),
+    **dict.fromkeys(("Scene", "MultiBlock", "load_scene", "TriangleMeshModel"), 'chordal.scene({"a": mesh, "b": other})'),
+    **dict.fromkeys(("visual", "PBRMaterial", "Texture", "TextureVisuals", "SimpleMaterial"), "chordal.Material"),
+    **dict.fromkeys(
+        ("creation", "primitives", "Cube", "Box", "Sphere", "Cylinder", "Cone", "Torus", "Capsule", "Icosphere", "Polygon")
+        + (
+            "icosphere",
+            "uv_sphere",
+            "cube",
+            "Plane",
+            "Tetrahedron",
+            "ParametricTorus",
+            "ParametricEllipsoid",
+            "SolidSphere",
+        ),
+        "the words of chordal.shapes, as in chordal.shapes.box(1, 2, 3)",
+    ),
+    **dict.fromkeys(
+        ("transformations", "transform", "translate", "rotate", "scale"), "mesh.transform, translate, rotate and scale"
+    ),
+    **dict.fromkeys(("units", "unitize"), 'mesh.unit and mesh.to_unit("mm")'),
+    **dict.fromkeys(("load_path", "load_remote", "read_triangle_mesh", "read_triangle_model"), 'chordal.load("a.stl")'),
+    **dict.fromkeys(("write_triangle_mesh", "save_meshio", "write_points_cells"), 'mesh.export("a.stl")'),
+    **dict.fromkeys(("available_formats", "extension_to_filetypes"), "the page docs/formats.md"),
+    **dict.fromkeys(
+        ("PointCloud", "PointSet", "LineSet", "points"), f"{_BOUNDED} with clouds of points; arrays of numpy are points"
+    ),
+    **dict.fromkeys(("Manifold", "Mesh64"), "chordal.Mesh(vertices, faces), with a | b, a - b and a & b"),
+    **dict.fromkeys(("CrossSection", "Path2D", "path"), "chordal.shapes.polygon(points), or chordal.load of a drawing"),
+    **dict.fromkeys(("Plotter", "plotting", "viewer", "Visualizer", "draw_geometries"), "mesh.show(), in a notebook"),
+    **dict.fromkeys(("sdf", "SDF3", "mesh_to_sdf"), "mesh.to_field()(points), or mesh.bake(cells=64)"),
+    **dict.fromkeys(
+        ("label", "regionprops", "regionprops_table"), "chordal.labels(array), of what scipy.ndimage.label makes"
+    ),
+    "mesh_surface_area": "mesh.area",
+    **dict.fromkeys(
+        ("euler_number", "centroid", "inertia", "curvature"),
+        "mesh.euler_number, mesh.center_mass and mesh.vertex_curvature()",
+    ),
+    "find_contours": "chordal.volume(array).mesh(iso=0.5), of three axes",
+    **dict.fromkeys(("voxel", "VoxelGrid", "voxelize_volume"), "mesh.bake(cells=64)"),
+    **dict.fromkeys(
+        ("ray", "collision", "registration", "smoothing", "convex", "intersections", "graph", "comparison"),
+        f"{_BOUNDED}: mesh.to_trimesh() has it",
+    ),
+    **dict.fromkeys(("version", "VERSION"), "chordal.__version__"),
+    **dict.fromkeys(("Trimesh", "PolyData", "TriangleMesh"), "chordal.Mesh(vertices, faces)"),
+    **dict.fromkeys(("ImageData", "UniformGrid", "Image", "Grid"), "chordal.volume(array, spacing=…)"),
+    **dict.fromkeys(("SDF", "sdf3"), "chordal.field(function, bounds=…)"),
+    "boolean": "chordal.union, chordal.difference and chordal.intersection",
+    "boolean_union": "chordal.union(a, b)",
+    "boolean_difference": "chordal.difference(a, b)",
+    "boolean_intersection": "chordal.intersection(a, b)",
+    "merge": "chordal.concatenate([a, b]), or chordal.union(a, b) for one closed mesh",
+    **dict.fromkeys(("plot", "show"), 'mesh.show(), in a notebook; else shape.render().export("a.png")'),
+    "to_trimesh": "mesh.to_trimesh()",
+    "sample": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",
+    **dict.fromkeys(("patches", "bezier", "spline", "nurbs", "arc"), "the functions of chordal.shapes"),
+}
+
+_SHAPES: dict[str, str] = {
+    **dict.fromkeys(("cube", "Box", "Cube"), "box(x, y, z)"),
+    **dict.fromkeys(("Sphere", "ball", "icosphere", "uv_sphere"), "sphere(radius)"),
+    **dict.fromkeys(("Cylinder",), "cylinder(radius, height)"),
+    **dict.fromkeys(("Torus", "donut"), "torus(major, minor)"),
+    **dict.fromkeys(("translate", "translated"), "move(shape, x, y, z)"),
+    **dict.fromkeys(("subtract", "cut"), "difference(a, b), or a - b"),
+    "intersect": "intersection(a, b), or a & b",
+    "blend": "smooth_union(a, b, radius)",
+    "round": "offset(shape, distance)",
+    "bezier_curve": "bezier(control)",
+    "slice": "section(shape, z)",
+}
+
+_PARTS: dict[str, str] = {
+    **dict.fromkeys(("mesh", "export", "to_trimesh", "area", "volume", "split"), "chordal.Mesh(part.vertices, part.faces)"),
+    **dict.fromkeys(("points", "verts", "positions"), "part.vertices"),
+    **dict.fromkeys(("triangles", "cells", "indices"), "part.faces"),
+    **dict.fromkeys(("material", "materials"), 'part.attribute("group", "material"), numbers of mesh.materials from 1'),
+    **dict.fromkeys(("matrix", "transform", "nodes"), "mesh.nodes, of which one or more show this part"),
+    **dict.fromkeys(("colours", "vertex_colors"), "part.colors"),
+}
+
+_BOUNDS: dict[str, str] = {
+    **dict.fromkeys(("max", "error", "max_error", "distance", "value", "hausdorff", "upper", "tolerance"), "bound.at_most"),
+    **dict.fromkeys(("min", "lower"), "bound.at_least"),
+    **dict.fromkeys(("proved", "is_proved", "kind", "proof"), "bound.evidence"),
+    **dict.fromkeys(("holds", "within", "meets", "ok"), "bound.is_within(length)"),
+}
+
+#: By classes and modules here: what they answer.
+NOUNS: dict[str, tuple[Mapping[str, str], ...]] = {
+    "Field": (_FIELDS, _VERBS, _CLASSES),
+    "Volume": (_VOLUMES, _VERBS, _CLASSES),
+    "Mesh": (_MESHES, _VERBS, _ELSEWHERE, _CLASSES, _OF_LIBRARIES),
+    "Shape": (_VERBS, _CLASSES),
+    "Curve": (_CURVES,),
+    "Cage": (_CAGES,),
+    "BlockVolume": (_BLOCKS,),
+    "Polylines": (_LINES,),
+    "Picture": (_PICTURES,),
+    "Levels": (_LEVELS,),
+    "Deviation": (_DEVIATIONS,),
+    "Part": (_PARTS,),
+    "Bound": (_BOUNDS,),
+    "chordal": (_MODULE,),
+    "chordal.shapes": (_SHAPES,),
+}
