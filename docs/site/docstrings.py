@@ -31,30 +31,24 @@ class Docstrings(griffe.Extension):
 
 
 def _make_functions(pkg: griffe.Module) -> None:
-    """`mesh = _verb(Shape.mesh)` is a function with the arguments of the method, after a shape."""
+    """What `_verb(Shape.mesh)` decorates has the arguments of the method, after a shape, and says what that says."""
     module, shape = pkg["_verbs"], pkg["_shape.Shape"]
-    for name, member in list(module.members.items()):
-        if member.is_alias:
+    for member in module.members.values():
+        if member.is_alias or not member.is_function:
             continue
-        if member.is_function:
-            for one in member.parameters:
-                one.annotation = _SHAPED if str(one.annotation) == "_Shaped" else one.annotation
-        if not member.is_attribute or not str(member.value).startswith("_verb("):
+        for one in member.parameters:
+            one.annotation = _SHAPED if str(one.annotation) == "_Shaped" else one.annotation
+        made_of = [str(one.value) for one in member.decorators if str(one.value).startswith("_verb(")]
+        if not made_of:
             continue
-        method = shape.all_members[name]
+        method = shape.all_members[made_of[0].removesuffix(")").rpartition(".")[2]]
         method = method.final_target if method.is_alias else method
         first = griffe.Parameter("shape", annotation=_SHAPED, kind=griffe.ParameterKind.positional_only)
-        verb = griffe.Function(
-            name,
-            parameters=griffe.Parameters(first, *list(method.parameters)[1:]),
-            returns=method.returns,
-            parent=module,
-            lineno=member.lineno,
-            endlineno=member.endlineno,
-        )
-        said = f"`Shape.{name}` of a shape, a file, or the bytes of one.\n\n{method.docstring.value}"
-        verb.docstring = griffe.Docstring(said, parent=verb)
-        module.set_member(name, verb)
+        member.parameters = griffe.Parameters(first, *list(method.parameters)[1:])
+        member.returns = method.returns
+        member.decorators = []
+        if ">>>" not in member.docstring.value:
+            member.docstring.value += f"\n\n{method.docstring.value}"
 
 
 def _visit(thing: Any, pkg: griffe.Module, public: set[str]) -> None:

@@ -67,10 +67,9 @@ def _verb(
         signature = own.replace(parameters=[first, *list(own.parameters.values())[1:]])
         verb.__signature__ = signature  # type: ignore[attr-defined]
         verb.__module__ = "chordal"
-        if title.__doc__ is None:
+        if ">>>" not in (title.__doc__ or ""):
             # The examples are tried where the method is.
-            told = _without_examples(method)
-            verb.__doc__ = f"`Shape.{method.__name__}` of a shape, a file, or the bytes of one.\n\n{told}"
+            verb.__doc__ = f"{title.__doc__}\n\n{_without_examples(method)}"
         return verb  # type: ignore[return-value]
 
     return of_shape
@@ -81,31 +80,38 @@ def _without_examples(method: Callable[..., object]) -> str:
 
 
 @_verb(Shape.mesh)
-def mesh() -> None: ...
+def mesh() -> None:
+    """`Shape.mesh` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.flatten)
-def flatten() -> None: ...
+def flatten() -> None:
+    """`Shape.flatten` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.lod)
-def lod() -> None: ...
+def lod() -> None:
+    """`Shape.lod` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.inspect)
-def inspect() -> None: ...
+def inspect() -> None:
+    """`Shape.inspect` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.mend)
-def mend() -> None: ...
+def mend() -> None:
+    """`Shape.mend` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.bake)
-def bake() -> None: ...
+def bake() -> None:
+    """`Shape.bake` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.render)
-def render() -> None: ...
+def render() -> None:
+    """`Shape.render` of a shape, a file, or the bytes of one."""
 
 
 @_verb(Shape.deviation)
