@@ -194,6 +194,8 @@ test-studio: studio-page tested need-chromium
 # documentation, and by mypy and pyright; mypy also compares the stubs with what is there. It shares what test-rust has compiled;
 # test-long judges the one for release.
 WHEEL := --profile dev --features as-tested
+# The notebooks as its tests have run them, with what they have shown, for docs-site.
+NOTEBOOKS := $(TARGET)/python/notebooks
 test-python: tested need-python need-node
 	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
@@ -202,7 +204,7 @@ test-python: tested need-python need-node
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation \
 		--config-settings=build-args="$(WHEEL)" -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
-	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q -n auto
+	CHORDAL=$(abspath $(TESTED)) CHORDAL_NOTEBOOKS=$(abspath $(NOTEBOOKS)) $(VENV)/bin/python -m pytest -q -n auto
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest --mypy-config-file pyproject.toml \
 		--allowlist tests/python/stubtest.txt chordal
@@ -226,13 +228,15 @@ FUZZ_SECONDS ?= 7200
 fuzz: need-fuzz need-python ## every reader fed with random bytes for FUZZ_SECONDS each
 	python3 fuzz/run.py --seconds $(FUZZ_SECONDS)
 
-# The package is read and not imported, so nothing is compiled for it. A link that leads nowhere ends it.
+# The package is read and not imported, so nothing is compiled for it. Tutorials show what their cells show where test-python has
+# installed the package, which runs those that have changed. A link that leads nowhere ends it.
 DOCS_VENV := $(TARGET)/docs/venv
 docs-site: need-python ## the pages of docs/ with the reference of the Python package, as a site
 	@cmp -s docs/site/requirements.txt $(DOCS_VENV)/requirements.txt || { rm -rf $(DOCS_VENV) \
 		&& python3 -m venv $(DOCS_VENV) && $(DOCS_VENV)/bin/python -m pip install -q -r docs/site/requirements.txt \
 		&& cp docs/site/requirements.txt $(DOCS_VENV)/; }
-	NO_MKDOCS_2_WARNING=1 $(DOCS_VENV)/bin/python -m mkdocs build --strict --quiet --site-dir $(abspath $(TARGET))/docs-site
+	@! $(VENV)/bin/python -c "import chordal, nbclient" 2> /dev/null || $(VENV)/bin/python docs/site/execute.py $(NOTEBOOKS)
+	CHORDAL_NOTEBOOKS=$(abspath $(NOTEBOOKS)) NO_MKDOCS_2_WARNING=1 $(DOCS_VENV)/bin/python -m mkdocs build --strict --quiet --site-dir $(abspath $(TARGET))/docs-site
 	@echo "$(TARGET)/docs-site/index.html is the site."
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from html import escape, unescape
 from pathlib import PurePosixPath
 from posixpath import normpath, relpath
+from typing import Any
 
 #: Files outside of docs/ that are pages of the site, and their places there.
 PAGES = {
@@ -31,6 +33,10 @@ SOURCES = "source"
 _LINK = re.compile(r"(?<=\]\()([^)\s#]+)(#[^)\s]*)?(?=\))")
 #: A break between characters, or punctuation, of Chinese.
 _BREAK = re.compile("(?<=[\u3000-\u9fff\uff00-\uffef])\n(?=[\u3000-\u9fff\uff00-\uffef])")
+#: The page that a frame holds.
+_FRAME = re.compile(r'srcdoc="([^"]*)"')
+#: What ends a block of HTML in Markdown.
+_BLANK = re.compile(r"\s*\n\s*")
 _CODE = re.compile(r"(`+)(.+?)\1")
 #: What begins a list in the middle of a paragraph; a number other than 1 does not.
 _LIST = re.compile(r"(?:[-*+]|1[.)]) ")
@@ -94,9 +100,55 @@ def for_python_markdown(text: str) -> str:
     return "\n".join(found)
 
 
-def of_notebook(text: str) -> str:
-    """The page of a notebook: a script with cells. What is before its first cell is for Jupyter alone."""
-    return "\n\n".join(cell if is_text else f"```python\n{cell}\n```" for is_text, cell in cells(text)) + "\n"
+def of_notebook(text: str, outputs: list[str] | None = None) -> str:
+    """The page of a notebook: a script with cells, each of code with what it has shown below it, in Markdown, where that is
+    known. What is before its first cell is for Jupyter alone.
+    """
+    below = iter(outputs or ())
+    found = []
+    for is_text, cell in cells(text):
+        found.append(cell if is_text else f"```python\n{cell}\n```")
+        shown = "" if is_text else next(below, "")
+        found += [shown] if shown else []
+    return "\n\n".join(found) + "\n"
+
+
+def outputs_of(text: str, executed: dict[str, Any]) -> tuple[list[str], dict[str, str]] | None:
+    """What each cell of code of a notebook has shown, and by their names the pages that frames in it hold; of the notebook as
+    Jupyter keeps it. None where that one was run with other code.
+    """
+    ran = [cell for cell in executed["cells"] if cell["cell_type"] == "code"]
+    if [cell for is_text, cell in cells(text) if not is_text] != ["".join(cell["source"]).strip("\n") for cell in ran]:
+        return None
+    frames: dict[str, str] = {}
+
+    def framed(page: re.Match[str]) -> str:
+        name = f"{len(frames) + 1}.html"
+        frames[name] = unescape(page[1])
+        return f'src="{name}" loading="lazy"'
+
+    below = []
+    for cell in ran:
+        shown, printed = [], ""
+        for output in [*cell["outputs"], {"output_type": "end"}]:
+            # What is printed comes in pieces.
+            if output["output_type"] == "stream":
+                printed += "".join(output["text"])
+                continue
+            if printed:
+                shown.append(f"```text\n{printed.rstrip()}\n```")
+                printed = ""
+            data = {kind: "".join(value) for kind, value in output.get("data", {}).items() if isinstance(value, (str, list))}
+            if "text/html" in data:
+                shown.append(f'<div class="output">{_BLANK.sub(" ", _FRAME.sub(framed, data["text/html"]))}</div>')
+            elif "image/png" in data:
+                picture = data["image/png"].replace("\n", "")
+                name = escape(data.get("text/plain", ""), quote=True)
+                shown.append(f'<div class="output"><img alt="{name}" src="data:image/png;base64,{picture}"></div>')
+            elif "text/plain" in data:
+                shown.append(f"```text\n{data['text/plain']}\n```")
+        below.append("\n\n".join(shown))
+    return below, frames
 
 
 def cells(text: str) -> list[tuple[bool, str]]:

@@ -99,3 +99,29 @@ def test_a_notebook_becomes_a_page() -> None:
     assert pages.of_notebook("# ---\n# %% [markdown]\n# # Head\n#\n# Text\n\n# %%\nx = 1\n") == (
         "# Head\n\nText\n\n```python\nx = 1\n```\n"
     )
+
+
+def test_outputs_stand_below_the_code_that_has_shown_them() -> None:
+    text = "# %% [markdown]\n# # Head\n\n# %%\nx = 1\nx\n\n# %%\ny = 2\n"
+
+    def cell(source: str, *outputs: dict[str, Any]) -> dict[str, Any]:
+        return {"cell_type": "code", "source": source, "outputs": list(outputs)}
+
+    framed = {"text/plain": ["<Mesh>"], "text/html": ['<iframe srcdoc="&lt;p&gt;&amp;amp;"></iframe>\n\n<b>a</b>']}
+    shown = (
+        {"output_type": "stream", "name": "stdout", "text": ["a\n", "b\n"]},
+        {"output_type": "stream", "name": "stdout", "text": "c\n"},
+        {"output_type": "execute_result", "data": framed},
+        {"output_type": "display_data", "data": {"image/png": "AA==\n", "text/plain": "<Figure>"}},
+        {"output_type": "execute_result", "data": {"text/plain": ["1"]}},
+    )
+    ran = {"cells": [{"cell_type": "markdown", "source": "# Head"}, cell("x = 1\nx", *shown), cell("y = 2")]}
+    outputs, frames = pages.outputs_of(text, ran)
+    assert frames == {"1.html": "<p>&amp;"}
+    assert pages.of_notebook(text, outputs) == (
+        "# Head\n\n```python\nx = 1\nx\n```\n\n```text\na\nb\nc\n```\n\n"
+        '<div class="output"><iframe src="1.html" loading="lazy"></iframe> <b>a</b></div>\n\n'
+        '<div class="output"><img alt="&lt;Figure&gt;" src="data:image/png;base64,AA=="></div>\n\n'
+        "```text\n1\n```\n\n```python\ny = 2\n```\n"
+    )
+    assert pages.outputs_of(text.replace("y = 2", "y = 3"), ran) is None
