@@ -34,7 +34,7 @@ assert abs(gaps[-2] / gaps[-1] - 4) < 0.05
 # ## How many are enough?
 #
 # The question the other way round: the curve is drawn on 1000 × 1000 pixels that show a square of height 1, and half a pixel
-# may be lost. What comes is the fewest segments that this takes, and what was lost, in units of the curve and in pixels.
+# may be lost. What comes is a number of segments that is enough, and what was lost, in units of the curve and in pixels.
 
 # %%
 smooth = curve.flatten(pixels=0.5, view="1000x1000 height=1")
