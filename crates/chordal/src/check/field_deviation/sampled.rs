@@ -46,7 +46,8 @@ pub(super) fn measured(
         let mut values = vec![0.0; middles.len()];
         tape.at(&middles, &mut values).map_err(leaf_failure)?;
         for ((bracket, middle), value) in brackets.iter_mut().zip(&middles).zip(&values) {
-            bracket.ends[usize::from(!(*value < 0.0))] = *middle;
+            let inside = *value < 0.0;
+            bracket.ends[usize::from(!inside)] = *middle;
         }
     }
     let mut worst = OneSidedDistance {

@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn counts_of_boxes_are_those_of_their_points() {
         let n = 5;
-        let is_inside = |i: usize| (i * i + i / 7) % 3 == 0;
+        let is_inside = |i: usize| (i * i + i / 7).is_multiple_of(3);
         let lattice = SampledSigns { n_steps: n - 1, before: vec![Some(count_before(n, is_inside)), None] };
         let step = TOP / (n as i64 - 1);
         for low in 0..n {
