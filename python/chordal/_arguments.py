@@ -40,16 +40,16 @@ def vector(name: str, value: tuple[object, ...]) -> tuple[float, float, float]:
     return x, y, z
 
 
-def positive(name: str, value: object) -> int:
-    """A whole number of at least 1."""
+def whole(name: str, value: object, least: int = 1) -> int:
+    """A whole number of at least 1, or another number."""
     try:
         if isinstance(value, bool):
             raise TypeError
         found = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         raise TypeError(f"{name}: a whole number, not {type(value).__name__}") from None
-    if not 1 <= found < 2**64:
-        raise BudgetError(f"{name}: a whole number of at least 1, not {found}")
+    if not least <= found < 2**64:
+        raise BudgetError(f"{name}: a whole number of at least {least}, not {found}")
     return found
 
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, SupportsFloat, SupportsIndex
 
-from chordal._arguments import number, positive
+from chordal._arguments import number, whole
 from chordal._errors import Error
 
 # The exit codes of the command after which the manifest says how each file went: all well, or some not. With others the
@@ -52,7 +52,7 @@ def batch(
         words += [] if value is None else [f"--{name}", os.fspath(value)]
     address = _scheduler(executor, cluster)
     words += [] if address is None else ["--dask", address]
-    words += [] if jobs is None else ["--jobs", str(positive("jobs", jobs))]
+    words += [] if jobs is None else ["--jobs", str(whole("jobs", jobs))]
     words += [] if timeout is None else ["--timeout", repr(number("timeout", timeout))]
     done = subprocess.run([*words, "--", *_words(options)], capture_output=True, text=True, check=False)
     manifest = os.path.join(os.fspath(output), "manifest.jsonl")

@@ -6,7 +6,7 @@ from decimal import Decimal
 from typing import SupportsFloat, SupportsIndex, TypedDict
 
 from chordal._errors import BudgetError
-from chordal._arguments import number, positive, text
+from chordal._arguments import number, text, whole
 from chordal._view import View
 
 #: A length in units of the shape, or a text with a unit, as in "0.1mm".
@@ -61,8 +61,8 @@ def budget_arguments(
         "angle_deg": None if angle is None else number("angle", angle),
         "uv_error": None if uv_error is None else number("uv_error", uv_error),
         "normal_error": None if normal_error is None else number("normal_error", normal_error),
-        "triangles": None if triangles is None else positive("triangles", triangles),
-        "segments": None if segments is None else positive("segments", segments),
+        "triangles": None if triangles is None else whole("triangles", triangles),
+        "segments": None if segments is None else whole("segments", segments),
         "spacing": text("spacing", spacing) or "",
         "effort": text("effort", effort) or "",
         "require": None if require is None else text("require", require),

@@ -29,6 +29,7 @@ class Reading(TypedDict):
     drop_nonfinite: bool
     surface: str | None
     letters: tuple[str, float, list[tuple[str, float]]] | None
+    index: int | None
 
 @type_check_only
 class Tags(TypedDict):

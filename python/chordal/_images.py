@@ -88,7 +88,10 @@ def _of_xarray(data: Any) -> Lattice:
         affine[axis, axis] = (places[-1] - places[0]) / len(steps) if len(steps) else 1.0
     units = {str(data.coords[name].attrs.get("units")) for name in names if name in data.coords}
     known = {"um", "mm", "cm", "m", "km", "in", "ft"}
-    return Lattice(data.transpose(*names).values, affine, units.pop() if len(units) == 1 and units <= known else None)
+    turned = data.transpose(*names)
+    # An array of Dask stays one.
+    values = turned.data if hasattr(turned, "data") else turned.values
+    return Lattice(values, affine, units.pop() if len(units) == 1 and units <= known else None)
 
 
 def _of_pyvista(image: Any) -> Lattice:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex, overload
 
 from chordal import _chordal, _files
-from chordal._arguments import function, number, positive, text
+from chordal._arguments import function, number, text, whole
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import Guessed, keywords_hinted
@@ -218,7 +218,7 @@ class Levelled(Sourced):
             "normal_error": None if normal_error is None else number("normal_error", normal_error),
             "normals": text("normals", normals),
             "errors": text("errors", errors) or "",
-            "tile_triangles": None if tile_triangles is None else positive("tile_triangles", tile_triangles),
+            "tile_triangles": None if tile_triangles is None else whole("tile_triangles", tile_triangles),
             "merge": bool(merge),
             "place": text("at", at),
             "quantize": bool(quantize),

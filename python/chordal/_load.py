@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, TypeVar, overload
 
 from chordal import _chordal, _files
-from chordal._arguments import number
+from chordal._arguments import number, whole
 from chordal._arguments import text as _text
 from chordal._errors import ReadError
 from chordal._field import Field
@@ -47,6 +47,7 @@ def load(
     text: str | None = None,
     em: SupportsFloat | None = None,
     axes: Mapping[str, SupportsFloat] | None = None,
+    index: SupportsIndex | None = None,
 ) -> Kind: ...
 @overload
 def load(
@@ -58,6 +59,7 @@ def load(
     up: str | None = None,
     strict: bool = False,
     lenient: bool = False,
+    index: SupportsIndex | None = None,
 ) -> Volume: ...
 @overload
 def load(
@@ -98,6 +100,7 @@ def load(
     text: str | None = None,
     em: SupportsFloat | None = None,
     axes: Mapping[str, SupportsFloat] | None = None,
+    index: SupportsIndex | None = None,
 ) -> Shape: ...
 @keywords_hinted
 def load(
@@ -114,6 +117,7 @@ def load(
     text: str | None = None,
     em: SupportsFloat | None = None,
     axes: Mapping[str, SupportsFloat] | None = None,
+    index: SupportsIndex | None = None,
 ) -> Shape:
     """Read a shape from a file, from an open one, or from the bytes of one: triangles as a `Mesh`, samples as a `Volume`, a script as a
     `Field`, anything else as a `Shape`. Which of them it is no type checker knows of a path; `kind` says it, as in
@@ -129,7 +133,8 @@ def load(
     their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
     Catmull–Clark cage where the file has subdivision tags, else triangles. `text` is what a font sets, as a drawing;
     `em` is the length of its em, 1 unless said, and `axes` says where axes of a variable font are, as in
-    `{"wght": 700}`.
+    `{"wght": 700}`. `index` is the volume or array to read of a file that holds several (.nii, .nrrd, .npz, .vti), counted
+    from 0.
 
     Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
 
@@ -170,6 +175,7 @@ def load(
         "drop_nonfinite": bool(drop_nonfinite),
         "surface": _text("surface", surface),
         "letters": letters,
+        "index": None if index is None else whole("index", index, 0),
     }
     found = read(content, reading)
     if kind is not None and not isinstance(found, kind):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import function, positive, warn
+from chordal._arguments import function, warn, whole
 from chordal._budget import Length, length
 from chordal._hints import keywords_hinted
 from chordal._made import counted
@@ -58,7 +58,7 @@ class Mendable(Sourced):
         from chordal._mesh import Mesh
 
         which = None if drop_duplicates is False else "any" if drop_duplicates is True else drop_duplicates
-        holes = None if fill_holes is False else 0 if fill_holes is True else positive("fill_holes", fill_holes)
+        holes = None if fill_holes is False else 0 if fill_holes is True else whole("fill_holes", fill_holes)
         arguments: _chordal.MendArguments = {
             "all": bool(all),
             "weld": _closeness("weld", weld),

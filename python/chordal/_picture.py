@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 
 from chordal import _chordal, _files
-from chordal._arguments import function, number, positive, text
+from chordal._arguments import function, number, text, whole
 from chordal._arrays import as_asked
 from chordal._budget import Length, budget_arguments, length
 from chordal._hints import Guessed, keywords_hinted
@@ -140,7 +140,7 @@ class Pictured(Sourced):
         """
         if not isinstance(size, Sequence) or isinstance(size, str) or len(size) != 2:
             raise TypeError(f"size: columns and rows, as in (1280, 960), not {size!r}")
-        width, height = (positive("size", side) for side in size)
+        width, height = (whole("size", side) for side in size)
         if (show == "deviation") != (against is not None):
             raise ValueError("against: for show='deviation', which needs it")
         if pixels is not None and tol is not None:

@@ -27,4 +27,5 @@ def plain_reading(format: str, unit: str | None = None) -> _chordal.Reading:
         "drop_nonfinite": False,
         "surface": None,
         "letters": None,
+        "index": None,
     }

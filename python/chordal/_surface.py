@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import positive, text
+from chordal._arguments import text, whole
 from chordal._arrays import coordinates
 from chordal._shape import Shape
 
@@ -49,7 +49,7 @@ def surface(
         raise ValueError(f"weights: one for each control point, {(n_rows, n_columns)}, not {heavy.shape}")
     if len(degrees) != 2:
         raise ValueError(f"degrees: two of them, along u and along v, not {len(degrees)}")
-    along_u, along_v = (positive("degrees", degree) for degree in degrees)
+    along_u, along_v = (whole("degrees", degree) for degree in degrees)
     both = None
     if knots is not None:
         if len(knots) != 2:

@@ -210,7 +210,8 @@ def volume(
     found = np.asanyarray(array)
     kind = f"{found.dtype.kind}{found.dtype.itemsize}"
     if found.ndim != 3:
-        raise ValueError(f"array: three axes, not {found.ndim}")
+        one = "; of several volumes take one, as in array[..., 0] or image.slicer[..., 0]" if found.ndim > 3 else ""
+        raise ValueError(f"array: three axes, not {found.ndim}{one}")
     if min(found.shape) < 2:
         sizes = ", ".join(f"{size} along {axis}" for axis, size in zip("xyz", found.shape) if size < 2)
         raise ValueError(f"array: 2 samples or more along each axis, not {sizes}")

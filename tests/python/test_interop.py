@@ -111,6 +111,18 @@ def test_nibabel_comes_and_goes() -> None:
     assert np.array_equal(ours.affine, TURNED) and ours.spacing == (2, 0.5, 3)
     back = ours.to_nibabel()
     assert np.array_equal(back.dataobj, SAMPLES) and np.array_equal(back.affine, TURNED)
+    pieces = chordal.block_volume(image)
+    assert pieces.shape == (3, 4, 5) and np.array_equal(pieces.affine, TURNED)
+    of_array = chordal.block_volume(SAMPLES, affine=TURNED)
+    assert np.array_equal(pieces.mesh(iso=20.5, block=2).vertices, of_array.mesh(iso=20.5, block=2).vertices)
+    several = nibabel.Nifti1Image(np.stack([SAMPLES, SAMPLES[::-1]], axis=3), TURNED).to_bytes()
+    with pytest.raises(chordal.ReadError, match="index= names one, from 0 to 1"):
+        chordal.load(several, format="nii")
+    assert np.array_equal(chordal.load(several, format="nii", index=1).array, SAMPLES[::-1])
+    with pytest.raises(ValueError, match=r"image\.slicer"):
+        chordal.volume(nibabel.Nifti1Image.from_bytes(several))
+    with pytest.raises(ValueError, match="index: a whole number of at least 0"):
+        chordal.load(several, format="nii", index=-1)
     scaled = nibabel.Nifti1Image(SAMPLES, TURNED)
     scaled.header.set_slope_inter(2, 1)
     assert chordal.volume(nibabel.Nifti1Image.from_bytes(scaled.to_bytes())).array[2, 3, 4] == 2 * 59 + 1

@@ -46,6 +46,8 @@ pub(crate) struct Reading {
     surface: Option<String>,
     /// What a font sets, its em, and where its axes are.
     letters: Option<LetterArguments>,
+    /// Which volume of a file of several.
+    index: Option<u64>,
 }
 
 impl Reading {
@@ -60,8 +62,13 @@ impl Reading {
             (_, true) => Conformance::Lenient,
             _ => Conformance::Tolerant,
         };
-        let limits =
-            Limits { conformance, drop_nonfinite: self.drop_nonfinite, surface, ..Limits::default() };
+        let limits = Limits {
+            conformance,
+            drop_nonfinite: self.drop_nonfinite,
+            surface,
+            index: self.index,
+            ..Limits::default()
+        };
         let letters = self.letters.map(|(text, em, axes)| Letters { text, em, axes });
         let hint = FormatHint {
             name: self.name.as_deref(),

@@ -29,11 +29,13 @@ impl Spelling for Keywords {
                 format!("mend({named}={value})")
             }
             Setting::Level => "Cage.refined".to_owned(),
-            Setting::Index
-            | Setting::Text
-            | Setting::TileTriangles
-            | Setting::MaxMemory
-            | Setting::SelfIntersections => format!("{} of the command", CommandLine.spell(setting, value)),
+            Setting::Index => match value {
+                Some(_) => number("index"),
+                None => "index=".to_owned(),
+            },
+            Setting::Text | Setting::TileTriangles | Setting::MaxMemory | Setting::SelfIntersections => {
+                format!("{} of the command", CommandLine.spell(setting, value))
+            }
         }
     }
 }

@@ -163,7 +163,7 @@ def _nifti(path: str) -> Placed:
 
     image = library("nibabel").load(path)
     _, unit = nibabel_facts(image)
-    return Placed(_NiftiFile(path), _rows(np.asarray(image.affine, dtype=np.float64)), unit)
+    return Placed(_NiftiFile(path), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
 
 @dataclass(frozen=True)
@@ -324,5 +324,6 @@ def _diagonal(steps: Sequence[float], first: Sequence[float]) -> tuple[tuple[flo
     return tuple(tuple(row) for row in rows)
 
 
-def _rows(affine: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
+def matrix_rows(affine: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
+    """The first three rows of an affine matrix, as they are compared and pickled."""
     return tuple(tuple(float(x) for x in row) for row in affine[:3])

@@ -21,7 +21,7 @@ from chordal._blockwise.level_files import MeshLevel
 from chordal._blockwise.multiresolution import LabelTree
 from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sampled import FieldSamples, crossed
-from chordal._blockwise.sources import Placed, mapped_file, opened, source_of
+from chordal._blockwise.sources import Placed, mapped_file, matrix_rows, opened, source_of
 from chordal._blockwise.tasks import (
     Block,
     Surface,
@@ -40,6 +40,7 @@ from chordal._bound import Bound, bound_of
 from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._field import Field
 from chordal._hints import Guessed, keywords_hinted
+from chordal._images import lattice_of
 from chordal._table import table
 from chordal._units import VOLUME_METRES, refuse_unknown
 from chordal._volume import _steps
@@ -81,7 +82,8 @@ class BlockVolume(Guessed):
         import numpy as np
 
         if len(array.shape) != 3:
-            raise ValueError(f"array: three axes, not {len(array.shape)}")
+            one = "; of several volumes take one, as in array[..., 0]" if len(array.shape) > 3 else ""
+            raise ValueError(f"array: three axes, not {len(array.shape)}{one}")
         self._array: Final = array
         rows = np.asarray(_steps(spacing, origin, affine), dtype=np.float64).T
         self._affine: Final = tuple(tuple(float(x) for x in row) for row in rows)
@@ -482,6 +484,9 @@ def block_volume(
     - a NIfTI file, by the package `nibabel`, best one that is not compressed;
     - an .npy file.
 
+    An image of another library, as `volume` takes, will do as well, and an array of Dask in an `xarray.DataArray` is read a
+    block at a time.
+
     Or it is a `Field`, which `spacing` samples at the points of a lattice over its box: these values are computed where a
     block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that the
     tileset of a lattice of 10¹² cells costs what its surface costs, and a mesh that and an interval for each block. A field
@@ -502,8 +507,11 @@ def block_volume(
         samples = FieldSamples.of(array, steps, None if origin is None else rows[3].tolist())
         return BlockVolume(samples, spacing=samples.steps, origin=samples.origin, unit=unit)
     found = Placed(mapped_file(array))
+    known = lattice_of(array)
     if isinstance(array, (str, os.PathLike)):
         found = opened(os.fspath(array), index(level), index(channel))
+    elif known is not None:
+        found = Placed(known.array, matrix_rows(known.affine), known.unit)
     if found.affine is not None and spacing is None and origin is None and affine is None:
         return BlockVolume(found.array, affine=found.affine, unit=unit or found.unit)
     return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
