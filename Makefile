@@ -5,7 +5,7 @@ SHELL := /bin/bash
 .NOTPARALLEL:
 .PHONY: help demo studio test test-long bench bench-quick pictures install clean fmt-check lint
 .PHONY: test-rust test-web test-looks test-tiles test-studio test-python
-.PHONY: docs-site fuzz need-fuzz tested tilesets test-viewers bench-studio
+.PHONY: wheel docs-site fuzz need-fuzz tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
@@ -73,6 +73,7 @@ studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
 # the library without threads.
 test: export WEB_PROFILE := web-test
 test: export MODULE_PROFILE := web-test
+test: export CHORDAL_PAGE_QUALITY := 5
 # Crates that test-web's module asks for: beside them the others are built with the features that they have there, so once.
 test: export MODULE_TOO := -p chordal-verbs
 test: fmt-check lint studio-page test-rust test-studio test-web test-looks test-tiles test-python ## everything that CI runs
@@ -209,6 +210,22 @@ test-python: tested need-python need-node
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest --mypy-config-file pyproject.toml \
 		--allowlist tests/python/stubtest.txt chordal
 
+# What is given away: the wheel of this system and the source distribution, in dist/ of the target folder. cibuildwheel does the
+# same for other systems, with the page and the viewer that are built here. A wheel has at most 20 MB.
+WHEELS := $(TARGET)/python/dist
+wheel: export CARGO_PROFILE_RELEASE_LTO := fat
+wheel: export CARGO_PROFILE_RELEASE_CODEGEN_UNITS := 1
+wheel: studio-page need-python ## the Python package as it is given away: a wheel for this system, and its source
+	rm -rf $(WHEELS) $(TARGET)/python/smoke
+	python3 -m venv $(TARGET)/python/smoke && $(TARGET)/python/smoke/bin/python -m pip install -q -c tests/python/requirements.txt numpy maturin
+	PATH="$(abspath $(TARGET))/python/smoke/bin:$$PATH" maturin sdist -o $(WHEELS)
+	PATH="$(abspath $(TARGET))/python/smoke/bin:$$PATH" $(TARGET)/python/smoke/bin/python -m pip wheel -q --no-deps \
+		--no-build-isolation -w $(WHEELS) $(WHEELS)/*.tar.gz
+	$(TARGET)/python/smoke/bin/python -m pip install -q --no-deps $(WHEELS)/*.whl
+	$(TARGET)/python/smoke/bin/python tests/python/smoke.py
+	@ls -l $(WHEELS)
+	@[ $$(wc -c < $$(ls $(WHEELS)/*.whl)) -le 20000000 ] || { echo "The wheel has more than 20 MB." >&2; exit 1; }
+
 # What `make test` leaves to this, so that it takes half an hour from cold and not hours: nine of ten random cases of every sweep that asks
 # chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields. The modules of the
 # page and of test-web are those that are shipped, too, and axe looks at every page in each theme of each language.
@@ -273,7 +290,7 @@ install: need-rust ## put chordal where cargo puts programs
 	$(CARGO) install --path crates/chordal-cli --locked
 
 clean: ## remove what was built
-	rm -rf out $(TARGET) tests/web/node_modules tests/viewers/node_modules studio/node_modules studio/wasm studio/dist/page
+	rm -rf out $(TARGET) tests/web/node_modules tests/viewers/node_modules studio/node_modules studio/wasm studio/dist/page studio/dist/page.br
 
 # at-least FOUND WANTED: whether version FOUND is WANTED or newer.
 at-least = [ "$$(printf '%s\n' $(2) "$(1)" | sort -V | head -n 1)" = $(2) ]

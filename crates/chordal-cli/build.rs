@@ -11,30 +11,14 @@ fn main() {
     if folder.is_dir() {
         println!("cargo:rerun-if-changed={}", folder.display());
     }
-    let page = folder.join("page");
-    let mut rows = String::new();
-    for (name, path) in files(&page) {
-        rows += &format!("    (\"{name}\", include_bytes!({:?})),\n", path.display().to_string());
-    }
+    let archive = folder.join("page.br");
+    let value = match archive.is_file() {
+        true => format!("Some(include_bytes!({:?}))", archive.display().to_string()),
+        false => "None".into(),
+    };
     let text = format!(
-        "/// Each file of the page under its name.\npub const FILES: &[(&str, &[u8])] = &[\n{rows}];\n"
+        "/// All files of the page as one, compressed.\npub const ARCHIVE: Option<&[u8]> = {value};\n"
     );
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets it")).join("page.rs");
     fs::write(out, text).expect("the folder of the build can be written");
-}
-
-/// The files of the page and of its one folder of assets, in order.
-fn files(page: &Path) -> Vec<(String, PathBuf)> {
-    let mut all = Vec::new();
-    for (prefix, folder) in [("", page.to_path_buf()), ("assets/", page.join("assets"))] {
-        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            if entry.path().is_file()
-                && let Some(name) = entry.file_name().to_str()
-            {
-                all.push((format!("{prefix}{name}"), entry.path()));
-            }
-        }
-    }
-    all.sort();
-    all
 }

@@ -4,6 +4,7 @@ use crate::fault::{Fault, plainly};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 mod built {
@@ -15,6 +16,9 @@ mod built {
 const MOST_BYTES: u64 = 32 << 20;
 /// The most files of a folder that is served: every exhibit has two pages and a script or two.
 const MOST_FILES: usize = 256;
+
+/// Bytes that are decompressed at once.
+const BUFFER: usize = 1 << 16;
 
 /// The page that files are opened with.
 const WORKBENCH: &str = "/workbench.html";
@@ -46,8 +50,10 @@ impl StudioPage {
         if let Some(dir) = dir {
             return Self::read(dir);
         }
-        if !built::FILES.is_empty() {
-            return Ok(Self::built());
+        if let Some(archive) = built::ARCHIVE {
+            let damaged =
+                || Fault::input("damaged-page", "the page that is built into this command is damaged");
+            return unpacked(archive).map(Self::new).ok_or_else(damaged);
         }
         match page_folder() {
             Some(dir) => Self::read(&dir),
@@ -93,14 +99,6 @@ impl StudioPage {
         Self { files, home: "/".into() }
     }
 
-    fn built() -> Self {
-        let file = |(path, bytes): &(&'static str, &'static [u8])| {
-            let name = path.rsplit('/').next().unwrap_or(path);
-            Some((format!("/{path}"), PageFile { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
-        };
-        Self::new(built::FILES.iter().filter_map(file).collect())
-    }
-
     /// Lists and reads a folder and its `assets`, links left out.
     fn read(dir: &Path) -> Result<Self, Fault> {
         let fault = |path: &Path, why: &str| Fault::input("unreadable", format!("{}: {why}", path.display()));
@@ -134,6 +132,25 @@ impl StudioPage {
             Err(fault(dir, "there is no index.html in it; 'make studio' writes the page to studio/dist/page"))
         }
     }
+}
+
+/// The files of an archive: a line of JSON with names and lengths, then the bytes of one after the other, all compressed
+/// together by Brotli.
+fn unpacked(archive: &[u8]) -> Option<BTreeMap<String, PageFile>> {
+    let mut whole = Vec::new();
+    brotli_decompressor::Decompressor::new(archive, BUFFER).read_to_end(&mut whole).ok()?;
+    let end = whole.iter().position(|byte| *byte == b'\n')?;
+    let list: Vec<(String, usize)> = serde_json::from_slice(&whole[..end]).ok()?;
+    let (mut files, mut rest) = (BTreeMap::new(), &whole[end + 1..]);
+    for (path, len) in list {
+        let (bytes, after) = rest.split_at_checked(len)?;
+        rest = after;
+        let name = path.rsplit('/').next().unwrap_or(&path);
+        if let Some(kind) = kind(name) {
+            files.insert(format!("/{path}"), PageFile { bytes: bytes.to_vec().into(), kind });
+        }
+    }
+    Some(files)
 }
 
 /// Where a page lies that was not built in: beside the command, where programs keep their data, or in the
@@ -216,14 +233,21 @@ mod tests {
     }
 
     #[test]
-    fn every_file_that_is_built_in_is_served() {
-        let page = StudioPage::built();
-        for (name, bytes) in built::FILES {
-            assert_eq!(
-                page.get(&format!("/{name}")).map(|file| file.bytes.len()),
-                Some(bytes.len()),
-                "{name}"
-            );
+    fn files_of_an_archive_are_served() {
+        // `[["index.html",3],["assets/a.js",1],["a.pem",2]]`, then `<p>1no`, as Node compresses it.
+        let archive = b"\x0b\x1b\x80[[\"index.html\",3],[\"assets/a.js\",1],[\"a.pem\",2]]\n<p>1no\x03";
+        let files = unpacked(archive).unwrap();
+        let names: Vec<&str> = files.keys().map(String::as_str).collect();
+        assert_eq!(names, ["/assets/a.js", "/index.html"]);
+        assert_eq!(
+            (files["/index.html"].bytes.as_ref(), files["/assets/a.js"].bytes.as_ref()),
+            (&b"<p>"[..], &b"1"[..])
+        );
+        assert_eq!(unpacked(&archive[..archive.len() / 2]), None);
+        assert_eq!(unpacked(b""), None);
+        if let Some(built) = built::ARCHIVE {
+            let page = unpacked(built).unwrap();
+            assert!(page.contains_key("/index.html") && page.contains_key(WORKBENCH), "{:?}", page.keys());
         }
     }
 
