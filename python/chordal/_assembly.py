@@ -92,6 +92,8 @@ def scene(
     roots = made.nodes_of(things, "", None)
     if not roots:
         raise ValueError("things: there is none")
+    if not made.has_parts:
+        raise ValueError("things: there is no mesh in them")
     return made.mesh(roots, None if unit is None else float(METRES[unit]), up)
 
 
@@ -110,6 +112,11 @@ class _Assembly:
         #: By nodes how far all below them is from the truth.
         self._bounds: dict[int, Bound] = {}
         self._lost: set[str] = set()
+
+    @property
+    def has_parts(self) -> bool:
+        """Whether there is anything to show."""
+        return bool(self._taken)
 
     def nodes_of(self, thing: Any, name: str, material: Any) -> list[int]:
         """The new nodes that show a thing, next to each other."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,12 +13,17 @@ from typing import Any, Literal, SupportsFloat, SupportsIndex
 
 from chordal._arguments import number, whole
 from chordal._errors import Error
+from chordal._hints import keywords_hinted, meant_keyword
 
+_VERBS = ("mesh", "lod", "mend", "bake", "render", "convert", "inspect")
 # The exit codes of the command after which the manifest says how each file went: all well, or some not. With others the
 # batch could not be done, whatever an earlier one has left.
 _DONE = (0, 1)
+# What the command says of an option that it does not have.
+_UNKNOWN_OPTION = re.compile(r"unexpected argument '--([\w-]+)")
 
 
+@keywords_hinted
 def batch(
     verb: Literal["mesh", "lod", "mend", "bake", "render", "convert", "inspect"],
     files: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
@@ -45,6 +52,8 @@ def batch(
     Gives back the last line of the manifest for each file: "input", "output", "exit" (0 where it went well), "error",
     "triangles_out", "bound" and more. Raises `Error` where nothing was begun. It costs a process for each file.
     """
+    if verb not in _VERBS:
+        raise ValueError(f"verb: one of {', '.join(_VERBS)}, not {verb!r}")
     inputs = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     words = [sys.executable, "-m", "chordal", "batch", verb, *(os.fspath(file) for file in inputs), "-o", os.fspath(output)]
     words += ["--redo"] * redo + ["--force"] * force
@@ -57,7 +66,11 @@ def batch(
     done = subprocess.run([*words, "--", *_words(options)], capture_output=True, text=True, check=False)
     manifest = os.path.join(os.fspath(output), "manifest.jsonl")
     if done.returncode not in _DONE or not os.path.exists(manifest):
-        raise Error(done.stderr.strip().removeprefix("chordal: "))
+        said = done.stderr.strip().removeprefix("chordal: ")
+        unknown = _UNKNOWN_OPTION.search(said)
+        if unknown is not None:
+            raise ValueError(f"options: {verb} has no {unknown[1]!r}: {_meant_option(verb, unknown[1])}")
+        raise Error(said)
     last: dict[str, dict[str, Any]] = {}
     with open(manifest, encoding="utf-8") as lines:
         for line in lines:
@@ -65,6 +78,14 @@ def batch(
             if isinstance(row.get("input"), str):
                 last[row["input"]] = row
     return list(last.values())
+
+
+def _meant_option(verb: str, name: str) -> str:
+    """What stands for an option that the command does not know."""
+    import chordal
+
+    known = inspect.signature(getattr(chordal, verb)).parameters
+    return meant_keyword(name.replace("-", "_"), [one.name for one in known.values() if one.kind is one.KEYWORD_ONLY])
 
 
 def _scheduler(executor: Any | None, cluster: str | None) -> str | None:

@@ -57,6 +57,12 @@ _ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
         "tile_triangles",
         "levels are those that a screen can tell apart; for your own, [shape.mesh(triangles=n) for n in counts]",
     ),
+    (
+        ("tol", "rel", "triangles", "pixels", "view", "iso", "angle", "normals", "quantize", "cells", "spacing", "size")
+        + ("weld", "orient", "fill_holes", "format", "tolerance", "error", "resolution", "unit", "px"),
+        "options",
+        'what the verb is told stands in options, as in options={"tol": 0.1}',
+    ),
     (("labels",), "executor", "volume.labels() has a mesh for each"),
     (("angle", "theta"), "degrees", "here it is degrees="),
 )

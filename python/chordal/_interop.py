@@ -25,6 +25,7 @@ def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
 
     if is_trimesh_scene(thing):
         return scene_of_trimesh(thing, weld=weld, unit=_unit_of(thing))
+    _refuse_cells(thing)
     for is_one, arrays in _KNOWN:
         if is_one(thing):
             return Mesh(**arrays(thing), weld=weld, unit=_unit_of(thing))
@@ -91,6 +92,16 @@ def _of_open3d_tensor(thing: Any) -> dict[str, Any]:
     return found
 
 
+def _refuse_cells(thing: Any) -> None:
+    """Raises `TypeError` for grids of PyVista, whose faces are those of their surface, and for several of its meshes."""
+    is_several = _has(thing, "extract_surface", "combine")
+    is_other = _has(thing, "regular_faces") or _has(thing, "spacing")
+    if is_several or not is_other and _has(thing, "extract_surface", "points", "cell_data"):
+        made = "thing.combine()" if is_several else "thing"
+        call = f"chordal.Mesh.from_({made}.extract_surface())"
+        raise TypeError(f"thing: {type(thing).__name__} has cells: {call} takes its surface")
+
+
 def _is_pyvista(thing: Any) -> bool:
     return _has(thing, "regular_faces", "points")
 
@@ -98,7 +109,11 @@ def _is_pyvista(thing: Any) -> bool:
 def _of_pyvista(thing: Any) -> dict[str, Any]:
     import numpy as np
 
-    mesh = thing if thing.is_all_triangles else thing.triangulate()
+    mesh = thing if thing.is_all_triangles and not thing.n_strips else thing.triangulate()
+    if thing.n_lines and not len(mesh.regular_faces):
+        raise ValueError("thing: there are lines and no faces in it; thing.tube(radius=…) makes faces around them")
+    if thing.n_points and not len(mesh.regular_faces):
+        raise ValueError("thing: there are points and no faces in it; arrays of numpy are points")
     found: dict[str, Any] = {"vertices": np.asarray(mesh.points), "faces": np.asarray(mesh.regular_faces)}
     if mesh.active_texture_coordinates is not None:
         found["uv"] = np.asarray(mesh.active_texture_coordinates)

@@ -144,6 +144,8 @@ def load(
     """
     if strict and lenient:
         raise ValueError("strict and lenient: one of them")
+    if kind is not None and not isinstance(kind, type):
+        raise TypeError(f"kind: a class, as in kind=chordal.Mesh, not {kind!r}")
     name = None
     if isinstance(source, (bytes, bytearray, memoryview)):
         content = bytes(source)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from chordal._bound import Bound, bound_of
@@ -33,9 +34,22 @@ class Report(dict[str, Any]):
 
     @property
     def bound(self) -> Bound | None:
-        """The bound that it speaks of; None where nothing was made."""
+        """The bound that it speaks of; None where nothing was made, or where not all of it is there."""
         facts = _found(self, "certificate", "bound")
-        return None if facts is None else bound_of(facts)
+        try:
+            return None if facts is None else bound_of(facts)
+        except (KeyError, TypeError, ValueError):
+            return None
+
+    def copy(self) -> Report:
+        """Another report with the same entries."""
+        return Report(self)
+
+    def __or__(self, other: Mapping[str, Any]) -> Report:  # type: ignore[override]
+        return Report({**self, **other}) if isinstance(other, Mapping) else NotImplemented
+
+    def __ror__(self, other: Mapping[str, Any]) -> Report:  # type: ignore[override]
+        return Report({**other, **self}) if isinstance(other, Mapping) else NotImplemented
 
     def rows(self) -> list[tuple[str, str]]:
         """What is shown of it: titles and texts."""
@@ -59,10 +73,10 @@ class Report(dict[str, Any]):
         if output is not None:
             found.append(("file", output if n_bytes is None else f"{output}, {n_bytes:,} bytes"))
         findings = _found(self, "inspection", "findings")
-        found.append(("found", _listed([f"{one['count']:,} {one['words']}" for one in findings or ()], ", ")))
+        found.append(("found", _listed(_told(findings, "{count:,} {words}"), ", ")))
         warnings = _found(self, "certificate", "input", "warnings")
-        found.append(("warnings", _listed([f"{one['message']} ({one['count']:,})" for one in warnings or ()], "; ")))
-        found.append(("notes", _listed(_found(self, "certificate", "notes") or [], "; ")))
+        found.append(("warnings", _listed(_told(warnings, "{message} ({count:,})"), "; ")))
+        found.append(("notes", _listed(_told(_found(self, "certificate", "notes"), "{}"), "; ")))
         return [(title, text) for title, text in found if text]
 
     def _title(self) -> str:
@@ -90,6 +104,17 @@ def _found(facts: Any, *path: str) -> Any:
             return None
         facts = facts.get(name)
     return facts
+
+
+def _told(entries: Any, form: str) -> list[str]:
+    """Each entry of a list in a form; those that lack what it names are passed over: a report may have been changed."""
+    found = []
+    for one in entries if isinstance(entries, list) else ():
+        try:
+            found.append(form.format(**one) if isinstance(one, dict) else form.format(one))
+        except (LookupError, TypeError, ValueError):
+            continue
+    return found
 
 
 def _counts(output: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from conftest import SQUARE, TEAPOT
 import chordal
 
 VIEW = "1920x1080 fov=45 dist=4"
+# Not of its types, for these refuse what is tried here.
+ANY: Any = chordal
 
 
 @pytest.fixture(scope="module")
@@ -134,3 +137,32 @@ def test_a_file_of_another_kind_than_was_said_is_refused() -> None:
     assert raised.value.code == "other-kind"
     with pytest.raises(chordal.ReadError, match="a Mesh and not a Volume$"):
         chordal.load(SQUARE, format="obj", kind=chordal.Volume)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "part"),
+    [
+        (lambda: ANY.scene({"a": []}), ValueError, "things: there is no mesh in them"),
+        (lambda: ANY.scene(chordal.Placed({}, (1, 0, 0))), ValueError, "things: there is no mesh in them"),
+        (lambda: ANY.load(SQUARE, format="obj", kind="mesh"), TypeError, "kind: a class, as in .*, not 'mesh'"),
+        (lambda: ANY.verify("a.glb", chordal.shapes.sphere(1)), TypeError, "against: the path .*, not Field"),
+        (lambda: ANY.verify("a.glb", ["a.stl", 3]), TypeError, "against: the path .*, not int"),
+        (lambda: ANY.batch("fly", "a.stl", "out"), ValueError, "verb: one of mesh, .*, not 'fly'"),
+        (lambda: ANY.batch("mesh", "a.stl", "out", tol=0.1), TypeError, "'tol': what the verb is told stands in options"),
+    ],
+)
+def test_what_is_wrong_is_one_sentence(make: Any, error: type[Exception], part: str) -> None:
+    with pytest.raises(error, match=part):
+        make()
+
+
+def test_an_option_of_a_batch_is_answered(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_bytes(SQUARE)
+    with pytest.raises(ValueError, match="options: mesh has no 'tolerance': here it is tol="):
+        chordal.batch("mesh", tmp_path / "a.obj", tmp_path / "out", options={"tolerance": 0.1})
+
+
+def test_one_file_is_enough_to_verify(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_bytes(SQUARE)
+    chordal.load(tmp_path / "a.obj").mesh(tol=0.1).export(tmp_path / "a.glb")
+    assert chordal.verify(tmp_path / "a.glb", str(tmp_path / "a.obj"))["verdict"] == "re-proved"

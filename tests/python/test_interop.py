@@ -243,3 +243,17 @@ def test_a_scene_of_trimesh_comes_with_places_and_materials() -> None:
     assert chordal.mesh(chordal.scene(trimesh.Scene(box)), tol=0.1).is_watertight
     with pytest.raises(ValueError, match="no mesh in this scene"):
         chordal.Mesh.from_(trimesh.Scene())
+
+
+def test_what_has_no_triangles_is_said() -> None:
+    pyvista = library("pyvista")
+    solid = pyvista.UnstructuredGrid({10: np.array([[0, 1, 2, 3]])}, POINTS)
+    with pytest.raises(TypeError, match=r"UnstructuredGrid has cells: chordal.Mesh.from_\(thing.extract_surface\(\)\)"):
+        chordal.Mesh.from_(solid)
+    assert chordal.Mesh.from_(solid.extract_surface(algorithm=None)).is_watertight
+    with pytest.raises(TypeError, match=r"MultiBlock has cells: .*thing.combine\(\)"):
+        chordal.Mesh.from_(pyvista.MultiBlock([solid]))
+    with pytest.raises(ValueError, match="lines and no faces in it; thing.tube"):
+        chordal.Mesh.from_(pyvista.Line())
+    with pytest.raises(ValueError, match="points and no faces"):
+        chordal.Mesh.from_(pyvista.PolyData(POINTS))

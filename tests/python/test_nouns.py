@@ -136,6 +136,11 @@ def test_a_report_is_a_dictionary_of_which_a_few_lines_are_shown(tmp_path: Path)
     report["certificate"]["bound"] = None
     assert report.bound is None and "bound" not in repr(report)
     assert repr(chordal.Report()) == "<Report>" and repr(chordal.Report(run=None, certificate=[])) == "<Report>"
+    # It may be changed, so that nothing of it is sure to be there.
+    broken = chordal.Report(certificate={"bound": {"at_least": 1}, "notes": "n", "input": {"warnings": [{"count": 1}]}})
+    assert repr(broken) == "<Report>" and broken.bound is None
+    for again in (report.copy(), report | {}, {} | report):
+        assert type(again) is chordal.Report and again == report and again is not report
 
 
 def test_what_a_file_has_wrong_is_in_the_report() -> None:
