@@ -163,12 +163,28 @@ class Formula(Remakeable):
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
         """What numpy's functions make of a formula, as in `numpy.sin(x)`."""
-        name = _UFUNCS.get(ufunc.__name__)
-        if method != "__call__" or named or name is None or any(getattr(one, "ndim", 0) for one in inputs):
+        import numpy as np
+
+        if not all(isinstance(one, (Formula, Real, np.ndarray)) for one in inputs):
             return NotImplemented
+        name = _UFUNCS.get(ufunc.__name__)
+        if method != "__call__" or named or name is None:
+            raise _no_function(ufunc.__name__ if method == "__call__" else f"{ufunc.__name__}.{method}")
+        if any(getattr(one, "ndim", 0) for one in inputs):
+            raise TypeError("a formula and an array are no formula: a formula is called with points, as in x(points)")
         # numpy's numbers as Python's own, so that they do not ask here again.
         own = [one if isinstance(one, Formula) else float(one) for one in inputs]
         return name(*own)
+
+    def __array_function__(self, function: Any, types: Any, args: Any, named: Any) -> Any:
+        """Refuses numpy's other functions, which would take a formula for an object without numbers."""
+        raise _no_function(function.__name__)
+
+    def __bool__(self) -> bool:
+        """Refused: it is a number for every point."""
+        raise TypeError(
+            "a formula has no truth value, for it is a number for every point: minimum and maximum of chordal.shapes choose"
+        )
 
     def __abs__(self) -> Formula:
         return _operated("abs", self, self)  # type: ignore[no-any-return]
@@ -520,6 +536,30 @@ def _power(base: Formula, exponent: int) -> Formula:
     return made
 
 
+#: What numpy calls otherwise, or what stands for it, by its names.
+_INSTEAD: dict[str, str] = {
+    "clip": "minimum(maximum(x, low), high)",
+    "where": "minimum and maximum",
+    "cbrt": "x ** (1 / 3), of what is positive",
+    "tanh": "1 - 2 / (exp(2 * x) + 1)",
+    "sinh": "(exp(x) - exp(-x)) / 2",
+    "cosh": "(exp(x) + exp(-x)) / 2",
+    "log2": "log(x) / log(2)",
+    "log10": "log(x) / log(10)",
+    "exp2": "2 ** x",
+    **dict.fromkeys(("remainder", "mod", "fmod"), "x - n * floor(x / n)"),
+    **dict.fromkeys(("rint", "round", "around"), "floor(x + 0.5)"),
+    **dict.fromkeys(("max", "amax", "fmax"), "maximum(a, b)"),
+    **dict.fromkeys(("min", "amin", "fmin"), "minimum(a, b)"),
+}
+
+
+def _no_function(name: str) -> TypeError:
+    """What is raised for a function of numpy that formulas have not."""
+    way = f"; here it is {_INSTEAD[name]}" if name in _INSTEAD else ""
+    return TypeError(f"formulas have no {name}{way}; they have {', '.join(_OF_LANGUAGE)}, abs, +, -, *, / and **")
+
+
 def _named(name: str) -> Callable[..., Any]:
     return lambda *args: called(name, *args)
 
@@ -547,4 +587,10 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
     "maximum": _named("maximum"),
     "deg2rad": _named("radians"),
 }
+#: The functions of formulas, as `chordal.shapes` has them.
+_OF_LANGUAGE = ("acos", "asin", "atan", "atan2", "ceil", "cos", "exp", "floor", "log", "maximum", "minimum", "radians") + (
+    "sin",
+    "sqrt",
+    "tan",
+)
 _UFUNCS |= {name: _named(name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "floor", "ceil", "radians")}

@@ -204,6 +204,17 @@ def test_a_function_that_goes_on_beyond_its_box_is_cut_off_there(lipschitz: floa
         half.within((2, 2, 2), (3, 3, 3))
 
 
+@pytest.mark.parametrize("length", [5, 30, 100])
+def test_a_function_in_a_long_thin_box_is_found(length: float) -> None:
+    def rod(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        return np.asarray(np.hypot(points[:, 0], points[:, 1]) - 0.4, dtype=np.float64)
+
+    mesh = chordal.field(rod, bounds=((-0.5, -0.5, 0), (0.5, 0.5, length))).mesh(tol=0.03)
+    assert mesh.is_watertight and 0.95 < mesh.volume / (np.pi * 0.16 * length) < 1
+    with pytest.raises(chordal.Refused, match="no sample is inside.*tighter bounds"):
+        chordal.field(rod, bounds=((-200, -200, 0), (200, 200, 1))).mesh(tol=0.03)
+
+
 @pytest.mark.parametrize("seed", [6, 8])
 def test_a_function_with_creases_is_meshed_to_the_length(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -255,3 +266,27 @@ def test_a_function_of_tensors_is_told_how_it_gets_them(monkeypatch: pytest.Monk
     wrong = chordal.field(lambda points: points.nrom(dim=-1) - 1, bounds=((-1, -1, -1), (1, 1, 1)))
     with pytest.raises(AttributeError, match="nrom"):
         wrong.mesh(tol=0.1)
+
+
+def test_what_formulas_have_not_is_said() -> None:
+    shapes: Any = chordal.shapes
+    x = shapes.x
+    there = "they have acos, .* and"
+    for call, said in (
+        (lambda: np.tanh(x), r"no tanh; here it is 1 - 2 / \(exp"),
+        (lambda: np.sign(x), "no sign; "),
+        (lambda: np.mod(x, 2), r"no remainder; here it is x - n \* floor"),
+        (lambda: np.cbrt(x), "no cbrt; "),
+        (lambda: np.where(x, 1, 0), "no where; here it is minimum and maximum; "),
+        (lambda: np.clip(x, 0, 1), r"no clip; here it is minimum\(maximum"),
+        (lambda: np.add.reduce(x), r"no add.reduce; "),
+    ):
+        with pytest.raises(TypeError, match=f"formulas have {said}.*{there}"):
+            call()
+    with pytest.raises(TypeError, match="a formula and an array are no formula"):
+        np.ones(3) * x
+    with pytest.raises(TypeError, match="a formula has no truth value"):
+        bool(x)
+    with pytest.raises(TypeError, match="a formula has no truth value"):
+        shapes.check(x, "never")
+    assert x == x and len({x, shapes.y}) == 2
