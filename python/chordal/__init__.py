@@ -132,6 +132,9 @@ __all__ = [
 
 if not TYPE_CHECKING:
 
+    def __dir__():
+        return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
+
     def __getattr__(name):
         import sys
 

@@ -7,7 +7,12 @@ from collections.abc import Mapping
 from chordal._library_names import NAMES
 
 _FEWER = "shape.mesh(triangles=5000), or shape.mesh(tol=0.01) for the fewest within a length"
-_BOUNDED = "Chordal has none, for nothing would bound what it does"
+_ELSE = "Chordal has none"
+_BACK = "meshes come back by Mesh.from_"
+_INSIDE_OUT = "chordal.Mesh(mesh.vertices, mesh.faces[:, ::-1])"
+
+#: What files are called by, as in `to_stl`.
+_EXTENSIONS = ("stl", "obj", "ply", "glb", "gltf", "3mf")
 
 #: What all shapes do.
 _VERBS: dict[str, str] = {
@@ -24,7 +29,7 @@ _VERBS: dict[str, str] = {
     ),
     **dict.fromkeys(("clean", "repair", "process", "fix", "make_watertight", "make_manifold"), "shape.mend(all=True)"),
     **dict.fromkeys(
-        ("fix_normals", "fix_winding", "flip_normals", "orient", "orient_triangles", "invert"), "shape.mend(orient=True)"
+        ("fix_normals", "fix_winding", "orient", "orient_triangles"), "shape.mend(orient=True)"
     ),
     **dict.fromkeys(("remove_degenerate_faces", "remove_degenerate_triangles"), "shape.mend(drop_degenerate=True)"),
     **dict.fromkeys(("remove_duplicate_faces", "remove_duplicated_triangles"), "shape.mend(drop_duplicates=True)"),
@@ -47,7 +52,8 @@ _VERBS: dict[str, str] = {
     "boolean_intersection": "shape.intersection(other), or a & b",
     "boolean": "shape.union, difference and intersection",
     "levels": "shape.lod(…)",
-    **dict.fromkeys(("to_file", "to_stl", "to_gltf"), 'shape.export("a.glb")'),
+    **{f"{verb}_{ext}": f'shape.export("a.{ext}")' for verb in ("to", "save", "write") for ext in _EXTENSIONS},
+    "to_file": 'shape.export("a.stl")',
     **dict.fromkeys(("screenshot", "save_image", "picture"), 'shape.render(…).export("a.png")'),
 }
 
@@ -110,15 +116,27 @@ _MESHES: dict[str, str] = {
     **dict.fromkeys(("camera", "lights", "set_camera"), "the view= of mesh.render"),
     **dict.fromkeys(("cluster_connected_triangles", "decompose", "separate_cells", "extract_largest"), "mesh.split()"),
     **dict.fromkeys(("flip_x", "flip_y", "flip_z"), "mesh.scale((-1, 1, 1)), a new mesh"),
-    **dict.fromkeys(("flip_faces", "flip_normal"), "chordal.Mesh(mesh.vertices, mesh.faces[:, ::-1])"),
+    **dict.fromkeys(("flip_faces", "flip_normal", "flip_normals", "invert"), _INSIDE_OUT),
+    "flip": f"{_INSIDE_OUT} turns it inside out, and mesh.scale((-1, 1, 1)) mirrors it",
+    "hull": f"{_ELSE}: mesh.to_trimesh().convex_hull; {_BACK}",
+    "project": f"{_ELSE}: mesh.to_trimesh().projected(normal)",
+    "quads": "mesh.faces, which are triangles",
+    **dict.fromkeys(("recenter", "center_mesh"), "mesh.translate(-mesh.bounds.mean(axis=0))"),
+    "get_bounds": "mesh.bounds",
+    **dict.fromkeys(("to_numpy", "to_arrays"), "mesh.vertices and mesh.faces, arrays of numpy"),
+    "to_sdf": "mesh.to_field(), a function of points, or mesh.bake(cells=64), its values on a lattice",
+    "to_volume": "mesh.bake(cells=64), the distances on a lattice",
+    "chamfer": "mesh.vertex_deviation(other).mean() and the same the other way; the largest is mesh.deviation(other)",
+    "marching_cubes": "mesh.bake(cells=64).mesh(iso=0), of the distances on a lattice",
     **dict.fromkeys(("remove_infinite_values", "remove_nan_cells"), "chordal.load(path, drop_nonfinite=True)"),
     **dict.fromkeys(
         ("referenced_vertices", "rezero", "remove_points"), "mesh.mend(drop_unused=True), or mesh.translate((x, y, z))"
     ),
     **dict.fromkeys(("nondegenerate_faces", "unique_faces"), "mesh.mend(drop_degenerate=True, drop_duplicates=True)"),
     **dict.fromkeys(
-        ("minkowski_sum", "offset", "inflate", "dilate", "shell", "thicken"), "mesh.to_field().offset(0.1).mesh(tol=0.01)"
+        ("minkowski_sum", "offset", "inflate", "dilate"), "mesh.to_field().offset(0.1).mesh(tol=0.01)"
     ),
+    **dict.fromkeys(("shell", "thicken", "hollow"), "mesh.to_field().shell(thickness).mesh(tol=0.01)"),
     **dict.fromkeys(("to_dict", "to_pandas", "to_arrow"), "mesh.vertices and mesh.faces, arrays of numpy"),
     **dict.fromkeys(("identifier", "identifier_hash", "md5", "crc"), 'mesh.report["certificate"]["input"]["sha256"]'),
     **dict.fromkeys(("points", "verts", "positions", "v"), "mesh.vertices"),
@@ -168,28 +186,31 @@ _MESHES: dict[str, str] = {
     **dict.fromkeys(("as_pyvista", "to_polydata"), "mesh.to_pyvista()"),
     **dict.fromkeys(("clone", "deep_copy", "shallow_copy"), "copy.copy(mesh), which is the mesh itself: it does not change"),
     "copy": "copy.copy(mesh), which is the mesh itself: it does not change",
-    **dict.fromkeys(("contour", "isosurface"), "mesh.to_field().offset(distance).mesh(tol=0.01)"),
+    **dict.fromkeys(
+        ("contour", "isosurface"),
+        "mesh.to_field().offset(distance).mesh(tol=0.01) at a distance; lines on it are those of mesh.to_pyvista().contour()",
+    ),
 }
 
 #: What a mesh of other libraries does and ours does not: the way there.
 _ELSEWHERE: dict[str, str] = {
     **{
-        name: f"{_BOUNDED}: mesh.to_trimesh().{name}, or mesh.to_pyvista(), and back by Mesh.from_"
+        name: f"{_ELSE}: mesh.to_trimesh().{name}, or the like of mesh.to_pyvista(); {_BACK}"
         for name in ("convex_hull", "subdivide", "subdivide_loop", "smoothed", "unwrap", "moment_inertia", "ray", "sample")
         + ("edges", "edges_unique", "face_adjacency", "bounding_sphere", "bounding_box_oriented", "section", "submesh")
         + ("slice_plane", "update_faces", "principal_inertia_transform")
     },
     **{
-        name: f"{_BOUNDED}: mesh.to_pyvista().{name}(…), or mesh.to_trimesh(), and back by Mesh.from_"
+        name: f"{_ELSE}: mesh.to_pyvista().{name}(…), or the like of mesh.to_trimesh(); {_BACK}"
         for name in ("smooth", "smooth_taubin", "clip", "slice", "geodesic", "ray_trace", "delaunay_3d")
         + ("extract_surface", "compute_cell_sizes")
     },
-    "sample_points_uniformly": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",
+    "sample_points_uniformly": f"{_ELSE}: mesh.to_trimesh().sample(count)",
 }
 
 #: What else these libraries do with a mesh.
 _OF_LIBRARIES: dict[str, str] = {
-    name: f"{_BOUNDED}: mesh.{library}().{name}, and back by Mesh.from_"
+    name: f"{_ELSE}: mesh.{library}().{name}; {_BACK}"
     for library, names in NAMES.items()
     for name in names.split()
 }
@@ -198,6 +219,9 @@ _VOLUMES: dict[str, str] = {
     **dict.fromkeys(
         ("marching_cubes", "contour", "isosurface", "extract_surface", "flying_edges", "threshold"), "volume.mesh(iso=0.5)"
     ),
+    **dict.fromkeys(("voxel_size", "pitch", "voxelsize"), "volume.spacing"),
+    **dict.fromkeys(("plot", "show", "display", "view"), "volume.mesh(iso=0.5).show(), in a notebook"),
+    "points": "volume.bounds and volume.spacing say where the samples stand",
     "contour_labels": 'volume.mesh(labels="all")',
     **dict.fromkeys(("values", "data", "samples", "voxels", "to_numpy", "numpy"), "volume.array"),
     **dict.fromkeys(("min", "max", "mean", "std"), "the same of volume.array"),
@@ -220,10 +244,16 @@ _VOLUMES: dict[str, str] = {
 _FIELDS: dict[str, str] = {
     **dict.fromkeys(("signed_distance", "sdf", "evaluate", "eval", "values", "f"), "field(points), n × 3"),
     "contains": "field(points) < 0",
-    **dict.fromkeys(("translate", "moved", "at"), "field.move(x, y, z)"),
+    **dict.fromkeys(("subtract", "cut"), "field - other"),
+    "elongate": "chordal.shapes.stretch(shape, …)",
+    **dict.fromkeys(
+        ("plot", "show", "display", "view"), 'field.mesh(tol=0.01).show(), in a notebook; else field.render().export("a.png")'
+    ),
+    **dict.fromkeys(("contour", "isosurface"), "field.mesh(tol=0.01), after field.offset(distance) for another distance"),
+    **dict.fromkeys(("translate", "translated", "moved", "at"), "field.move(x, y, z)"),
     **dict.fromkeys(("scaled", "rotated"), "field.scale(k) and field.rotate(axis, degrees)"),
     **dict.fromkeys(("round", "dilate", "grow", "erode"), "field.offset(distance)"),
-    **dict.fromkeys(("hollow", "thicken"), "field.shell(thickness)"),
+    **dict.fromkeys(("hollow", "thicken", "onion"), "field.shell(thickness)"),
     **dict.fromkeys(("normal", "normals"), "field.gradient(points)"),
     **dict.fromkeys(("blend", "smooth_union"), "chordal.shapes.smooth_union(a, b, radius)"),
     **dict.fromkeys(("orient", "transform"), "field.rotate(axis, degrees)"),
@@ -361,7 +391,7 @@ _MODULE: dict[str, str] = {
     **dict.fromkeys(("write_triangle_mesh", "save_meshio", "write_points_cells"), 'mesh.export("a.stl")'),
     **dict.fromkeys(("available_formats", "extension_to_filetypes"), "the page docs/formats.md"),
     **dict.fromkeys(
-        ("PointCloud", "PointSet", "LineSet", "points"), f"{_BOUNDED} with clouds of points; arrays of numpy are points"
+        ("PointCloud", "PointSet", "LineSet", "points"), "Chordal has no clouds of points; arrays of numpy are points"
     ),
     **dict.fromkeys(("Manifold", "Mesh64"), "chordal.Mesh(vertices, faces), with a | b, a - b and a & b"),
     **dict.fromkeys(("CrossSection", "Path2D", "path"), "chordal.shapes.polygon(points), or chordal.load of a drawing"),
@@ -371,6 +401,12 @@ _MODULE: dict[str, str] = {
         ("label", "regionprops", "regionprops_table"), "chordal.labels(array), of what scipy.ndimage.label makes"
     ),
     "mesh_surface_area": "mesh.area",
+    "smooth": f"{_ELSE}: mesh.to_pyvista().smooth(…); of samples, chordal.volume(array).mesh(iso=0.5, smooth=1)",
+    "measure": "mesh.area, mesh.volume and chordal.deviation(a, b)",
+    **dict.fromkeys(("info", "describe", "stats"), "chordal.inspect(shape)"),
+    "subdivide": "chordal.Cage(positions, faces).refined(levels), or mesh.to_trimesh().subdivide()",
+    **dict.fromkeys(("Bezier", "BezierCurve"), "chordal.shapes.bezier(control)"),
+    **dict.fromkeys(("NURBS", "Nurbs", "BSpline"), "chordal.shapes.nurbs(…)"),
     **dict.fromkeys(
         ("euler_number", "centroid", "inertia", "curvature"),
         "mesh.euler_number, mesh.center_mass and mesh.vertex_curvature()",
@@ -379,7 +415,7 @@ _MODULE: dict[str, str] = {
     **dict.fromkeys(("voxel", "VoxelGrid", "voxelize_volume"), "mesh.bake(cells=64)"),
     **dict.fromkeys(
         ("ray", "collision", "registration", "smoothing", "convex", "intersections", "graph", "comparison"),
-        f"{_BOUNDED}: mesh.to_trimesh() has it",
+        f"{_ELSE}: mesh.to_trimesh() has it",
     ),
     **dict.fromkeys(("version", "VERSION"), "chordal.__version__"),
     **dict.fromkeys(("Trimesh", "PolyData", "TriangleMesh"), "chordal.Mesh(vertices, faces)"),
@@ -392,7 +428,7 @@ _MODULE: dict[str, str] = {
     "merge": "chordal.concatenate([a, b]), or chordal.union(a, b) for one closed mesh",
     **dict.fromkeys(("plot", "show"), 'mesh.show(), in a notebook; else shape.render().export("a.png")'),
     "to_trimesh": "mesh.to_trimesh()",
-    "sample": f"{_BOUNDED}: mesh.to_trimesh().sample(count)",
+    "sample": f"{_ELSE}: mesh.to_trimesh().sample(count)",
     **dict.fromkeys(("patches", "bezier", "spline", "nurbs", "arc"), "the functions of chordal.shapes"),
 }
 

@@ -63,6 +63,11 @@ _ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
         "options",
         'what the verb is told stands in options, as in options={"tol": 0.1}',
     ),
+    (
+        ("resolution", "step", "cell_size", "element_size", "pitch", "voxel_size"),
+        "triangles",
+        "say how far it may be off, as in tol=0.01, or how many there are, as in triangles=5000",
+    ),
     (("labels",), "executor", "volume.labels() has a mesh for each"),
     (("angle", "theta"), "degrees", "here it is degrees="),
 )

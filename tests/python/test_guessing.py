@@ -71,6 +71,15 @@ def test_every_guessed_name_is_answered(owner: str) -> None:
         (SOLID, "convex_hull", "to_trimesh().convex_hull"),
         (SOLID, "smooth", "to_pyvista().smooth"),
         (SOLID, "hausdorff", "deviation(other)"),
+        (SOLID, "invert", "chordal.Mesh(mesh.vertices, mesh.faces[:, ::-1])"),
+        (SOLID, "shell", "mesh.to_field().shell(thickness)"),
+        (SOLID, "to_obj", 'export("a.obj")'),
+        (SOLID, "save_stl", 'export("a.stl")'),
+        (SOLID, "recenter", "mesh.translate(-mesh.bounds.mean(axis=0))"),
+        (BALL, "onion", "field.shell(thickness)"),
+        (BALL, "show", "field.mesh(tol=0.01).show()"),
+        (VOLUME, "pitch", "volume.spacing"),
+        (chordal, "NURBS", "chordal.shapes.nurbs"),
         (SOLID, "vertice", "is vertices meant?"),
         (SOLID, "mass", "mesh.volume and mesh.center_mass"),
         (SOLID, "is_convex", "to_trimesh().is_convex"),
@@ -121,6 +130,7 @@ def test_whatever_trimesh_does_with_a_mesh_is_there_or_answered() -> None:
         (lambda: SOLID.mesh(faces=5), "triangles="),
         (lambda: SOLID.mesh(target_count=5), "triangles="),
         (lambda: SOLID.mesh(tolerance=5), "tol="),
+        (lambda: BALL.mesh(resolution=0.1), "say how far it may be off, as in tol=0.01"),
         (lambda: SOLID.mesh(500), "takes these by name: tol=, rel="),
         (lambda: VOLUME.mesh(level=0), "iso="),
         (lambda: ANY.mesh(VOLUME, threshold=0), "iso="),
@@ -400,3 +410,8 @@ def test_options_of_a_batch_may_be_named(tmp_path: Any) -> None:
     assert [row["exit"] for row in rows] == [0], rows
     with pytest.raises(TypeError, match="options: words"):
         chordal.batch("mesh", tmp_path / "a.stl", tmp_path / "out", options="--tol 0.1")
+
+
+@pytest.mark.parametrize("module", [chordal, chordal.shapes])
+def test_modules_list_what_they_give(module: types.ModuleType) -> None:
+    assert [name for name in dir(module) if not name.startswith("__")] == sorted(set(module.__all__) - {"__version__"})
