@@ -88,7 +88,9 @@ print(f"off by {np.abs(network(points) - distances).mean():.4f} on average; Lips
 assert lipschitz < 1.51
 
 # %% [markdown]
-# With PyTorch the layers are `torch.nn.utils.parametrizations.spectral_norm(torch.nn.Linear(32, 32))`, and one line below
+# With PyTorch the layers are `torch.nn.Linear(32, 32)`, whose weights are scaled after each step as here, with
+# `torch.linalg.matrix_norm(w, 2)`. `torch.nn.utils.parametrizations.spectral_norm` does not keep the promise that the proof
+# below needs: it estimates the norm by power iteration, from below, so that a layer may be steeper than it says. One line below
 # differs: a `torch.nn.Module` is given as it is, `chordal.field(model, bounds=box)`.
 #
 # ## A mesh, measured

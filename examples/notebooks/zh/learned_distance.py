@@ -86,8 +86,9 @@ print(f"off by {np.abs(network(points) - distances).mean():.4f} on average; Lips
 assert lipschitz < 1.51
 
 # %% [markdown]
-# 用 PyTorch 时，各层写成 `torch.nn.utils.parametrizations.spectral_norm(torch.nn.Linear(32, 32))`，下面只有一行不同：
-# `torch.nn.Module` 可以直接传入，即 `chordal.field(model, bounds=box)`。
+# 用 PyTorch 时，各层写成 `torch.nn.Linear(32, 32)`，每一步之后照这里的做法，用 `torch.linalg.matrix_norm(w, 2)` 算出范数并缩放权重。
+# `torch.nn.utils.parametrizations.spectral_norm` 守不住下面证明所需的前提：它用幂迭代从下方估计范数，所以一层的实际斜率可能比它
+# 声称的更大。下面只有一行不同：`torch.nn.Module` 可以直接传入，即 `chordal.field(model, bounds=box)`。
 #
 # ## 网格，实测
 #
