@@ -92,6 +92,7 @@ export const STAGES: Record<string, string> = {
   fill: "填充轮廓",
   improve: "改善网格",
   labels: "分离标签",
+  measure: "测量误差",
   prove: "证明",
   rasterize: "光栅化",
   render: "渲染",

@@ -2,10 +2,9 @@
 //! cells, and signs on a lattice.
 use super::cells::{CellTest, PrunedTree, prune};
 use super::grid::{CELLS_A_TASK, CellAction, CellBuffers, CellQuery, FieldGrid, FieldGridError, PendingCell};
-use super::tetrahedra::IntegerBox;
 use crate::budget::par_map;
 use crate::implicit::{DualRange, Membership, PrimitiveEvaluator};
-use crate::math::{Interval, greater, lesser};
+use crate::math::{Box3, Interval, greater, lesser};
 use std::sync::Arc;
 
 /// Cells of one level are cut by ranges of slopes up to this number; beyond, slopes at their corners decide.
@@ -95,20 +94,36 @@ impl<'a> FieldGrid<'a> {
         }
     }
 
+    /// Whether a primitive that is sampled is on one side at all corners of a cell, and on the other one at a sample in its box.
+    pub(super) fn misses_samples(
+        &self,
+        open: &Arc<PrunedTree>,
+        values: &[[f64; 4]],
+        space: &Box3,
+        longest: f64,
+    ) -> bool {
+        open.primitives.iter().zip(values).any(|(p, values)| {
+            let zero = self.zero[*p as usize];
+            let is_inside = zero.is_inside(values[0]);
+            values.iter().all(|x| zero.is_inside(*x) == is_inside)
+                && self.signs.is_missed(*p, space, longest, is_inside)
+        })
+    }
+
     /// Whether a cell is decided if primitives that are sampled are everywhere in it as at its corners and at the samples.
     pub(super) fn is_decided_by_signs(
         &self,
         open: &Arc<PrunedTree>,
         values: &[[f64; 4]],
         sides: &mut [Membership],
-        whole: IntegerBox,
+        space: &Box3,
     ) -> bool {
         for ((p, values), side) in open.primitives.iter().zip(values).zip(sides.iter_mut()) {
             if *side != Membership::Unknown {
                 continue;
             }
             let zero = self.zero[*p as usize];
-            if let Some(is_inside) = self.signs.is_inside(*p, whole)
+            if let Some(is_inside) = self.signs.is_inside(*p, space)
                 && values.iter().all(|x| zero.is_inside(*x) == is_inside)
             {
                 *side = if is_inside { Membership::Inside } else { Membership::Outside };

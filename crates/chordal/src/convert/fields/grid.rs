@@ -156,7 +156,7 @@ impl<'a> FieldGrid<'a> {
         let (tetrahedra, all) = Tetrahedra::new(origin, side, stretch);
         let has_leaves: Vec<bool> = csg.primitives().iter().map(|p| p.tape().has_leaves()).collect();
         let zero = zeros(csg);
-        let signs = SampledSigns::new(evaluator, &has_leaves, &zero, &tetrahedra, options.coarsest)?;
+        let signs = SampledSigns::new(evaluator, &has_leaves, &zero, options.bounds, options.coarsest)?;
         let mut grid = Self {
             csg,
             job,
@@ -411,8 +411,10 @@ impl<'a> FieldGrid<'a> {
         );
         let left = prune(open, sides)?;
         let is_requested = self.is_requested(&cell.one, asked);
-        if longest > self.options.coarsest || is_requested {
-            let is_empty = !is_requested && self.is_decided_by_signs(open, values, sides, whole);
+        let space = self.space(whole);
+        let is_coarse = longest > self.options.coarsest || is_requested;
+        if is_coarse || self.misses_samples(open, values, &space, longest) {
+            let is_empty = !is_requested && self.is_decided_by_signs(open, values, sides, &space);
             return Some((left, if is_empty { CellAction::Done } else { CellAction::CutAnyway }));
         }
         if !Arc::ptr_eq(&left, open) {

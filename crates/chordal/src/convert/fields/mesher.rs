@@ -146,6 +146,11 @@ impl<'a> FieldMesher<'a> {
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
                 let message = match grid.extent() {
+                    FieldGridStatus::Whole if self.is_sampled => {
+                        "there is no surface to mesh: no sample is inside. The field is known only at points, and these are a \
+                         42nd of the longest side of its bounds apart, and a 12th of each side at most: tighter bounds, or a \
+                         Lipschitz constant, may show one"
+                    }
                     FieldGridStatus::Whole => {
                         "there is no surface to mesh: nothing is inside, the field is nowhere negative within the \
                          box of the shape"

@@ -10,7 +10,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 /// The cube's side in integer units. Three bisections halve all edges: 38 times, down to 4 units, so
 /// midpoints are integers.
-pub(super) const TOP: i64 = 1 << 40;
+const TOP: i64 = 1 << 40;
 /// Edges of fewer units are not cut.
 const SHORTEST: i64 = 4;
 
