@@ -65,6 +65,8 @@ def _of_open3d(thing: Any) -> dict[str, Any]:
         uv = _of_corners(np.asarray(thing.triangle_uvs), found["faces"], len(found["vertices"]))
         if uv is not None:
             found["uv"] = uv
+        else:
+            warn("texture coordinates of corners: these stay behind, for two at one vertex differ")
     return found
 
 
@@ -123,6 +125,10 @@ def _of_pyvista(thing: Any) -> dict[str, Any]:
         if name in mesh.point_data and np.ndim(mesh.point_data[name]) == 2 and mesh.point_data[name].shape[1] in (3, 4):
             found["colors"] = np.asarray(mesh.point_data[name])
             break
+    # With these PyVista's own bodies come: names of texture coordinates, and the numbers of a cube's sides.
+    taken = ("Normals", "colors", "RGB", "RGBA", "rgb", "rgba", "TextureCoordinates", "TCoords", "FaceIndex")
+    uv_name = thing.point_data.active_texture_coordinates_name
+    _warn_of_data({"points": thing.point_data, "cells": thing.cell_data}, (*taken, uv_name))
     return found
 
 
@@ -159,11 +165,27 @@ def _of_meshio(thing: Any) -> dict[str, Any]:
         values = np.asarray(thing.point_data.get(name, ()))
         if values.ndim == 2 and values.shape[1] in width:
             found[name] = values
+    _warn_of_data({"points": thing.point_data}, ("normals", "uv", "colors"))
+    if "line" in cells:
+        warn("lines: these stay behind, for a mesh is of triangles")
     return found
 
 
 def _is_trimesh(thing: Any) -> bool:
     return hasattr(thing, "vertices") and hasattr(thing, "faces") and not isinstance(thing, _chordal.Source)
+
+
+def _warn_of_data(tables: dict[str, Any], taken: tuple[str | None, ...]) -> None:
+    """Says which arrays of another library's mesh it does not bring along."""
+    lost = [
+        f"{name} of {owner}"
+        for owner, table in tables.items()
+        for name in ([] if table is None else table.keys())
+        # What VTK writes for itself begins with its name.
+        if name not in taken and not str(name).startswith(("vtk", "_"))
+    ]
+    if lost:
+        warn(f"{', '.join(lost)}: these stay behind; of data a mesh has normals, texture coordinates and colours")
 
 
 def _of_trimesh(thing: Any) -> dict[str, Any]:
@@ -178,6 +200,7 @@ def _of_trimesh(thing: Any) -> dict[str, Any]:
         found["colors"] = np.asarray(visual.vertex_colors)
     elif visual is not None and getattr(visual, "kind", None) == "face":
         warn("colours of faces: these stay behind, for a mesh has colours of vertices")
+    _warn_of_data({"vertices": getattr(thing, "vertex_attributes", None), "faces": getattr(thing, "face_attributes", None)}, ())
     # Normals that were only computed are not part of the mesh.
     cache = getattr(thing, "_cache", None)
     if cache is not None and "vertex_normals" in getattr(cache, "cache", {}):

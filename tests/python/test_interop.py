@@ -257,3 +257,18 @@ def test_what_has_no_triangles_is_said() -> None:
         chordal.Mesh.from_(pyvista.Line())
     with pytest.raises(ValueError, match="points and no faces"):
         chordal.Mesh.from_(pyvista.PolyData(POINTS))
+
+
+def test_data_that_stays_behind_is_told() -> None:
+    trimesh = library("trimesh")
+    tagged = trimesh.Trimesh(POINTS, FACES, process=False, vertex_attributes={"heat": np.zeros(4)})
+    with pytest.warns(UserWarning, match="heat of vertices: these stay behind"):
+        chordal.Mesh.from_(tagged)
+
+
+def test_lines_and_data_of_meshio_that_stay_behind_are_told() -> None:
+    meshio = library("meshio")
+    theirs = meshio.Mesh(POINTS, [("triangle", FACES), ("line", FACES[:, :2])], point_data={"heat": np.zeros(4)})
+    with pytest.warns(UserWarning) as told:
+        chordal.Mesh.from_(theirs)
+    assert {str(one.message).partition(":")[0] for one in told} == {"heat of points", "lines"}
