@@ -87,22 +87,21 @@ impl SampledSigns {
     /// Whether all points in the box and a step around it are inside the primitive, or none of them; `None` where they differ
     /// or are not known.
     pub fn is_inside(&self, primitive: u32, cell: &Box3) -> Option<bool> {
+        let before = self.before_of(primitive)?;
         let from = |k: usize| self.steps_to(cell.min[k], k).floor() - 1.0;
         let to = |k: usize| self.steps_to(cell.max[k], k).ceil() + 1.0;
         // Beside the bounds the points at their border count.
         let last = |k: usize| (self.n_points[k] - 1) as f64;
         let low = std::array::from_fn(|k| from(k).clamp(0.0, last(k)) as usize);
         let high = std::array::from_fn(|k| to(k).clamp(0.0, last(k)) as usize);
-        let SampleCount { n_inside, n_all } = self.count(primitive, low, high)?;
+        let SampleCount { n_inside, n_all } = self.count(before, low, high);
         (n_inside == 0 || n_inside == n_all).then_some(n_inside > 0)
     }
 
     /// Whether some point in the box is on the other side than all corners of a cell in it, which is large enough to be cut
     /// for that.
     pub fn is_missed(&self, primitive: u32, cell: &Box3, longest: f64, is_inside: bool) -> bool {
-        if longest <= self.enough {
-            return false;
-        }
+        let Some(before) = self.before_of(primitive).filter(|_| longest > self.enough) else { return false };
         let low: [f64; 3] = std::array::from_fn(|k| greater(self.steps_to(cell.min[k], k).ceil(), 0.0));
         let high: [f64; 3] = std::array::from_fn(|k| {
             let last = (self.n_points[k] - 1) as f64;
@@ -111,8 +110,13 @@ impl SampledSigns {
         if (0..3).any(|k| low[k] > high[k]) {
             return false;
         }
-        let count = self.count(primitive, low.map(|x| x as usize), high.map(|x| x as usize));
-        count.is_some_and(|count| count.n_inside != if is_inside { count.n_all } else { 0 })
+        let SampleCount { n_inside, n_all } =
+            self.count(before, low.map(|x| x as usize), high.map(|x| x as usize));
+        n_inside != if is_inside { n_all } else { 0 }
+    }
+
+    fn before_of(&self, primitive: u32) -> Option<&[u32]> {
+        self.before.get(primitive as usize)?.as_deref()
     }
 
     fn steps_to(&self, x: f64, k: usize) -> f64 {
@@ -120,8 +124,7 @@ impl SampledSigns {
     }
 
     /// The points from one to another, both included.
-    fn count(&self, primitive: u32, low: [usize; 3], high: [usize; 3]) -> Option<SampleCount> {
-        let before = self.before.get(primitive as usize)?.as_ref()?;
+    fn count(&self, before: &[u32], low: [usize; 3], high: [usize; 3]) -> SampleCount {
         let (from, to) = (low, high.map(|x| x + 1));
         let [nx, ny, _] = self.n_points.map(|n| n + 1);
         let up_to = |x: usize, y: usize, z: usize| before[x + nx * (y + ny * z)] as usize;
@@ -131,7 +134,7 @@ impl SampledSigns {
                 - up_to(to[0], from[1], z)
         };
         let n_all = (0..3).map(|k| to[k] - from[k]).product();
-        Some(SampleCount { n_inside: in_columns(to[2]) - in_columns(from[2]), n_all })
+        SampleCount { n_inside: in_columns(to[2]) - in_columns(from[2]), n_all }
     }
 }
 
