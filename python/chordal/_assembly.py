@@ -247,10 +247,13 @@ class _Assembly:
         if self._lost:
             warn(f"{', '.join(sorted(self._lost))}: these stay behind, for a scene is of what stands still")
         bound = _largest(list(self._bounds.values()))
+        known = [(node, one.at_most) for node, one in self._bounds.items() if one.at_most is not None]
+        most = _chordal.composed_bound(source, known)
         if bound is not None:
-            known = [(node, one.at_most) for node, one in self._bounds.items() if one.at_most is not None]
-            most = _chordal.composed_bound(source, known)
             bound = replace(bound, at_most=None if bound.at_most is None else most)
+        elif most:
+            # Triangles that were given are the truth, but where they stand is rounded.
+            bound = Bound(0.0, most, "proved", "hausdorff", "input triangles")
         made = Mesh._of_source(source, bound)
         made._is_given = bound is None
         return made

@@ -216,3 +216,10 @@ def test_a_scene_is_a_mesh_for_all_else(tmp_path: Path) -> None:
     assert balls.is_watertight and math.isclose(balls.volume, 2 * 4 / 3 * math.pi + 1, rel_tol=0.02)
     assert len(balls.split()) == 3 and len(balls.mesh(triangles=200).faces) <= 200
     assert json.loads(json.dumps(balls.export(tmp_path / "a.glb")))["certificate"]["bound"]["at_most"] < 1e-6
+
+
+def test_triangles_that_are_moved_far_away_are_rounded_there() -> None:
+    triangle = chordal.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    assert chordal.scene({"a": triangle, "b": triangle}).bound.at_most == 0
+    far = chordal.scene(chordal.Placed(triangle, (1e10, 1 / 3, 0))).bound
+    assert far.evidence == "proved" and far.is_within(1e-4) and not far.is_within(1e-6)
