@@ -138,7 +138,7 @@ _MESHES: dict[str, str] = {
     ),
     **dict.fromkeys(("shell", "thicken", "hollow"), "mesh.to_field().shell(thickness).mesh(tol=0.01)"),
     **dict.fromkeys(("to_dict", "to_pandas", "to_arrow"), "mesh.vertices and mesh.faces, arrays of numpy"),
-    **dict.fromkeys(("identifier", "identifier_hash", "md5", "crc"), 'mesh.report["certificate"]["input"]["sha256"]'),
+    **dict.fromkeys(("identifier", "identifier_hash", "md5", "crc"), 'hashlib.sha256(mesh.to_bytes("ply")).hexdigest()'),
     **dict.fromkeys(("points", "verts", "positions", "v"), "mesh.vertices"),
     **dict.fromkeys(("triangles", "cells", "f", "indices", "regular_faces"), "mesh.faces"),
     **dict.fromkeys(("watertight", "is_closed", "is_manifold", "is_volume", "is_solid"), "mesh.is_watertight"),

@@ -102,7 +102,7 @@ SAMPLES = np.arange(3 * 4 * 5, dtype=np.int16).reshape(3, 4, 5)
 TURNED = np.array([(0, -0.5, 0, 10), (2, 0, 0, 20), (0, 0, 3, 30), (0, 0, 0, 1)], float)
 
 
-def test_nibabel_comes_and_goes() -> None:
+def test_nibabel_comes_and_goes(tmp_path: Path) -> None:
     nibabel = library("nibabel")
     image = nibabel.Nifti1Image(SAMPLES, TURNED)
     image.header.set_xyzt_units("mm")
@@ -113,12 +113,24 @@ def test_nibabel_comes_and_goes() -> None:
     assert np.array_equal(back.dataobj, SAMPLES) and np.array_equal(back.affine, TURNED)
     pieces = chordal.block_volume(image)
     assert pieces.shape == (3, 4, 5) and np.array_equal(pieces.affine, TURNED)
+    with pytest.raises(TypeError, match="this image says them already"):
+        chordal.block_volume(image, spacing=2)
     of_array = chordal.block_volume(SAMPLES, affine=TURNED)
     assert np.array_equal(pieces.mesh(iso=20.5, block=2).vertices, of_array.mesh(iso=20.5, block=2).vertices)
     several = nibabel.Nifti1Image(np.stack([SAMPLES, SAMPLES[::-1]], axis=3), TURNED).to_bytes()
     with pytest.raises(chordal.ReadError, match="index= names one, from 0 to 1"):
         chordal.load(several, format="nii")
     assert np.array_equal(chordal.load(several, format="nii", index=1).array, SAMPLES[::-1])
+    (tmp_path / "several.nii").write_bytes(several)
+    second = chordal.block_volume(tmp_path / "several.nii", channel=1).mesh(iso=20.5, block=2)
+    turned = chordal.block_volume(np.ascontiguousarray(SAMPLES[::-1]), affine=TURNED).mesh(iso=20.5, block=2)
+    assert np.array_equal(second.vertices, turned.vertices)
+    with pytest.raises(ValueError, match="the file holds 2 volumes"):
+        chordal.block_volume(tmp_path / "several.nii", channel=2)
+    with pytest.raises(ValueError, match="level: a NIfTI file has one alone"):
+        chordal.block_volume(tmp_path / "several.nii", level=1)
+    with pytest.raises(ValueError, match="channel: what is no path"):
+        chordal.block_volume(SAMPLES, channel=1)
     with pytest.raises(ValueError, match=r"image\.slicer"):
         chordal.volume(nibabel.Nifti1Image.from_bytes(several))
     with pytest.raises(ValueError, match="index: a whole number of at least 0"):

@@ -6,6 +6,7 @@ formats' own specifications, NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0
 
 from __future__ import annotations
 
+import math
 import mmap
 import os
 import secrets
@@ -47,16 +48,27 @@ class Placed:
 
 def opened(path: str, level: int, channel: int) -> Placed:
     """The samples of a file or folder. Raises `OSError` where there are none."""
-    if path.endswith(".npy"):
-        return Placed(_NpyFile(path))
     if path.endswith((".nii", ".nii.gz")):
-        return _nifti(path)
+        refuse_choice("level", level, "a NIfTI file")
+        return _nifti(path, channel)
+    if path.endswith(".npy"):
+        refuse_choice("level", level, "an .npy file")
+        refuse_choice("channel", channel, "an .npy file")
+        return Placed(_NpyFile(path))
     if path.startswith("precomputed://") or os.path.isfile(os.path.join(path, "info")):
         return _precomputed(path.removeprefix("precomputed://").removeprefix("file://"), level, channel)
     node = library("zarr").open(path, mode="r")
     if hasattr(node, "dtype"):
+        refuse_choice("level", level, "an array of Zarr")
+        refuse_choice("channel", channel, "an array of Zarr")
         return Placed(_ZarrArray(path, "", None))
     return _ome(path, node, level, channel)
+
+
+def refuse_choice(name: str, value: int, of: str) -> None:
+    """Raises where one of several is asked for of what has no several."""
+    if value != 0:
+        raise ValueError(f"{name}: {of} has one alone, so 0 and not {value}")
 
 
 def source_of(array: Any) -> str:
@@ -137,10 +149,10 @@ def mapped_file(array: Any) -> Any:
 
 
 class _NiftiFile(_Opened):
-    """The samples of a NIfTI file: those of its first volume, scaled as the header says. One that is not compressed is read
-    by slices; a compressed one is unpacked up to each of them."""
+    """The samples of a volume of a NIfTI file, scaled as the header says. One that is not compressed is read by slices; a
+    compressed one is unpacked up to each of them."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, volume: int) -> None:
         import numpy as np
 
         self._path: Final = os.path.abspath(path)
@@ -148,22 +160,26 @@ class _NiftiFile(_Opened):
         self.shape = tuple(int(n) for n in image.shape[:3])
         is_plain, _ = nibabel_facts(image)
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
-        self._more: Final = len(image.shape) - 3
+        more = tuple(int(n) for n in image.shape[3:])
+        if not 0 <= volume < math.prod(more):
+            raise ValueError(f"channel: the file holds {math.prod(more)} volumes, so from 0 on and below that, not {volume}")
+        # Volumes are counted as they lie in the file: the fourth axis first.
+        self._more: Final = tuple(int(n) for n in np.unravel_index(volume, more, order="F")) if more else ()
 
     def _array(self) -> Any:
         return library("nibabel").load(self._path).dataobj
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
-        index = (*slices, *[0] * self._more)
+        index = (*slices, *self._more)
         return self._array()[index]
 
 
-def _nifti(path: str) -> Placed:
+def _nifti(path: str, volume: int) -> Placed:
     import numpy as np
 
     image = library("nibabel").load(path)
     _, unit = nibabel_facts(image)
-    return Placed(_NiftiFile(path), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
+    return Placed(_NiftiFile(path, volume), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from chordal._blockwise.level_files import MeshLevel
 from chordal._blockwise.multiresolution import LabelTree
 from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sampled import FieldSamples, crossed
-from chordal._blockwise.sources import Placed, mapped_file, matrix_rows, opened, source_of
+from chordal._blockwise.sources import Placed, mapped_file, matrix_rows, opened, refuse_choice, source_of
 from chordal._blockwise.tasks import (
     Block,
     Surface,
@@ -484,8 +484,8 @@ def block_volume(
     - a NIfTI file, by the package `nibabel`, best one that is not compressed;
     - an .npy file.
 
-    An image of another library, as `volume` takes, will do as well, and an array of Dask in an `xarray.DataArray` is read a
-    block at a time.
+    An image of another library, as `volume` takes, will do as well: its samples are in memory then, but for an array of Dask
+    in an `xarray.DataArray`.
 
     Or it is a `Field`, which `spacing` samples at the points of a lattice over its box: these values are computed where a
     block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that the
@@ -495,7 +495,8 @@ def block_volume(
     against the field: that is what `Field.mesh` does.
 
     `array[i, j, k]` is the sample at x = i, y = j, z = k; what a file says of axes, spacing, origin and unit holds unless
-    `spacing`, `origin` or `affine` say others, as for `volume`. `channel` is that of an image of several.
+    `spacing`, `origin` or `affine` say others, as for `volume`. `channel` is that of an image of several, or the volume of
+    a NIfTI file of several.
     """
     if isinstance(array, Field):
         if affine is not None or spacing is None:
@@ -506,12 +507,15 @@ def block_volume(
             raise ValueError(f"spacing: steps above 0, not {steps}")
         samples = FieldSamples.of(array, steps, None if origin is None else rows[3].tolist())
         return BlockVolume(samples, spacing=samples.steps, origin=samples.origin, unit=unit)
-    found = Placed(mapped_file(array))
-    known = lattice_of(array)
     if isinstance(array, (str, os.PathLike)):
         found = opened(os.fspath(array), index(level), index(channel))
-    elif known is not None:
-        found = Placed(known.array, matrix_rows(known.affine), known.unit)
+    else:
+        refuse_choice("level", index(level), "what is no path")
+        refuse_choice("channel", index(channel), "what is no path")
+        known = lattice_of(array)
+        found = Placed(mapped_file(array)) if known is None else Placed(known.array, matrix_rows(known.affine), known.unit)
+        if known is not None and (spacing is not None or origin is not None or affine is not None):
+            raise TypeError("spacing, origin, affine: this image says them already; pass its array to say others")
     if found.affine is not None and spacing is None and origin is None and affine is None:
         return BlockVolume(found.array, affine=found.affine, unit=unit or found.unit)
     return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
