@@ -16,7 +16,8 @@ use crate::math::{flushes_subnormals, lesser};
 /// is [`Field::sign`], and [`Field::bounds`] is taken at its word. Triangles that are not proved are split.
 /// Where a leaf of the field knows no ranges, and with [`RequiredEvidence::Measured`], the mesh is measured:
 /// points of the surface are searched for near the middles of triangles and of edges, and triangles that are too far from
-/// one are split; parts of the surface without triangles near them are missed. Without [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
+/// one are split; parts of the surface without triangles near them are missed. Without
+/// [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
 ///
 /// With [`RequiredEvidence::Estimated`] it is a draft: cubes about as large as the length, at most 96 along the longest
 /// side, polygonized, and the vertices moved onto the surface. It takes a tenth of the time, has many triangles and rounds
