@@ -111,6 +111,7 @@ class _Assembly:
         self._taken: dict[tuple[int, int], _Taken] = {}
         #: By nodes how far all below them is from the truth.
         self._bounds: dict[int, Bound] = {}
+        self._sources: dict[int, _chordal.Source] = {}
         self._lost: set[str] = set()
 
     @property
@@ -175,6 +176,7 @@ class _Assembly:
                 self._nodes.append({**one, "children": [first + child for child in one["children"]], "part": part})
             node = self._node(name, [first + root for root in taken.roots])
         self._bounds[node] = mesh.bound
+        self._sources[node] = mesh._source
         return node
 
     def _take(self, mesh: Mesh, name: str, material: Any) -> _Taken:
@@ -254,7 +256,7 @@ class _Assembly:
         elif most:
             # Triangles that were given are the truth, but where they stand is rounded.
             bound = Bound(0.0, most, "proved", "hausdorff", "input triangles")
-        made = Mesh._of_source(source, bound)
+        made = Mesh._of_source(_chordal.scene_of_parts(source, list(self._sources.values()), list(self._sources)), bound)
         made._is_given = bound is None
         return made
 

@@ -8,11 +8,12 @@ from chordal._budget import BudgetArguments
 from chordal._picture import PictureState
 
 __all__ = [
-    "Array", "Block", "BlockPart", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue", "Source",
-    "VERSION", "block", "combine", "command", "composed_bound", "convert", "drawing_field", "extruded", "field_of", "fit", "join_parts", "joined",
-    "label_blocks", "label_parts", "language", "levels", "mend", "mesh_field", "part", "path_at", "path_facts", "path_source",
-    "picture", "region_of", "revolved", "samples", "scene_array", "scene_facts", "scene_image", "scene_of_state", "scene_state",
-    "script", "surface", "tileset", "to_cubics", "view",
+    "Array", "Block", "BlockPart", "Cage", "Conversion", "Levels", "MOST_BYTES", "Outcome", "Picture", "ScriptValue",
+    "Source", "VERSION", "block", "combine", "command", "composed_bound", "convert", "drawing_field", "extruded",
+    "field_of", "fit", "join_parts", "joined", "label_blocks", "label_parts", "language", "levels", "mend",
+    "mesh_field", "part", "path_at", "path_facts", "path_source", "picture", "region_of", "revolved", "samples",
+    "scene_array", "scene_facts", "scene_image", "scene_of_parts", "scene_of_state", "scene_state", "script", "surface",
+    "tileset", "to_cubics", "view",
 ]
 
 VERSION: Final[str]
@@ -337,6 +338,7 @@ def scene_array(source: Source, part: int | None, name: str, attribute: int | No
 def scene_image(source: Source, number: int) -> bytes | None: ...
 def scene_state(source: Source) -> tuple[str, list[bytes]]: ...
 def scene_of_state(text: str, blocks: Sequence[bytes], unit: str | None) -> Source: ...
+def scene_of_parts(source: Source, parts: Sequence[Source], nodes: Sequence[int] | None) -> Source: ...
 def field_of(source: Source) -> ScriptValue | None: ...
 def region_of(source: Source) -> list[list[float]] | None: ...
 def mesh_field(source: Source) -> tuple[ScriptValue, Source]: ...

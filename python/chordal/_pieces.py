@@ -101,7 +101,8 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     part = {"name": "triangles", "positions": 0, "faces": 1, "position_id": 2, "attributes": attributes}
     frame = {"texture_origin": origin, "metres_per_unit": units.pop()}
     state = json.dumps({"parts": [part], "frame": frame})
-    made = Mesh._of_source(_chordal.scene_of_state(state, blocks, None), _largest([one.bound for one in found]))
+    source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [one._source for one in found], None)
+    made = Mesh._of_source(source, _largest([one.bound for one in found]))
     made._is_given = made._bound is None
     return made
 
@@ -111,6 +112,10 @@ def _largest(bounds: list[Bound]) -> Bound | None:
     if all(bound.at_most == 0 and bound.evidence == "proved" for bound in bounds):
         return None
     kinds = ("proved", "proved-if", "measured", "estimated")
+    metric = _weakest([bound.metric for bound in bounds])
+    if metric == "solid" and any(bound.metric != "solid" and bound.at_most != 0 for bound in bounds):
+        # How far a surface is says nothing of sides.
+        bounds = [*bounds, Bound(0.0, None, "estimated", "solid", bounds[0].reference)]
     tops = [bound.at_most for bound in bounds if bound.at_most is not None]
     references = list(dict.fromkeys(bound.reference for bound in bounds))
     samples = [bound.samples for bound in bounds if bound.samples is not None]
@@ -118,11 +123,17 @@ def _largest(bounds: list[Bound]) -> Bound | None:
         at_least=0.0,
         at_most=max(tops) if len(tops) == len(bounds) else None,
         evidence=max((bound.evidence for bound in bounds), key=kinds.index),
-        metric=bounds[0].metric if len({bound.metric for bound in bounds}) == 1 else "hausdorff",
+        metric=metric,
         reference=" and ".join(references),
         assumptions=tuple(dict.fromkeys(line for bound in bounds for line in bound.assumptions)),
         samples=sum(samples) if samples else None,
     )
+
+
+def _weakest(metrics: list[str]) -> str:
+    """The metric in which all that is known holds."""
+    found = set(metrics)
+    return metrics[0] if len(found) == 1 else next((one for one in ("solid", "one-sided") if one in found), "hausdorff")
 
 
 class _State:
@@ -233,5 +244,5 @@ class _State:
         part["marks"] = []
         for number, one in enumerate(facts["nodes"]):
             one["part"] = 0 if number == node else None
-        facts |= {"parts": [part], "certificate": None, "sha256": None, "n_bytes": None}
+        facts |= {"parts": [part], "certificate": None, "composed": None, "sha256": None, "n_bytes": None}
         return Mesh._of_source(_chordal.scene_of_state(json.dumps(facts), blocks, None))

@@ -6,7 +6,7 @@ use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::Unit;
 use chordal_io::{Format, ImageContent, Scene};
-use chordal_verbs::{Input, InputDigest, Shape};
+use chordal_verbs::{Composed, Input, InputDigest, Shape, compose_input, join_input};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -143,6 +143,29 @@ pub(crate) fn composed_bound(py: Python<'_>, source: &Source, known: Vec<(usize,
     found.ok_or_else(|| failure::internal(py, "these are no triangles"))
 }
 
+/// The same scene with the histories of what it is made of: what all below some nodes is or, without nodes, what stands in it
+/// one after the other.
+#[pyfunction]
+pub(crate) fn scene_of_parts(
+    py: Python<'_>,
+    source: &Source,
+    parts: Vec<PyRef<'_, Source>>,
+    nodes: Option<Vec<usize>>,
+) -> PyResult<Source> {
+    let input = Arc::clone(source.input());
+    let parts: Vec<Arc<Input>> = parts.iter().map(|part| Arc::clone(part.input())).collect();
+    let made = work::run(py, None, move |_| {
+        let input = Input::clone(&input);
+        let parts = parts.iter().map(|part| &**part);
+        match nodes {
+            Some(nodes) => compose_input(input, &nodes.into_iter().zip(parts).collect::<Vec<_>>()),
+            None => join_input(input, &parts.collect::<Vec<_>>()),
+        }
+    })?;
+    let made = made.map_err(|error| failure::write(py, &error))?;
+    Ok(Source::from_input(made, Vec::new()))
+}
+
 /// A text and blocks of bytes.
 type StateBytes<'py> = (String, Vec<Bound<'py, PyBytes>>);
 
@@ -155,6 +178,7 @@ pub(crate) fn scene_state<'py>(py: Python<'py>, source: &Source) -> PyResult<Sta
         facts["format"] = input.format.to_string().into();
         facts["n_bytes"] = input.n_bytes.into();
         facts["sha256"] = input.sha256().into();
+        facts["composed"] = serde_json::to_value(input.composed.as_deref()).unwrap_or_default();
         Some((facts.to_string(), blocks))
     })?;
     let (text, blocks) = made.ok_or_else(|| failure::internal(py, "these are no triangles"))?;
@@ -181,7 +205,10 @@ pub(crate) fn scene_of_state(
         let n_bytes = facts["n_bytes"].as_u64().unwrap_or(n_bytes);
         let mut scene = scene_of(&facts, &blocks)?;
         scene.frame.metres_per_unit = metres_per_unit.or(scene.frame.metres_per_unit);
-        Ok(Input { n_bytes, digest, ..Input::made(Shape::Scene(scene), format) })
+        let composed: Option<Composed> =
+            serde_json::from_value(facts["composed"].clone()).map_err(|error| error.to_string())?;
+        let composed = composed.map(Arc::new);
+        Ok(Input { n_bytes, digest, composed, ..Input::made(Shape::Scene(scene), format) })
     })?;
     made.map(|input| Source::from_input(input, Vec::new()))
         .map_err(|error: String| failure::argument("faces", error))

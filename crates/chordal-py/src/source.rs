@@ -13,7 +13,7 @@ use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::font::Letters;
 use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with, sha256, transform, written_names};
+use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with, transform_input, written_names};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::path::Path;
@@ -288,16 +288,12 @@ fn transformed_input(
     unit: Option<Unit>,
     (at_least, at_most): Lengths,
 ) -> Result<(Input, Lengths), String> {
-    let Shape::Scene(scene) = &input.shape else { return Err("these are no triangles".to_owned()) };
-    let moved =
-        transform(scene, &std::array::from_fn(|k| rows[k % 4][k / 4])).map_err(|error| error.to_string())?;
-    let interval = moved.interval(at_least, at_most);
-    let mut scene = moved.scene;
-    scene.frame.metres_per_unit = unit.map(Unit::metres).or(scene.frame.metres_per_unit);
-    // It stands for the file that there is not.
-    let digest = sha256(format!("{} {rows:?} {unit:?}", input.sha256()).as_bytes()).into();
-    let made = Input { shape: Shape::Scene(scene), digest, warnings: Vec::new(), ..Input::clone(input) };
-    Ok((made, interval))
+    let matrix = std::array::from_fn(|k| rows[k % 4][k / 4]);
+    let (mut made, stretch) = transform_input(input, &matrix).map_err(|error| error.to_string())?;
+    if let (Shape::Scene(scene), Some(unit)) = (&mut made.shape, unit) {
+        scene.frame.metres_per_unit = Some(unit.metres());
+    }
+    Ok((made, stretch.interval(at_least, at_most)))
 }
 
 fn polygon_surface(text: &str) -> PyResult<PolygonSurface> {

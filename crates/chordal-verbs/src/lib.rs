@@ -24,6 +24,8 @@ mod boolean;
 mod cage;
 mod cage_size;
 mod collapsed_faces;
+mod compose;
+mod composed;
 mod convert;
 mod cubic_paths;
 mod deviation;
@@ -33,6 +35,7 @@ mod drawing_to_field;
 mod drop_attributes;
 mod failure;
 mod field;
+mod field_digest;
 mod field_looks;
 mod file_extension;
 mod file_rows;
@@ -95,6 +98,8 @@ pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::lod::count::Effort;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
+pub use compose::{compose_input, join_input, transform_input};
+pub use composed::Composed;
 pub use convert::{
     ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more, written_names,
 };
@@ -120,7 +125,7 @@ pub use seal::seal_of;
 pub use shape::Shape;
 pub use smoothing_width::SmoothingWidth;
 pub use spec::BudgetSpec;
-pub use transform::{MovedScene, composed_bound, transform};
+pub use transform::{MovedScene, Stretch, composed_bound, transform};
 pub use verify::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, verify};
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 

@@ -1,5 +1,7 @@
 //! `load`: parses bytes to a shape, with everything that a report says about its input.
+use crate::composed::Composed;
 use crate::digest::sha256;
+use crate::field_digest::field_digest;
 use crate::file_extension::extension;
 use crate::geometry_digest::geometry_digest;
 use crate::script::ScriptContext;
@@ -11,7 +13,7 @@ use chordal_io::font::{Letters, read_letters};
 use chordal_io::{
     FileLocation, FileOpener, ForeignFormat, Format, Limits, PolygonSurface, ReadError, Warning,
 };
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// How to determine the format of some bytes, and options for reading them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,6 +57,8 @@ pub struct Input {
     pub files: Vec<InputFile>,
     /// Irregularities in the bytes.
     pub warnings: Vec<Warning>,
+    /// What it was put together of, for triangles that never were a file.
+    pub composed: Option<Arc<Composed>>,
 }
 
 impl Input {
@@ -69,27 +73,29 @@ impl Input {
             digest: InputDigest::default(),
             files: Vec::new(),
             warnings: Vec::new(),
+            composed: None,
         }
     }
 
-    /// The SHA-256 of the bytes, in hexadecimal. For a shape that never was a file it is that of its geometry, made when it
-    /// is asked for the first time; of none where that has no digest.
+    /// The SHA-256 of the bytes, in hexadecimal. For a shape that never was a file it is that of its geometry or its
+    /// formula, made when it is asked for the first time; `None` where that has no digest, as a function has none.
     #[must_use]
-    pub fn sha256(&self) -> &str {
-        self.digest.0.get_or_init(|| {
-            let found = geometry_digest(&self.shape).ok().flatten();
-            found.unwrap_or_else(|| sha256(&[]))
-        })
+    pub fn sha256(&self) -> Option<&str> {
+        let made = || match &self.shape {
+            Shape::Field(implicit) => field_digest(implicit),
+            other => geometry_digest(other).ok().flatten(),
+        };
+        self.digest.0.get_or_init(made).as_deref()
     }
 }
 
 /// What [`Input::sha256`] says. The default is to make it when it is asked for.
 #[derive(Clone, Debug, Default)]
-pub struct InputDigest(OnceLock<String>);
+pub struct InputDigest(OnceLock<Option<String>>);
 
 impl From<String> for InputDigest {
     fn from(sha256: String) -> Self {
-        Self(OnceLock::from(sha256))
+        Self(OnceLock::from(Some(sha256)))
     }
 }
 
@@ -225,6 +231,7 @@ fn load_from(
         digest: sha256(bytes).into(),
         files,
         warnings,
+        composed: None,
     })
 }
 

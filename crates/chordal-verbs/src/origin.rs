@@ -1,5 +1,6 @@
 //! Where an input comes from: what its own certificate proves of it.
 use crate::geometry_digest::digest_in_frame;
+use crate::composed::Composed;
 use crate::report::{HistoryFacts, HistoryStart, StepFacts};
 use crate::seal::seal_of;
 use crate::volume::reaches_border;
@@ -7,6 +8,7 @@ use crate::{Input, Shape};
 use chordal::convert::Inside;
 use chordal_io::{Axis, Format, Frame};
 use serde_json::Value;
+use std::sync::Arc;
 
 /// The steps that led to an input, or why none of them count.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,14 +17,21 @@ pub(crate) struct InputOrigin {
     pub steps: Vec<StepFacts>,
     /// Why there are no earlier ones.
     pub begins: HistoryStart,
+    /// What the input was put together of, with the histories of these.
+    pub composed: Option<Arc<Composed>>,
 }
 
 impl InputOrigin {
     /// Reads the certificate of an input, and makes sure that it is one of this geometry.
     pub fn from_input(input: &Input) -> Self {
+        if let Some(composed) = &input.composed {
+            let reason = "what was read was put together of parts, which have histories of their own";
+            let begins = HistoryStart::new("composed", reason);
+            return Self { steps: Vec::new(), begins, composed: Some(Arc::clone(composed)) };
+        }
         match history_of(input) {
-            Ok(HistoryFacts { begins, steps, .. }) => Self { steps, begins },
-            Err(begins) => Self { steps: Vec::new(), begins },
+            Ok(HistoryFacts { begins, steps, .. }) => Self { steps, begins, composed: None },
+            Err(begins) => Self { steps: Vec::new(), begins, composed: None },
         }
     }
 }
@@ -68,8 +77,7 @@ fn history_of(input: &Input) -> Result<HistoryFacts, HistoryStart> {
         return stop("unreadable", "the history in the certificate of the input has no step");
     };
     // A history whose own numbers do not hold together proves nothing.
-    let chains = history.steps.windows(2).all(|pair| crate::report::gap(&pair[0], &pair[1]).is_none());
-    if !chains || history.total != crate::report::sum(&history.steps) {
+    if history.flaw().is_some() {
         return stop("unreadable", "the bounds in the history of the input do not add up");
     }
     let frame = stated_frame(certificate);

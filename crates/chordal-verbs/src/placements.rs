@@ -6,7 +6,7 @@ use chordal::math::{
 use chordal_io::{Part, Scene, WriteError};
 
 /// A column-major 4 × 4 matrix.
-type Matrix4 = [f64; 16];
+pub(crate) type Matrix4 = [f64; 16];
 
 pub(crate) const IDENTITY: Matrix4 =
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -61,6 +61,17 @@ pub(crate) struct PartPlacement {
 }
 
 impl PartPlacement {
+    /// Above all nodes.
+    const OUTSIDE: Self = Self {
+        node: 0,
+        part: 0,
+        is_identity: true,
+        depth: 0,
+        matrix: IDENTITY,
+        magnitude: IDENTITY,
+        stretch: 1.0,
+    };
+
     /// Composes this placement with a node's matrix.
     fn compose(&self, node: usize, matrix: &Matrix4, part: usize) -> Self {
         if *matrix == IDENTITY {
@@ -84,13 +95,11 @@ impl PartPlacement {
     /// whole steps cover that and the rounding of the estimate, which has as many operations.
     pub fn rounding(&self, part: &Part) -> f64 {
         let bounds = part.mesh.bounds();
-        if bounds.is_empty() {
-            return 0.0;
-        }
-        let reach: [f64; 3] = std::array::from_fn(|k| {
-            let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
-            greater(low, high)
-        });
+        if bounds.is_empty() { 0.0 } else { self.rounding_within(largest_reach(&bounds)) }
+    }
+
+    /// The same of a point whose coordinates have no larger absolute values than these.
+    fn rounding_within(&self, reach: [f64; 3]) -> f64 {
         let m = &self.magnitude;
         let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;
         let squares = (0..3).fold(0.0, |sum, row| {
@@ -102,21 +111,36 @@ impl PartPlacement {
     }
 }
 
+/// The largest absolute values of coordinates in a box; of none, 0.
+pub(crate) fn largest_reach(bounds: &Box3) -> [f64; 3] {
+    if bounds.is_empty() {
+        return [0.0; 3];
+    }
+    std::array::from_fn(|k| {
+        let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
+        greater(low, high)
+    })
+}
+
+/// How far the rounding of the nodes of a scene can move a vertex.
+pub(crate) fn nodes_rounding(scene: &Scene) -> f64 {
+    let moved = part_placements(scene).into_iter().filter(|place| !place.is_identity);
+    moved.map(|place| place.rounding(&scene.parts[place.part])).fold(0.0, greater)
+}
+
+/// How far the rounding of transforms, the last of them first, can move a point whose coordinates have no larger absolute
+/// values than these.
+pub(crate) fn chain_rounding(maps: impl Iterator<Item = Matrix4>, reach: [f64; 3]) -> f64 {
+    let place = maps.fold(PartPlacement::OUTSIDE, |place, map| place.compose(0, &map, 0));
+    if place.is_identity { 0.0 } else { place.rounding_within(reach) }
+}
+
 /// All placements in the order of the tree, as [`Scene::world_meshes`] gives them, by walking the scene from its
 /// roots with an explicit stack. Readers make sure that nodes are a forest.
 pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
-    let outside = PartPlacement {
-        node: 0,
-        part: 0,
-        is_identity: true,
-        depth: 0,
-        matrix: IDENTITY,
-        magnitude: IDENTITY,
-        stretch: 1.0,
-    };
     let mut found = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
-    let outside = std::rc::Rc::new(outside);
+    let outside = std::rc::Rc::new(PartPlacement::OUTSIDE);
     open.extend(scene.roots.iter().rev().map(|root| (*root, outside.clone())));
     while let Some((index, parent)) = open.pop() {
         let node = &scene.nodes[index];

@@ -1,7 +1,7 @@
 //! The seal of a certificate: a digest of all that it says. It finds an edit by mistake, and is no signature:
 //! whoever edits on purpose can seal again.
 use crate::digest::sha256;
-use serde_json::{Map, Value};
+use serde_json::{Map, Number, Value};
 
 /// The key of the seal in a certificate.
 pub(crate) const SEAL: &str = "seal";
@@ -13,6 +13,7 @@ pub(crate) const SEAL: &str = "seal";
 /// use chordal_verbs::seal_of;
 /// let of = |text: &str| seal_of(&serde_json::from_str(text).unwrap());
 /// assert_eq!(of(r#"{"a": 1.0, "b": [true, null]}"#), of(r#"{ "b":[true,null], "a":1, "seal":"x" }"#));
+/// assert_eq!(of(r#"{"a": 1.5e-07}"#), of(r#"{"a": 1.5e-7}"#));
 /// assert_ne!(of(r#"{"a": 1.0}"#), of(r#"{"a": 1.0000000000000002}"#));
 /// ```
 #[must_use]
@@ -40,7 +41,7 @@ fn add(text: &mut String, value: &Value) {
         }
         Value::Number(number) => match number.as_f64().filter(|x| is_whole(*x)) {
             Some(whole) => text.push_str(&(whole as i64).to_string()),
-            None => text.push_str(&number.to_string()),
+            None => text.push_str(&shortest(number)),
         },
         plain => text.push_str(&plain.to_string()),
     }
@@ -59,6 +60,13 @@ fn add_object(text: &mut String, map: &Map<String, Value>, counts: &dyn Fn(&str)
         add(text, &map[key]);
     }
     text.push('}');
+}
+
+/// A number in its shortest form, however it was written: others write 1e-07 for 1e-7.
+fn shortest(number: &Number) -> String {
+    let is_integer = number.is_u64() || number.is_i64();
+    let same = number.as_f64().filter(|_| !is_integer).and_then(Number::from_f64);
+    same.as_ref().unwrap_or(number).to_string()
 }
 
 /// Whether a number is whole and exact as an i64: below 2⁵³, defined by doubles.

@@ -1,6 +1,6 @@
 //! `transform`: the triangles of a scene under an affine map, and what the map and its rounding do to distances.
 use crate::placements::{
-    IDENTITY, PartPlacement, largest_stretch, part_placements, parts_in_order, scaled_up, smallest_stretch,
+    IDENTITY, largest_stretch, nodes_rounding, parts_in_order, scaled_up, smallest_stretch,
 };
 use chordal::math::{add_up, greater, mul_down, sub_down};
 use chordal_io::{Node, Part, Scene, WriteError};
@@ -10,6 +10,13 @@ use chordal_io::{Node, Part, Scene, WriteError};
 pub struct MovedScene {
     /// Everything in it, moved.
     pub scene: Scene,
+    /// What the map does to distances.
+    pub stretch: Stretch,
+}
+
+/// What an affine map does to distances, rounding included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
     /// The largest factor by which the map lengthens, rounded up.
     longest: f64,
     /// The smallest one, rounded down.
@@ -18,10 +25,10 @@ pub struct MovedScene {
     rounding: f64,
 }
 
-impl MovedScene {
+impl Stretch {
     /// What becomes of an interval that holds the distance of the scene to another shape, which the map takes along.
     #[must_use]
-    pub fn interval(&self, at_least: f64, at_most: Option<f64>) -> (f64, Option<f64>) {
+    pub fn interval(self, at_least: f64, at_most: Option<f64>) -> (f64, Option<f64>) {
         let least = sub_down(mul_down(at_least, self.shortest), self.rounding);
         let most = at_most.map(|most| add_up(scaled_up(most, self.longest), self.rounding));
         (greater(least, 0.0), most)
@@ -45,7 +52,7 @@ impl MovedScene {
 /// (map[0], map[5], map[10], map[12], map[15]) = (2.0, 2.0, 2.0, 5.0, 1.0);
 /// let twice = transform(&Scene::from_mesh("triangle", mesh, Frame::default()), &map)?;
 /// assert_eq!(twice.scene.parts[0].mesh.positions()[1], [7.0, 0.0, 0.0]);
-/// let (_, at_most) = twice.interval(0.0, Some(0.5));
+/// let (_, at_most) = twice.stretch.interval(0.0, Some(0.5));
 /// assert!((1.0..1.0 + 1e-13).contains(&at_most.unwrap()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -55,14 +62,9 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteE
     moved.certificate = None;
     moved.roots = vec![moved.nodes.len()];
     moved.nodes.push(Node { matrix: (*matrix).into(), children: scene.roots.clone(), ..Node::default() });
-    let off = |scene: &Scene| {
-        let places = part_placements(scene);
-        let rounding = |place: &PartPlacement| place.rounding(&scene.parts[place.part]);
-        places.iter().map(rounding).fold(0.0, |most, off| greater(off, most))
-    };
     // What was rounded before is carried along.
     let longest = largest_stretch(matrix);
-    let rounding = add_up(off(&moved), scaled_up(off(scene), longest));
+    let rounding = add_up(nodes_rounding(&moved), scaled_up(nodes_rounding(scene), longest));
     let shortest = smallest_stretch(matrix);
     let placed = moved.world_meshes()?;
     if is_plain(scene) {
@@ -72,7 +74,7 @@ pub fn transform(scene: &Scene, matrix: &[f64; 16]) -> Result<MovedScene, WriteE
         }
         moved = Scene { parts, nodes: scene.nodes.clone(), roots: scene.roots.clone(), ..moved };
     }
-    Ok(MovedScene { scene: moved, longest, shortest, rounding })
+    Ok(MovedScene { scene: moved, stretch: Stretch { longest, shortest, rounding } })
 }
 
 /// How far what a scene shows is from what it was composed of, rounded up: where `known` says of nodes how far all below
@@ -100,8 +102,7 @@ pub fn composed_bound(scene: &Scene, known: &[(usize, f64)]) -> f64 {
     }
     let stretched = |(at, off): &(usize, f64)| scaled_up(*off, stretches.get(*at).copied().unwrap_or(0.0));
     // What is not moved is not rounded, and a sum is rounded up even where nothing is added.
-    let moved = part_placements(scene).into_iter().filter(|place| !place.is_identity);
-    let rounding = moved.map(|place| place.rounding(&scene.parts[place.part])).fold(0.0, greater);
+    let rounding = nodes_rounding(scene);
     let off = known.iter().map(stretched).fold(0.0, greater);
     if rounding > 0.0 { add_up(off, rounding) } else { off }
 }
@@ -160,11 +161,11 @@ mod tests {
         let mirrored = transform(&triangle(), &MAP).expect("affine");
         let mesh = &mirrored.scene.parts[0].mesh;
         assert_eq!((mesh.positions()[2], mesh.faces()[0]), ([0.0, 2.0, 1.0], [0, 2, 1]));
-        let (least, most) = mirrored.interval(1.0, Some(1.0));
+        let (least, most) = mirrored.stretch.interval(1.0, Some(1.0));
         assert!((0.5..=1.0).contains(&least) && (2.0..2.1).contains(&most.expect("bounded")));
         let mut up = IDENTITY;
         up[14] = 3.0;
-        let (least, most) = transform(&triangle(), &up).expect("affine").interval(1.0, Some(1.0));
+        let (least, most) = transform(&triangle(), &up).expect("affine").stretch.interval(1.0, Some(1.0));
         assert!(1.0 - least < 1e-13 && most.expect("bounded") - 1.0 < 1e-13);
     }
 
@@ -188,7 +189,7 @@ mod tests {
             let v: [f64; 3] = std::array::from_fn(|_| random.signed());
             let long = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let image = [0, 1, 2].map(|r| map[r] * v[0] + map[4 + r] * v[1] + map[8 + r] * v[2]);
-            let (least, most) = moved.interval(long(v), Some(long(v)));
+            let (least, most) = moved.stretch.interval(long(v), Some(long(v)));
             // 1e-12 of it: what the lengths here are rounded by.
             assert!(
                 least <= long(image) * (1.0 + 1e-12) && long(image) <= most.expect("bounded") * (1.0 + 1e-12)

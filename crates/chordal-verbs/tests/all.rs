@@ -4,6 +4,7 @@ mod assets;
 mod baking;
 mod cages;
 mod common;
+mod composed;
 mod corpus;
 mod deviation;
 mod drawing;

@@ -139,6 +139,7 @@ fn weights_of_joints_are_blended_where_vertices_go() {
         digest: "0".repeat(64).into(),
         files: Vec::new(),
         warnings: Vec::new(),
+        composed: None,
     };
     let spec = BudgetSpec { length: Some("0.01".parse().expect("a length")), ..BudgetSpec::default() };
     let made = mesh(input, &spec, Format::Glb, &Job::default()).expect("simplified");
@@ -181,6 +182,7 @@ fn white_stays_white() {
         digest: "0".repeat(64).into(),
         files: Vec::new(),
         warnings: Vec::new(),
+        composed: None,
     };
     let made = lod(input, &spec(), &Job::default()).expect("levels");
     made.write(Format::Glb, &mut Vec::new()).expect("written");

@@ -34,6 +34,7 @@ fn input(shape: Shape) -> Input {
         digest: "0".repeat(64).into(),
         files: Vec::new(),
         warnings: Vec::new(),
+        composed: None,
     }
 }
 

@@ -4,7 +4,7 @@ use super::message_text::message_texts;
 use super::{
     AttributeFacts, BooleanFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, HistoryFacts,
     InputFacts, LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, StepBound,
-    StepFacts, StepInput, StepOutput, ValidityFacts, to_value,
+    StepFacts, StepOutput, ValidityFacts, to_value,
 };
 use crate::origin::InputOrigin;
 use crate::seal::seal_of;
@@ -118,17 +118,20 @@ impl Certificate {
     /// Adds the step that made a result to the history of the input: the kind and the format of what was written,
     /// and the digest of its geometry.
     pub(crate) fn conclude(&mut self, (kind, format): (&str, Format), geometry: Option<String>) {
+        let composed = self.origin.composed.as_ref().filter(|_| self.boolean.is_none());
         let step = StepFacts {
             verb: self.verb.to_owned(),
             version: self.version.to_owned(),
-            inputs: match &self.boolean {
-                Some(facts) => facts.operands.iter().map(|operand| StepInput::new(&operand.input)).collect(),
-                None => vec![StepInput::new(&self.input)],
+            inputs: match (&self.boolean, composed) {
+                (Some(facts), _) => facts.operands.iter().map(|operand| operand.input.of_step()).collect(),
+                (None, Some(composed)) => composed.inputs().to_vec(),
+                (None, None) => vec![self.input.of_step()],
             },
+            composed: composed.map(|composed| composed.facts().clone()),
             output: StepOutput { kind: kind.to_owned(), format: format.to_string(), geometry },
             bound: self.bound.as_ref().map(StepBound::from_facts),
         };
-        let InputOrigin { steps, begins } = &self.origin;
+        let InputOrigin { steps, begins, .. } = &self.origin;
         let (mut steps, mut begins) = (steps.clone(), begins.clone());
         if let Some(broken) = steps.last().and_then(|before| gap(before, &step)) {
             (steps, begins) = (Vec::new(), broken);
@@ -139,7 +142,7 @@ impl Certificate {
 
     /// Whether the certificate of the input speaks of what was read, so that its steps may be added to.
     pub(crate) fn has_earlier_steps(&self) -> bool {
-        !self.origin.steps.is_empty()
+        !self.origin.steps.is_empty() || self.origin.composed.is_some()
     }
 
     /// What a file holds that has a bound of its own, as a level of detail has: the same history up to the input.

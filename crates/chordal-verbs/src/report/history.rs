@@ -1,6 +1,8 @@
 //! The history of a result: every step since the first file, each with its bound, and their sum.
-use super::{BoundFacts, InputFacts, InputFileFacts};
+use super::BoundFacts;
+use crate::placements::{Matrix4, largest_stretch, scaled_up, smallest_stretch};
 use chordal::budget::{Bound, Evidence, Metric, Reference};
+use chordal::math::mul_down;
 use serde::{Deserialize, Serialize};
 
 /// The steps by which a result came about, as far back as the certificates of the inputs prove it.
@@ -20,7 +22,8 @@ pub struct HistoryFacts {
 #[serde(deny_unknown_fields)]
 pub struct HistoryStart {
     /// "no-certificate" for an input of others; else why what the certificate of the input says does not add up with
-    /// this step: "unreadable", "no-history", "seal", "geometry", "unit", "kind", "surface", "bound", "several-inputs".
+    /// this step: "unreadable", "no-history", "seal", "geometry", "unit", "kind", "surface", "bound", "several-inputs"; and
+    /// "composed" where the inputs of the first step have histories of their own, "long" where these go too far back.
     pub code: String,
     /// The same in one sentence.
     pub reason: String,
@@ -42,6 +45,9 @@ pub struct StepFacts {
     pub version: String,
     /// What it read: one file, or several that were combined.
     pub inputs: Vec<StepInput>,
+    /// Where the inputs stand in what it made a result of, where they were moved, turned, scaled or put next to each other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub composed: Option<ComposedFacts>,
     /// What it wrote.
     pub output: StepOutput,
     /// How far the output is from the input; `None` where nothing is known of that.
@@ -56,22 +62,77 @@ pub struct StepInput {
     pub kind: String,
     /// The format.
     pub format: String,
-    /// The SHA-256 of the bytes.
-    pub sha256: String,
+    /// The SHA-256 of the bytes; of what never was a file that of its geometry or formula, `None` where that has none.
+    pub sha256: Option<String>,
     /// The SHA-256 of the bytes of the files beside it that were read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
 }
 
-impl StepInput {
-    pub(crate) fn new(facts: &InputFacts) -> Self {
-        let of_file = |file: &InputFileFacts| file.sha256.clone();
-        Self {
-            kind: facts.kind.to_owned(),
-            format: facts.format.clone(),
-            sha256: facts.sha256.clone(),
-            files: facts.files.iter().map(of_file).collect(),
+/// Triangles that are put together: the inputs of a step, each where maps take it, and how each came about.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComposedFacts {
+    /// The history of each input.
+    pub origins: Vec<HistoryFacts>,
+    /// Where they stand, in the order of their triangles.
+    pub places: Vec<PlaceFacts>,
+    /// The triangles of which the step made its result are no farther than this from where exact numbers would take them.
+    pub rounding: f64,
+}
+
+/// Where an input stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceFacts {
+    /// The index of the input.
+    pub input: usize,
+    /// The affine maps that take it there, the last of them first: each the first three rows of a matrix, row by row.
+    pub maps: Vec<[f64; 12]>,
+}
+
+impl PlaceFacts {
+    /// The maps as matrices, column by column.
+    pub(crate) fn matrices(&self) -> impl Iterator<Item = Matrix4> {
+        self.maps.iter().map(|rows| {
+            std::array::from_fn(|k| match (k % 4, k / 4) {
+                (3, column) => f64::from(u8::from(column == 3)),
+                (row, column) => rows[4 * row + column],
+            })
+        })
+    }
+
+    /// The largest factor by which all maps together lengthen, rounded up.
+    pub(crate) fn longest(&self) -> f64 {
+        self.matrices().fold(1.0, |most, map| scaled_up(largest_stretch(&map), most))
+    }
+
+    fn shortest(&self) -> f64 {
+        let below = |least: f64, own: f64| if own == 1.0 { least } else { mul_down(least, own) };
+        self.matrices().fold(1.0, |least, map| below(least, smallest_stretch(&map)))
+    }
+}
+
+impl ComposedFacts {
+    /// How far all of it is from what the inputs were made of, where maps take that; `None` where nothing is known of one.
+    pub(crate) fn bound(&self) -> Option<Bound> {
+        let known: Vec<Option<Bound>> = self.origins.iter().map(HistoryFacts::bound_of_input).collect();
+        let mut all: Option<Bound> = None;
+        for place in &self.places {
+            let own = known.get(place.input)?.as_ref()?.stretched(place.shortest(), place.longest());
+            all = Some(all.map_or(own.clone(), |all| all.beside(&own)));
         }
+        let all = all.unwrap_or(Bound::exact(Reference::InputTriangles));
+        let is_length = self.rounding >= 0.0 && self.rounding.is_finite();
+        is_length.then(|| all.then(&Bound::proved(0.0, self.rounding, Reference::InputTriangles)))
+    }
+
+    /// Why the histories of the inputs do not hold together, if they do not.
+    fn flaw(&self, n_inputs: usize) -> Option<String> {
+        if self.origins.len() != n_inputs || self.places.iter().any(|place| place.input >= n_inputs) {
+            return Some("what was composed is not what was read".to_owned());
+        }
+        self.origins.iter().find_map(HistoryFacts::flaw)
     }
 }
 
@@ -150,6 +211,7 @@ impl StepBound {
             Reference::Field,
             Reference::Trilinear,
             Reference::Boolean,
+            Reference::Several,
         ];
         let reference = references.into_iter().find(|reference| reference.as_str() == self.reference)?;
         let is_sound = self.at_least >= 0.0
@@ -170,11 +232,56 @@ impl HistoryFacts {
         let total = sum(&steps);
         Self { begins, steps, total }
     }
+
+    /// Why it does not hold together, whatever the files are: a step that does not go on from the one before it, or a sum that
+    /// is another one.
+    pub(crate) fn flaw(&self) -> Option<String> {
+        if let Some(broken) = self.steps.windows(2).find_map(|pair| gap(&pair[0], &pair[1])) {
+            return Some(broken.reason);
+        }
+        let Some(first) = self.steps.first() else {
+            return self.total.is_some().then(|| "there is a bound, and no step".to_owned());
+        };
+        if let Some(flaw) = first.composed.as_ref().and_then(|composed| composed.flaw(first.inputs.len())) {
+            return Some(flaw);
+        }
+        (self.total != sum(&self.steps)).then(|| "the sum of the bounds of the steps is another one".to_owned())
+    }
+
+    /// All inputs that it names, with those of the histories in it.
+    pub(crate) fn inputs(&self) -> Vec<&StepInput> {
+        let mut found = Vec::new();
+        let mut open = vec![self];
+        while let Some(history) = open.pop() {
+            for step in &history.steps {
+                found.extend(&step.inputs);
+                open.extend(step.composed.iter().flat_map(|composed| &composed.origins));
+            }
+        }
+        found
+    }
+
+    /// How many histories are within each other, this one included.
+    pub(crate) fn depth(&self) -> usize {
+        let within = self.steps.iter().filter_map(|step| step.composed.as_ref());
+        1 + within.flat_map(|composed| &composed.origins).map(Self::depth).max().unwrap_or(0)
+    }
+
+    /// How far an input is from what it was made of: without steps it is the truth itself.
+    fn bound_of_input(&self) -> Option<Bound> {
+        match &self.total {
+            Some(total) => total.bound(),
+            None => self.steps.is_empty().then(|| Bound::exact(Reference::InputTriangles)),
+        }
+    }
 }
 
 /// The sum of the bounds of steps that chain: the upper ends add, and the weakest evidence stays.
 pub(crate) fn sum(steps: &[StepFacts]) -> Option<StepBound> {
-    let mut total: Option<Bound> = None;
+    let mut total = match steps.first()?.composed.as_ref() {
+        Some(composed) => Some(composed.bound()?),
+        None => None,
+    };
     for step in steps {
         let next = step.bound.as_ref()?.bound()?;
         total = Some(total.map_or(next.clone(), |total| total.then(&next)));
@@ -184,6 +291,10 @@ pub(crate) fn sum(steps: &[StepFacts]) -> Option<StepBound> {
 
 /// Why a step does not chain with the one before it, whatever the files are; `None` where it does.
 pub(crate) fn gap(before: &StepFacts, next: &StepFacts) -> Option<HistoryStart> {
+    if next.composed.is_some() {
+        let reason = format!("{} read what was composed of parts, which have histories of their own", next.verb);
+        return Some(HistoryStart::new("composed", reason));
+    }
     let [input] = &next.inputs[..] else {
         let n = next.inputs.len();
         return Some(HistoryStart::new(
@@ -226,13 +337,14 @@ mod tests {
         let input = StepInput {
             kind: "triangles".into(),
             format: "ply".into(),
-            sha256: String::new(),
+            sha256: None,
             files: Vec::new(),
         };
         StepFacts {
             verb: "mesh".into(),
             version: String::new(),
             inputs: vec![input],
+            composed: None,
             output: StepOutput { kind: "triangles".into(), format: "ply".into(), geometry: None },
             bound: Some(StepBound::new(&Bound::proved(0.0, at_most, reference))),
         }

@@ -1,4 +1,5 @@
 //! What the report says of the input: its kind and format, the oddities of its file, its frame.
+use super::StepInput;
 use super::message_text::message_text;
 use crate::{Input, InputFile};
 use chordal::budget::advice::Message;
@@ -17,8 +18,9 @@ pub struct InputFacts {
     /// What the font has set; only where the input is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub letters: Option<LettersFacts>,
-    /// The SHA-256 of the bytes, in hexadecimal.
-    pub sha256: String,
+    /// The SHA-256 of the bytes, in hexadecimal; of what never was a file that of its geometry or formula, `None` where
+    /// that has none.
+    pub sha256: Option<String>,
     /// The files beside it that were read, in the order of reading; only where there are some.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<InputFileFacts>,
@@ -32,9 +34,19 @@ impl InputFacts {
             kind: input.shape.kind(),
             format: input.format.to_string(),
             letters: input.letters.as_ref().map(LettersFacts::new),
-            sha256: input.sha256().to_owned(),
+            sha256: input.sha256().map(str::to_owned),
             files: input.files.iter().map(InputFileFacts::new).collect(),
             warnings: input.warnings.iter().map(WarningFacts::new).collect(),
+        }
+    }
+
+    /// The same for the history of a result.
+    pub(crate) fn of_step(&self) -> StepInput {
+        StepInput {
+            kind: self.kind.to_owned(),
+            format: self.format.clone(),
+            sha256: self.sha256.clone(),
+            files: self.files.iter().map(|file| file.sha256.clone()).collect(),
         }
     }
 }

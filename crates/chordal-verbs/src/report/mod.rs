@@ -44,8 +44,9 @@ pub use distance_grid::{DistanceGridFacts, InterpolantFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, PathJoinFacts, PieceCounts};
 pub use field::FieldFacts;
 pub use findings::{FindingFacts, cures_of_all};
-pub use history::{HistoryFacts, HistoryStart, StepBound, StepFacts, StepInput, StepOutput};
-pub(crate) use history::{gap, sum};
+pub use history::{
+    ComposedFacts, HistoryFacts, HistoryStart, PlaceFacts, StepBound, StepFacts, StepInput, StepOutput,
+};
 pub use input::{FrameFacts, InputFacts, InputFileFacts, WarningFacts};
 pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
 pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};

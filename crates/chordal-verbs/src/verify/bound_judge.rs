@@ -295,6 +295,7 @@ fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
 fn check_distances(
     baked: &Value,
     (scene, grid): (&Scene, &Grid),
+    [rounding, again]: [f64; 2],
     claims: &mut ClaimList,
     job: &Job,
 ) -> Result<(), MeshFailure> {
@@ -303,7 +304,11 @@ fn check_distances(
     let band = baked.get("band").and_then(Value::as_f64).unwrap_or(f64::INFINITY);
     let said = baked.get("off_at_most").and_then(Value::as_f64);
     let found = off_at_most(&mesh, (grid, band), job)?;
-    let off = if placed.moved_at_most == 0.0 { found } else { add_up(found, placed.moved_at_most) };
+    let moved = placed.moved_at_most;
+    let moved = if again == 0.0 { moved } else { add_up(moved, again) };
+    let off = if moved == 0.0 { found } else { add_up(found, moved) };
+    // What was put together and rounded is what was baked.
+    let off = if rounding == 0.0 { off } else { greater(sub_down(off, rounding), 0.0) };
     claims.decide(
         "baked/off_at_most",
         said.is_some_and(|said| off <= said),
@@ -324,6 +329,7 @@ fn check_distances(
 pub(super) fn check_baked(
     baked: &Value,
     (read, written): (&Input, &Input),
+    rounding: [f64; 2],
     claims: &mut ClaimList,
     job: &Job,
 ) -> Result<(), MeshFailure> {
@@ -335,7 +341,7 @@ pub(super) fn check_baked(
         return Ok(());
     };
     if let Shape::Scene(scene) = &read.shape {
-        check_distances(baked, (scene, &sampled.volume.grid), claims, job)?;
+        check_distances(baked, (scene, &sampled.volume.grid), rounding, claims, job)?;
     } else {
         let reason = format!("there is no judge of distances to a {}", read.shape.kind());
         claims.open("baked/off_at_most", reason);

@@ -1,6 +1,7 @@
 //! `verify`: re-proves the certificate of a written file, without what made the file.
 mod bound_judge;
 mod claims;
+mod composed_reference;
 mod counts;
 mod steps;
 
@@ -14,7 +15,7 @@ use crate::{Input, MeshFailure};
 use chordal::Job;
 use claims::ClaimList;
 use serde_json::Value;
-use steps::ProvedSteps;
+use steps::{GivenFile, ProvedSteps};
 
 /// Re-proves what the certificate of `out` claims, from `out` itself and from the files that it was made of,
 /// `against`: its input, and for a history of several steps the files between, in any order.
@@ -71,7 +72,12 @@ pub fn verify(
         Ok(history) => {
             check_geometry(out, certificate, &history, &mut claims)?;
             check_last_step(certificate, &history, &mut claims);
-            ProvedSteps { out, certificate, history: &history, against, job }.check(&mut claims)?;
+            let frame = stated_frame(certificate);
+            let baked = certificate.get("baked").filter(|baked| !baked.is_null());
+            let history = &history;
+            let against: Vec<GivenFile<'_>> = against.iter().map(GivenFile::new).collect();
+            let against = &against;
+            ProvedSteps { name: "history", out, frame, baked, history, against, job }.check(&mut claims)?;
         }
         Err(why) => claims.open("history", why),
     }
@@ -90,8 +96,8 @@ pub fn verify(
 #[must_use]
 pub fn inputs_to_verify(out: &Input, given: Option<&Value>) -> Vec<StepInput> {
     let certificate = given.map(in_report).or(embedded_certificate(&out.shape));
-    let steps = certificate.and_then(|certificate| history(certificate).ok()).map(|history| history.steps);
-    steps.into_iter().flatten().flat_map(|step| step.inputs).collect()
+    let history = certificate.and_then(|certificate| history(certificate).ok());
+    history.iter().flat_map(HistoryFacts::inputs).cloned().collect()
 }
 
 /// The certificate in a report, or what is one itself.
@@ -159,8 +165,8 @@ fn check_last_step(certificate: &Value, history: &HistoryFacts, claims: &mut Cla
         is_same_bound,
         "the last step of the history has another bound than the certificate",
     );
-    if let [input] = &last.inputs[..] {
-        let is_same = own("/input/sha256") == input.sha256.as_str()
+    if let ([input], None) = (&last.inputs[..], &last.composed) {
+        let is_same = own("/input/sha256").as_str() == input.sha256.as_deref()
             && own("/input/kind") == input.kind.as_str()
             && own("/input/format") == input.format.as_str();
         claims.decide(

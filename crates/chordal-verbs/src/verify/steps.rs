@@ -1,84 +1,173 @@
 //! The steps of a history, proved again one by one, and their sum.
 use super::bound_judge::{BoundJudge, JudgedBound};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
-use crate::geometry_digest::digest_in_frame;
+use super::composed_reference::ComposedReference;
+use crate::geometry_digest::{digest_in_frame, geometry_digest};
 use crate::origin::{embedded_certificate, stated_frame};
-use crate::report::{HistoryFacts, StepBound, StepFacts, StepInput, gap, sum};
+use crate::report::{ComposedFacts, HistoryFacts, StepBound, StepFacts, StepInput};
 use crate::{Input, MeshFailure};
 use chordal::Job;
 use chordal::budget::{Bound, Evidence};
+use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal_io::Frame;
 use serde_json::Value;
+use std::cell::OnceCell;
 
 /// A history, and the files that it speaks of.
 pub(super) struct ProvedSteps<'a> {
+    /// What the claims about it are called.
+    pub name: &'a str,
+    /// What the last step wrote.
     pub out: &'a Input,
-    pub certificate: &'a Value,
+    /// The frame of its lengths.
+    pub frame: Frame,
+    /// What its certificate says of a baked grid.
+    pub baked: Option<&'a Value>,
     pub history: &'a HistoryFacts,
-    pub against: &'a [Input],
+    pub against: &'a [GivenFile<'a>],
     pub job: &'a Job,
 }
 
-impl ProvedSteps<'_> {
+/// A file that was given.
+pub(super) struct GivenFile<'a> {
+    file: &'a Input,
+    geometry: OnceCell<Option<String>>,
+}
+
+impl<'a> GivenFile<'a> {
+    pub fn new(file: &'a Input) -> Self {
+        Self { file, geometry: OnceCell::new() }
+    }
+
+    /// Whether it is one that a step names: by its bytes, or by its geometry for an input that never was a file.
+    fn is(&self, input: &StepInput) -> bool {
+        let geometry = || self.geometry.get_or_init(|| geometry_digest(&self.file.shape).ok().flatten());
+        let said = input.sha256.as_deref();
+        // What has no digest may be any: whether it is the one, the judge of the bound says.
+        self.file.sha256() == said
+            || input.kind == self.file.shape.kind() && said.is_some() && geometry().as_deref() == said
+    }
+}
+
+/// What a step read, and what it wrote.
+struct StepEnds<'a> {
+    read: &'a Input,
+    written: &'a Input,
+    /// Where inputs were put together: what that may round, and what putting them together again may.
+    rounding: [f64; 2],
+}
+
+impl<'a> ProvedSteps<'a> {
     pub fn check(&self, claims: &mut ClaimList) -> Result<(), MeshFailure> {
-        let steps = &self.history.steps;
-        self.check_sum(claims);
+        // The sum of the bounds, and that each step goes on where the one before it ended.
+        let flaw = self.history.flaw();
+        let holds_together = flaw.is_none();
+        claims.decide("history/total", holds_together, &flaw.unwrap_or_default());
         self.check_files(claims);
+        if holds_together {
+            self.check_steps(claims)?;
+            self.check_total(claims)?;
+        }
+        Ok(())
+    }
+
+    fn check_steps(&self, claims: &mut ClaimList) -> Result<(), MeshFailure> {
+        let steps = &self.history.steps;
         for (k, step) in steps.iter().enumerate() {
-            let name = format!("history/steps/{k}");
-            let [input] = &step.inputs[..] else {
+            let name = format!("{}/steps/{k}", self.name);
+            let next = steps.get(k + 1);
+            let written = match next.map(|next| next.inputs.first()) {
+                None => self.out,
+                Some(next) => match next.and_then(|next| self.find_input(next)) {
+                    Some(written) => written,
+                    None => {
+                        claims.open(&name, format!("the file that {} wrote was not given", words_of(step)));
+                        continue;
+                    }
+                },
+            };
+            let composed;
+            let ends = if let Some(facts) = &step.composed {
+                let Some(parts) = self.parts_of(&name, step, facts, claims)? else { continue };
+                let frame = self.frame_of(written, next.is_none());
+                composed = match ComposedReference::new(facts, &parts, frame, self.job)? {
+                    Ok(composed) => composed,
+                    Err(why) => {
+                        claims.open(&name, why);
+                        continue;
+                    }
+                };
+                let rounding = [facts.rounding, composed.off];
+                StepEnds { read: &composed.input, written, rounding }
+            } else if let [input] = &step.inputs[..] {
+                let Some(read) = self.find_input(input) else {
+                    claims.open(&name, not_given(step, input));
+                    continue;
+                };
+                StepEnds { read, written, rounding: [0.0; 2] }
+            } else {
                 let n = step.inputs.len();
                 let reason =
                     format!("{} combined {n} inputs, and no judge proves such a step", words_of(step));
                 claims.open(&name, reason);
                 continue;
             };
-            let next = steps.get(k + 1).map(|next| next.inputs.first());
-            let (read, written) = match (self.find_input(input), next) {
-                (Some(read), None) => (read, self.out),
-                (Some(read), Some(next)) => match next.and_then(|next| self.find_input(next)) {
-                    Some(written) => (read, written),
-                    None => {
-                        claims.open(&name, format!("the file that {} wrote was not given", words_of(step)));
-                        continue;
-                    }
-                },
-                (None, _) => {
-                    let short = input.sha256.get(..SHORT).unwrap_or(&input.sha256);
-                    let of = words_of(step);
-                    claims.open(&name, format!("the input of {of}, with SHA-256 {short}…, was not given"));
-                    continue;
-                }
-            };
-            let is_last = next.is_none();
-            if !is_last {
+            if next.is_some() {
                 self.check_link(&name, step, written, claims)?;
             }
-            check_kinds(&name, step, (read, written), claims);
-            let frame = self.frame_of(written, is_last);
-            self.check_bound(&name, (step, read, written), &frame, claims)?;
-            self.check_baked(k, (read, written), claims)?;
+            check_kinds(&name, step, (ends.read, written), claims);
+            let frame = self.frame_of(written, next.is_none());
+            self.check_bound(&name, step, &ends, &frame, claims)?;
+            if let Some(baked) = self.baked.filter(|_| next.is_none()) {
+                super::bound_judge::check_baked(baked, (ends.read, written), ends.rounding, claims, self.job)?;
+            }
         }
-        self.check_total(claims)
+        Ok(())
+    }
+
+    /// The inputs that a step put together, each with its own history proved; `None` where one was not given.
+    fn parts_of(
+        &self,
+        name: &str,
+        step: &StepFacts,
+        facts: &'a ComposedFacts,
+        claims: &mut ClaimList,
+    ) -> Result<Option<Vec<&'a Input>>, MeshFailure> {
+        let mut parts = Vec::with_capacity(step.inputs.len());
+        for (k, (input, origin)) in step.inputs.iter().zip(&facts.origins).enumerate() {
+            let Some(part) = self.find_input(input) else {
+                claims.open(name, not_given(step, input));
+                continue;
+            };
+            parts.push(part);
+            let Some(last) = origin.steps.last() else { continue };
+            let own = format!("{name}/origins/{k}");
+            self.check_link(&own, last, part, claims)?;
+            let frame = self.frame_of(part, false);
+            let own = ProvedSteps { name: &own, out: part, frame, baked: None, history: origin, ..*self };
+            own.check_steps(claims)?;
+        }
+        Ok((parts.len() == step.inputs.len()).then_some(parts))
     }
 
     /// Every file that was given is one that the history names, with the files beside it.
     fn check_files(&self, claims: &mut ClaimList) {
-        let inputs = || self.history.steps.iter().flat_map(|step| &step.inputs);
-        for file in self.against {
-            let named: Vec<_> = inputs().filter(|input| input.sha256 == file.sha256()).collect();
+        let inputs = self.history.inputs();
+        for given in self.against {
+            let file = given.file;
+            let named: Vec<_> = inputs.iter().filter(|input| given.is(input)).collect();
             let beside: Vec<&String> = file.files.iter().map(|file| &file.sha256).collect();
-            let short = file.sha256().get(..SHORT).unwrap_or(file.sha256());
+            let short = short(file.sha256());
             if named.is_empty() {
                 let kind = file.shape.kind();
                 let reason = format!(
-                    "the certificate is of another input: it names none with SHA-256 {short}…, the {kind} to verify against"
+                    "the certificate is of another input: it names none with {short}, the {kind} to verify against"
                 );
                 claims.refute("input", reason);
             } else if named.iter().any(|input| input.files.iter().collect::<Vec<_>>() != beside) {
                 claims.refute(
                     "input",
-                    format!("the files beside the input with SHA-256 {short}… are other ones"),
+                    format!("the files beside the input with {short} are other ones"),
                 );
             } else {
                 claims.prove("input");
@@ -86,24 +175,9 @@ impl ProvedSteps<'_> {
         }
     }
 
-    /// The sum of the bounds, and that each step goes on where the one before it ended.
-    fn check_sum(&self, claims: &mut ClaimList) {
-        let HistoryFacts { steps, total, .. } = self.history;
-        let broken = steps.windows(2).find_map(|pair| gap(&pair[0], &pair[1]));
-        let claim = "history/total";
-        match broken {
-            Some(start) => claims.refute(claim, start.reason),
-            None => claims.decide(
-                claim,
-                *total == sum(steps),
-                "the sum of the bounds of the steps is another one",
-            ),
-        }
-    }
-
     /// The file that a step read, by the digest of its bytes.
-    fn find_input(&self, input: &StepInput) -> Option<&Input> {
-        self.against.iter().find(|file| file.sha256() == input.sha256)
+    fn find_input(&self, input: &StepInput) -> Option<&'a Input> {
+        self.against.iter().find(|given| given.is(input)).map(|given| given.file)
     }
 
     /// The file between two steps holds the geometry that the first of them wrote.
@@ -124,7 +198,7 @@ impl ProvedSteps<'_> {
 
     fn frame_of(&self, written: &Input, is_last: bool) -> Frame {
         if is_last {
-            return stated_frame(self.certificate);
+            return self.frame;
         }
         embedded_certificate(&written.shape).map_or(Frame::default(), stated_frame)
     }
@@ -132,7 +206,8 @@ impl ProvedSteps<'_> {
     fn check_bound(
         &self,
         name: &str,
-        (step, read, written): (&StepFacts, &Input, &Input),
+        step: &StepFacts,
+        ends: &StepEnds<'_>,
         frame: &Frame,
         claims: &mut ClaimList,
     ) -> Result<(), MeshFailure> {
@@ -142,7 +217,7 @@ impl ProvedSteps<'_> {
             claims.refute(&claim, "what the certificate says is no bound");
             return Ok(());
         };
-        let (is, stated) = (read.shape.frame(), (frame.up, frame.metres_per_unit));
+        let (is, stated) = (ends.read.shape.frame(), (frame.up, frame.metres_per_unit));
         let differs = is.up.zip(stated.0).is_some_and(|(a, b)| a != b)
             || is.metres_per_unit.zip(stated.1).is_some_and(|(a, b)| a != b);
         if differs {
@@ -151,23 +226,12 @@ impl ProvedSteps<'_> {
                 "the certificate states another unit or another axis that is up than its input",
             );
         }
-        let found = BoundJudge { reference: read, result: written, frame, job: self.job }.judge(&bound)?;
+        // Of what was put together and rounded, from what is put together and rounded now.
+        let bound = widened(&bound, ends.rounding);
+        let judge = BoundJudge { reference: ends.read, result: ends.written, frame, job: self.job };
+        let found = judge.judge(&bound)?;
         claims.add(verdict_on(claim, said, &bound, found));
         Ok(())
-    }
-
-    /// What a certificate says of a baked grid, sample by sample; only of the file itself.
-    fn check_baked(
-        &self,
-        k: usize,
-        (read, written): (&Input, &Input),
-        claims: &mut ClaimList,
-    ) -> Result<(), MeshFailure> {
-        let baked = self.certificate.get("baked").filter(|baked| !baked.is_null());
-        match baked.filter(|_| k + 1 == self.history.steps.len()) {
-            Some(baked) => super::bound_judge::check_baked(baked, (read, written), claims, self.job),
-            None => Ok(()),
-        }
     }
 
     /// The distance between the ends of a chain is no more than the sum of its steps.
@@ -176,11 +240,14 @@ impl ProvedSteps<'_> {
         let (Some(total), Some([first])) = (total, steps.first().map(|step| &step.inputs[..])) else {
             return Ok(());
         };
-        let Some(read) = self.find_input(first).filter(|_| steps.len() > 1) else { return Ok(()) };
+        // What was moved is elsewhere.
+        let is_moved = steps[0].composed.is_some();
+        let Some(read) = self.find_input(first).filter(|_| steps.len() > 1 && !is_moved) else {
+            return Ok(());
+        };
         let Some(bound) = total.bound() else { return Ok(()) };
-        let frame = stated_frame(self.certificate);
-        let found =
-            BoundJudge { reference: read, result: self.out, frame: &frame, job: self.job }.judge(&bound)?;
+        let judge = BoundJudge { reference: read, result: self.out, frame: &self.frame, job: self.job };
+        let found = judge.judge(&bound)?;
         let facts = verdict_on("history/total/direct".to_owned(), total, &bound, found);
         // Steps that were proved one by one prove the sum; that the ends are no farther apart is a second look,
         // and where no judge sees that far there is none.
@@ -191,8 +258,12 @@ impl ProvedSteps<'_> {
     }
 }
 
-/// Digits of a digest that are shown; chosen.
-const SHORT: usize = 12;
+/// A digest in short.
+fn short(sha256: Option<&str>) -> String {
+    /// Digits that are shown; chosen.
+    const SHORT: usize = 12;
+    sha256.map_or("no digest".to_owned(), |all| format!("SHA-256 {}…", all.get(..SHORT).unwrap_or(all)))
+}
 
 /// The files are of the kinds that the step names, and its bound is against a shape of such a kind.
 fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), claims: &mut ClaimList) {
@@ -262,6 +333,26 @@ fn compare(said: &Bound, judged: &Bound) -> (ClaimVerdict, Option<String>) {
         return open("the judge's proof rests on promises that the certificate does not name");
     }
     (ClaimVerdict::Proved, None)
+}
+
+fn not_given(step: &StepFacts, input: &StepInput) -> String {
+    let short = short(input.sha256.as_deref());
+    format!("the input of {}, with {short}, was not given", words_of(step))
+}
+
+/// A bound of a result against triangles that lie `rounding` from exact ones, as one against others that lie `again` from these.
+fn widened(bound: &Bound, [rounding, again]: [f64; 2]) -> Bound {
+    if rounding == 0.0 && again == 0.0 {
+        return bound.clone();
+    }
+    let at_least = greater(sub_down(bound.at_least(), add_up(rounding, again)), 0.0);
+    let at_most = bound.at_most().map(|most| {
+        let most = sub_down(add_up(most, rounding), again);
+        lesser(greater(most, 0.0), f64::MAX)
+    });
+    let mut wider = Bound::with_evidence(at_least, at_most, bound.evidence().clone(), bound.reference.clone());
+    wider.metric = bound.metric;
+    wider
 }
 
 /// A step in words.

@@ -1,5 +1,5 @@
 //! `Bound`: an enclosure of the error of a result, with its metric, its reference shape and its evidence.
-use crate::math::{add_up, greater, sub_down};
+use crate::math::{add_up, greater, mul_down, mul_up, sub_down};
 use std::fmt;
 
 /// How a bound is known, strongest first.
@@ -112,6 +112,8 @@ pub enum Reference {
     Trilinear,
     /// The union, difference or intersection of the solids that several meshes bound.
     Boolean,
+    /// Several of these, next to each other.
+    Several,
 }
 
 impl Reference {
@@ -128,6 +130,7 @@ impl Reference {
             Self::Field => "field",
             Self::Trilinear => "trilinear interpolant",
             Self::Boolean => "boolean",
+            Self::Several => "several shapes",
         }
     }
 }
@@ -278,6 +281,75 @@ impl Bound {
             at,
             pixels: None,
             angle_deg: None,
+        }
+    }
+
+    /// The bound of two shapes and their results, next to each other, from that of each.
+    ///
+    /// The upper end is the larger of both, by the weaker evidence and in the weaker metric. At its lower end it says nothing:
+    /// how far a point is from its own shape, it need not be from the other. Beside a shape whose sides are known,
+    /// [`Metric::Solid`], nothing bounds one whose distance is, unless that lost nothing.
+    ///
+    /// ```
+    /// use chordal::budget::{Bound, Reference};
+    /// let (ball, box_of_triangles) = (Bound::proved(0.1, 0.2, Reference::Field), Bound::exact(Reference::InputTriangles));
+    /// let both = ball.beside(&box_of_triangles);
+    /// assert_eq!((both.at_least(), both.at_most(), both.reference), (0.0, Some(0.2), Reference::Several));
+    /// ```
+    #[must_use]
+    pub fn beside(&self, other: &Self) -> Self {
+        let loses_sides = |this: &Self, other: &Self| {
+            this.metric == Metric::Solid && other.metric != Metric::Solid && other.at_most != Some(0.0)
+        };
+        let farther = if self.at_most >= other.at_most { self } else { other };
+        let both = self.at_most.zip(other.at_most).map(|(a, b)| greater(a, b));
+        let (at_most, evidence) = if loses_sides(self, other) || loses_sides(other, self) {
+            (None, Evidence::Estimated)
+        } else {
+            (both, self.evidence.weaker(&other.evidence))
+        };
+        Self {
+            at_least: 0.0,
+            at_most,
+            evidence,
+            reference: if self.reference == other.reference {
+                self.reference.clone()
+            } else {
+                Reference::Several
+            },
+            metric: self.metric.weaker(other.metric),
+            at: farther.at,
+            pixels: None,
+            angle_deg: None,
+        }
+    }
+
+    /// The bound of both shapes under an affine map that lengthens by no less than `shortest` and no more than `longest`. Places,
+    /// pixels and angles stay behind; without an upper end where it is out of range.
+    ///
+    /// ```
+    /// use chordal::budget::{Bound, Reference};
+    /// let twice = Bound::proved(0.1, 0.2, Reference::Field).stretched(2.0, 2.0);
+    /// assert!(twice.at_least() <= 0.2 && twice.at_most().unwrap() >= 0.4);
+    /// ```
+    #[must_use]
+    pub fn stretched(&self, shortest: f64, longest: f64) -> Self {
+        let at_most = self.at_most.map(|most| match (most, longest) {
+            (0.0, _) | (_, 1.0) => most,
+            _ => mul_up(most, longest),
+        });
+        let is_out_of_range = at_most.is_some_and(|most| !most.is_finite());
+        let at_least = if shortest == 1.0 { self.at_least } else { mul_down(self.at_least, shortest) };
+        // What bounds from below and is out of range bounds nothing.
+        let at_least = if at_least.is_finite() { greater(at_least, 0.0) } else { 0.0 };
+        Self {
+            at_least,
+            at_most: at_most.filter(|_| !is_out_of_range),
+            evidence: if is_out_of_range { Evidence::Estimated } else { self.evidence.clone() },
+            at: None,
+            pixels: None,
+            angle_deg: None,
+            ..self.clone()
         }
     }
 

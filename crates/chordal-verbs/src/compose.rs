@@ -1,0 +1,148 @@
+//! Triangles that are moved, and put next to each other, with the histories of what they are made of.
+use crate::composed::Composed;
+use crate::origin::InputOrigin;
+use crate::placements::{IDENTITY, Matrix4, nodes_rounding};
+use crate::report::{HistoryFacts, InputFacts};
+use crate::{Input, MovedScene, Shape, Stretch, composed_bound, transform};
+use chordal::math::{add_up, greater};
+use chordal_io::{Scene, WriteError};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::sync::Arc;
+
+/// As [`transform()`], with the history: the certificate of what is made of the result says how far it is from what the
+/// input was made of, where the map takes that. A certificate in the input is read for that, and its geometry looked at.
+///
+/// # Errors
+/// As for [`transform()`]; [`WriteError::Unsupported`] for other shapes than triangles.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{FormatHint, convert, load, transform_input};
+/// let hint = FormatHint { name: Some("triangle.obj"), ..FormatHint::default() };
+/// let input = load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", hint, &Default::default())?;
+/// let mut map = [0.0; 16];
+/// (map[0], map[5], map[10], map[13], map[15]) = (2.0, 2.0, 2.0, 5.0, 1.0);
+/// let (twice, _) = transform_input(&input, &map)?;
+/// let history = convert(twice, Format::Ply)?.certificate.history.unwrap();
+/// assert_eq!(history.steps[0].inputs[0].sha256, input.sha256());
+/// assert_eq!(history.steps[0].composed.as_ref().unwrap().places[0].maps[0][7], 5.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn transform_input(input: &Input, matrix: &[f64; 16]) -> Result<(Input, Stretch), WriteError> {
+    let composed = composed_of(input)?;
+    let MovedScene { scene, stretch } = transform(scene_in(input)?, matrix)?;
+    let off = stretch.interval(0.0, Some(composed.off())).1.unwrap_or(f64::INFINITY);
+    let composed = Composed::placed(&[(vec![*matrix], &composed)], off);
+    let made = Input { n_bytes: input.n_bytes, ..Input::made(Shape::Scene(scene), input.format) };
+    Ok((Input { composed: Some(Arc::new(composed)), ..made }, stretch))
+}
+
+/// A scene of other triangles, which stand below its nodes: with their histories. `parts` are the nodes, and what all below
+/// each is.
+///
+/// # Errors
+/// [`WriteError::Unsupported`] for other shapes than triangles.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::Format;
+/// use chordal_verbs::{Frame, Input, Scene, Shape, compose_input};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let scene = Scene::from_mesh("triangle", mesh, Frame::default());
+/// let part = Input::made(Shape::Scene(scene.clone()), Format::Ply);
+/// let whole = compose_input(Input::made(Shape::Scene(scene), Format::Ply), &[(0, &part)])?;
+/// assert!(whole.composed.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn compose_input(input: Input, parts: &[(usize, &Input)]) -> Result<Input, WriteError> {
+    let scene = scene_in(&input)?;
+    let known = KnownParts::new(parts.iter().map(|(_, part)| *part))?;
+    let mut shown: Vec<Option<&Composed>> = vec![None; scene.nodes.len()];
+    let mut offs = Vec::with_capacity(parts.len());
+    for (node, part) in parts {
+        let composed = known.of(part);
+        shown.get_mut(*node).into_iter().for_each(|shown| *shown = composed);
+        offs.push((*node, composed.map_or(0.0, Composed::off)));
+    }
+    let mut placed = Vec::with_capacity(parts.len());
+    let mut open: Vec<(usize, Vec<Matrix4>)> =
+        scene.roots.iter().rev().map(|root| (*root, Vec::new())).collect();
+    while let Some((at, mut above)) = open.pop() {
+        let node = &scene.nodes[at];
+        if *node.matrix != IDENTITY {
+            above.push(*node.matrix);
+        }
+        match shown[at] {
+            Some(composed) => placed.push((above, composed)),
+            None => open.extend(node.children.iter().rev().map(|child| (*child, above.clone()))),
+        }
+    }
+    let composed = Composed::placed(&placed, composed_bound(scene, &offs));
+    Ok(Input { composed: Some(Arc::new(composed)), ..input })
+}
+
+/// Triangles next to each other as they are, with their histories: `input` holds those of all `parts`, in this order.
+///
+/// # Errors
+/// As for [`compose_input`].
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::Format;
+/// use chordal_verbs::{Frame, Input, Scene, Shape, join_input};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let scene = Scene::from_mesh("triangle", mesh, Frame::default());
+/// let part = Input::made(Shape::Scene(scene.clone()), Format::Ply);
+/// assert!(join_input(part.clone(), &[&part])?.composed.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
+    let known = KnownParts::new(parts.iter().copied())?;
+    let (mut placed, mut off) = (Vec::with_capacity(parts.len()), 0.0);
+    for part in parts {
+        let Some(composed) = known.of(part) else { continue };
+        let rounding = nodes_rounding(scene_in(part)?);
+        let own = composed.off();
+        off = greater(if own == 0.0 || rounding == 0.0 { own + rounding } else { add_up(own, rounding) }, off);
+        placed.push((Vec::new(), composed));
+    }
+    let composed = Composed::placed(&placed, off);
+    Ok(Input { composed: Some(Arc::new(composed)), ..input })
+}
+
+/// What inputs were put together of; what is there several times is looked at once.
+struct KnownParts(BTreeMap<*const Input, Composed>);
+
+impl KnownParts {
+    fn new<'a>(parts: impl Iterator<Item = &'a Input>) -> Result<Self, WriteError> {
+        let mut known = BTreeMap::new();
+        for part in parts {
+            if let Entry::Vacant(free) = known.entry(std::ptr::from_ref(part)) {
+                free.insert(composed_of(part)?);
+            }
+        }
+        Ok(Self(known))
+    }
+
+    fn of(&self, part: &Input) -> Option<&Composed> {
+        self.0.get(&std::ptr::from_ref(part))
+    }
+}
+
+/// What an input was put together of: itself, where it was not.
+fn composed_of(input: &Input) -> Result<Composed, WriteError> {
+    if let Some(composed) = &input.composed {
+        return Ok(Composed::clone(composed));
+    }
+    let InputOrigin { steps, begins, .. } = InputOrigin::from_input(input);
+    let facts = InputFacts::from_input(input).of_step();
+    Composed::of_one(facts, HistoryFacts::new(begins, steps), scene_in(input)?)
+}
+
+fn scene_in(input: &Input) -> Result<&Scene, WriteError> {
+    let Shape::Scene(scene) = &input.shape else {
+        return Err(WriteError::Unsupported(format!("{} are no triangles", input.shape.kind())));
+    };
+    Ok(scene)
+}

@@ -1,0 +1,63 @@
+//! What a step read that put its inputs together: put together again.
+use crate::flatten::{self, TransformedScene};
+use crate::merged_parts::one_mesh;
+use crate::placements::{Matrix4, scaled_up};
+use crate::report::ComposedFacts;
+use crate::{Input, MeshFailure, Shape};
+use chordal::Job;
+use chordal::math::greater;
+use chordal_io::{Format, Frame, Node, Part, Scene};
+
+/// Triangles that were put together again.
+pub(super) struct ComposedReference {
+    pub input: Input,
+    /// How far the nodes of the inputs may have rounded them, where the maps take that.
+    pub off: f64,
+}
+
+impl ComposedReference {
+    /// The inputs where the maps take them, in the order of their triangles, in the frame of the result; or why not, in a
+    /// sentence.
+    pub fn new(
+        facts: &ComposedFacts,
+        inputs: &[&Input],
+        frame: Frame,
+        job: &Job,
+    ) -> Result<Result<Self, String>, MeshFailure> {
+        /// Bytes of memory for each triangle of the whole: it is there once by its corners, once placed and once in one mesh.
+        const PER_FACE: u64 = 200;
+        let mut scene = Scene { frame, ..Scene::default() };
+        let mut offs = Vec::with_capacity(inputs.len());
+        for input in inputs {
+            let Shape::Scene(own) = &input.shape else {
+                return Ok(Err(format!("there is no judge of {} that were put together", input.shape.kind())));
+            };
+            let TransformedScene { scene: placed, moved_at_most, .. } = flatten::flatten(own.clone())?;
+            let mesh = one_mesh(&placed)?.into_owned();
+            scene.parts.push(Part { mesh, ..Part::default() });
+            offs.push(moved_at_most);
+        }
+        let (mut n_faces, mut off) = (0_u64, 0.0);
+        for place in &facts.places {
+            n_faces = n_faces.saturating_add(scene.parts[place.input].mesh.faces().len() as u64);
+            off = greater(scaled_up(offs[place.input], place.longest()), off);
+            let root = stand(&mut scene, place.input, &place.matrices().collect::<Vec<_>>());
+            scene.roots.push(root);
+        }
+        if n_faces.saturating_mul(PER_FACE) > job.memory_limit {
+            return Ok(Err(format!("the {n_faces} triangles of what was put together need more memory than is allowed")));
+        }
+        Ok(Ok(Self { input: Input::made(Shape::Scene(scene), Format::Ply), off }))
+    }
+}
+
+/// Adds a part below maps, the last of them first: the index of the node of that.
+fn stand(scene: &mut Scene, part: usize, maps: &[Matrix4]) -> usize {
+    let innermost = maps.last().copied().unwrap_or(crate::placements::IDENTITY);
+    scene.nodes.push(Node { matrix: innermost.into(), part: Some(part), ..Node::default() });
+    for map in maps.iter().rev().skip(1) {
+        let children = vec![scene.nodes.len() - 1];
+        scene.nodes.push(Node { matrix: (*map).into(), children, ..Node::default() });
+    }
+    scene.nodes.len() - 1
+}
