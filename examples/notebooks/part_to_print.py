@@ -66,15 +66,20 @@ print(f"within 0.2 mm: {len(coarse.faces):,} triangles; within 0.05 mm: {len(mes
 # %% [markdown]
 # ## The file
 #
-# A 3MF says its unit, so this is where millimetres come in. The report is about the file as it was written: its bound is what
-# writing has lost, and `valid` is what a slicer asks for. To print it, take a folder that stays.
+# A 3MF says its unit, so this is where millimetres come in. The report is about the file as it was written: `valid` is what a
+# slicer asks for, its bound is what writing has lost, and the `total` of its `history` how far the file is from the part itself.
+# The file carries both, and `verify` proves them again. To print it, take a folder that stays.
 
 # %%
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "bracket.3mf"
-    report = chordal.Mesh(mesh.vertices, mesh.faces, unit="mm").export(path)
+    report = chordal.scene({"bracket": mesh}, unit="mm", up="z").export(path)
     printed = chordal.load(path)
+    verified = chordal.verify(path, [mesh, part])
 
 assert isinstance(printed, chordal.Mesh) and printed.is_watertight and printed.unit == "mm"
 print("its size in millimetres:", printed.extents)
+total = report["certificate"]["history"]["total"]
+print(f"the file is within {total['at_most']:.4f} mm of the part, {total['evidence']}; {verified['verdict']}")
+assert total["at_most"] < 0.05 + 1e-9 and verified["verdict"] == "re-proved"
 report

@@ -1,13 +1,21 @@
 """`verify`: the certificate of a written file, proved again."""
 
+from __future__ import annotations
+
 import json
+import os
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
-from os import PathLike, fspath
+import tempfile
+from collections.abc import Iterable, Mapping
+from typing import Any
 
-from chordal._errors import ReadError
+from chordal import _chordal
+from chordal._errors import ReadError, Refused
+from chordal._hints import keywords_hinted
 from chordal._report import Report
+from chordal._shape import Shape
+from chordal._verbs import shaped
 
 __all__ = ["verify"]
 
@@ -15,29 +23,72 @@ __all__ = ["verify"]
 _JUDGED = (0, 1, 6)
 
 
+@keywords_hinted
 def verify(
-    path: str | PathLike[str],
-    against: str | PathLike[str] | Sequence[str | PathLike[str]],
+    path: str | os.PathLike[str] | Shape,
+    against: str | os.PathLike[str] | Shape | Iterable[str | os.PathLike[str] | Shape | Any],
     *,
-    certificate: str | PathLike[str] | None = None,
+    certificate: str | os.PathLike[str] | Mapping[str, Any] | None = None,
     options: Mapping[str, str] | None = None,
 ) -> Report:
-    """Prove the certificate of the file at `path` again, from the file or the files that it was made of.
+    """Prove the certificate of a file again, from all that it was made of: files, shapes, and meshes of other libraries.
 
-    `certificate` is a report for formats that hold none, and `options` are more options of the command by their
-    names, as in `{"surface": "catmull-clark"}`. The verdict is "re-proved", "not re-proved" or "refuted"; every claim
-    has one of its own. It runs the command in a process of its own, since judges may take long.
+    `certificate` is a report, or the file of one, for formats that hold none. The verdict is "re-proved", "not re-proved" or
+    "refuted"; every claim has one of its own. Of a mesh that was moved, joined or put in a scene, `against` is the mesh as it
+    was before, and what that was made of. Files alone are judged by the command in a process of its own; `options` are more
+    options of it by their names, as in `{"surface": "catmull-clark"}`.
+
+    Raises `ReadError` where there is no certificate.
+
+    >>> import chordal, tempfile, os
+    >>> ball = chordal.shapes.sphere(1)
+    >>> mesh = ball.mesh(tol=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     name = os.path.join(folder, "far.glb")
+    ...     report = mesh.translate(20, 0, 0).export(name)
+    ...     verdict = chordal.verify(name, [mesh, ball])["verdict"]
+    >>> verdict, report["certificate"]["history"]["total"]["reference"]
+    ('re-proved', 'field')
     """
-    files = [against] if isinstance(against, (str, PathLike)) else against
-    wrong = next((one for one in files if not isinstance(one, (str, PathLike))), None) if isinstance(files, Sequence) else files
-    if wrong is not None:
-        raise TypeError(f"against: the path of the file that it was made of, or a list of them, not {type(wrong).__name__}")
-    words = [sys.executable, "-m", "chordal", "verify", fspath(path), "--json"]
-    for name, value in (options or {}).items():
-        words.append(f"--{name}={value}")
+    is_one = isinstance(against, (str, bytes, os.PathLike, Shape)) or not isinstance(against, Iterable)
+    given: list[Any] = [against] if is_one else list(against)  # type: ignore[arg-type]
+    if isinstance(path, Shape) or any(not isinstance(one, (str, os.PathLike)) for one in given):
+        if options:
+            raise TypeError("options: they are of the command, which judges files alone: load says how a file is read")
+        # Files last: what is none of all this is said before any is opened.
+        shapes = [one if isinstance(one, (str, os.PathLike)) else shaped("against", one) for one in given]
+        sources = [shaped("against", one)._source for one in shapes]
+        try:
+            return Report(json.loads(_chordal.verified(shaped("path", path)._source, _text_of(certificate), sources)))
+        except Refused as refused:
+            raise ReadError("unverifiable", None, str(refused)) from None
+    if isinstance(certificate, Mapping):
+        with tempfile.TemporaryDirectory() as folder:
+            name = os.path.join(folder, "report.json")
+            with open(name, "w", encoding="utf-8") as file:
+                json.dump(certificate, file)
+            return _by_command(path, given, name, options)
+    return _by_command(path, given, certificate, options)
+
+
+def _text_of(certificate: str | os.PathLike[str] | Mapping[str, Any] | None) -> str | None:
+    if certificate is None or isinstance(certificate, Mapping):
+        return None if certificate is None else json.dumps(certificate)
+    with open(certificate, encoding="utf-8") as file:
+        return file.read()
+
+
+def _by_command(
+    path: str | os.PathLike[str],
+    against: list[str | os.PathLike[str]],
+    certificate: str | os.PathLike[str] | None,
+    options: Mapping[str, str] | None,
+) -> Report:
+    words = [sys.executable, "-m", "chordal", "verify", os.fspath(path), "--json"]
+    words += [f"--{name}={value}" for name, value in (options or {}).items()]
     if certificate is not None:
-        words += ["--certificate", fspath(certificate)]
-    words += ["--against", *(fspath(file) for file in files)]
+        words += ["--certificate", os.fspath(certificate)]
+    words += ["--against", *(os.fspath(file) for file in against)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode not in _JUDGED:
         raise ReadError("unverifiable", None, done.stderr.strip().removeprefix("chordal: "))

@@ -1,10 +1,11 @@
-//! How far two shapes are apart, from Python's arguments.
+//! How far two shapes are apart, and whether what a file says of that is so, from Python's arguments.
+use crate::source::Source;
 use crate::spec::parse_argument;
 use crate::{failure, work};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
-use chordal_verbs::{DeviationSpec, Input, deviation};
+use chordal_verbs::{DeviationSpec, Input, deviation, verify};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -45,4 +46,22 @@ pub(crate) fn report(
     })?;
     let report = found.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
     Ok(report.to_value().to_string())
+}
+
+/// The report of `chordal verify`, as JSON: on a shape with its certificate, or that in a report, from the shapes that it was
+/// made of.
+#[pyfunction]
+pub(crate) fn verified(
+    py: Python<'_>,
+    source: &Source,
+    certificate: Option<&str>,
+    against: Vec<PyRef<'_, Source>>,
+) -> PyResult<String> {
+    let given = certificate.map(serde_json::from_str::<serde_json::Value>).transpose();
+    let given = given.map_err(|error| failure::argument("certificate", error))?;
+    let out = Arc::clone(source.input());
+    let against: Vec<Input> = against.iter().map(|of| Input::clone(of.input())).collect();
+    let found = work::run(py, None, move |job| verify(&out, given.as_ref(), &against, job))?;
+    let report = found.map_err(|error| failure::mesh(py, error))?;
+    serde_json::to_string(&report).map_err(|error| failure::internal(py, &error.to_string()))
 }

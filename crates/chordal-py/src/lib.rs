@@ -44,6 +44,8 @@ mod _chordal {
     #[pymodule_export]
     use super::conversion::{Conversion, convert};
     #[pymodule_export]
+    use super::deviation::verified;
+    #[pymodule_export]
     use super::levels::{Levels, levels};
     #[pymodule_export]
     use super::mend::mend;

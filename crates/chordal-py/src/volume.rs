@@ -6,7 +6,7 @@ use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{InvalidLength, Length};
 use chordal_cli::spelling::CommandLine;
-use chordal_io::Format;
+use chordal_io::{Format, Volume};
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{
     BakeResolution, BakeSpec, Border, Input, Inside, LabelSelection, Shape, SurfaceSpec, VolumeShape, bake,
@@ -128,7 +128,9 @@ pub(crate) fn bake_input(
     })?;
     let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
     let unmet = outcome.unmet.as_ref().map(ToString::to_string);
-    let volume = outcome.volume.into_dense();
+    // As a file of it carries it, so that what is made of it knows how far it is from the shape.
+    let certificate = Some(outcome.certificate.to_value());
+    let volume = Volume { certificate, ..outcome.volume.into_dense() };
     let shape = Shape::Volume(VolumeShape { volume, surface: SurfaceSpec::default() });
     let input = Input { n_bytes, digest: sha256.into(), ..Input::made(shape, Format::Nrrd) };
     Ok((Source::from_input(input, Vec::new()), report, unmet))

@@ -1,0 +1,141 @@
+"""What is moved, joined, or put in a scene keeps its bound: in memory, in its file, and through pickles; `verify` proves it."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import chordal
+from chordal import shapes
+
+BALL = shapes.sphere(1)
+MESH = BALL.mesh(tol=0.01)
+PLAIN = chordal.Mesh([(5, 0, 0), (6, 0, 0), (5, 1, 0)], [(0, 1, 2)])
+TURN = [(0, -1, 0, 3), (1, 0, 0, 0), (0, 0, 2, 0)]
+PLACED = chordal.Placed([MESH, PLAIN], [(4, 0, 0), (8, 0, 0)])
+
+#: Meshes of the ball, and those of the ball and the triangle.
+OF_THE_BALL: dict[str, Callable[[], chordal.Mesh]] = {
+    "moved": lambda: MESH.translate(3, 0, 0),
+    "moved twice": lambda: MESH.rotate("z", 30).scale(2),
+    "mirrored": lambda: MESH.transform(TURN).scale((1, -1, 1)),
+    "of another unit": lambda: chordal.scene(MESH, unit="in").to_unit("mm"),
+    "a list joined": lambda: chordal.concatenate([MESH.translate(k, 0, 0) for k in (0, 3, 6)]),
+    "a scene, joined and moved": lambda: (chordal.scene(chordal.Placed(MESH, TURN)) + MESH).translate(0, 9, 0),
+    "pickled": lambda: pickle.loads(pickle.dumps(MESH.translate(3, 0, 0))),
+    "copied": lambda: copy.deepcopy(chordal.scene(chordal.Placed(MESH, TURN))),
+}
+OF_BOTH: dict[str, Callable[[], chordal.Mesh]] = {
+    "joined": lambda: MESH + PLAIN.rotate("x", 10),
+    "a scene": lambda: chordal.scene({"a": MESH, "b": PLACED}),
+    "a scene of scenes": lambda: chordal.scene(chordal.Placed(chordal.scene(MESH.scale(3), PLAIN), TURN), MESH),
+}
+
+
+def total_of(report: Any) -> dict[str, Any]:
+    found: dict[str, Any] = report["certificate"]["history"]["total"]
+    return found
+
+
+def open_claims(verified: Any) -> list[Any]:
+    return [claim for claim in verified["claims"] if claim["verdict"] != "re-proved"]
+
+
+@pytest.mark.parametrize("name", [*OF_THE_BALL, *OF_BOTH])
+@pytest.mark.parametrize("format", ["ply", "glb", "3mf", "stl", "obj"])
+def test_the_bound_is_in_the_file(name: str, format: str, tmp_path: Path) -> None:
+    made = (OF_THE_BALL | OF_BOTH)[name]()
+    assert made.bound.at_most is not None and made.bound.at_most > 0
+    path = tmp_path / f"a.{format}"
+    report = made.export(path)
+    total = total_of(report)
+    # Single precision adds its own.
+    own = report["certificate"]["bound"]["at_most"]
+    assert total["evidence"] == "proved"
+    assert made.bound.at_most <= total["at_most"] <= (made.bound.at_most + own) * (1 + 1e-9)
+    against = [MESH, BALL] + ([PLAIN] if name in OF_BOTH else [])
+    verified = chordal.verify(path, against, certificate=report)
+    assert verified["verdict"] == "re-proved", open_claims(verified)
+
+
+def test_what_is_made_of_a_scene_goes_on_from_it(tmp_path: Path) -> None:
+    scene = OF_BOTH["a scene"]()
+    coarse = scene.mesh(tol=0.05)
+    total = total_of(coarse.report)
+    assert scene.bound.at_most is not None and coarse.bound.at_most is not None
+    assert coarse.bound.at_most <= 0.05 < total["at_most"] <= coarse.bound.at_most + scene.bound.at_most + 1e-12
+    assert total["reference"] == "several shapes"
+    coarse.export(tmp_path / "coarse.ply")
+    assert not open_claims(chordal.verify(tmp_path / "coarse.ply", [MESH, BALL, PLAIN]))
+    # Levels and grids, too.
+    volume = MESH.translate(3, 0, 0).bake(cells=24, bound=True)
+    volume.export(tmp_path / "grid.nrrd")
+    assert total_of(volume.report)["reference"] == "field"
+    assert chordal.verify(tmp_path / "grid.nrrd", [MESH, BALL])["verdict"] == "re-proved"
+
+
+def test_files_are_enough(tmp_path: Path) -> None:
+    (tmp_path / "ball.star").write_text("sphere(1)\n")
+    mesh = chordal.load(tmp_path / "ball.star").mesh(tol=0.01)
+    mesh.export(tmp_path / "ball.ply")
+    moved = chordal.load(tmp_path / "ball.ply", kind=chordal.Mesh).translate(3, 0, 0)
+    report = moved.export(tmp_path / "moved.stl")
+    assert total_of(report)["reference"] == "field"
+    files = [tmp_path / "ball.ply", tmp_path / "ball.star"]
+    # The report as Python writes it: 1e-07 where others write 1e-7.
+    (tmp_path / "report.json").write_text(json.dumps(report))
+    for certificate in (report, tmp_path / "report.json"):
+        verified = chordal.verify(tmp_path / "moved.stl", files, certificate=certificate)
+        assert not open_claims(verified)
+    without = chordal.verify(tmp_path / "moved.stl", files[1], certificate=report)
+    assert without["verdict"] == "not re-proved"
+    assert any("was not given" in claim.get("reason", "") for claim in without["claims"])
+
+
+def test_another_shape_is_refuted(tmp_path: Path) -> None:
+    path = tmp_path / "a.glb"
+    MESH.translate(3, 0, 0).export(path)
+    assert chordal.verify(path, [MESH, BALL])["verdict"] == "re-proved"
+    assert chordal.verify(path, [MESH, shapes.sphere(1.001)])["verdict"] == "refuted"
+    assert chordal.verify(path, [MESH.translate(3, 0, 0), BALL])["verdict"] == "refuted"
+    with pytest.raises(chordal.ReadError, match="no certificate"):
+        chordal.verify(PLAIN, PLAIN)
+
+
+def test_a_piece_and_a_triangle_that_was_given_have_no_history_of_others() -> None:
+    pieces = (MESH + PLAIN).split()
+    assert pieces[1].bound.at_most == 0
+    total = total_of(json.loads(json.dumps(PLAIN.translate(1, 0, 0).mesh(tol=0.1).report)))
+    assert 0 < total["at_most"] < 1e-12 and total["reference"] == "input triangles"
+
+
+def test_digests_are_of_what_there_is() -> None:
+    digest = {name: field.mesh(tol=0.1).report["certificate"]["input"]["sha256"] for name, field in FIELDS.items()}
+    assert digest["ball"] == digest["the same ball"] != digest["another"]
+    assert digest["function"] is None
+
+
+FIELDS = {
+    "ball": shapes.sphere(1),
+    "the same ball": shapes.sphere(1),
+    "another": shapes.sphere(1.5),
+    "function": chordal.field(lambda p: (p**2).sum(axis=1) ** 0.5 - 1, bounds=((-2, -2, -2), (2, 2, 2)), lipschitz=1),
+}
+
+
+@pytest.mark.parametrize("mixed", ["solid", "one-sided"])
+def test_the_weakest_metric_of_all_holds(mixed: str) -> None:
+    from chordal._pieces import _largest
+
+    near = chordal.Bound(0.0, 0.1, "proved", "hausdorff", "field")
+    other = chordal.Bound(0.0, 0.3, "proved", mixed, "boolean")
+    found = _largest([near, other])
+    assert found is not None and found.metric == mixed
+    assert found.at_most == (None if mixed == "solid" else 0.3)
+    assert _largest([other, other]) == chordal.Bound(0.0, 0.3, "proved", mixed, "boolean")
