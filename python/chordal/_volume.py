@@ -42,25 +42,32 @@ class Volume(Shape, Imaged):
     1.5
     """
 
-    __slots__ = ("_meant", "_report")
+    __slots__ = ("_meant", "_report", "_runs_backwards")
 
     def __init__(
-        self, source: _chordal.Source, report: str | None = None, meant: dict[str, Any] | None = None
+        self,
+        source: _chordal.Source,
+        report: str | None = None,
+        meant: dict[str, Any] | None = None,
+        runs_backwards: bool | None = None,
     ) -> None:
         super().__init__(source)
         self._report = report
         self._meant = meant or {}
+        # An .npy in C order is kept as it lies in memory, where its last index runs fastest: that is x of the lattice, and z here.
+        is_reversed = source.format in ("npy", "npz") and _chordal.samples(source)[1] == _LAST_FASTEST
+        self._runs_backwards = is_reversed if runs_backwards is None else runs_backwards
 
     @property
     def array(self) -> NDArray[Any]:
-        """The samples in their own type: `array[i, j, k]` is that at x = i, y = j, z = k of the lattice. Not copied, for
-        reading only; x runs fastest in memory.
+        """The samples in their own type: `array[i, j, k]` is that at x = i, y = j, z = k of the lattice, and of an .npy as numpy has
+        it. Not copied, for reading only; x runs fastest in memory, but for an .npy in C order.
         """
         import numpy as np
 
         samples, _ = _chordal.samples(self._source)
-        array: NDArray[Any] = np.asarray(samples).T
-        return array
+        array: NDArray[Any] = np.asarray(samples)
+        return array if self._runs_backwards else array.T
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return as_asked(self.array, dtype, copy)
@@ -82,7 +89,8 @@ class Volume(Shape, Imaged):
         import numpy as np
 
         _, rows = _chordal.samples(self._source)
-        return np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+        found = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+        return found[:, [2, 1, 0, 3]] if self._runs_backwards else found
 
     @property
     def spacing(self) -> tuple[float, float, float]:
@@ -146,11 +154,11 @@ class Volume(Shape, Imaged):
         words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
         said = {name: value for name, value in words.items() if value is not None}
         source = meant(self._source, iso=iso, inside=inside, border=border, labels=labels, smooth=smooth)
-        return Volume(source, self._report, said)
+        return Volume(source, self._report, said, self._runs_backwards)
 
     def __reduce__(self) -> Any:
         content = _chordal.convert(self._source, "nrrd", (False, None), None).write()
-        return _again, (content, self._report, self._meant)
+        return _again, (content, self._report, self._meant, self._runs_backwards)
 
     def _repr_html_(self) -> str:
         i, j, k = self.shape
@@ -170,9 +178,13 @@ class Volume(Shape, Imaged):
         return f"<Volume: {i} × {j} × {k} of {self.dtype}, spacing {steps}>"
 
 
-def _again(content: bytes, report: str | None, words: dict[str, Any]) -> Volume:
+#: The rows of the map from a lattice to space whose last index is x.
+_LAST_FASTEST = [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+
+
+def _again(content: bytes, report: str | None, words: dict[str, Any], runs_backwards: bool = False) -> Volume:
     """A volume that was pickled."""
-    made = Volume(_chordal.Source(content, plain_reading("nrrd")), report)
+    made = Volume(_chordal.Source(content, plain_reading("nrrd")), report, None, runs_backwards)
     return made.surface(**words) if words else made
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+from pathlib import Path
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -100,3 +104,22 @@ def test_a_field_becomes_triangles_and_what_it_raises_comes_through() -> None:
 
     with pytest.raises(KeyError, match="mine"):
         chordal.field(broken, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1).mesh(tol=0.1)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("suffix", [".npy", ".npz"])
+def test_a_file_of_numpy_has_the_axes_of_numpy(order: str, suffix: str, tmp_path: Path) -> None:
+    samples = np.array(BALL, "f4", order=order)  # type: ignore[call-overload]
+    path = tmp_path / f"ball{suffix}"
+    np.save(path, samples) if suffix == ".npy" else np.savez(path, ball=samples)
+    found = chordal.load(path, kind=chordal.Volume)
+    assert found.array.shape == found.shape == samples.shape and np.array_equal(found.array, samples)
+    assert np.array_equal(found.affine, np.eye(4)) and not found.array.flags.owndata
+    for other in (pickle.loads(pickle.dumps(found)), found.surface(iso=0), copy.copy(found)):
+        assert np.array_equal(other.array, samples) and np.array_equal(other.affine, np.eye(4))
+    stretched = chordal.volume(path, spacing=(1, 2, 3))
+    assert np.array_equal(stretched.array, samples) and stretched.spacing == (1, 2, 3)
+    assert np.allclose(found.mesh(iso=0).bounds, chordal.volume(samples).mesh(iso=0).bounds)
+    again = tmp_path / "again.npy"
+    found.export(again)
+    assert np.array_equal(np.load(again), samples)
