@@ -107,6 +107,24 @@ def test_a_nifti_file_is_read_by_slices(tmp_path: Path, name: str) -> None:
     check(chordal.block_volume(tmp_path / name), samples, affine, "mm")
 
 
+def test_an_image_of_nibabel_stays_in_its_file(tmp_path: Path) -> None:
+    nibabel = pytest.importorskip("nibabel", reason="nibabel is not installed: its images are not tried")
+    samples, affine = ball(), placed((-0.5, 0.75, 2.0), (90.0, -126.0, -72.0))
+    several = np.stack([samples[::-1], samples], axis=3)
+    for name, array in (("one.nii", samples), ("one.nii.gz", samples), ("two.nii", several)):
+        image = nibabel.Nifti1Image(array, affine)
+        image.header.set_xyzt_units("mm")
+        nibabel.save(image, tmp_path / name)
+    lazy = nibabel.load(tmp_path / "one.nii")
+    check(chordal.block_volume(lazy), samples, affine, "mm")
+    assert not lazy.in_memory
+    check(chordal.block_volume(nibabel.load(tmp_path / "two.nii"), channel=1), samples, affine, "mm")
+    # In memory: what is compressed, and what was made or changed there.
+    whole = chordal.volume(samples, affine=affine, unit="mm").mesh(iso=1.5)
+    for image in (nibabel.load(tmp_path / "one.nii.gz"), nibabel.Nifti1Image(samples, affine)):
+        assert np.array_equal(chordal.block_volume(image).mesh(iso=1.5, block=8).vertices, whole.vertices)
+
+
 def test_a_dask_array_is_read_by_blocks() -> None:
     array: Any = pytest.importorskip("dask.array", reason="dask is not installed: its arrays are not tried")
     samples = ball()

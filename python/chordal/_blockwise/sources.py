@@ -182,6 +182,19 @@ def _nifti(path: str, volume: int) -> Placed:
     return Placed(_NiftiFile(path, volume), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
 
+def nibabel_in_file(image: Any, volume: int) -> Placed | None:
+    """The samples of an image of nibabel that are in its file still, and can be read there by slices; None for others."""
+    import numpy as np
+
+    if not (hasattr(image, "dataobj") and hasattr(image, "file_map")) or isinstance(image.dataobj, np.ndarray):
+        return None
+    path = getattr(image.file_map.get("image"), "filename", None)
+    if not isinstance(path, str) or not path.endswith(".nii") or not hasattr(image.dataobj, "file_like"):
+        return None
+    _, unit = nibabel_facts(image)
+    return Placed(_NiftiFile(path, volume), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
+
+
 @dataclass(frozen=True)
 class _Axes:
     """Which axes of an array are x, y and z, and the index along each of the others."""

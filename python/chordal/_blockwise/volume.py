@@ -21,7 +21,15 @@ from chordal._blockwise.level_files import MeshLevel
 from chordal._blockwise.multiresolution import LabelTree
 from chordal._blockwise.precomputed import write_fragments
 from chordal._blockwise.sampled import FieldSamples, crossed
-from chordal._blockwise.sources import Placed, mapped_file, matrix_rows, opened, refuse_choice, source_of
+from chordal._blockwise.sources import (
+    Placed,
+    mapped_file,
+    matrix_rows,
+    nibabel_in_file,
+    opened,
+    refuse_choice,
+    source_of,
+)
 from chordal._blockwise.tasks import (
     Block,
     Surface,
@@ -485,7 +493,7 @@ def block_volume(
     - an .npy file.
 
     An image of another library, as `volume` takes, will do as well: its samples are in memory then, but for an array of Dask
-    in an `xarray.DataArray`.
+    in an `xarray.DataArray`, and an image of nibabel whose samples are in a .nii still.
 
     Or it is a `Field`, which `spacing` samples at the points of a lattice over its box: these values are computed where a
     block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that the
@@ -511,14 +519,24 @@ def block_volume(
         found = opened(os.fspath(array), index(level), index(channel))
     else:
         refuse_choice("level", index(level), "what is no path")
-        refuse_choice("channel", index(channel), "what is no path")
-        known = lattice_of(array)
-        found = Placed(mapped_file(array)) if known is None else Placed(known.array, matrix_rows(known.affine), known.unit)
-        if known is not None and (spacing is not None or origin is not None or affine is not None):
+        found, is_image = _in_other_hands(array, index(channel))
+        if is_image and (spacing is not None or origin is not None or affine is not None):
             raise TypeError("spacing, origin, affine: this image says them already; pass its array to say others")
     if found.affine is not None and spacing is None and origin is None and affine is None:
         return BlockVolume(found.array, affine=found.affine, unit=unit or found.unit)
     return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+
+
+def _in_other_hands(array: Any, channel: int) -> tuple[Placed, bool]:
+    """What is no path: samples in memory, mapped, or in the file of an image that was not read yet; and whether it is an image."""
+    in_file = nibabel_in_file(array, channel)
+    if in_file is not None:
+        return in_file, True
+    refuse_choice("channel", channel, "what is no path")
+    known = lattice_of(array)
+    if known is None:
+        return Placed(mapped_file(array)), False
+    return Placed(known.array, matrix_rows(known.affine), known.unit), True
 
 
 def _within(length: float | None, made: Made, bounds: Sequence[Bound]) -> Made:
