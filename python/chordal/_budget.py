@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from decimal import Decimal
+from fractions import Fraction
 from typing import SupportsFloat, SupportsIndex, TypedDict
 
 from chordal._errors import BudgetError
 from chordal._arguments import number, text, whole
+from chordal._units import VOLUME_METRES
 from chordal._view import View
 
 #: A length in units of the shape, or a text with a unit, as in "0.1mm".
@@ -97,6 +100,24 @@ NO_BUDGET: BudgetArguments = {
 def length(name: str, value: Length) -> str:
     """A length as the command reads it."""
     return value if isinstance(value, str) else repr(number(name, value))
+
+
+def length_in(name: str, value: Length, unit: str | None) -> float:
+    """A length as a number in that unit, for what is not read as a whole: of its diagonal nothing is known."""
+    if not isinstance(value, str):
+        return number(name, value)
+    said = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-z]*)\s*", value)
+    try:
+        count = Decimal(said[1]) if said else None
+    except ArithmeticError:
+        count = None
+    if said is None or count is None or said[2] not in ("", *VOLUME_METRES):
+        raise BudgetError(f"{name}: a length in units, or a text as in '0.1mm', not {value!r}")
+    if not said[2]:
+        return float(count)
+    if unit is None:
+        raise BudgetError(f"{name}: nothing says the unit of the volume, which {value!r} needs: unit=\"mm\" does")
+    return float(Fraction(count) * VOLUME_METRES[said[2]] / VOLUME_METRES[unit])
 
 
 def _tol(tol: Length | None) -> tuple[str, str] | None:

@@ -8,7 +8,7 @@ import operator
 import warnings
 from collections.abc import Callable, Sequence
 from numbers import Real
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, SupportsFloat
 
 from chordal import _chordal
 from chordal._arguments import text as _text
@@ -185,6 +185,12 @@ class Formula(Remakeable):
         raise TypeError(
             "a formula has no truth value, for it is a number for every point: minimum and maximum of chordal.shapes choose"
         )
+
+    def __lt__(self, other: object) -> NoReturn:
+        """Refused: what is below a number is a field, and no condition."""
+        raise TypeError("a formula is not compared: field(x - 1) is the shape where x - 1 is below 0, and so x < 1")
+
+    __le__ = __gt__ = __ge__ = __lt__
 
     def __abs__(self) -> Formula:
         return _operated("abs", self, self)  # type: ignore[no-any-return]

@@ -10,6 +10,7 @@ from chordal import _chordal
 from chordal._arguments import warn
 from chordal._libraries import library
 from chordal._scene import first_of
+from chordal._trimesh_materials import material_to_trimesh, with_material_of
 from chordal._trimesh_to_scene import is_trimesh_scene, scene_of_trimesh
 from chordal._units import TRIMESH_NAMES
 
@@ -18,9 +19,9 @@ if TYPE_CHECKING:
     from chordal._scene import _Kind
 
 
-def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
+def mesh_of(thing: Any, *, weld: bool = False, is_bare: bool = False) -> Mesh | None:
     """The mesh of an object of another library, with its normals, texture coordinates, colours, and its unit where that has a
-    name here; None where it is none."""
+    name here, and its material unless it is to be bare; None where it is none."""
     from chordal._mesh import Mesh
 
     if is_trimesh_scene(thing):
@@ -28,7 +29,8 @@ def mesh_of(thing: Any, *, weld: bool = False) -> Mesh | None:
     _refuse_cells(thing)
     for is_one, arrays in _KNOWN:
         if is_one(thing):
-            return Mesh(**arrays(thing), weld=weld, unit=_unit_of(thing))
+            made = Mesh(**arrays(thing), weld=weld, unit=_unit_of(thing))
+            return made if is_bare else with_material_of(thing, made)
     return None
 
 
@@ -67,6 +69,8 @@ def _of_open3d(thing: Any) -> dict[str, Any]:
             found["uv"] = uv
         else:
             warn("texture coordinates of corners: these stay behind, for two at one vertex differ")
+    if thing.has_textures():
+        warn("textures: these stay behind; a file keeps them, as chordal.load(\"a.glb\") does")
     return found
 
 
@@ -91,6 +95,15 @@ def _of_open3d_tensor(thing: Any) -> dict[str, Any]:
     for name in ("normals", "colors"):
         if name in vertex:
             found[name] = vertex[name].cpu().numpy()
+    uv = thing.triangle.texture_uvs.cpu().numpy() if "texture_uvs" in thing.triangle else None
+    if uv is not None:
+        uv = _of_corners(uv.reshape(-1, uv.shape[-1]), found["faces"], len(found["vertices"]))
+        if uv is None:
+            warn("texture coordinates of corners: these stay behind, for two at one vertex differ")
+        else:
+            found["uv"] = uv
+    tables = {"vertices": dict(vertex.items()), "triangles": dict(thing.triangle.items())}
+    _warn_of_data(tables, ("positions", "indices", "normals", "colors", "texture_uvs"))
     return found
 
 
@@ -165,7 +178,7 @@ def _of_meshio(thing: Any) -> dict[str, Any]:
         values = np.asarray(thing.point_data.get(name, ()))
         if values.ndim == 2 and values.shape[1] in width:
             found[name] = values
-    _warn_of_data({"points": thing.point_data}, ("normals", "uv", "colors"))
+    _warn_of_data({"points": thing.point_data, "cells": thing.cell_data}, ("normals", "uv", "colors"))
     if "line" in cells:
         warn("lines: these stay behind, for a mesh is of triangles")
     return found
@@ -230,14 +243,15 @@ class Interoperable:
     colors: Any
     parts: Any
     attributes: Any
+    materials: Any
     unit: Any
 
     @classmethod
     def from_(cls, thing: Any, *, weld: bool = False) -> Mesh:
         """The mesh of an object of trimesh, PyVista, Open3D, manifold3d or meshio, or of anything that has `vertices` and
-        `faces`: positions, faces, and normals, texture coordinates and colours of vertices; the unit of trimesh. A scene of trimesh
-        comes with its nodes and materials. Materials of single meshes and other data of theirs stay behind, and so does the
-        bound; to keep these, go through a file. `weld` is as for `Mesh`.
+        `faces`: positions, faces, and normals, texture coordinates and colours of vertices; the unit and the material of
+        trimesh, and of its scenes the nodes. What of theirs stays behind is told by a `UserWarning`; the bound does, too. `weld`
+        is as for `Mesh`.
 
         >>> import chordal, types
         >>> other = types.SimpleNamespace(vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)])
@@ -259,27 +273,31 @@ class Interoperable:
 
     def to_trimesh(self) -> Any:
         """A `trimesh.Trimesh` with the same vertices and faces, unmerged, and what these have of normals, texture
-        coordinates and colours. The bound is in its `metadata["chordal"]`.
+        coordinates and colours; the material where all faces have one. The bound is in its `metadata["chordal"]`. What stays behind
+        is told by a `UserWarning`.
         """
         import numpy as np
         trimesh = library("trimesh")
 
         colors, uv, normals = (self._vertex_rows(kind) for kind in ("color", "uv", "normal"))
         visual = None
-        if uv is not None:
-            visual = trimesh.visual.TextureVisuals(uv=np.array(uv))
+        material = material_to_trimesh(self)  # type: ignore[arg-type]
+        if uv is not None or material is not None:
+            rows = np.zeros((len(self.vertices), 2)) if uv is None else np.array(uv)
+            visual = trimesh.visual.TextureVisuals(uv=rows, material=material)
         made = trimesh.Trimesh(
             vertices=np.array(self.vertices),
             faces=self.faces.astype(np.int64),
             vertex_normals=None if normals is None else np.array(normals),
-            vertex_colors=None if colors is None or uv is not None else np.rint(np.array(colors) * 255).astype(np.uint8),
+            vertex_colors=None if colors is None or visual is not None else np.rint(np.array(colors) * 255).astype(np.uint8),
             visual=visual,
             process=False,
             metadata={"chordal": self._about()},
         )
         if self.unit is not None:
             made.units = TRIMESH_NAMES[self.unit][0]
-        self._warn_of_loss([] if colors is None or uv is None else ["colours beside texture coordinates"])
+        lost = [] if colors is None or visual is None else ["colours beside texture coordinates or a material"]
+        self._warn_of_loss(lost, keeps_materials=material is not None)
         return made
 
     def to_pyvista(self) -> Any:
@@ -342,8 +360,9 @@ class Interoperable:
         self._warn_of_loss([])
         return meshio.Mesh(np.array(self.vertices), [("triangle", np.array(self.faces))], point_data=data)
 
-    def _warn_of_loss(self, lost: list[str]) -> None:
+    def _warn_of_loss(self, lost: list[str], keeps_materials: bool = False) -> None:
         """Says what of a mesh the other library does not get."""
+        lost = [*lost, *(["materials"] if self.materials and not keeps_materials else [])]
         names = {"normal": "normals", "uv": "texture coordinates", "color": "colours"}
         if len(self.parts) > 1:
             kinds = {one.kind for part in self.parts for one in part.attributes} & names.keys()

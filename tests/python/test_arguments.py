@@ -167,3 +167,25 @@ def test_one_file_is_enough_to_verify(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_bytes(SQUARE)
     chordal.load(tmp_path / "a.obj").mesh(tol=0.1).export(tmp_path / "a.glb")
     assert chordal.verify(tmp_path / "a.glb", str(tmp_path / "a.obj"))["verdict"] == "re-proved"
+
+
+def test_a_length_of_a_volume_read_by_blocks_may_have_a_unit() -> None:
+    i, j, k = np.indices((12, 12, 12)) - 5.5
+    samples = np.sqrt(i * i + j * j + k * k) - 4
+    volume = chordal.block_volume(samples, spacing=0.5, unit="mm")
+    said, plain = (volume.mesh(iso=0, inside="low", tol=tol, block=8) for tol in ("200um", 0.2))
+    assert np.array_equal(said.vertices, plain.vertices)
+    for tol, message in (("0.1", None), ("wide", "a length in units"), ("1%", "a length in units"), ("--1mm", "a length in units")):
+        if message is None:
+            assert volume.mesh(iso=0, inside="low", tol=tol, block=8).bound.is_within(0.1)
+        else:
+            with pytest.raises(chordal.BudgetError, match=message):
+                volume.mesh(iso=0, inside="low", tol=tol)
+    with pytest.raises(chordal.BudgetError, match="nothing says the unit of the volume"):
+        chordal.block_volume(samples).mesh(iso=0, inside="low", tol="0.1mm")
+
+
+def test_a_formula_is_not_compared() -> None:
+    for compare in (lambda: ANY.shapes.x > 1, lambda: 1 <= ANY.shapes.x, lambda: ANY.shapes.x < ANY.shapes.y):
+        with pytest.raises(TypeError, match="a formula is not compared: field"):
+            compare()

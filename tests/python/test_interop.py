@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import types
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -284,3 +285,61 @@ def test_lines_and_data_of_meshio_that_stay_behind_are_told() -> None:
     with pytest.warns(UserWarning) as told:
         chordal.Mesh.from_(theirs)
     assert {str(one.message).partition(":")[0] for one in told} == {"heat of points", "lines"}
+
+
+def picture() -> Any:
+    image = library("PIL.Image").new("RGB", (4, 4), (255, 0, 0))
+    image.putpixel((1, 2), (0, 255, 0))
+    return image
+
+
+def test_a_textured_mesh_of_trimesh_comes_and_goes() -> None:
+    trimesh = library("trimesh")
+    material = trimesh.visual.material.PBRMaterial(
+        name="bark", baseColorFactor=[1.0, 0.5, 0.25, 1.0], metallicFactor=0.25, roughnessFactor=0.5, baseColorTexture=picture()
+    )
+    uv = np.random.default_rng(1).random((4, 2))
+    visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    theirs = trimesh.Trimesh(POINTS, FACES, visual=visual, process=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ours = chordal.Mesh.from_(theirs)
+        back = ours.to_trimesh()
+    assert [one["name"] for one in ours.materials] == ["bark"] and len(ours.images) == 1
+    assert ours.uv is not None and np.array_equal(ours.uv, uv) and ours.bound.at_most == 0
+    again = back.visual.material
+    assert (again.name, again.metallicFactor, again.roughnessFactor) == ("bark", 0.25, 0.5)
+    assert np.array_equal(again.baseColorFactor, material.baseColorFactor)
+    assert np.array_equal(np.asarray(again.baseColorTexture), np.asarray(picture())) and np.array_equal(back.visual.uv, uv)
+
+
+def test_a_material_that_says_nothing_is_none() -> None:
+    trimesh = library("trimesh")
+    visual = trimesh.visual.TextureVisuals(uv=np.zeros((4, 2)))
+    assert chordal.Mesh.from_(trimesh.Trimesh(POINTS, FACES, visual=visual, process=False)).materials == []
+
+
+def test_what_others_do_not_get_of_materials_is_told() -> None:
+    red = chordal.scene(chordal.Placed(chordal.Mesh(POINTS, FACES), material=chordal.Material("red", color="#f00")))
+    for export in (red.to_pyvista, red.to_open3d, red.to_meshio):
+        with pytest.warns(UserWarning, match="materials: these stay behind"):
+            export()
+    assert red.to_trimesh().visual.material.name == "red"
+    both = red + chordal.Mesh(POINTS, FACES).translate(5, 0, 0)
+    assert both.materials == []
+
+
+def test_data_of_cells_is_told() -> None:
+    meshio = library("meshio")
+    theirs = meshio.Mesh(POINTS, [("triangle", FACES)], cell_data={"pressure": [np.arange(4.0)]})
+    with pytest.warns(UserWarning, match="pressure of cells"):
+        chordal.Mesh.from_(theirs)
+
+
+def test_texture_coordinates_of_open3d_tensors_come_along() -> None:
+    open3d = library("open3d")
+    uv = np.random.default_rng(2).random((4, 2))
+    made = chordal.Mesh(POINTS, FACES, uv=uv).to_open3d()
+    tensor = open3d.t.geometry.TriangleMesh.from_legacy(made)
+    found = chordal.Mesh.from_(tensor)
+    assert found.uv is not None and np.allclose(found.uv, uv)

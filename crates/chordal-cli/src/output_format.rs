@@ -18,7 +18,8 @@ pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     if format.holds_triangles() || format.holds_polylines() {
         return Ok(format);
     }
-    Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))
+    let why = if format.holds_volumes() { "holds samples alone" } else { "is only read" };
+    Err(Fault::usage(format!("{format} {why}; what can be written is {}", known())))
 }
 
 /// Any format that is written: `--to`, else what the name says.

@@ -1,11 +1,12 @@
 //! The same shape in another format.
 use crate::outcome::{FileBytes, file_bytes, form_of};
 use crate::source::Source;
+use crate::spelling::Keywords;
 use crate::{failure, work};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
-use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{ConvertOutcome, Input, convert_within};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -15,6 +16,8 @@ use std::sync::Arc;
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Conversion {
     made: Arc<ConvertOutcome>,
+    /// Its certificate in Python's words; the file has the command's.
+    told: Certificate,
     name: Option<String>,
 }
 
@@ -34,8 +37,9 @@ pub(crate) fn convert(
     let length = length.transpose()?;
     let named = source.named_input();
     let made = work::run(py, None, move |job| convert_within(Input::clone(&named.input), form, length, job))?;
-    let made = made.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
-    Ok(Conversion { made: Arc::new(made), name: source.named_input().name })
+    let made = made.map_err(|error| failure::mesh(py, error))?;
+    let told = made.certificate.clone().spelled(&Keywords);
+    Ok(Conversion { made: Arc::new(made.spelled(&CommandLine)), told, name: source.named_input().name })
 }
 
 #[pymethods]
@@ -44,7 +48,7 @@ impl Conversion {
     #[getter]
     fn report(&self) -> String {
         let run = RunFacts { verb: "convert", input: self.name.clone(), ..RunFacts::default() };
-        Report::new(self.made.certificate.clone(), run).to_value().to_string()
+        Report::new(self.told.clone(), run).to_value().to_string()
     }
 
     /// Whether the format names files beside it for what was converted.

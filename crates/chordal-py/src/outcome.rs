@@ -3,13 +3,14 @@ use crate::array::Array;
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
+use crate::spelling::Keywords;
 use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format, Scene};
-use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
     BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
     mend, mesh, mesh_boolean, sha256,
@@ -61,6 +62,8 @@ impl MeshTask {
 #[derive(Clone)]
 struct MeshRun {
     outcome: Arc<MeshOutcome>,
+    /// Its certificate in Python's words; the file has the command's.
+    told: Certificate,
     rows: OutcomeRows,
     /// Why it misses the budget, in a sentence, if it does.
     unmet: Option<String>,
@@ -91,6 +94,7 @@ impl MeshOrder {
         };
         let took = start.elapsed();
         let evaluations = (!self.calls.is_empty()).then(|| asked() - before);
+        let told = outcome.certificate.clone().spelled(&Keywords);
         let outcome = Arc::new(outcome.spelled(&CommandLine));
         let rows = match &outcome.made {
             Tessellation::Triangles(_) => {
@@ -100,7 +104,7 @@ impl MeshOrder {
                 OutcomeRows::Lines(Arc::new(PolylineRows::from_polylines(lines)))
             }
         };
-        Ok(MeshRun { outcome, rows, unmet, took, evaluations })
+        Ok(MeshRun { outcome, told, rows, unmet, took, evaluations })
     }
 }
 
@@ -139,7 +143,7 @@ impl Outcome {
     /// The report, as JSON.
     #[getter]
     fn report(&self) -> String {
-        let MeshRun { outcome, took, evaluations, .. } = &self.filled;
+        let MeshRun { told, took, evaluations, .. } = &self.filled;
         let (input, seconds) = (self.order.name.clone(), Some(took.as_secs_f64()));
         let run = RunFacts {
             verb: self.order.task.verb(),
@@ -148,7 +152,7 @@ impl Outcome {
             evaluations: *evaluations,
             ..RunFacts::default()
         };
-        Report::new(outcome.certificate.clone(), run).to_value().to_string()
+        Report::new(told.clone(), run).to_value().to_string()
     }
 
     /// The numbers of that name: "vertices" and "faces" of triangles; "points", "places", "starts", "closed"

@@ -38,7 +38,8 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), Message> {
         _ if !to.holds_triangles() && !to.holds_polylines() => {
             let is_drawn = matches!(shape, Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_));
             let names = if is_drawn { output_names() } else { mesh_names() };
-            Err(format!("{to} is only read; what can be written is {names}").into())
+            let why = if to.holds_volumes() { "holds samples alone" } else { "is only read" };
+            Err(format!("{to} {why}; what can be written is {names}").into())
         }
         Shape::Patches { .. } | Shape::Surfaces { .. } | Shape::Scene(_) if !to.holds_triangles() => {
             Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names())

@@ -45,6 +45,7 @@ from chordal._blockwise.tasks import (
 from chordal._blockwise.tree import BlockTree, Tileset
 from chordal._blockwise.workers import Task, Workers
 from chordal._bound import Bound, bound_of
+from chordal._budget import Length, length_in
 from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._field import Field
 from chordal._hints import Guessed, keywords_hinted
@@ -136,7 +137,7 @@ class BlockVolume(Guessed):
         self,
         *,
         iso: SupportsFloat,
-        tol: SupportsFloat | None = None,
+        tol: Length | None = None,
         inside: Literal["high", "low"] | None = None,
         border: Literal["capped", "open"] = "capped",
         block: SupportsIndex | Sequence[SupportsIndex] = 256,
@@ -147,8 +148,8 @@ class BlockVolume(Guessed):
     ) -> Mesh:
         """The surface at the level `iso`, block by block: bit for bit the vertices and triangles of
         `volume(array).mesh(iso=…)`, closed and manifold across blocks, with a proved bound against the trilinear
-        interpolant. With `tol`, a length in the units of the volume, it has fewer triangles, within that length: each block
-        is simplified where it is done, with the triangles between blocks as they are, and the whole at last.
+        interpolant. With `tol`, a length in the units of the volume or a text as in "0.1mm", it has fewer triangles, within that
+        length: each block is simplified where it is done, with the triangles between blocks as they are, and the whole at last.
 
         What is above the level is inside, or below it where `inside` is "low", as for distances; at level 0 of floating-point
         samples one has to say which, since nobody looks at all samples first.
@@ -250,7 +251,7 @@ class BlockVolume(Guessed):
         folder: str | os.PathLike[str],
         only: Sequence[SupportsIndex] | None = None,
         *,
-        tol: SupportsFloat | None = None,
+        tol: Length | None = None,
         border: Literal["capped", "open"] = "capped",
         block: SupportsIndex | Sequence[SupportsIndex] = 256,
         executor: Any | None = None,
@@ -287,7 +288,7 @@ class BlockVolume(Guessed):
         folder: str | os.PathLike[str],
         only: Sequence[SupportsIndex] | None = None,
         *,
-        tol: SupportsFloat | None = None,
+        tol: Length | None = None,
         border: Literal["capped", "open"] = "capped",
         block: SupportsIndex | Sequence[SupportsIndex] = 128,
         executor: Any | None = None,
@@ -329,7 +330,7 @@ class BlockVolume(Guessed):
         folder: str | os.PathLike[str],
         *,
         iso: SupportsFloat,
-        tol: SupportsFloat | None = None,
+        tol: Length | None = None,
         inside: Literal["high", "low"] | None = None,
         border: Literal["capped", "open"] = "capped",
         normals: bool = True,
@@ -373,7 +374,7 @@ class BlockVolume(Guessed):
     def _labels_in_nanometres(
         self,
         only: Sequence[SupportsIndex] | None,
-        tol: SupportsFloat | None,
+        tol: Length | None,
         border: str,
         block: SupportsIndex | Sequence[SupportsIndex],
     ) -> tuple[Surface, frozenset[int] | None, float | None, dict[str, Any]]:
@@ -394,9 +395,8 @@ class BlockVolume(Guessed):
         """What tells these samples from others, for a folder of results: where they are, or some of them."""
         return f"{self.dtype} {source_of(self._array)}"
 
-    @staticmethod
-    def _tolerance(tol: SupportsFloat | None) -> float | None:
-        length = None if tol is None else number("tol", tol)
+    def _tolerance(self, tol: Length | None) -> float | None:
+        length = None if tol is None else length_in("tol", tol, self._unit)
         if length is not None and not length > 0:
             raise BudgetError(f"tol: a length above 0, not {length}")
         return length
