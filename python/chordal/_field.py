@@ -190,7 +190,17 @@ class Formula(Remakeable):
         """Refused: what is below a number is a field, and no condition."""
         raise TypeError("a formula is not compared: field(x - 1) is the shape where x - 1 is below 0, and so x < 1")
 
-    __le__ = __gt__ = __ge__ = __lt__
+    def __le__(self, other: object) -> NoReturn:
+        """Refused, as `<`."""
+        self.__lt__(other)
+
+    def __gt__(self, other: object) -> NoReturn:
+        """Refused, as `<`."""
+        self.__lt__(other)
+
+    def __ge__(self, other: object) -> NoReturn:
+        """Refused, as `<`."""
+        self.__lt__(other)
 
     def __abs__(self) -> Formula:
         return _operated("abs", self, self)  # type: ignore[no-any-return]
