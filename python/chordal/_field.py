@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn, SupportsFloat
 
 from chordal import _chordal
 from chordal._arguments import text as _text
+from chordal._arguments import warn
 from chordal._arrays import coordinates
 from chordal._curve import Curve
 from chordal._devices import parameter_of, wants_tensors, with_arrays
@@ -458,7 +459,8 @@ def _try(function: Callable[..., Any], bounds: Any) -> None:
     # Not at the ends or in the middle, where many functions have no derivative.
     points = ends[0] + np.array([[0.25], [0.625]]) * (ends[1] - ends[0])
     try:
-        found = np.shape(function(points))
+        given = function(points)
+        found = np.shape(given)
     except Exception as error:
         if wants_tensors(function, points):
             told = str(error).splitlines()[0]
@@ -469,6 +471,27 @@ def _try(function: Callable[..., Any], bounds: Any) -> None:
             f"the function gave back {found} for 2 points, n × 3; it is to give one number for each, as "
             "numpy.linalg.norm(p, axis=1) does"
         )
+    if getattr(given, "dtype", None) == bool:
+        raise TypeError(f"what: the function gave back truth values; {_OCCUPANCY}")
+    spread = ends[0] + np.modf(np.outer(np.arange(1, _N_TRIED + 1), _STEPS))[0] * (ends[1] - ends[0])
+    try:
+        values = np.unique(np.ravel(np.asarray(function(spread))))
+    except Exception:
+        return
+    if values.dtype.kind in "fiu" and len(values) == 2 and values[0] < 0 < values[1]:
+        warn(f"what: the function has two values alone, as it seems; {_OCCUPANCY}")
+
+
+#: Points where a function is asked for its values. Chosen: of these some are inside a ball of a quarter of the box.
+_N_TRIED = 64
+#: Roberts' sequence, whose points are spread evenly: powers of 1 over the root of x⁴ = x + 1. Source:
+#: https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/
+_STEPS = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
+#: What is said of a function that only knows inside from outside.
+_OCCUPANCY = (
+    "nothing says where between two points its surface is, and a mesh needs very many: take its samples on a lattice, as in "
+    "chordal.volume(inside, spacing=…).surface(smooth=\"1vox\").mesh()"
+)
 
 
 def _of_bytes(

@@ -97,8 +97,8 @@ def test_a_function_of_points_is_called_with_many_at_once() -> None:
         return np.asarray(np.linalg.norm(points, axis=1) - 1, dtype=np.float64)
 
     field = chordal.field(ball, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
-    # It was asked for two points, to see that it takes more than one.
-    assert sizes == [2]
+    # It was asked for two points, to see that it takes more than one, and for some more, whether it has more than two values.
+    assert sizes == [2, 64]
     sizes.clear()
     many = np.zeros((200_000, 3))
     assert (field(many) == -1).all()
@@ -290,3 +290,11 @@ def test_what_formulas_have_not_is_said() -> None:
     with pytest.raises(TypeError, match="a formula has no truth value"):
         shapes.check(x, "never")
     assert x == x and len({x, shapes.y}) == 2
+
+
+def test_an_occupancy_is_no_distance() -> None:
+    box = ((-2, -2, -2), (2, 2, 2))
+    with pytest.raises(TypeError, match="truth values; .* samples on a lattice"):
+        chordal.field(lambda p: np.linalg.norm(p, axis=1) < 1.5, bounds=box)
+    with pytest.warns(UserWarning, match="two values alone, as it seems; .*chordal.volume"):
+        chordal.field(lambda p: np.where(np.linalg.norm(p, axis=1) < 1.5, -1.0, 1.0), bounds=box)

@@ -320,6 +320,8 @@ def test_a_material_that_says_nothing_is_none() -> None:
 
 
 def test_what_others_do_not_get_of_materials_is_told() -> None:
+    for name in ("trimesh", "pyvista", "open3d", "meshio"):
+        library(name)
     red = chordal.scene(chordal.Placed(chordal.Mesh(POINTS, FACES), material=chordal.Material("red", color="#f00")))
     for export in (red.to_pyvista, red.to_open3d, red.to_meshio):
         with pytest.warns(UserWarning, match="materials: these stay behind"):

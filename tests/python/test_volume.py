@@ -77,8 +77,10 @@ def test_settings_are_spelled_as_arguments() -> None:
         chordal.shapes.complement(chordal.shapes.sphere(1)).mesh(tol=0.1)
 
 
-def test_certificates_are_spelled_as_the_command_does() -> None:
-    assert "--open leaves it open" in str(chordal.volume(BALL[6:]).mesh().report["certificate"]["notes"])
+def test_notes_are_in_the_words_of_python_and_in_a_file_in_those_of_the_command() -> None:
+    mesh = chordal.volume(BALL[6:]).mesh()
+    assert 'border="open" leaves it open' in str(mesh.report["certificate"]["notes"])
+    assert b"--open leaves it open" in mesh.to_bytes("ply")
 
 
 def test_a_cube_comes_back_from_its_distances() -> None:
