@@ -6,7 +6,7 @@ from operator import index
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import number
+from chordal._arguments import number, whole
 from chordal._budget import Length, Share, budget_arguments
 from chordal._errors import BudgetError, BudgetUnmet
 from chordal._hints import keywords_hinted
@@ -66,7 +66,7 @@ def _baked(
     if (cells is None) == (length is None):
         raise BudgetError("cells, tol, rel: give one of them")
     arguments: _chordal.BakeArguments = {
-        "cells": None if cells is None else index(cells),
+        "cells": None if cells is None else whole("cells", cells),
         "length": length,
         "band": None if band is None else number("band", band),
         "bound": bound,

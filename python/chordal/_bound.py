@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Any, SupportsFloat
 
 from chordal._hints import Guessed
@@ -101,5 +101,5 @@ def _short(number: float, rounding: str) -> str:
     exact = Decimal(number)
     if exact == 0:
         return "0"
-    last = Decimal(1).scaleb(exact.adjusted() - 2)
-    return f"{float(exact.quantize(last, rounding=rounding)):.3g}"
+    context = Context(prec=3, rounding=rounding, Emax=MAX_EMAX, Emin=MIN_EMIN)
+    return f"{float(context.plus(exact)):.3g}"

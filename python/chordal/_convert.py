@@ -8,6 +8,7 @@ import warnings
 from typing import Literal, Protocol
 
 from chordal import _chordal, _files
+from chordal._arguments import text
 from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import keywords_hinted
 from chordal._report import Report
@@ -59,7 +60,7 @@ class Convertible(Sourced):
         True
         """
         extension = extension_of(path, self)
-        return write(self._written(extension, quantize, compress, tol, rel), path)
+        return write(self._written(extension, quantize, text("compress", compress), tol, rel), path)
 
     @keywords_hinted
     def to_bytes(
@@ -75,7 +76,7 @@ class Convertible(Sourced):
 
         Gives a `UserWarning` where `export` would write files beside it, as an OBJ has its materials.
         """
-        written = self._written(format, quantize, compress, tol, rel)
+        written = self._written(format, quantize, text("compress", compress), tol, rel)
         if written.names_files:
             warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
         return written.write()

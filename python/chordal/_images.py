@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from chordal._arguments import warn
 from chordal._libraries import library
 
 if TYPE_CHECKING:
@@ -127,15 +128,21 @@ class Imaged:
     __slots__ = ()
     array: Any
     affine: Any
+    unit: Any
 
     def to_nibabel(self) -> Any:
-        """An image of nibabel, with this volume's matrix as it is."""
+        """An image of nibabel, with this volume's matrix as it is, and its unit where NIfTI has it."""
         nibabel = library("nibabel")
         import numpy as np
 
         array = self.array
         # NIfTI-1 has these, and nibabel asks for 64-bit integers to be meant.
         image = nibabel.Nifti1Image(np.asarray(array), self.affine, dtype=array.dtype)
+        name = {"mm": "mm", "m": "meter", "um": "micron"}.get(self.unit)
+        if name is not None:
+            image.header.set_xyzt_units(name)
+        elif self.unit is not None:
+            warn(f"unit: NIfTI has mm, m and um, and not {self.unit}: its numbers stay, and their unit is not said")
         return image
 
     def to_simpleitk(self) -> Any:
@@ -173,8 +180,9 @@ class Imaged:
         steps = self.affine[:3, :3]
         if np.any(steps != np.diag(np.diag(steps))):
             raise ValueError("the axes are not those of space, and coordinates along dimensions cannot say that")
+        told = {} if self.unit is None else {"units": self.unit}
         coords = {
-            name: self.affine[axis, 3] + steps[axis, axis] * np.arange(self.array.shape[axis])
+            name: (name, self.affine[axis, 3] + steps[axis, axis] * np.arange(self.array.shape[axis]), told)
             for axis, name in enumerate("xyz")
         }
         return xarray.DataArray(self.array, dims=("x", "y", "z"), coords=coords)

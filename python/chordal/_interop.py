@@ -371,6 +371,8 @@ class Interoperable:
             there: tuple[_Kind, ...] = ("normal", "uv", "color")
             missing = (k for k in there if first_of(self.attributes, k) is not None and self._vertex_rows(k) is None)
             lost = [*lost, *(f"{names[kind]} of faces or corners" for kind in missing)]
+        own = (one for part in self.parts for one in part.attributes if one.kind in ("custom", "blended"))
+        lost = [*lost, *dict.fromkeys(str(one.of) for one in own)]
         if lost:
             warn(f"{', '.join(lost)}: these stay behind; a file keeps them, as mesh.export(\"a.glb\") does")
 

@@ -18,7 +18,7 @@ from chordal._made import counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
 from chordal._pieces import Splittable
 from chordal._report import Report
-from chordal._scene import Attribute, Node, Part, SeveralPartsError, bounds_of, first_of, nodes_of
+from chordal._scene import Attribute, Node, Part, SeveralPartsError, attributes_of, bounds_of, first_of, nodes_of
 from chordal._shape import Shape
 from chordal._transform import Transformable
 
@@ -220,9 +220,8 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
             if len(parts) != 1:
                 raise SeveralPartsError(len(parts))
             array = _chordal.scene_array
-            self._cached["attributes"] = tuple(
-                Attribute(facts["kind"], facts["of"], facts["domain"], np.asarray(array(self._source, None, "attribute", k)))
-                for k, facts in enumerate(parts[0]["attributes"])
+            self._cached["attributes"] = attributes_of(
+                parts[0], lambda k: np.asarray(array(self._source, None, "attribute", k))
             )
         found: tuple[Attribute, ...] = self._cached["attributes"]
         return found
@@ -234,7 +233,7 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
 
     @property
     def uv(self) -> NDArray[np.float64] | None:
-        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2; None where there are none."""
+        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2, with v up; None where there are none."""
         return self._values("uv")
 
     @property

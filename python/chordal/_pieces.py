@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal
+from chordal._arguments import warn
 from chordal._bound import Bound
 from chordal._corners import firsts_of
 
@@ -52,8 +53,9 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     the other. Nothing is cut or joined:
     `union` makes one closed mesh of solids.
 
-    Normals, texture coordinates and colours stay where every mesh has them for its vertices; materials stay behind. The bound
-    is the largest of all. Raises `ValueError` where units differ, or where there is no mesh.
+    Normals, texture coordinates and colours stay where every mesh has them for its vertices; materials stay behind, which a
+    `UserWarning` tells: `scene` keeps them. The bound is the largest of all. Raises `ValueError` where units differ, or where
+    there is no mesh.
 
     >>> import chordal
     >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -84,27 +86,28 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     faces = np.concatenate([one.faces.astype(np.uint32) + np.uint32(start) for one, start in zip(found, starts)])
     states = [_State(one) for one in found]
     ties = np.concatenate([state.ties() + start for state, start in zip(states, starts)]).astype(np.uint32)
-    # Where files count v from different ends, from below.
-    origins = [state.facts["frame"]["texture_origin"] for state in states]
-    origin = origins[0] if len(set(origins)) == 1 else "lower-left"
+    _warn_of_materials(found)
     blocks = [np.concatenate([one.vertices for one in found]).tobytes(), faces.tobytes(), ties.tobytes()]
     attributes = []
     for kind, of in (("normal", None), ("uv", 0), ("color", 0)):
         rows = [one._vertex_rows(kind) for one in found]  # type: ignore[arg-type]
         if all(row is not None for row in rows) and len({row.shape[1] for row in rows}) == 1:
             width = rows[0].shape[1]
-            if kind == "uv" and len(set(origins)) > 1:
-                turned = (np.array([0.0, 1.0]), np.array([1.0, -1.0]))
-                rows = [turned[0] + row * turned[1] if own == "upper-left" else row for row, own in zip(rows, origins)]
             attributes.append({"kind": kind, "of": of, "domain": "vertex", "width": width, "block": len(blocks)})
             blocks.append(np.concatenate(rows).tobytes())
     part = {"name": "triangles", "positions": 0, "faces": 1, "position_id": 2, "attributes": attributes}
-    frame = {"texture_origin": origin, "metres_per_unit": units.pop()}
+    has_uv = any(attribute["kind"] == "uv" for attribute in attributes)
+    frame = {"texture_origin": "lower-left" if has_uv else None, "metres_per_unit": units.pop()}
     state = json.dumps({"parts": [part], "frame": frame})
     source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [one._source for one in found], None)
     made = Mesh._of_source(source, _largest([one.bound for one in found]))
     made._is_given = made._bound is None
     return made
+
+
+def _warn_of_materials(meshes: list[Mesh]) -> None:
+    if any(one.materials for one in meshes):
+        warn("materials: these stay behind, for all becomes one part; chordal.scene(a, b) keeps them")
 
 
 def _largest(bounds: list[Bound]) -> Bound | None:

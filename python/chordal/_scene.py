@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -97,10 +98,7 @@ class Part(Guessed):
     @property
     def attributes(self) -> tuple[Attribute, ...]:
         """Normals, texture coordinates, colours, materials, and whatever else the file says."""
-        return tuple(
-            Attribute(facts["kind"], facts["of"], facts["domain"], self._array("attribute", k))
-            for k, facts in enumerate(self._facts["attributes"])
-        )
+        return attributes_of(self._facts, lambda k: self._array("attribute", k))
 
     def attribute(self, kind: _Kind, of: int | str | None = None) -> Attribute | None:
         """The attribute of that kind, the first or that of a number or name; None where there is none."""
@@ -113,7 +111,7 @@ class Part(Guessed):
 
     @property
     def uv(self) -> NDArray[np.float64] | None:
-        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2; None where there are none."""
+        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2, with v up; None where there are none."""
         return self._values("uv")
 
     @property
@@ -186,6 +184,25 @@ class SeveralPartsError(AttributeError, ValueError):
     def __init__(self, count: int) -> None:
         what = "nothing is in it" if count == 0 else "look at those of mesh.parts, as in mesh.parts[0].uv"
         super().__init__(f"this scene has {count} parts: {what}")
+
+
+def attributes_of(part: dict[str, Any], values: Callable[[int], NDArray[Any]]) -> tuple[Attribute, ...]:
+    """The attributes of a part, whose values are those of a number; texture coordinates with v up, whatever the file has."""
+
+    def read(k: int, kind: str) -> NDArray[Any]:
+        import numpy as np
+
+        found = values(k)
+        if kind != "uv" or not part["v_is_down"]:
+            return found
+        turned: NDArray[Any] = np.array([0.0, 1.0]) + found * np.array([1.0, -1.0])
+        turned.flags.writeable = False
+        return turned
+
+    return tuple(
+        Attribute(facts["kind"], facts["of"], facts["domain"], read(k, facts["kind"]))
+        for k, facts in enumerate(part["attributes"])
+    )
 
 
 def first_of(attributes: tuple[Attribute, ...], kind: _Kind, of: int | str | None = None) -> Attribute | None:

@@ -133,6 +133,9 @@ class Transformable:
             at = tuple(row[0] * place[0] + row[1] * place[1] + row[2] * place[2] + row[3] for row in rows)
         angle = bound.angle_deg if keeps_angles else None
         moved = replace(bound, at_least=least, at_most=most, pixels=None, angle_deg=angle, at=at)
+        if most is not None and not math.isfinite(most):
+            # Out of range, nothing is known.
+            moved = replace(moved, at_most=None, evidence="estimated")
         return Mesh._of_source(source, moved)
 
 

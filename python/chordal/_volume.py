@@ -21,6 +21,7 @@ from chordal._report import Report
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
 from chordal._table import table
+from chordal._units import METRES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,7 +66,7 @@ class Volume(Shape, Imaged):
         """
         import numpy as np
 
-        samples, _ = _chordal.samples(self._source)
+        samples = _chordal.samples(self._source)[0]
         array: NDArray[Any] = np.asarray(samples)
         return array if self._runs_backwards else array.T
 
@@ -88,7 +89,7 @@ class Volume(Shape, Imaged):
         """The 4 × 4 matrix that takes (i, j, k, 1) to space."""
         import numpy as np
 
-        _, rows = _chordal.samples(self._source)
+        rows = _chordal.samples(self._source)[1]
         found = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
         return found[:, [2, 1, 0, 3]] if self._runs_backwards else found
 
@@ -114,6 +115,12 @@ class Volume(Shape, Imaged):
         corners = np.array(np.meshgrid(*[(0, size - 1) for size in self.shape])).reshape(3, -1)
         places = self.affine[:3, :3] @ corners + self.affine[:3, 3:]
         return np.array([places.min(axis=1), places.max(axis=1)])
+
+    @property
+    def unit(self) -> str | None:
+        """The unit of its places, as in "mm"; None where nothing says it, or it has no name."""
+        metres = _chordal.samples(self._source)[2]
+        return next((unit for unit, exact in METRES.items() if float(exact) == metres), None)
 
     @property
     def report(self) -> Report | None:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import chordal
@@ -139,3 +140,48 @@ def test_the_weakest_metric_of_all_holds(mixed: str) -> None:
     assert found is not None and found.metric == mixed
     assert found.at_most == (None if mixed == "solid" else 0.3)
     assert _largest([other, other]) == chordal.Bound(0.0, 0.3, "proved", mixed, "boolean")
+
+
+@pytest.mark.parametrize("format", ["3mf", "glb", "ply", "usda"])
+def test_a_file_whose_writer_turns_it_is_no_lie(format: str, tmp_path: Path) -> None:
+    path = tmp_path / f"a.{format}"
+    for up in ("y", "z"):
+        chordal.scene({"a": MESH}, up=up, unit="cm").export(path)  # type: ignore[arg-type]
+        assert not open_claims(chordal.verify(path, [MESH, BALL])), up
+        again = chordal.load(path, kind=chordal.Mesh).translate(1, 2, 3)
+        again.export(tmp_path / f"b.{format}")
+        verified = chordal.verify(tmp_path / f"b.{format}", [chordal.load(path), MESH, BALL])
+        assert verified["verdict"] != "refuted", open_claims(verified)
+
+
+def test_the_mesh_of_a_volume_that_was_read_by_blocks_knows_it(tmp_path: Path) -> None:
+    i, j, k = np.indices((16, 17, 18)).astype(float)
+    samples = np.sqrt((i - 8) ** 2 + (j - 8) ** 2 + (k - 9) ** 2) - 5
+    made = chordal.block_volume(samples).mesh(iso=0, inside="low", block=8)
+    total = total_of(made.export(tmp_path / "a.ply"))
+    assert total["reference"] == "trilinear interpolant" and total["at_most"] == made.bound.at_most
+    whole = chordal.volume(samples).surface(iso=0, inside="low")
+    assert not open_claims(chordal.verify(tmp_path / "a.ply", [made, whole]))
+    further = total_of(made.mesh(tol=0.25).report)
+    assert further["reference"] == "trilinear interpolant" and further["at_most"] > 0.25 - 0.2
+
+
+def test_a_simplification_is_proved_again(tmp_path: Path) -> None:
+    for tol in (0.03, 0.05, 0.1):
+        MESH.mesh(tol=tol).export(tmp_path / "a.ply")
+        assert not open_claims(chordal.verify(tmp_path / "a.ply", [MESH, BALL])), tol
+    for count in (60, 100, 200, 400):
+        MESH.mesh(triangles=count).export(tmp_path / "a.ply")
+        assert not open_claims(chordal.verify(tmp_path / "a.ply", [MESH, BALL])), count
+
+
+def test_one_file_more_than_is_needed_is_no_lie(tmp_path: Path) -> None:
+    MESH.translate(1, 0, 0).export(tmp_path / "a.ply")
+    assert not open_claims(chordal.verify(tmp_path / "a.ply", [MESH, BALL, PLAIN]))
+    assert chordal.verify(tmp_path / "a.ply", [BALL, PLAIN])["verdict"] == "refuted"
+
+
+def test_a_bound_of_any_size_is_shown() -> None:
+    assert "e+100" in repr(MESH.scale(1e102)) and "e-10" in repr(MESH.scale(1e-100))
+    far = MESH.scale(1e200).bound
+    assert far.at_most is None and far.evidence == "estimated" and "at least" in far.sentence()

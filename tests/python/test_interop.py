@@ -126,7 +126,7 @@ def test_nibabel_comes_and_goes(tmp_path: Path) -> None:
     second = chordal.block_volume(tmp_path / "several.nii", channel=1).mesh(iso=20.5, block=2)
     turned = chordal.block_volume(np.ascontiguousarray(SAMPLES[::-1]), affine=TURNED).mesh(iso=20.5, block=2)
     assert np.array_equal(second.vertices, turned.vertices)
-    with pytest.raises(ValueError, match="the file holds 2 volumes"):
+    with pytest.raises(ValueError, match="the file has 2, so from 0 on"):
         chordal.block_volume(tmp_path / "several.nii", channel=2)
     with pytest.raises(ValueError, match="level: a NIfTI file has one alone"):
         chordal.block_volume(tmp_path / "several.nii", level=1)
@@ -327,7 +327,8 @@ def test_what_others_do_not_get_of_materials_is_told() -> None:
         with pytest.warns(UserWarning, match="materials: these stay behind"):
             export()
     assert red.to_trimesh().visual.material.name == "red"
-    both = red + chordal.Mesh(POINTS, FACES).translate(5, 0, 0)
+    with pytest.warns(UserWarning, match="materials: these stay behind, .*scene"):
+        both = red + chordal.Mesh(POINTS, FACES).translate(5, 0, 0)
     assert both.materials == []
 
 
@@ -345,3 +346,35 @@ def test_texture_coordinates_of_open3d_tensors_come_along() -> None:
     tensor = open3d.t.geometry.TriangleMesh.from_legacy(made)
     found = chordal.Mesh.from_(tensor)
     assert found.uv is not None and np.allclose(found.uv, uv)
+
+
+def test_texture_coordinates_have_v_up_whatever_the_file_says(tmp_path: Path) -> None:
+    trimesh = library("trimesh")
+    ours = chordal.Mesh(POINTS, FACES, uv=UV)
+    ours.export(tmp_path / "a.glb")
+    read = chordal.load(tmp_path / "a.glb", kind=chordal.Mesh)
+    assert read.uv is not None and np.allclose(read.uv, UV) and np.allclose(read.parts[0].uv, UV)  # type: ignore[arg-type]
+    theirs = trimesh.load(tmp_path / "a.glb", force="mesh", process=False)
+    assert np.allclose(read.to_trimesh().visual.uv, theirs.visual.uv)
+    for again in (chordal.Mesh(read.vertices, read.faces, uv=read.uv), read + read, read.translate(1, 0, 0), chordal.scene(read)):
+        again.export(tmp_path / "b.glb")
+        found = chordal.load(tmp_path / "b.glb", kind=chordal.Mesh).uv
+        assert found is not None and np.allclose(found[:4], UV)
+
+
+def test_attributes_of_ones_own_are_told(tmp_path: Path) -> None:
+    meshio, pyvista = library("meshio"), library("pyvista")
+    meshio.Mesh(POINTS, [("triangle", FACES)], point_data={"heat": np.arange(4.0)}).write(tmp_path / "a.ply")
+    read = chordal.load(tmp_path / "a.ply", kind=chordal.Mesh)
+    with pytest.warns(UserWarning, match="heat: these stay behind"):
+        assert isinstance(read.to_pyvista(), pyvista.PolyData)
+
+
+def test_the_unit_of_a_volume_goes_along() -> None:
+    nibabel, _ = library("nibabel"), library("xarray")
+    ours = chordal.volume(np.zeros((3, 4, 5)), spacing=2, unit="mm")
+    assert ours.unit == "mm" and chordal.volume(np.zeros((3, 4, 5))).unit is None
+    assert ours.to_nibabel().header.get_xyzt_units()[0] == "mm"
+    assert chordal.volume(ours.to_nibabel()).unit == chordal.volume(ours.to_xarray()).unit == "mm"
+    with pytest.warns(UserWarning, match="NIfTI has mm, m and um, and not in"):
+        assert isinstance(chordal.volume(np.zeros((3, 4, 5)), unit="in").to_nibabel(), nibabel.Nifti1Image)

@@ -58,7 +58,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let plain = InputArgs { surface: None, ..args.input.clone() };
     let mut out = load::read_other(&plain, &job, &console)?;
     let named = inputs_to_verify(&out, given.as_ref());
-    let is_cage = |sha256: &str| named.iter().any(|of| of.sha256.as_deref() == Some(sha256) && of.kind == "cage");
+    let is_cage =
+        |sha256: &str| named.iter().any(|of| of.sha256.as_deref() == Some(sha256) && of.kind == "cage");
     let mut against = Vec::with_capacity(args.against.len());
     for path in &args.against {
         let own = InputArgs { input: path.clone(), from: None, ..args.input.clone() };

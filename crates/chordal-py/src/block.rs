@@ -10,7 +10,7 @@ use chordal::implicit::{Affine3, Grid};
 use chordal::{Mesh, Tolerance};
 use chordal_io::{Format, Frame, Scene};
 use chordal_verbs::report::BoundFacts;
-use chordal_verbs::{Input, Shape};
+use chordal_verbs::{Input, Shape, made_of};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
@@ -131,11 +131,13 @@ pub(crate) fn joined(
 }
 
 /// Triangles as what was read, and their bound as JSON.
-pub(crate) fn scene_of(mesh: Mesh, bound: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
-    let bound = serde_json::to_string(&BoundFacts::new(bound)).unwrap_or_default();
+pub(crate) fn scene_of(mesh: Mesh, bound_of_it: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
+    let bound = serde_json::to_string(&BoundFacts::new(bound_of_it)).unwrap_or_default();
     let frame = Frame { metres_per_unit, ..Frame::default() };
     let shape = Shape::Scene(Scene::from_mesh("surface", mesh, frame));
-    (Input::made(shape, Format::Ply), bound)
+    let mut made = Input::made(shape, Format::Ply);
+    made.composed = made_of(&made, "volume", bound_of_it).ok().map(Arc::new);
+    (made, bound)
 }
 
 /// Numbers of one key of a vertex in a row: x, y, z, kind.

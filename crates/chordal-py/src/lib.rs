@@ -56,7 +56,9 @@ mod _chordal {
     #[pymodule_export]
     use super::picture::{Picture, picture};
     #[pymodule_export]
-    use super::scene::{composed_bound, scene_array, scene_facts, scene_image, scene_of_parts, scene_of_state, scene_state};
+    use super::scene::{
+        composed_bound, scene_array, scene_facts, scene_image, scene_of_parts, scene_of_state, scene_state,
+    };
     #[pymodule_export]
     use super::script_value::{ScriptValue, field_of, language, mesh_field, region_of, script};
     #[pymodule_export]

@@ -5,7 +5,7 @@ use crate::scene_state::{SceneState, attribute_names, scene_of};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::Unit;
-use chordal_io::{Format, ImageContent, Scene};
+use chordal_io::{Format, ImageContent, Scene, TextureOrigin};
 use chordal_verbs::{Composed, Input, InputDigest, Shape, compose_input, join_input};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -32,6 +32,7 @@ pub(crate) fn scene_facts(py: Python<'_>, source: &Source) -> PyResult<String> {
                 "vertices": part.mesh.positions().len(),
                 "faces": part.mesh.faces().len(),
                 "attributes": attributes,
+                "v_is_down": scene.frame.texture_origin == Some(TextureOrigin::UpperLeft),
             })
         })
         .collect();

@@ -14,9 +14,10 @@ use chordal_verbs::{
 };
 use pyo3::prelude::*;
 
-/// Samples as an array, z, y and x, x fastest, and the three rows that take an index (x, y, z, 1) to space.
+/// Samples as an array, z, y and x, x fastest; the three rows that take an index (x, y, z, 1) to space; and the length of a unit
+/// of that in metres.
 #[pyfunction]
-pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64; 4]; 3])> {
+pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64; 4]; 3], Option<f64>)> {
     let Shape::Volume(sampled) = source.shape() else {
         return Err(failure::internal(py, "this is no volume"));
     };
@@ -32,7 +33,7 @@ pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64
         }
         _ => ArrayData::empty(),
     });
-    Ok((array, affine))
+    Ok((array, affine, sampled.volume.frame.metres_per_unit))
 }
 
 /// Which surface of a volume is meant, in Python's words.

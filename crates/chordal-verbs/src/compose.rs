@@ -2,8 +2,9 @@
 use crate::composed::Composed;
 use crate::origin::InputOrigin;
 use crate::placements::{IDENTITY, Matrix4, nodes_rounding};
-use crate::report::{HistoryFacts, InputFacts};
+use crate::report::{HistoryFacts, HistoryStart, InputFacts, StepBound, StepFacts, StepInput, StepOutput};
 use crate::{Input, MovedScene, Shape, Stretch, composed_bound, transform};
+use chordal::budget::Bound;
 use chordal::math::{add_up, greater};
 use chordal_io::{Scene, WriteError};
 use std::collections::BTreeMap;
@@ -104,11 +105,50 @@ pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
         let Some(composed) = known.of(part) else { continue };
         let rounding = nodes_rounding(scene_in(part)?);
         let own = composed.off();
-        off = greater(if own == 0.0 || rounding == 0.0 { own + rounding } else { add_up(own, rounding) }, off);
+        off =
+            greater(if own == 0.0 || rounding == 0.0 { own + rounding } else { add_up(own, rounding) }, off);
         placed.push((Vec::new(), composed));
     }
     let composed = Composed::placed(&placed, off);
     Ok(Input { composed: Some(Arc::new(composed)), ..input })
+}
+
+/// What is known of triangles whose bound no certificate says, for [`Input::composed`]: against a shape of that kind, as samples
+/// of which only some were read at a time are a "volume".
+///
+/// # Errors
+/// As for [`compose_input`].
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal::budget::{Bound, Reference};
+/// use chordal_io::Format;
+/// use chordal_verbs::{Frame, Input, Scene, Shape, convert, made_of};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut made = Input::made(Shape::Scene(Scene::from_mesh("triangle", mesh, Frame::default())), Format::Ply);
+/// made.composed = Some(made_of(&made, "volume", &Bound::proved(0.0, 0.5, Reference::Trilinear))?.into());
+/// let total = convert(made, Format::Ply)?.certificate.history.unwrap().total.unwrap();
+/// assert_eq!((total.at_most, &total.reference[..]), (Some(0.5), "trilinear interpolant"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn made_of(input: &Input, kind: &str, bound: &Bound) -> Result<Composed, WriteError> {
+    let own = InputFacts::from_input(input).of_step();
+    let of = StepInput { kind: kind.to_owned(), format: own.format.clone(), sha256: None, files: Vec::new() };
+    let step = StepFacts {
+        verb: "mesh".to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        inputs: vec![of],
+        composed: None,
+        output: StepOutput {
+            kind: own.kind.clone(),
+            format: own.format.clone(),
+            geometry: own.sha256.clone(),
+        },
+        bound: Some(StepBound::new(bound)),
+    };
+    let begins = HistoryStart::new("no-certificate", "what was read never was a file of its own");
+    let origin = HistoryFacts::new(begins, vec![step]);
+    Composed::of_one(own, origin, scene_in(input)?)
 }
 
 /// What inputs were put together of; what is there several times is looked at once.

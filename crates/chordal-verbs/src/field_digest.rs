@@ -55,7 +55,8 @@ mod tests {
         let [x, y, _] = Expr::axes();
         let one = || x.square() + y.square() - 1.0;
         assert_eq!(digest_of(one()), digest_of(one()));
-        let others = [x.square() + y.square() - 2.0, x.square() - y.square() - 1.0, x.abs() + y.square() - 1.0];
+        let others =
+            [x.square() + y.square() - 2.0, x.square() - y.square() - 1.0, x.abs() + y.square() - 1.0];
         for other in others {
             assert_ne!(digest_of(one()), digest_of(other));
         }

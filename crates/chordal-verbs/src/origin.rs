@@ -1,6 +1,6 @@
 //! Where an input comes from: what its own certificate proves of it.
-use crate::geometry_digest::digest_in_frame;
 use crate::composed::Composed;
+use crate::geometry_digest::digest_in_frame;
 use crate::report::{HistoryFacts, HistoryStart, StepFacts};
 use crate::seal::seal_of;
 use crate::volume::reaches_border;

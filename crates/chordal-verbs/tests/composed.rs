@@ -4,13 +4,12 @@ use chordal_io::{Format, Limits, Node, Scene};
 use chordal_testkit::Random;
 use chordal_testkit::sampler::Triangles;
 use chordal_verbs::{
-    BudgetSpec, ClaimVerdict, FormatHint, Input, Shape, compose_input, convert, join_input, load, mesh,
-    seal_of, transform_input, verify,
+    BudgetSpec, ClaimVerdict, Composed, FormatHint, Input, Shape, compose_input, convert, join_input, load,
+    mesh, seal_of, transform_input, verify,
 };
 use serde_json::{Value, json};
 
-const IDENTITY: [f64; 16] =
-    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 fn loaded(bytes: &[u8], name: &str) -> Input {
     let hint = FormatHint { name: Some(name), ..FormatHint::default() };
@@ -19,7 +18,8 @@ fn loaded(bytes: &[u8], name: &str) -> Input {
 
 /// A ball as a formula.
 fn ball() -> Input {
-    let list = b"0 var-x\n1 var-y\n2 var-z\n3 square 0\n4 square 1\n5 square 2\n6 add 3 4\n7 add 6 5\n8 sqrt 7\n\
+    let list =
+        b"0 var-x\n1 var-y\n2 var-z\n3 square 0\n4 square 1\n5 square 2\n6 add 3 4\n7 add 6 5\n8 sqrt 7\n\
         9 const 0.75\na sub 8 9\n";
     loaded(list, "ball.vm")
 }
@@ -100,7 +100,8 @@ fn a_moved_mesh_says_in_its_file_how_far_it_is_from_the_moved_field() {
 /// A scene of two nodes that show the same triangles, below a node of all.
 fn pair(part: &Input, maps: [[f64; 16]; 3]) -> Input {
     let Shape::Scene(own) = &part.shape else { panic!("triangles") };
-    let node = |map: [f64; 16], part, children| Node { matrix: map.into(), part, children, ..Node::default() };
+    let node =
+        |map: [f64; 16], part, children| Node { matrix: map.into(), part, children, ..Node::default() };
     let nodes = vec![
         node(maps[0], None, vec![1, 2]),
         node(maps[1], Some(0), Vec::new()),
@@ -137,7 +138,9 @@ fn a_scene_and_a_join_say_it_of_the_worst_of_their_parts() {
         assert_eq!(verified.verdict, ClaimVerdict::Proved, "{:?}", verified.worst());
     }
     let plain = loaded(b"v 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\n", "a.obj");
-    let [Shape::Scene(first), Shape::Scene(second)] = [&part.shape, &plain.shape] else { panic!("triangles") };
+    let [Shape::Scene(first), Shape::Scene(second)] = [&part.shape, &plain.shape] else {
+        panic!("triangles")
+    };
     let mut both = first.clone();
     both.certificate = None;
     both.parts.extend(second.parts.clone());
@@ -189,6 +192,50 @@ fn lies_about_what_was_put_together_are_found() {
         }
     };
     assert_eq!(judged(&smaller), ClaimVerdict::Refuted);
+    // No length, and no sum of it.
+    let negative = |lie: &mut Value| {
+        *lie.pointer_mut("/history/steps/0/composed/rounding").expect("there") = json!(-1.0);
+        *lie.pointer_mut("/history/total").expect("there") = Value::Null;
+    };
+    assert_eq!(judged(&negative), ClaimVerdict::Refuted);
+}
+
+#[test]
+fn rounding_is_no_excuse_for_another_place() {
+    let part = loaded(&meshed(ball(), "0.02", Format::Ply), "ball.ply");
+    let mut map = IDENTITY;
+    (map[0], map[12]) = (2.0, 5.0);
+    let moved = transform_input(&part, &map).expect("affine").0;
+    // It lies half a unit beside, and that is said to be rounding: with a seal and a sum that fit.
+    map[12] += 0.5;
+    let mut lie = transform_input(&part, &map).expect("affine").0;
+    let mut said = serde_json::to_value(moved.composed.as_deref()).expect("a value");
+    said["facts"]["rounding"] = json!(1.0);
+    lie.composed = Some(serde_json::from_value::<Composed>(said).expect("the same").into());
+    let (bytes, certificate) = converted(lie, Format::Ply);
+    let verified = verify(&loaded(&bytes, "lie.ply"), Some(&certificate), &[part, ball()], &Job::default());
+    let verified = verified.expect("verified");
+    assert_eq!(verified.verdict, ClaimVerdict::Refuted);
+    assert_eq!(verified.worst().map(|claim| &claim.claim[..]), Some("history/steps/0/composed/rounding"));
+}
+
+#[test]
+fn a_unit_that_the_file_has_not_is_found() {
+    let part = loaded(&meshed(ball(), "0.02", Format::Ply), "ball.ply");
+    let mut map = IDENTITY;
+    map[0] = 3.0;
+    let moved = transform_input(&part, &map).expect("affine").0;
+    for to in [Format::Glb, Format::ThreeMf] {
+        let (bytes, certificate) = converted(moved.clone(), to);
+        let file = loaded(&bytes, &format!("a.{to}"));
+        for (up, metres) in [("z", json!(0.01)), ("y", json!(0.01))] {
+            let mut lie = certificate.clone();
+            lie["frame"] = json!({ "up": up, "metres_per_unit": metres });
+            lie["seal"] = seal_of(&lie).into();
+            let verified = verify(&file, Some(&lie), &[part.clone(), ball()], &Job::default());
+            assert_eq!(verified.expect("verified").verdict, ClaimVerdict::Refuted, "{to} {up}");
+        }
+    }
 }
 
 #[test]

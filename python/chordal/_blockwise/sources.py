@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from chordal._arguments import warn
 from chordal._blockwise.sampled import FieldSamples
 from chordal._images import nibabel_facts
 from chordal._libraries import library
@@ -46,7 +47,7 @@ class Placed:
     unit: str | None = None
 
 
-def opened(path: str, level: int, channel: int) -> Placed:
+def opened(path: str, level: int, channel: int | None) -> Placed:
     """The samples of a file or folder. Raises `OSError` where there are none."""
     if path.endswith((".nii", ".nii.gz")):
         refuse_choice("level", level, "a NIfTI file")
@@ -65,9 +66,18 @@ def opened(path: str, level: int, channel: int) -> Placed:
     return _ome(path, node, level, channel)
 
 
-def refuse_choice(name: str, value: int, of: str) -> None:
+def _chosen(channel: int | None, count: int, of: str) -> int:
+    """The one that is asked for of several. Raises where none is said, or one that there is not."""
+    if channel is None and count > 1:
+        raise ValueError(f"channel: {of} has {count}, so say which, from 0 to {count - 1}")
+    if channel is not None and not 0 <= channel < count:
+        raise ValueError(f"channel: {of} has {count}, so from 0 on and below that, not {channel}")
+    return channel or 0
+
+
+def refuse_choice(name: str, value: int | None, of: str) -> None:
     """Raises where one of several is asked for of what has no several."""
-    if value != 0:
+    if value:
         raise ValueError(f"{name}: {of} has one alone, so 0 and not {value}")
 
 
@@ -152,7 +162,7 @@ class _NiftiFile(_Opened):
     """The samples of a volume of a NIfTI file, scaled as the header says. One that is not compressed is read by slices; a
     compressed one is unpacked up to each of them."""
 
-    def __init__(self, path: str, volume: int) -> None:
+    def __init__(self, path: str, volume: int | None) -> None:
         import numpy as np
 
         self._path: Final = os.path.abspath(path)
@@ -161,10 +171,9 @@ class _NiftiFile(_Opened):
         is_plain, _ = nibabel_facts(image)
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
         more = tuple(int(n) for n in image.shape[3:])
-        if not 0 <= volume < math.prod(more):
-            raise ValueError(f"channel: the file holds {math.prod(more)} volumes, so from 0 on and below that, not {volume}")
+        one = _chosen(volume, math.prod(more), "the file")
         # Volumes are counted as they lie in the file: the fourth axis first.
-        self._more: Final = tuple(int(n) for n in np.unravel_index(volume, more, order="F")) if more else ()
+        self._more: Final = tuple(int(n) for n in np.unravel_index(one, more, order="F")) if more else ()
 
     def _array(self) -> Any:
         return library("nibabel").load(self._path).dataobj
@@ -174,7 +183,7 @@ class _NiftiFile(_Opened):
         return self._array()[index]
 
 
-def _nifti(path: str, volume: int) -> Placed:
+def _nifti(path: str, volume: int | None) -> Placed:
     import numpy as np
 
     image = library("nibabel").load(path)
@@ -182,7 +191,7 @@ def _nifti(path: str, volume: int) -> Placed:
     return Placed(_NiftiFile(path, volume), matrix_rows(np.asarray(image.affine, dtype=np.float64)), unit)
 
 
-def nibabel_in_file(image: Any, volume: int) -> Placed | None:
+def nibabel_in_file(image: Any, volume: int | None) -> Placed | None:
     """The samples of an image of nibabel that are in its file still, and can be read there by slices; None for others."""
     import numpy as np
 
@@ -260,7 +269,7 @@ class _ZarrArray(_Opened):
         return self._axes.turned(self._array()[self._axes.of(slices)])
 
 
-def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
+def _ome(path: str, group: Any, level: int, channel: int | None) -> Placed:
     """A level of an OME-Zarr pyramid: its scale and translation, its axes by name."""
     import numpy as np
 
@@ -277,7 +286,11 @@ def _ome(path: str, group: Any, level: int, channel: int) -> Placed:
     if not {"x", "y", "z"} <= set(names):
         raise ValueError(f"{path}: the axes {', '.join(names)} are not those of a volume")
     xyz = (names.index("x"), names.index("y"), names.index("z"))
-    others = tuple((at, channel if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
+    sizes = {name: int(group[levels[level]["path"]].shape[at]) for at, name in enumerate(names)}
+    one = _chosen(channel, sizes.get("c", 1), "the image")
+    if any(size > 1 for name, size in sizes.items() if name not in ("x", "y", "z", "c")):
+        warn(f"{path}: the first along {', '.join(name for name in names if name not in ('x', 'y', 'z', 'c'))} is taken")
+    others = tuple((at, one if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
     instead = f"name an array, as in {path}/{levels[level]['path']}"
     steps, first = np.ones(len(names)), np.zeros(len(names))
     for transform in [*levels[level].get("coordinateTransformations", []), *image.get("coordinateTransformations", [])]:
@@ -319,15 +332,15 @@ def _tensorstore(path: str, level: int) -> Any:
 class _Precomputed(_Opened):
     """A scale of a precomputed volume."""
 
-    def __init__(self, path: str, level: int, channel: int) -> None:
+    def __init__(self, path: str, level: int, channel: int | None) -> None:
         self._path: Final = path if "://" in path else os.path.abspath(path)
         self._level: Final = level
-        self._channel: Final = channel
         self._token: Final = secrets.token_hex(16)
         array = self._array()
         self._first: Final = tuple(int(at) for at in array.domain.inclusive_min[:3])
         self.shape = tuple(int(n) for n in array.shape[:3])
         self.dtype = array.dtype.numpy_dtype
+        self._channel: Final = _chosen(channel, int(array.shape[3]), "the volume")
 
     def _array(self) -> Any:
         return _once(self._token, lambda: _tensorstore(self._path, self._level))
@@ -338,7 +351,7 @@ class _Precomputed(_Opened):
         return self._array()[index].read().result()
 
 
-def _precomputed(path: str, level: int, channel: int) -> Placed:
+def _precomputed(path: str, level: int, channel: int | None) -> Placed:
     found = _Precomputed(path, level, channel)
     store = found._array()
     steps = [float(unit.multiplier) * _NANOMETRES for unit in store.dimension_units[:3]]

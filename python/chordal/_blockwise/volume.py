@@ -482,7 +482,7 @@ def block_volume(
     affine: ArrayLike | None = None,
     unit: str | None = None,
     level: SupportsIndex = 0,
-    channel: SupportsIndex = 0,
+    channel: SupportsIndex | None = None,
 ) -> BlockVolume:
     """A volume that is read a block at a time: see `BlockVolume`.
 
@@ -504,7 +504,7 @@ def block_volume(
 
     `array[i, j, k]` is the sample at x = i, y = j, z = k; what a file says of axes, spacing, origin and unit holds unless
     `spacing`, `origin` or `affine` say others, as for `volume`. `channel` is that of an image of several, or the volume of
-    a NIfTI file of several.
+    a NIfTI file of several, where one has to say which.
     """
     if isinstance(array, Field):
         if affine is not None or spacing is None:
@@ -516,10 +516,10 @@ def block_volume(
         samples = FieldSamples.of(array, steps, None if origin is None else rows[3].tolist())
         return BlockVolume(samples, spacing=samples.steps, origin=samples.origin, unit=unit)
     if isinstance(array, (str, os.PathLike)):
-        found = opened(os.fspath(array), index(level), index(channel))
+        found = opened(os.fspath(array), index(level), None if channel is None else index(channel))
     else:
         refuse_choice("level", index(level), "what is no path")
-        found, is_image = _in_other_hands(array, index(channel))
+        found, is_image = _in_other_hands(array, None if channel is None else index(channel))
         if is_image and (spacing is not None or origin is not None or affine is not None):
             raise TypeError("spacing, origin, affine: this image says them already; pass its array to say others")
     if found.affine is not None and spacing is None and origin is None and affine is None:
@@ -527,7 +527,7 @@ def block_volume(
     return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
 
 
-def _in_other_hands(array: Any, channel: int) -> tuple[Placed, bool]:
+def _in_other_hands(array: Any, channel: int | None) -> tuple[Placed, bool]:
     """What is no path: samples in memory, mapped, or in the file of an image that was not read yet; and whether it is an image."""
     in_file = nibabel_in_file(array, channel)
     if in_file is not None:

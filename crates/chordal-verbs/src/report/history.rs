@@ -124,13 +124,18 @@ impl ComposedFacts {
         }
         let all = all.unwrap_or(Bound::exact(Reference::InputTriangles));
         let is_length = self.rounding >= 0.0 && self.rounding.is_finite();
-        is_length.then(|| all.then(&Bound::proved(0.0, self.rounding, Reference::InputTriangles)))
+        let rounding = is_length.then(|| Bound::proved(0.0, self.rounding, Reference::InputTriangles));
+        // Adding nothing leaves it as it is.
+        rounding.map(|rounding| if self.rounding == 0.0 { all.clone() } else { all.then(&rounding) })
     }
 
     /// Why the histories of the inputs do not hold together, if they do not.
     fn flaw(&self, n_inputs: usize) -> Option<String> {
         if self.origins.len() != n_inputs || self.places.iter().any(|place| place.input >= n_inputs) {
-            return Some("what was composed is not what was read".to_owned());
+            return Some("what was put together is not what was read".to_owned());
+        }
+        if !(self.rounding >= 0.0 && self.rounding.is_finite()) {
+            return Some("what is said to be rounded is no length".to_owned());
         }
         self.origins.iter().find_map(HistoryFacts::flaw)
     }
@@ -245,7 +250,8 @@ impl HistoryFacts {
         if let Some(flaw) = first.composed.as_ref().and_then(|composed| composed.flaw(first.inputs.len())) {
             return Some(flaw);
         }
-        (self.total != sum(&self.steps)).then(|| "the sum of the bounds of the steps is another one".to_owned())
+        (self.total != sum(&self.steps))
+            .then(|| "the sum of the bounds of the steps is another one".to_owned())
     }
 
     /// All inputs that it names, with those of the histories in it.
@@ -292,7 +298,8 @@ pub(crate) fn sum(steps: &[StepFacts]) -> Option<StepBound> {
 /// Why a step does not chain with the one before it, whatever the files are; `None` where it does.
 pub(crate) fn gap(before: &StepFacts, next: &StepFacts) -> Option<HistoryStart> {
     if next.composed.is_some() {
-        let reason = format!("{} read what was composed of parts, which have histories of their own", next.verb);
+        let reason =
+            format!("{} read what was composed of parts, which have histories of their own", next.verb);
         return Some(HistoryStart::new("composed", reason));
     }
     let [input] = &next.inputs[..] else {
@@ -334,12 +341,8 @@ mod tests {
     use super::*;
 
     fn step(at_most: f64, reference: Reference) -> StepFacts {
-        let input = StepInput {
-            kind: "triangles".into(),
-            format: "ply".into(),
-            sha256: None,
-            files: Vec::new(),
-        };
+        let input =
+            StepInput { kind: "triangles".into(), format: "ply".into(), sha256: None, files: Vec::new() };
         StepFacts {
             verb: "mesh".into(),
             version: String::new(),

@@ -1,7 +1,7 @@
 //! What a step read that put its inputs together: put together again.
 use crate::flatten::{self, TransformedScene};
 use crate::merged_parts::one_mesh;
-use crate::placements::{Matrix4, scaled_up};
+use crate::placements::{Matrix4, chain_rounding, largest_reach, scaled_up};
 use crate::report::ComposedFacts;
 use crate::{Input, MeshFailure, Shape};
 use chordal::Job;
@@ -13,6 +13,8 @@ pub(super) struct ComposedReference {
     pub input: Input,
     /// How far the nodes of the inputs may have rounded them, where the maps take that.
     pub off: f64,
+    /// How far all of it may be from where exact numbers would take it, the maps included.
+    pub rounding: f64,
 }
 
 impl ComposedReference {
@@ -30,24 +32,32 @@ impl ComposedReference {
         let mut offs = Vec::with_capacity(inputs.len());
         for input in inputs {
             let Shape::Scene(own) = &input.shape else {
-                return Ok(Err(format!("there is no judge of {} that were put together", input.shape.kind())));
+                return Ok(Err(format!(
+                    "there is no judge of {} that were put together",
+                    input.shape.kind()
+                )));
             };
             let TransformedScene { scene: placed, moved_at_most, .. } = flatten::flatten(own.clone())?;
             let mesh = one_mesh(&placed)?.into_owned();
             scene.parts.push(Part { mesh, ..Part::default() });
             offs.push(moved_at_most);
         }
-        let (mut n_faces, mut off) = (0_u64, 0.0);
+        let (mut n_faces, mut off, mut rounding) = (0_u64, 0.0, 0.0);
         for place in &facts.places {
             n_faces = n_faces.saturating_add(scene.parts[place.input].mesh.faces().len() as u64);
-            off = greater(scaled_up(offs[place.input], place.longest()), off);
+            let own = scaled_up(offs[place.input], place.longest());
+            off = greater(own, off);
+            let reach = largest_reach(&scene.parts[place.input].mesh.bounds());
+            rounding = greater(own + chain_rounding(place.matrices(), reach), rounding);
             let root = stand(&mut scene, place.input, &place.matrices().collect::<Vec<_>>());
             scene.roots.push(root);
         }
         if n_faces.saturating_mul(PER_FACE) > job.memory_limit {
-            return Ok(Err(format!("the {n_faces} triangles of what was put together need more memory than is allowed")));
+            return Ok(Err(format!(
+                "the {n_faces} triangles of what was put together need more memory than is allowed"
+            )));
         }
-        Ok(Ok(Self { input: Input::made(Shape::Scene(scene), Format::Ply), off }))
+        Ok(Ok(Self { input: Input::made(Shape::Scene(scene), Format::Ply), off, rounding }))
     }
 }
 

@@ -7,11 +7,12 @@ mod steps;
 
 pub use claims::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport};
 
+use crate::frame_nodes::may_be_in;
 use crate::geometry_digest::digest_in_frame;
 use crate::origin::{embedded_certificate, stated_frame};
 use crate::report::{HistoryFacts, StepBound, StepInput};
 use crate::seal::{SEAL, seal_of};
-use crate::{Input, MeshFailure};
+use crate::{Input, MeshFailure, Shape};
 use chordal::Job;
 use claims::ClaimList;
 use serde_json::Value;
@@ -68,6 +69,7 @@ pub fn verify(
         }
     }
     counts::check(out, certificate, &mut claims)?;
+    check_frame(out, certificate, &mut claims);
     match history(certificate) {
         Ok(history) => {
             check_geometry(out, certificate, &history, &mut claims)?;
@@ -113,6 +115,15 @@ fn check_seal(certificate: &Value, claims: &mut ClaimList) {
             seal == seal_of(certificate),
             "the certificate was edited: its seal is not that of its content",
         ),
+    }
+}
+
+/// The frame that the certificate states is one in which the file can be.
+fn check_frame(out: &Input, certificate: &Value, claims: &mut ClaimList) {
+    let Shape::Scene(scene) = &out.shape else { return };
+    if !may_be_in(scene, out.format, &stated_frame(certificate)) {
+        claims
+            .refute("frame", "the certificate states another unit or another axis that is up than the file");
     }
 }
 
