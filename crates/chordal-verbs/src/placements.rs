@@ -89,16 +89,17 @@ impl PartPlacement {
     }
 
     /// How far the rounding of its transforms can move a vertex of the part.
-    ///
-    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d
-    /// transforms are off by less than `7d` half steps, relative to the product of the absolute values. `8d`
-    /// whole steps cover that and the rounding of the estimate, which has as many operations.
     pub fn rounding(&self, part: &Part) -> f64 {
         let bounds = part.mesh.bounds();
         if bounds.is_empty() { 0.0 } else { self.rounding_within(largest_reach(&bounds)) }
     }
 
-    /// The same of a point whose coordinates have no larger absolute values than these.
+    /// How far the rounding of its transforms can move a point whose coordinates have no larger absolute values
+    /// than these.
+    ///
+    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d
+    /// transforms are off by less than `7d` half steps, relative to the product of the absolute values. `8d`
+    /// whole steps cover that and the rounding of the estimate, which has as many operations.
     fn rounding_within(&self, reach: [f64; 3]) -> f64 {
         let m = &self.magnitude;
         let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;
