@@ -70,6 +70,24 @@ class Shape(
         """The format that it was read from, as in "bpt"."""
         return self._source.format
 
+    @property
+    def history(self) -> dict[str, Any]:
+        """How it came about, as far as that is proved: `steps`, each with its bound, and `total`, how far it is from the first
+        shape, as in the certificate of a report. Of a file it is what its certificate says, if that is of this very geometry;
+        `begins` says why there is no earlier step. Of a mesh that was moved or put together, `composed` has the histories of
+        its parts, where `total` counts them.
+
+        >>> import chordal, tempfile, os
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     name = os.path.join(folder, "ball.ply")
+        ...     report = chordal.shapes.sphere(1).mesh(tol=0.1).export(name)
+        ...     total = chordal.load(name).history["total"]
+        >>> total["reference"], 0 < total["at_most"] <= 0.1
+        ('field', True)
+        """
+        found: dict[str, Any] = json.loads(_chordal.history(self._source))
+        return found
+
     def inspect(self) -> Report:
         """The report of `chordal inspect`: what it is, its size, its warnings, and whether it is sound."""
         return Report(json.loads(self._source.inspect()))

@@ -146,7 +146,7 @@ def test_the_weakest_metric_of_all_holds(mixed: str) -> None:
 def test_a_file_whose_writer_turns_it_is_no_lie(format: str, tmp_path: Path) -> None:
     path = tmp_path / f"a.{format}"
     for up in ("y", "z"):
-        chordal.scene({"a": MESH}, up=up, unit="cm").export(path)  # type: ignore[arg-type]
+        chordal.scene({"a": MESH}, up=up, unit="cm").export(path)
         assert not open_claims(chordal.verify(path, [MESH, BALL])), up
         again = chordal.load(path, kind=chordal.Mesh).translate(1, 2, 3)
         again.export(tmp_path / f"b.{format}")
@@ -185,3 +185,14 @@ def test_a_bound_of_any_size_is_shown() -> None:
     assert "e+100" in repr(MESH.scale(1e102)) and "e-10" in repr(MESH.scale(1e-100))
     far = MESH.scale(1e200).bound
     assert far.at_most is None and far.evidence == "estimated" and "at least" in far.sentence()
+
+
+def test_a_history_is_read_back(tmp_path: Path) -> None:
+    moved = MESH.translate(3, 0, 0)
+    report = moved.export(tmp_path / "a.glb")
+    found = chordal.load(tmp_path / "a.glb").history
+    assert found["total"] == total_of(report) and found["steps"] == report["certificate"]["history"]["steps"]
+    assert moved.history["total"]["at_most"] <= 0.01 + 1e-12
+    assert moved.history["composed"]["origins"][0]["steps"] == MESH.history["steps"]
+    assert PLAIN.history["steps"] == [] and PLAIN.history["begins"]["code"] == "no-certificate"
+    assert shapes.sphere(1).history["total"] is None

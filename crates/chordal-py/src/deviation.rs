@@ -5,7 +5,7 @@ use crate::{failure, work};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
-use chordal_verbs::{DeviationSpec, Input, deviation, verify};
+use chordal_verbs::{DeviationSpec, Input, deviation, history_of, verify};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -64,4 +64,17 @@ pub(crate) fn verified(
     let found = work::run(py, None, move |job| verify(&out, given.as_ref(), &against, job))?;
     let report = found.map_err(|error| failure::mesh(py, error))?;
     serde_json::to_string(&report).map_err(|error| failure::internal(py, &error.to_string()))
+}
+
+/// How a shape came about, as JSON, as far as that is proved; and what its parts are, where it was put together.
+#[pyfunction]
+pub(crate) fn history(py: Python<'_>, source: &Source) -> PyResult<String> {
+    let input = Arc::clone(source.input());
+    work::run(py, None, move |_| {
+        let mut facts = serde_json::to_value(history_of(&input)).unwrap_or_default();
+        if let Some(composed) = &input.composed {
+            facts["composed"] = serde_json::to_value(composed.facts()).unwrap_or_default();
+        }
+        facts.to_string()
+    })
 }

@@ -44,7 +44,7 @@ mod _chordal {
     #[pymodule_export]
     use super::conversion::{Conversion, convert};
     #[pymodule_export]
-    use super::deviation::verified;
+    use super::deviation::{history, verified};
     #[pymodule_export]
     use super::levels::{Levels, levels};
     #[pymodule_export]

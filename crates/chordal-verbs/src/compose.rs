@@ -151,6 +151,25 @@ pub fn made_of(input: &Input, kind: &str, bound: &Bound) -> Result<Composed, Wri
     Composed::of_one(own, origin, scene_in(input)?)
 }
 
+/// How an input came about, as far as its certificate proves it or it is known otherwise: what a history of a result of it
+/// begins with, and how far the input is from the first shape.
+///
+/// ```
+/// use chordal_verbs::{FormatHint, history_of, load};
+/// let plain = load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", FormatHint::default(), &Default::default())?;
+/// assert_eq!(history_of(&plain).begins.code, "no-certificate");
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+#[must_use]
+pub fn history_of(input: &Input) -> HistoryFacts {
+    let InputOrigin { steps, begins, composed } = InputOrigin::from_input(input);
+    let mut found = HistoryFacts::new(begins, steps);
+    if let Some(composed) = composed {
+        found.total = composed.facts().bound().as_ref().map(StepBound::new);
+    }
+    found
+}
+
 /// What inputs were put together of; what is there several times is looked at once.
 struct KnownParts(BTreeMap<*const Input, Composed>);
 

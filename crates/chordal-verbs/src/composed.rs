@@ -91,7 +91,8 @@ impl Composed {
     }
 
     /// Where they stand, and how they came about.
-    pub(crate) fn facts(&self) -> &ComposedFacts {
+    #[must_use]
+    pub fn facts(&self) -> &ComposedFacts {
         &self.facts
     }
 

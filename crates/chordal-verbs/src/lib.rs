@@ -98,7 +98,7 @@ pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::lod::count::Effort;
 pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
-pub use compose::{compose_input, join_input, made_of, transform_input};
+pub use compose::{compose_input, history_of, join_input, made_of, transform_input};
 pub use composed::Composed;
 pub use convert::{
     ConvertOutcome, ConvertedShape, convert, convert_within, needs_mesh, polygons_lose_no_more, written_names,
