@@ -12,7 +12,7 @@ from chordal._arguments import text, warn
 from chordal._arrays import coordinates
 from chordal._assets import Assets
 from chordal._bound import Bound
-from chordal._hints import keywords_hinted
+from chordal._hints import hint_keywords_of, keywords_hinted
 from chordal._material import Material
 from chordal._pieces import _largest, _State
 from chordal._scene import numbers_in
@@ -55,6 +55,9 @@ class Placed:
     #: What all of it looks like: a `Material`, or a dictionary as glTF describes one, without textures. None leaves it the
     #: materials that it has.
     material: Material | Mapping[str, Any] | None = None
+
+
+hint_keywords_of(Placed)
 
 
 @keywords_hinted

@@ -326,6 +326,14 @@ class Field(Shape):
         """A wall along the surface, half of its thickness to each side: `shapes.shell`. Raises as `offset`."""
         return called("shell", self, thickness)  # type: ignore[no-any-return]
 
+    def __add__(self, other: object) -> NoReturn:
+        """Refused: `|` is both shapes together."""
+        raise TypeError("shapes are not added: a | b is both together, a & b what is in both, a - b what is only in a")
+
+    def __radd__(self, other: object) -> NoReturn:
+        """Refused, as `+`."""
+        self.__add__(other)
+
     def __or__(self, other: Field) -> Field:  # type: ignore[override]
         _only_fields(other)
         return _operated("|", self, other)  # type: ignore[no-any-return]

@@ -62,8 +62,27 @@ _MESHES: dict[str, str] = {
     **dict.fromkeys(("plot", "view", "display"), 'mesh.show(), in a notebook; else mesh.render().export("a.png")'),
     **dict.fromkeys(("n_faces", "n_cells", "num_faces", "n_triangles", "num_tri", "number_of_cells"), "len(mesh.faces)"),
     **dict.fromkeys(
-        ("n_points", "n_vertices", "num_vertices", "n_verts", "num_vert", "number_of_points"), "len(mesh.vertices)"
+        ("n_points", "n_vertices", "num_vertices", "n_verts", "num_vert", "number_of_points", "vertex_count"), "len(mesh.vertices)"
     ),
+    "face_count": "len(mesh.faces)",
+    **dict.fromkeys(("connected_components", "cluster_connected_triangles", "pieces", "components"), "mesh.split()"),
+    **dict.fromkeys(("unite", "fuse", "add"), "mesh.union(other), or a | b, for solids; mesh + other for triangles next to each other"),
+    **dict.fromkeys(("subtract", "minus"), "mesh.difference(other), or a - b"),
+    **dict.fromkeys(("intersect", "common"), "mesh.intersection(other), or a & b"),
+    **dict.fromkeys(("cut", "slice_plane", "clip_plane"), "mesh.difference(other), as of a large box"),
+    "edge_lengths": "numpy.linalg.norm of the differences of mesh.vertices[mesh.faces]",
+    **dict.fromkeys(("pointcloud", "point_cloud", "to_points"), "mesh.vertices, or mesh.to_trimesh().sample(count)"),
+    "name": "mesh.parts[0].name, and that of mesh.nodes",
+    **dict.fromkeys(("certificate", "proof", "provenance"), 'mesh.history, or mesh.report["certificate"]'),
+    **dict.fromkeys(("isotropic_remesh", "isotropic_remeshing"), "shape.mesh(tol=0.01), whose triangles are as large as that allows"),
+    "normalize": "mesh.translate(…) and mesh.scale(…), as mesh.bounds says",
+    "unify": "mesh.union(other), or mesh.mend(orient=True) for faces that look the same way",
+    **dict.fromkeys(
+        ("is_manifold", "is_edge_manifold", "is_vertex_manifold"),
+        'mesh.report["certificate"]["valid"], with "manifold"; closed is mesh.is_watertight',
+    ),
+    **dict.fromkeys(("adjacency", "face_adjacency_edges"), "mesh.to_trimesh().face_adjacency"),
+    **dict.fromkeys(("principal_axes", "register", "align"), "those of mesh.to_trimesh()"),
     **dict.fromkeys(("is_empty", "has_triangles", "has_vertices"), "len(mesh.faces) == 0"),
     **dict.fromkeys(
         ("mass", "density", "mass_properties"), "mesh.volume and mesh.center_mass; a mass is the volume times a density"
@@ -231,11 +250,15 @@ _VOLUMES: dict[str, str] = {
     **dict.fromkeys(("center", "extents", "bounding_box"), "volume.bounds"),
     **dict.fromkeys(
         ("clip", "extract_subset", "pad_image", "resize", "median_smooth", "dilate", "erode", "image_threshold")
-        + ("rotate", "flip", "slice", "sample", "interpolate", "to_unit", "unit"),
+        + ("rotate", "flip", "slice", "sample", "interpolate", "to_unit", "gradient", "mask", "astype", "slices"),
         "chordal.volume of an array that numpy or scipy.ndimage makes",
     ),
     **dict.fromkeys(("resample", "crop", "gaussian_smooth"), "chordal.volume of an array that scipy.ndimage makes"),
     **dict.fromkeys(("transform", "matrix", "orientation", "direction"), "volume.affine"),
+    **dict.fromkeys(("smooth", "smoothed"), 'volume.surface(smooth="1vox")'),
+    **dict.fromkeys(("header", "zooms", "coords"), "volume.spacing, volume.origin and volume.affine"),
+    "ndim": "volume.array.ndim",
+    **dict.fromkeys(("to_dask", "to_zarr", "to_numpy_array"), "volume.array, which those libraries take"),
     "labels": 'volume.mesh(labels="all"), or chordal.labels(array)',
     **dict.fromkeys(("to_trimesh", "to_pyvista", "to_open3d"), "volume.mesh(iso=0.5).to_trimesh()"),
     **dict.fromkeys(("tileset", "precomputed", "to_3dtiles"), "that of chordal.block_volume(array)"),
@@ -312,6 +335,8 @@ _CURVES: dict[str, str] = {
 _CAGES: dict[str, str] = {
     **{name: f"cage.shape().{name}(…)" for name in _OF_SHAPES},
     **dict.fromkeys(("vertices", "points", "verts"), "cage.positions"),
+    **dict.fromkeys(("to_trimesh", "to_pyvista"), "cage.shape().mesh(tol=0.01).to_trimesh()"),
+    "uv": "cage.shape().mesh(tol=0.01).uv",
     **dict.fromkeys(("subdivide", "subdivided", "refine", "catmull_clark", "loop"), "cage.refined(levels)"),
     **dict.fromkeys(("limit", "limit_surface", "tessellate", "triangulate"), "cage.shape().mesh(tol=0.01)"),
 }
@@ -321,6 +346,7 @@ _BLOCKS: dict[str, str] = {
     **dict.fromkeys(("lod", "levels", "to_3dtiles", "tiles"), "volume.tileset(folder, iso=…)"),
     **dict.fromkeys(("chunks", "chunk_shape", "block_shape"), "block= of volume.mesh and the others"),
     **dict.fromkeys(("marching_cubes", "contour", "isosurface"), "volume.mesh(iso=0.5)"),
+    **dict.fromkeys(("to_trimesh", "export", "deviation", "bake", "render", "show"), "the same of volume.mesh(iso=0.5)"),
     **dict.fromkeys(
         ("neuroglancer", "to_neuroglancer", "to_precomputed", "fragments", "multiresolution"),
         "volume.precomputed_levels(folder), or volume.precomputed(folder)",
@@ -366,6 +392,14 @@ _MODULE: dict[str, str] = {
         ("save", "write", "save_mesh", "write_mesh", "export"), 'shape.export("a.stl"), or chordal.convert(shape, path)'
     ),
     **dict.fromkeys(("read_mesh", "read_image", "imread", "read_volume"), 'chordal.load("a.nrrd")'),
+    **dict.fromkeys(("load_volume", "nifti", "array"), 'chordal.volume(array), or chordal.volume("scan.nii")'),
+    **dict.fromkeys(("zarr", "dask", "tileset"), 'chordal.block_volume("a.zarr"), or of an array of Dask'),
+    "image": "chordal.volume(image)",
+    **dict.fromkeys(("join", "combine"), "chordal.concatenate([a, b]) next to each other, chordal.union(a, b) as one solid"),
+    **dict.fromkeys(("view", "camera"), "chordal.View"),
+    **dict.fromkeys(("cage", "catmull_clark", "loop"), 'chordal.Cage, or chordal.load("a.obj", surface="catmull-clark")'),
+    **dict.fromkeys(("validate", "check"), "chordal.inspect(shape), and chordal.verify(path, against) for a certificate"),
+    **dict.fromkeys(("set_num_threads", "config"), "none: work takes all processors, and a job of a batch its own"),
     **dict.fromkeys(("marching_cubes", "isosurface", "contour"), "chordal.volume(array).mesh(iso=0.5)"),
     **dict.fromkeys(("Scene", "MultiBlock", "load_scene", "TriangleMeshModel"), 'chordal.scene({"a": mesh, "b": other})'),
     **dict.fromkeys(("visual", "PBRMaterial", "Texture", "TextureVisuals", "SimpleMaterial"), "chordal.Material"),

@@ -41,6 +41,13 @@ _KEYWORDS: dict[str, tuple[str, ...]] = {
     "gradient=": ("grad", "derivative"),
     "colors=": ("color", "vertex_colors", "rgb"),
     "normals=": ("vertex_normals", "normal"),
+    "faces": ("triangles",),
+    "compress=": ("draco", "compression"),
+    "at=": ("translation", "matrix", "transform", "position"),
+    "metallic=": ("metalness", "metallicFactor"),
+    "roughness=": ("roughnessFactor",),
+    "color=": ("baseColorFactor", "diffuse", "base_color"),
+    "absolute=": ("tol", "tolerance", "error"),
     "distances=": ("lod_distances", "switch_distances"),
 }
 
@@ -68,6 +75,10 @@ _ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
         "triangles",
         "say how far it may be off, as in tol=0.01, or how many there are, as in triangles=5000",
     ),
+    (("opacity", "transparency"), "cutoff", 'the fourth number of color, with alpha="blend"'),
+    (("ascii", "binary"), "quantize", "STL and PLY are written in binary"),
+    (("background", "azimuth", "elevation"), "view", 'view= says from where, as in view="640x480 fov=30 eye=3,2,2"'),
+    (("names",), "only", "labels are called by their numbers; only= takes some of them"),
     (("labels",), "executor", "volume.labels() has a mesh for each"),
     (("angle", "theta"), "degrees", "here it is degrees="),
 )
@@ -187,6 +198,11 @@ def refuse_own(made: object, given: object, wanted: type) -> None:
     if not isinstance(given, wanted):
         title = type(made).__name__
         raise TypeError(f"{title} is not made of {type(given).__name__}: {_MAKERS.get(title, _MAKERS['Shape'])}")
+
+
+def hint_keywords_of(kind: type) -> None:
+    """The same for the keywords by which a dataclass is made."""
+    kind.__init__ = keywords_hinted(kind.__init__)  # type: ignore[misc]
 
 
 def meant_keyword(wrong: str, known: Iterable[str]) -> str:

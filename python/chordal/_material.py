@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 
 from chordal import _files
 from chordal._arguments import number
+from chordal._hints import hint_keywords_of
 from chordal._picture import Picture
 
 #: A file of PNG or JPEG, by its path or its bytes, or a picture.
@@ -85,6 +86,9 @@ class Material:
             if value != one.default:
                 said.append(f"{one.name}={f'<{len(value):,} bytes>' if isinstance(value, bytes) else repr(value)}")
         return f"Material({', '.join(said)})"
+
+
+hint_keywords_of(Material)
 
 
 def image_of(name: str, image: object) -> tuple[bytes, str]:

@@ -335,8 +335,29 @@ def test_answers_name_what_there_is() -> None:
 
 
 @pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: ANY.Placed(SOLID, translation=(1, 0, 0)), r"Placed.* has no argument 'translation': here it is at="),
+        (lambda: ANY.Material(opacity=0.5), "the fourth number of color"),
+        (lambda: ANY.Material(metalness=0.5), "here it is metallic="),
+        (lambda: BALL + BALL, r"a \| b is both together"),
+        (lambda: sum([BALL, BALL]), r"a \| b is both together"),
+        (lambda: SOLID.export("a.glb", compress=True), "compress: a text, not bool"),
+        (lambda: SOLID.bake(cells=(4, 5, 6)), "cells: a whole number, not tuple"),
+    ],
+)
+def test_keywords_and_operators_are_answered(make: Any, told: str) -> None:
+    with pytest.raises(TypeError, match=told):
+        make()
+
+
+@pytest.mark.parametrize(
     ("thing", "name", "told"),
     [
+        (SOLID, "connected_components", "split"),
+        (SOLID, "certificate", "history"),
+        (VOLUME, "zooms", "spacing"),
+        (BLOCKS, "to_trimesh", "mesh"),
         (ARCH, "mesh", "flatten"),
         (ARCH, "evaluate", "points_at"),
         (TENT, "mesh", r"cage\.shape\(\)\.mesh"),
