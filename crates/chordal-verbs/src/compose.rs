@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// (map[0], map[5], map[10], map[13], map[15]) = (2.0, 2.0, 2.0, 5.0, 1.0);
 /// let (twice, _) = transform_input(&input, &map)?;
 /// let history = convert(twice, Format::Ply)?.certificate.history.unwrap();
-/// assert_eq!(history.steps[0].inputs[0].sha256, input.sha256());
+/// assert_eq!(history.steps[0].inputs[0].sha256.as_deref(), input.sha256());
 /// assert_eq!(history.steps[0].composed.as_ref().unwrap().places[0].maps[0][7], 5.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
