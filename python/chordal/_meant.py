@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal, SupportsFloat
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, SupportsFloat
 
 from chordal import _chordal
 from chordal._arguments import number, text, warn
+
+
+def meant_of(known: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """What was said of a surface before, and what is said now, which counts."""
+    said = {name: value for name, value in given.items() if value is not None}
+    # A level takes the place of labels, and they that of a level.
+    others = {"iso": ("labels",), "labels": ("iso", "inside")}
+    replaced = {name for own in said for name in others.get(own, ())}
+    return {**{name: value for name, value in known.items() if name not in replaced}, **said}
 
 
 def meant(

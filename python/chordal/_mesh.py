@@ -458,7 +458,11 @@ def _colors(given: ArrayLike) -> NDArray[np.float64]:
     found = np.asanyarray(given)
     if found.dtype.kind == "u" and found.dtype.itemsize < 4:
         return coordinates("color", found) / float(np.iinfo(found.dtype).max)
-    return coordinates("color", found)
+    values = coordinates("color", found)
+    if values.size and (values.min() < 0 or values.max() > 1):
+        wrong = values.max() if values.max() > 1 else values.min()
+        raise ValueError(f"colors: floats from 0 to 1, or bytes, as in colors.astype(numpy.uint8), not {wrong:g}")
+    return values
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from chordal._errors import Refused
 from chordal._hints import Guessed, GuessedType, keywords_hinted, refuse_own
 from chordal._levels import Levelled
 from chordal._mend import Mendable
-from chordal._meant import meant
+from chordal._meant import meant, meant_of
 from chordal._picture import Pictured
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
@@ -32,6 +32,10 @@ if TYPE_CHECKING:
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
 Progress = Callable[[str, int, int], object]
+
+
+#: No word on which surface of a volume is meant.
+_NOTHING: dict[str, Any] = {"iso": None, "inside": None, "border": None, "labels": None, "smooth": None}
 
 
 class Shape(
@@ -179,7 +183,10 @@ class Shape(
 
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
-        source = meant(self._source, iso=iso, inside=inside, border=border, labels=labels, smooth=smooth)
+        words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
+        known: dict[str, Any] = getattr(self, "_meant", {})
+        is_said = any(value is not None for value in words.values())
+        source = meant(self._source, **_NOTHING | meant_of(known, words)) if is_said else self._source
         limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel, require)
         if source.kind == "volume" and all(limit is None for limit in limits):
             budget = NO_BUDGET

@@ -16,7 +16,7 @@ from chordal._bound import Bound, bound_of
 from chordal._errors import ReadError
 from chordal._hints import keywords_hinted
 from chordal._images import Imaged, lattice_of
-from chordal._meant import meant
+from chordal._meant import meant, meant_of
 from chordal._report import Report
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
@@ -159,8 +159,8 @@ class Volume(Shape, Imaged):
         True
         """
         words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
-        said = {name: value for name, value in words.items() if value is not None}
-        source = meant(self._source, iso=iso, inside=inside, border=border, labels=labels, smooth=smooth)
+        said = meant_of(self._meant, words)
+        source = meant(self._source, **dict.fromkeys(words) | said)
         return Volume(source, self._report, said, self._runs_backwards)
 
     def __reduce__(self) -> Any:

@@ -125,3 +125,24 @@ def test_a_file_of_numpy_has_the_axes_of_numpy(order: str, suffix: str, tmp_path
     again = tmp_path / "again.npy"
     found.export(again)
     assert np.array_equal(np.load(again), samples)
+
+
+def test_words_on_a_surface_add_up() -> None:
+    halves = np.ones((12, 12, 12), np.uint8)
+    halves[6:] = 2
+    both = chordal.labels(halves)
+    assert [part.name for part in both.mesh(border="open").parts] == ["label 1", "label 2"]
+    with pytest.raises(chordal.Refused, match="labels would no longer fit together"):
+        both.mesh(smooth=1)
+    # A level takes the place of labels, and they that of a level.
+    assert len(both.mesh(iso=1.5).parts) == 1
+    assert len(chordal.volume(halves).surface(iso=1.5, inside="low").mesh(labels="all").parts) == 2
+    kept = chordal.volume(BALL).surface(inside="low", border="open")
+    assert np.array_equal(kept.mesh(iso=0).vertices, chordal.volume(BALL).mesh(iso=0, inside="low", border="open").vertices)
+
+
+def test_colours_are_shares_or_bytes() -> None:
+    corners, faces = np.eye(3), [(0, 1, 2)]
+    with pytest.raises(ValueError, match="colors: floats from 0 to 1, or bytes, .* not 200"):
+        chordal.Mesh(corners, faces, colors=np.full((3, 3), 200.0))
+    assert chordal.Mesh(corners, faces, colors=np.full((3, 3), 200, np.uint8)).colors is not None
