@@ -170,7 +170,7 @@ class _Assembly:
         if key not in self._taken:
             self._taken[key] = self._take(mesh, name, material)
         taken, own = self._taken[key], self._taken[key].nodes
-        if len(own) == 1 and own[0]["matrix"] == _IDENTITY and not own[0]["properties"]:
+        if len(own) == 1 and own[0]["part"] is not None and own[0]["matrix"] == _IDENTITY and not own[0]["properties"]:
             node = self._node(name or own[0]["name"], [], taken.parts[own[0]["part"]])
         else:
             first = len(self._nodes)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from chordal import _chordal
@@ -100,7 +102,9 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     frame = {"texture_origin": "lower-left" if has_uv else None, "metres_per_unit": units.pop()}
     state = json.dumps({"parts": [part], "frame": frame})
     source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [one._source for one in found], None)
-    made = Mesh._of_source(source, _largest([one.bound for one in found]))
+    # What stands below nodes is rounded where they put it.
+    offs = [_chordal.composed_bound(one._source, []) for one in found]
+    made = Mesh._of_source(source, _largest([_moved_by(one.bound, off) for one, off in zip(found, offs)]))
     made._is_given = made._bound is None
     return made
 
@@ -108,6 +112,13 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
 def _warn_of_materials(meshes: list[Mesh]) -> None:
     if any(one.materials for one in meshes):
         warn("materials: these stay behind, for all becomes one part; chordal.scene(a, b) keeps them")
+
+
+def _moved_by(bound: Bound, off: float) -> Bound:
+    """The bound of what was moved by no more than a length."""
+    if off == 0 or bound.at_most is None:
+        return bound
+    return replace(bound, at_least=0.0, at_most=math.nextafter(bound.at_most + off, math.inf))
 
 
 def _largest(bounds: list[Bound]) -> Bound | None:
@@ -122,14 +133,15 @@ def _largest(bounds: list[Bound]) -> Bound | None:
     tops = [bound.at_most for bound in bounds if bound.at_most is not None]
     references = list(dict.fromkeys(bound.reference for bound in bounds))
     samples = [bound.samples for bound in bounds if bound.samples is not None]
+    evidence = max((bound.evidence for bound in bounds), key=kinds.index)
     return Bound(
         at_least=0.0,
         at_most=max(tops) if len(tops) == len(bounds) else None,
-        evidence=max((bound.evidence for bound in bounds), key=kinds.index),
+        evidence=evidence,
         metric=metric,
         reference=" and ".join(references),
-        assumptions=tuple(dict.fromkeys(line for bound in bounds for line in bound.assumptions)),
-        samples=sum(samples) if samples else None,
+        assumptions=tuple(dict.fromkeys(line for bound in bounds for line in bound.assumptions)) if evidence == "proved-if" else (),
+        samples=min(samples) if samples and evidence == "measured" else None,
     )
 
 

@@ -140,7 +140,9 @@ class Transformable:
 
 
 def _volume_of(rows: _Rows) -> float:
-    (a, b, c), (d, e, f), (g, h, i) = (row[:3] for row in rows)
+    """The determinant of the linear part, for its sign: scaled by the largest entry, so that it does not underflow."""
+    largest = max(abs(entry) for row in rows for entry in row[:3]) or 1.0
+    (a, b, c), (d, e, f), (g, h, i) = ([entry / largest for entry in row[:3]] for row in rows)
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 

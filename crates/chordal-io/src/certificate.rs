@@ -27,14 +27,16 @@ pub(crate) fn read(
     }
 }
 
+/// The comment's own prefix precedes it.
+pub(crate) const PREFIX: usize = 32;
+
 /// Serialises the certificate as one line without a line break, in ASCII: the header of a PLY holds no other
 /// letters.
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] when the line is longer than readers accept by default.
 pub(crate) fn line(certificate: &Value) -> Result<String, WriteError> {
-    // The comment's own prefix precedes it.
-    let limit = Limits::default().header_line - 32;
+    let limit = Limits::default().header_line - PREFIX;
     let line = in_ascii(&certificate.to_string());
     if line.len() > limit {
         let message = format!("a certificate of {} bytes does not fit into a line of {limit}", line.len());

@@ -6,6 +6,7 @@ mod assets;
 pub mod bez;
 pub mod bpt;
 mod certificate;
+mod certificate_room;
 pub mod collada;
 pub mod dicom;
 mod drawing;
@@ -77,6 +78,7 @@ mod xml_text;
 mod zip;
 
 pub use assets::{FaceKind, ImageContent, MATERIAL, PackedAccessor, SceneAssets, SceneImage, plain_material};
+pub use certificate_room::most_certificate_bytes;
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use files::FileOpener;

@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// let (twice, _) = transform_input(&input, &map)?;
 /// let history = convert(twice, Format::Ply)?.certificate.history.unwrap();
 /// assert_eq!(history.steps[0].inputs[0].sha256.as_deref(), input.sha256());
-/// assert_eq!(history.steps[0].composed.as_ref().unwrap().places[0].maps[0][7], 5.0);
+/// assert_eq!(history.steps[0].composed.as_ref().unwrap().places[0].map.unwrap()[7], 5.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn transform_input(input: &Input, matrix: &[f64; 16]) -> Result<(Input, Stretch), WriteError> {
@@ -36,7 +36,7 @@ pub fn transform_input(input: &Input, matrix: &[f64; 16]) -> Result<(Input, Stre
     let off = stretch.interval(0.0, Some(composed.off())).1.unwrap_or(f64::INFINITY);
     let composed = Composed::placed(&[(vec![*matrix], &composed)], off);
     let made = Input { n_bytes: input.n_bytes, ..Input::made(Shape::Scene(scene), input.format) };
-    Ok((Input { composed: Some(Arc::new(composed)), ..made }, stretch))
+    Ok((Input { composed: composed.map(Arc::new), ..made }, stretch))
 }
 
 /// A scene of other triangles, which stand below its nodes: with their histories. `parts` are the nodes, and what all below
@@ -80,7 +80,7 @@ pub fn compose_input(input: Input, parts: &[(usize, &Input)]) -> Result<Input, W
         }
     }
     let composed = Composed::placed(&placed, composed_bound(scene, &offs));
-    Ok(Input { composed: Some(Arc::new(composed)), ..input })
+    Ok(Input { composed: composed.map(Arc::new), ..input })
 }
 
 /// Triangles next to each other as they are, with their histories: `input` holds those of all `parts`, in this order.
@@ -110,7 +110,7 @@ pub fn join_input(input: Input, parts: &[&Input]) -> Result<Input, WriteError> {
         placed.push((Vec::new(), composed));
     }
     let composed = Composed::placed(&placed, off);
-    Ok(Input { composed: Some(Arc::new(composed)), ..input })
+    Ok(Input { composed: composed.map(Arc::new), ..input })
 }
 
 /// What is known of triangles whose bound no certificate says, for [`Input::composed`]: against a shape of that kind, as samples

@@ -1,5 +1,7 @@
 //! `Composed`: what triangles were put together of, so that what is made of them knows how far it is from the truth.
-use crate::placements::{Matrix4, chain_rounding, largest_reach, nodes_rounding, scaled_up};
+use crate::placements::{
+    IDENTITY, Matrix4, as_one_map, largest_reach, largest_stretch, map_rounding, nodes_rounding, scaled_up,
+};
 use crate::report::{ComposedFacts, HistoryFacts, HistoryStart, PlaceFacts, StepInput};
 use chordal::math::{add_up, greater};
 use chordal_io::{Scene, WriteError};
@@ -42,17 +44,18 @@ impl Composed {
         }
         let size = InputSize { reach, off: nodes_rounding(scene) };
         let origin = if origin.depth() < DEEPEST { origin } else { begun_anew() };
-        let places = vec![PlaceFacts { input: 0, maps: Vec::new() }];
+        let places = vec![PlaceFacts { input: 0, map: None }];
         let facts = ComposedFacts { origins: vec![origin], places, rounding: 0.0 };
         Ok(Self { inputs: vec![input], facts, off: 0.0, sizes: vec![size] })
     }
 
     /// Several of these next to each other, each below maps, the last of them first: triangles that are off by no more than a
-    /// length.
-    pub(crate) fn placed(parts: &[(Vec<Matrix4>, &Self)], off: f64) -> Self {
+    /// length. The maps become one, and what that rounds is counted: no chain of them makes it large. `None` where they lead
+    /// out of range.
+    pub(crate) fn placed(parts: &[(Vec<Matrix4>, &Self)], off: f64) -> Option<Self> {
         let mut all = Self { inputs: Vec::new(), facts: ComposedFacts::default(), off, sizes: Vec::new() };
         let mut numbers: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
-        let mut judged = 0.0;
+        let (mut judged, mut merged) = (0.0, 0.0);
         for (above, part) in parts {
             let mut own = Vec::with_capacity(part.inputs.len());
             for (k, input) in part.inputs.iter().enumerate() {
@@ -70,19 +73,28 @@ impl Composed {
                     all.inputs.len() - 1
                 }));
             }
-            let above: Vec<[f64; 12]> = above.iter().map(rows_of).collect();
             for place in &part.facts.places {
-                let maps = above.iter().chain(&place.maps).copied().collect();
-                let place = PlaceFacts { input: own[place.input], maps };
-                let InputSize { reach, off } = &all.sizes[place.input];
-                let moved = chain_rounding(place.matrices(), *reach);
-                judged = greater(add(scaled_up(*off, place.longest()), moved), judged);
-                all.facts.places.push(place);
+                let InputSize { reach, off } = &all.sizes[own[place.input]];
+                let (mut map, mut rounded) = (place.matrix(), 0.0);
+                for after in above.iter().rev() {
+                    let (one, lost) = as_one_map(after, &map, *reach);
+                    rounded = add(scaled_up(rounded, largest_stretch(after)), lost);
+                    map = one;
+                }
+                if !map.iter().all(|entry| entry.is_finite()) {
+                    return None;
+                }
+                merged = greater(rounded, merged);
+                judged =
+                    greater(add(scaled_up(*off, largest_stretch(&map)), map_rounding(&map, *reach)), judged);
+                let map = (map != IDENTITY).then(|| rows_of(&map));
+                all.facts.places.push(PlaceFacts { input: own[place.input], map });
             }
         }
+        all.off = add(off, merged);
         // Who puts them together again rounds, too, and compares what is rounded: on the way there and back.
-        all.facts.rounding = add(off, 2.0 * judged);
-        all
+        all.facts.rounding = add(all.off, 2.0 * judged);
+        all.facts.rounding.is_finite().then_some(all)
     }
 
     /// The files, or what stands for them.

@@ -129,11 +129,20 @@ pub(crate) fn nodes_rounding(scene: &Scene) -> f64 {
     moved.map(|place| place.rounding(&scene.parts[place.part])).fold(0.0, greater)
 }
 
-/// How far the rounding of transforms, the last of them first, can move a point whose coordinates have no larger absolute
-/// values than these.
-pub(crate) fn chain_rounding(maps: impl Iterator<Item = Matrix4>, reach: [f64; 3]) -> f64 {
-    let place = maps.fold(PartPlacement::OUTSIDE, |place, map| place.compose(0, &map, 0));
+/// How far the rounding of a map can move a point whose coordinates have no larger absolute values than these.
+pub(crate) fn map_rounding(map: &Matrix4, reach: [f64; 3]) -> f64 {
+    let place = PartPlacement::OUTSIDE.compose(0, map, 0);
     if place.is_identity { 0.0 } else { place.rounding_within(reach) }
+}
+
+/// Two maps as one, the first after the second, and how far it takes such a point from where both would.
+pub(crate) fn as_one_map(after: &Matrix4, map: &Matrix4, reach: [f64; 3]) -> (Matrix4, f64) {
+    if *after == IDENTITY || *map == IDENTITY {
+        return (if *after == IDENTITY { *map } else { *after }, 0.0);
+    }
+    let magnitude = product(&after.map(f64::abs), &map.map(f64::abs));
+    let place = PartPlacement { depth: 1, magnitude, ..PartPlacement::OUTSIDE };
+    (product(after, map), place.rounding_within(reach))
 }
 
 /// All placements in the order of the tree, as [`Scene::world_meshes`] gives them, by walking the scene from its

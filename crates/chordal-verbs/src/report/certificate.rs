@@ -3,14 +3,14 @@ use super::history::gap;
 use super::message_text::message_texts;
 use super::{
     AttributeFacts, BooleanFacts, BoundFacts, BudgetFacts, DistanceGridFacts, FrameFacts, HistoryFacts,
-    InputFacts, LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts, SmoothingFacts, StepBound,
-    StepFacts, StepOutput, ValidityFacts, to_value,
+    HistoryStart, InputFacts, LevelsFacts, Output, OvershadeFacts, RefinementFacts, RepairFacts,
+    SmoothingFacts, StepBound, StepFacts, StepOutput, ValidityFacts, to_value,
 };
 use crate::origin::InputOrigin;
 use crate::seal::seal_of;
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
-use chordal_io::Format;
+use chordal_io::{Format, most_certificate_bytes};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -119,7 +119,7 @@ impl Certificate {
     /// and the digest of its geometry.
     pub(crate) fn conclude(&mut self, (kind, format): (&str, Format), geometry: Option<String>) {
         let composed = self.origin.composed.as_ref().filter(|_| self.boolean.is_none());
-        let step = StepFacts {
+        let mut step = StepFacts {
             verb: self.verb.to_owned(),
             version: self.version.to_owned(),
             inputs: match (&self.boolean, composed) {
@@ -135,6 +135,17 @@ impl Certificate {
         let (mut steps, mut begins) = (steps.clone(), begins.clone());
         if let Some(broken) = steps.last().and_then(|before| gap(before, &step)) {
             (steps, begins) = (Vec::new(), broken);
+        }
+        // Half of what there is room for: the rest is of other facts.
+        let most = most_certificate_bytes(format).map_or(LONGEST, |most| most / 2);
+        if n_bytes(&steps) + n_bytes(&step) > most {
+            let reason =
+                "the history is longer than this file holds: it begins at what was read for this step";
+            self.notes.push(reason.into());
+            (steps, begins) = (Vec::new(), HistoryStart::new("long", reason));
+            if step.composed.take().is_some() {
+                step.inputs = vec![self.input.of_step()];
+            }
         }
         steps.push(step);
         self.history = Some(HistoryFacts::new(begins, steps));
@@ -174,6 +185,14 @@ impl Serialize for Certificate {
         Sealed { plain, seal }.serialize(serializer)
     }
 }
+
+/// The bytes that facts take as JSON.
+fn n_bytes(facts: &impl Serialize) -> usize {
+    serde_json::to_string(facts).map_or(usize::MAX / 2, |text| text.len())
+}
+
+/// The most bytes of a history, where a format has no limit. Chosen: some ten thousand places.
+const LONGEST: usize = 4 << 20;
 
 /// A certificate without its seal.
 struct Unsealed<'a>(&'a Certificate);

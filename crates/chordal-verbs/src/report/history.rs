@@ -1,8 +1,7 @@
 //! The history of a result: every step since the first file, each with its bound, and their sum.
 use super::BoundFacts;
-use crate::placements::{Matrix4, largest_stretch, scaled_up, smallest_stretch};
+use crate::placements::{IDENTITY, Matrix4, largest_stretch, smallest_stretch};
 use chordal::budget::{Bound, Evidence, Metric, Reference};
-use chordal::math::mul_down;
 use serde::{Deserialize, Serialize};
 
 /// The steps by which a result came about, as far back as the certificates of the inputs prove it.
@@ -87,29 +86,24 @@ pub struct ComposedFacts {
 pub struct PlaceFacts {
     /// The index of the input.
     pub input: usize,
-    /// The affine maps that take it there, the last of them first: each the first three rows of a matrix, row by row.
-    pub maps: Vec<[f64; 12]>,
+    /// The affine map that takes it there: the first three rows of its matrix, row by row; `None` where it is as it was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<[f64; 12]>,
 }
 
 impl PlaceFacts {
-    /// The maps as matrices, column by column.
-    pub(crate) fn matrices(&self) -> impl Iterator<Item = Matrix4> {
-        self.maps.iter().map(|rows| {
-            std::array::from_fn(|k| match (k % 4, k / 4) {
-                (3, column) => f64::from(u8::from(column == 3)),
-                (row, column) => rows[4 * row + column],
-            })
+    /// The map as a matrix, column by column.
+    pub(crate) fn matrix(&self) -> Matrix4 {
+        let Some(rows) = self.map else { return IDENTITY };
+        std::array::from_fn(|k| match (k % 4, k / 4) {
+            (3, column) => f64::from(u8::from(column == 3)),
+            (row, column) => rows[4 * row + column],
         })
     }
 
-    /// The largest factor by which all maps together lengthen, rounded up.
+    /// The largest factor by which the map lengthens, rounded up.
     pub(crate) fn longest(&self) -> f64 {
-        self.matrices().fold(1.0, |most, map| scaled_up(largest_stretch(&map), most))
-    }
-
-    fn shortest(&self) -> f64 {
-        let below = |least: f64, own: f64| if own == 1.0 { least } else { mul_down(least, own) };
-        self.matrices().fold(1.0, |least, map| below(least, smallest_stretch(&map)))
+        largest_stretch(&self.matrix())
     }
 }
 
@@ -119,14 +113,15 @@ impl ComposedFacts {
         let known: Vec<Option<Bound>> = self.origins.iter().map(HistoryFacts::bound_of_input).collect();
         let mut all: Option<Bound> = None;
         for place in &self.places {
-            let own = known.get(place.input)?.as_ref()?.stretched(place.shortest(), place.longest());
+            let own = known
+                .get(place.input)?
+                .as_ref()?
+                .stretched(smallest_stretch(&place.matrix()), place.longest());
             all = Some(all.map_or(own.clone(), |all| all.beside(&own)));
         }
         let all = all.unwrap_or(Bound::exact(Reference::InputTriangles));
         let is_length = self.rounding >= 0.0 && self.rounding.is_finite();
-        let rounding = is_length.then(|| Bound::proved(0.0, self.rounding, Reference::InputTriangles));
-        // Adding nothing leaves it as it is.
-        rounding.map(|rounding| if self.rounding == 0.0 { all.clone() } else { all.then(&rounding) })
+        is_length.then(|| all.moved_by(self.rounding))
     }
 
     /// Why the histories of the inputs do not hold together, if they do not.

@@ -58,6 +58,9 @@ impl BoundJudge<'_> {
         if said.metric == Metric::Parametric {
             return unable("the claim is of points of equal parameter, which the file does not hold");
         }
+        if said.metric == Metric::Solid && said.at_most() != Some(0.0) {
+            return unable("the claim is of sides, and there is no judge of these");
+        }
         if let (Shape::Scene(read), Shape::Volume(written)) = (&self.reference.shape, &self.result.shape) {
             let mesh = JudgedMesh::new(read.clone())?;
             return self.against_volume((&mesh, written), &Goal { max, ..Goal::default() }, said);

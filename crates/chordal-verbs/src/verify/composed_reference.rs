@@ -1,7 +1,7 @@
 //! What a step read that put its inputs together: put together again.
 use crate::flatten::{self, TransformedScene};
 use crate::merged_parts::one_mesh;
-use crate::placements::{Matrix4, chain_rounding, largest_reach, scaled_up};
+use crate::placements::{largest_reach, map_rounding, scaled_up};
 use crate::report::ComposedFacts;
 use crate::{Input, MeshFailure, Shape};
 use chordal::Job;
@@ -48,9 +48,10 @@ impl ComposedReference {
             let own = scaled_up(offs[place.input], place.longest());
             off = greater(own, off);
             let reach = largest_reach(&scene.parts[place.input].mesh.bounds());
-            rounding = greater(own + chain_rounding(place.matrices(), reach), rounding);
-            let root = stand(&mut scene, place.input, &place.matrices().collect::<Vec<_>>());
-            scene.roots.push(root);
+            rounding = greater(own + map_rounding(&place.matrix(), reach), rounding);
+            scene.roots.push(scene.nodes.len());
+            let (matrix, part) = (place.matrix().into(), Some(place.input));
+            scene.nodes.push(Node { matrix, part, ..Node::default() });
         }
         if n_faces.saturating_mul(PER_FACE) > job.memory_limit {
             return Ok(Err(format!(
@@ -59,15 +60,4 @@ impl ComposedReference {
         }
         Ok(Ok(Self { input: Input::made(Shape::Scene(scene), Format::Ply), off, rounding }))
     }
-}
-
-/// Adds a part below maps, the last of them first: the index of the node of that.
-fn stand(scene: &mut Scene, part: usize, maps: &[Matrix4]) -> usize {
-    let innermost = maps.last().copied().unwrap_or(crate::placements::IDENTITY);
-    scene.nodes.push(Node { matrix: innermost.into(), part: Some(part), ..Node::default() });
-    for map in maps.iter().rev().skip(1) {
-        let children = vec![scene.nodes.len() - 1];
-        scene.nodes.push(Node { matrix: (*map).into(), children, ..Node::default() });
-    }
-    scene.nodes.len() - 1
 }

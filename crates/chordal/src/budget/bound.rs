@@ -353,6 +353,32 @@ impl Bound {
         }
     }
 
+    /// The bound where points of the result lie no farther than `off` from where they were. Of solids, too: surfaces of the
+    /// result are as near those that count as the bound says, and so no sides change farther away than both together.
+    ///
+    /// ```
+    /// use chordal::budget::{Bound, Reference};
+    /// let moved = Bound::proved(0.1, 0.2, Reference::Field).moved_by(0.05);
+    /// assert!(moved.at_least() <= 0.05 && moved.at_most().unwrap() >= 0.25);
+    /// ```
+    #[must_use]
+    pub fn moved_by(&self, off: f64) -> Self {
+        if off == 0.0 {
+            return self.clone();
+        }
+        let most = self.at_most.map(|most| if most == 0.0 { off } else { add_up(most, off) });
+        let is_known = most.is_none_or(f64::is_finite);
+        let least = sub_down(self.at_least, off);
+        Self {
+            at_least: greater(least, 0.0),
+            at_most: most.filter(|_| is_known),
+            evidence: if is_known { self.evidence.clone() } else { Evidence::Estimated },
+            pixels: None,
+            angle_deg: None,
+            ..self.clone()
+        }
+    }
+
     /// What remains of this step's lower bound, in `metric`, after the step `other`.
     fn remaining_lower_bound(&self, other: &Self, metric: Metric) -> f64 {
         match other.at_most {
