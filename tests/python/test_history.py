@@ -203,6 +203,13 @@ def test_many_moves_and_many_places_fit_into_a_file(tmp_path: Path) -> None:
         assert "history" in joined.export(tmp_path / name)["certificate"]
 
 
+@pytest.mark.parametrize("format", ["ply", "obj", "off", "vtp", "stl", "3mf", "glb", "usda"])
+def test_parts_that_touch_are_counted_as_their_file_has_them(format: str, tmp_path: Path) -> None:
+    path = tmp_path / f"a.{format}"
+    report = chordal.scene(PLAIN, PLAIN.rotate("z", 20, about=(5, 0, 0))).export(path)
+    assert not open_claims(chordal.verify(path, [PLAIN], certificate=report))
+
+
 def test_of_several_functions_nobody_knows_which_it_was(tmp_path: Path) -> None:
     def ball(radius: float) -> chordal.Field:
         return chordal.field(lambda p: (p**2).sum(axis=1) ** 0.5 - radius, bounds=((-3,) * 3, (3,) * 3), lipschitz=1)

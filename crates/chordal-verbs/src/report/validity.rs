@@ -6,6 +6,7 @@ use super::scene_check::SceneCheck;
 use super::surface::SurfaceFacts;
 use super::validity_counts::ValidityCounts;
 use super::witness::WitnessFacts;
+use crate::merged_parts::MergedParts;
 use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};
@@ -66,8 +67,12 @@ pub(crate) struct CountedTriangles {
 }
 
 impl CountedTriangles {
-    /// The counts of a scene, without witnesses.
+    /// The counts of a scene, without witnesses; as one part where its file is read as one: an OBJ only names its objects.
     pub fn from_scene(scene: &Scene, format: Format) -> Result<Self, WriteError> {
+        if scene.parts.len() > 1 && (!format.has_parts() || format == Format::Obj) {
+            let whole = MergedParts::from_scene(scene, Topology::Indices)?.mesh;
+            return Ok(Self::total(&[TopologyChecks::quick(&whole, format)?], format.topology()));
+        }
         let parts: Result<Vec<_>, _> =
             scene.parts.iter().map(|part| TopologyChecks::quick(&part.mesh, format)).collect();
         Ok(Self::total(&parts?, format.topology()))
