@@ -17,7 +17,7 @@ from chordal._material import Material
 from chordal._pieces import _largest, _State
 from chordal._scene import numbers_in
 from chordal._transform import _volume_of
-from chordal._units import METRES, refuse_unknown
+from chordal._units import METRES, refuse_unknown, unit_of
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -303,8 +303,7 @@ def _shift(attribute: dict[str, Any], by: int, blocks: list[bytes]) -> None:
 def _one_unit(frames: list[dict[str, Any]], metres: float | None) -> float | None:
     units = {frame["metres_per_unit"] if frame["metres_per_unit"] is not None else metres for frame in frames}
     if len(units) > 1:
-        names = {float(exact): name for name, exact in METRES.items()}
-        said = ", ".join(sorted("none" if one is None else names.get(one, f"{one:g} m") for one in units))
+        said = ", ".join(sorted("none" if one is None else unit_of(one) or f"{one:g} m" for one in units))
         raise ValueError(
             f"things: they are in different units ({said}); to_unit makes them one, and unit= says that of those with none"
         )

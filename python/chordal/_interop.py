@@ -64,25 +64,24 @@ def _of_open3d(thing: Any) -> dict[str, Any]:
     if thing.has_vertex_colors():
         found["colors"] = np.asarray(thing.vertex_colors)
     if thing.has_triangle_uvs():
-        uv = _of_corners(np.asarray(thing.triangle_uvs), found["faces"], len(found["vertices"]))
-        if uv is not None:
-            found["uv"] = uv
-        else:
-            warn("texture coordinates of corners: these stay behind, for two at one vertex differ")
+        _take_uv(np.asarray(thing.triangle_uvs), found)
     if thing.has_textures():
         warn("textures: these stay behind; a file keeps them, as chordal.load(\"a.glb\") does")
     return found
 
 
-def _of_corners(rows: Any, faces: Any, n_vertices: int) -> Any:
-    """What corners have as rows of vertices; None where two corners at a vertex differ."""
+def _take_uv(rows: Any, found: dict[str, Any]) -> None:
+    """Takes texture coordinates of corners as those of vertices, unless two corners at a vertex differ."""
     import numpy as np
 
-    if len(rows) != faces.size:
-        return None
-    found = np.zeros((n_vertices, rows.shape[1]))
-    found[faces.ravel()] = rows
-    return found if np.array_equal(found[faces.ravel()], rows) else None
+    corners = found["faces"].ravel()
+    uv = np.zeros((len(found["vertices"]), 2))
+    if len(rows) == len(corners):
+        uv[corners] = rows
+    if len(rows) == len(corners) and np.array_equal(uv[corners], rows):
+        found["uv"] = uv
+    else:
+        warn("texture coordinates of corners: these stay behind, for two at one vertex differ")
 
 
 def _is_open3d_tensor(thing: Any) -> bool:
@@ -95,13 +94,8 @@ def _of_open3d_tensor(thing: Any) -> dict[str, Any]:
     for name in ("normals", "colors"):
         if name in vertex:
             found[name] = vertex[name].cpu().numpy()
-    uv = thing.triangle.texture_uvs.cpu().numpy() if "texture_uvs" in thing.triangle else None
-    if uv is not None:
-        uv = _of_corners(uv.reshape(-1, uv.shape[-1]), found["faces"], len(found["vertices"]))
-        if uv is None:
-            warn("texture coordinates of corners: these stay behind, for two at one vertex differ")
-        else:
-            found["uv"] = uv
+    if "texture_uvs" in thing.triangle:
+        _take_uv(thing.triangle.texture_uvs.cpu().numpy().reshape(-1, 2), found)
     tables = {"vertices": dict(vertex.items()), "triangles": dict(thing.triangle.items())}
     _warn_of_data(tables, ("positions", "indices", "normals", "colors", "texture_uvs"))
     return found

@@ -34,10 +34,6 @@ if TYPE_CHECKING:
 Progress = Callable[[str, int, int], object]
 
 
-#: No word on which surface of a volume is meant.
-_NOTHING: dict[str, Any] = {"iso": None, "inside": None, "border": None, "labels": None, "smooth": None}
-
-
 class Shape(
     Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Remakeable, Guessed, metaclass=GuessedType
 ):
@@ -186,7 +182,7 @@ class Shape(
         words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
         known: dict[str, Any] = getattr(self, "_meant", {})
         is_said = any(value is not None for value in words.values())
-        source = meant(self._source, **_NOTHING | meant_of(known, words)) if is_said else self._source
+        source = meant(self._source, **dict.fromkeys(words) | meant_of(known, words)) if is_said else self._source
         limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel, require)
         if source.kind == "volume" and all(limit is None for limit in limits):
             budget = NO_BUDGET

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
 from chordal._arguments import number, vector
 from chordal._arrays import coordinates
 from chordal._hints import keywords_hinted
-from chordal._units import METRES, refuse_unknown
+from chordal._units import METRES, refuse_unknown, unit_of
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -93,8 +93,7 @@ class Transformable:
     @property
     def unit(self) -> str | None:
         """The unit of the coordinates, as in "mm"; None where nothing says it, or it has no name."""
-        metres = self._metres()
-        return next((name for name, exact in METRES.items() if float(exact) == metres), None)
+        return unit_of(self._metres())
 
     def to_unit(self, unit: Literal["um", "mm", "cm", "m", "km", "in", "ft"]) -> Mesh:
         """The same lengths in another unit; as for `transform`. Raises `ValueError` where nothing says the unit of the

@@ -33,6 +33,11 @@ TRIMESH_NAMES = {
 }
 
 
+def unit_of(metres: float | None) -> str | None:
+    """The name of a unit of that length; None where it has none."""
+    return next((unit for unit, exact in METRES.items() if float(exact) == metres), None)
+
+
 def refuse_unknown(unit: object, known: Mapping[str, Fraction] = METRES) -> None:
     """Raise `ValueError` for what is no unit."""
     if unit not in known:

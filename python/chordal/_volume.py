@@ -21,7 +21,7 @@ from chordal._report import Report
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
 from chordal._table import table
-from chordal._units import METRES
+from chordal._units import unit_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -119,8 +119,7 @@ class Volume(Shape, Imaged):
     @property
     def unit(self) -> str | None:
         """The unit of its places, as in "mm"; None where nothing says it, or it has no name."""
-        metres = _chordal.samples(self._source)[2]
-        return next((unit for unit, exact in METRES.items() if float(exact) == metres), None)
+        return unit_of(_chordal.samples(self._source)[2])
 
     @property
     def report(self) -> Report | None:
