@@ -1,4 +1,5 @@
 //! `Bound`: an enclosure of the error of a result, with its metric, its reference shape and its evidence.
+use super::OpenPlaces;
 use crate::math::{add_up, greater, mul_down, mul_up, sub_down};
 use std::fmt;
 
@@ -165,6 +166,9 @@ pub struct Bound {
     /// middle, in degrees. Set where the budget limits an angle. It is measured, whatever the evidence of the
     /// distance.
     pub angle_deg: Option<f64>,
+    /// Where a proof was tried and found for a part only: the places where it was not. The evidence is then
+    /// [`Evidence::Measured`], that of the weakest place.
+    pub open: Option<Box<OpenPlaces>>,
 }
 
 impl Bound {
@@ -211,6 +215,7 @@ impl Bound {
             at: None,
             pixels: None,
             angle_deg: None,
+            open: None,
         }
     }
 
@@ -281,6 +286,7 @@ impl Bound {
             at,
             pixels: None,
             angle_deg: None,
+            open: self.open.clone().or_else(|| next.open.clone()),
         }
     }
 
@@ -321,6 +327,10 @@ impl Bound {
             at: farther.at,
             pixels: None,
             angle_deg: None,
+            open: match (&self.open, &other.open) {
+                (Some(a), Some(b)) => Some(Box::new(a.beside(b))),
+                (a, b) => a.clone().or_else(|| b.clone()),
+            },
         }
     }
 
@@ -349,6 +359,7 @@ impl Bound {
             at: None,
             pixels: None,
             angle_deg: None,
+            open: None,
             ..self.clone()
         }
     }

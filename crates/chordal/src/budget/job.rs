@@ -1,7 +1,7 @@
 //! `Job`: the conditions under which long work runs: cancellation, progress, threads, memory.
 use std::fmt;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The progress of a job: `done` of `total` steps of the named stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,24 @@ pub struct Progress {
     pub total: u64,
 }
 
+/// How far a proof is taken that is tried after the result is there ([`ProvedOrMeasured`](super::RequiredEvidence)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProofEffort {
+    /// About as far as the work goes that the result itself took, and some seconds at least. It is counted in evaluations
+    /// and not by a clock, so that the same input has the same proof everywhere.
+    #[default]
+    Share,
+    /// To its end.
+    Full,
+}
+
+/// A limit of what may be evaluated, and what was.
+#[derive(Debug)]
+struct WorkLimit {
+    done: AtomicU64,
+    most: u64,
+}
+
 type ProgressSink = Arc<dyn Fn(Progress) + Send + Sync>;
 
 /// The conditions of a long-running call. The default never cancels, reports nothing, uses every thread and
@@ -23,7 +41,11 @@ type ProgressSink = Arc<dyn Fn(Progress) + Send + Sync>;
 #[derive(Clone)]
 pub struct Job {
     cancel: Arc<AtomicBool>,
+    finish: Arc<AtomicBool>,
     progress: Option<ProgressSink>,
+    work: Option<Arc<WorkLimit>>,
+    /// How far a proof is taken where a measurement would do.
+    pub proof_effort: ProofEffort,
     /// Number of threads; 0 means all that the machine offers.
     pub threads: usize,
     /// Approximate limit on the bytes held at once for what the job builds; work that would need more is
@@ -37,7 +59,10 @@ impl Default for Job {
     fn default() -> Self {
         Self {
             cancel: Arc::default(),
+            finish: Arc::default(),
             progress: None,
+            work: None,
+            proof_effort: ProofEffort::default(),
             threads: 0,
             memory_limit: 64 << 30,
             triangle_limit: 200_000_000,
@@ -77,6 +102,49 @@ impl Job {
         self.cancel.load(Ordering::Relaxed)
     }
 
+    /// Asks the job, from any thread, to end soon with the best that it has: a shape whose error is known as far as it is by
+    /// then. Meshing of fields heeds it; other work goes on to its end. What it leads to depends on when it was called.
+    pub fn finish(&self) {
+        self.finish.store(true, Ordering::Relaxed);
+    }
+
+    /// The flag behind [`Job::finish`], for a timer.
+    #[must_use]
+    pub fn finish_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.finish)
+    }
+
+    /// Whether the job was asked to end with the best that it has.
+    #[must_use]
+    pub fn is_finishing(&self) -> bool {
+        self.finish.load(Ordering::Relaxed)
+    }
+
+    /// The same job for a part of its work that ends after about so many evaluations.
+    pub(crate) fn with_work_limit(&self, most: u64) -> Self {
+        Self { work: Some(Arc::new(WorkLimit { done: AtomicU64::new(0), most })), ..self.clone() }
+    }
+
+    /// Counts evaluations. To be called where no other thread evaluates for the same part: what follows depends on it.
+    pub(crate) fn count_work(&self, n: u64) {
+        if let Some(work) = &self.work {
+            work.done.fetch_add(n, Ordering::Relaxed);
+        }
+    }
+
+    /// How many evaluations are left.
+    pub(crate) fn work_left(&self) -> u64 {
+        self.work
+            .as_ref()
+            .map_or(u64::MAX, |work| work.most.saturating_sub(work.done.load(Ordering::Relaxed)))
+    }
+
+    /// Whether what is going on should end with what it has: it has used up its evaluations, or the job is to finish.
+    pub(crate) fn is_over(&self) -> bool {
+        let is_used_up = |work: &Arc<WorkLimit>| work.done.load(Ordering::Relaxed) > work.most;
+        self.is_finishing() || self.work.as_ref().is_some_and(is_used_up)
+    }
+
     /// Passes `progress` to the sink, if there is one.
     pub fn report(&self, progress: Progress) {
         if let Some(sink) = &self.progress {
@@ -89,6 +157,7 @@ impl fmt::Debug for Job {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Job")
             .field("cancelled", &self.is_cancelled())
+            .field("finishing", &self.is_finishing())
             .field("threads", &self.threads)
             .field("memory_limit", &self.memory_limit)
             .field("triangle_limit", &self.triangle_limit)

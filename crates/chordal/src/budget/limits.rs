@@ -10,6 +10,9 @@ pub enum RequiredEvidence {
     /// A proved upper bound, rounding included.
     #[default]
     Proved,
+    /// A proof as far as one is found with about the work that the result itself took, and a measurement for all of it
+    /// where places are left over ([`Bound::open`](super::Bound::open) lists them).
+    ProvedOrMeasured,
     /// A measurement is enough.
     Measured,
     /// A draft will do, whose error is neither proved nor measured.
@@ -22,6 +25,7 @@ impl RequiredEvidence {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Proved => "proved",
+            Self::ProvedOrMeasured => "proved-or-measured",
             Self::Measured => "measured",
             Self::Estimated => "estimated",
         }
@@ -34,7 +38,7 @@ pub struct UnknownRequirement(String);
 
 impl fmt::Display for UnknownRequirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "'{}' is none of proved, measured and estimated", self.0)
+        write!(f, "'{}' is none of proved, proved-or-measured, measured and estimated", self.0)
     }
 }
 
@@ -44,7 +48,7 @@ impl FromStr for RequiredEvidence {
     type Err = UnknownRequirement;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let all = [Self::Proved, Self::Measured, Self::Estimated];
+        let all = [Self::Proved, Self::ProvedOrMeasured, Self::Measured, Self::Estimated];
         let named = all.into_iter().find(|require| require.as_str() == text);
         named.ok_or_else(|| UnknownRequirement(text.chars().take(40).collect())) // 40: fits in a message
     }

@@ -11,6 +11,7 @@ mod length;
 mod lens;
 mod limits;
 mod message;
+mod open_places;
 mod parallel;
 mod setting;
 mod tolerance;
@@ -21,12 +22,14 @@ pub use bound::{Bound, Evidence, Metric, Reference};
 pub use bounded::{Bounded, Failure, Refusal, RefusalCode};
 pub(crate) use cure::Cure;
 pub(crate) use error_limit::ErrorLimit;
+pub(crate) use job::ProofEffort;
 pub use job::{Job, Progress};
 pub use job_error::JobError;
 pub use length::{InvalidLength, Length, Unit};
 pub(crate) use lens::{Lens, PixelScale};
 pub use limits::{Budget, PixelBudget, RequiredEvidence, UnknownRequirement};
 pub(crate) use message::{Message, Spell, Spelling};
+pub(crate) use open_places::{OpenPlace, OpenPlaces};
 #[cfg(feature = "threads")]
 pub(crate) use parallel::has_threads;
 pub use parallel::par_map;
@@ -52,4 +55,10 @@ pub mod attributes {
 pub mod camera {
     pub use super::lens::{Lens, PixelScale};
     pub use super::view::{Camera, InvalidView, MinDistanceView, Projection, Screen};
+}
+
+/// Proofs that are tried after a result is there: how far they are taken, and what they leave open.
+pub mod proof {
+    pub use super::job::ProofEffort;
+    pub use super::open_places::{OpenPlace, OpenPlaces};
 }

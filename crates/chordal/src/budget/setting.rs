@@ -40,6 +40,8 @@ pub enum Setting {
     Compress,
     /// Whether the numbers of a glTF are rounded to fewer bits.
     Quantize,
+    /// How much work a proof, or a count, is worth.
+    Effort,
     /// Whether an inspection looks for triangles that cross.
     SelfIntersections,
     /// A repair of a mesh.
@@ -48,7 +50,7 @@ pub enum Setting {
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 19] = [
+    pub const PLAIN: [Self; 20] = [
         Self::Unit,
         Self::From,
         Self::Surface,
@@ -67,6 +69,7 @@ impl Setting {
         Self::MaxMemory,
         Self::Compress,
         Self::Quantize,
+        Self::Effort,
         Self::SelfIntersections,
     ];
 
@@ -98,6 +101,7 @@ impl Setting {
             Self::MaxMemory => "max-memory",
             Self::Compress => "compress",
             Self::Quantize => "quantize",
+            Self::Effort => "effort",
             Self::SelfIntersections => "self-intersections",
             Self::Cure(cure) => cure.name(),
         }

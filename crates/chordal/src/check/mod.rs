@@ -54,7 +54,8 @@ pub use duplicates::duplicate_vertices;
 pub(crate) use fans::boundary_path;
 pub use field_deviation::{FieldDeviation, field_deviation};
 pub(crate) use field_deviation::{
-    MeasuredDeviation, SandwichGoal, SandwichProver, is_hopeless, measured_field_deviation, sandwich_bound,
+    MeasuredDeviation, SandwichGoal, SandwichProver, SandwichVerdict, is_hopeless, measured_field_deviation,
+    sandwich_bound,
 };
 pub(crate) use finding::{Finding, MeshLocation, Witness};
 pub(crate) use gap::distance_to_polyline;

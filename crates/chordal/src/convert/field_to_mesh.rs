@@ -1,5 +1,5 @@
 //! The arrow from a field to a triangle mesh.
-use super::fields::{FieldMeshGoal, draft, search};
+use super::fields::{FieldMeshGoal, draft, measured_draft, search};
 use super::fields_with_meshes;
 use super::length_from_pixels::length_from_pixels;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
@@ -16,12 +16,18 @@ use crate::math::{flushes_subnormals, lesser};
 /// is [`Field::sign`], and [`Field::bounds`] is taken at its word. Triangles that are not proved are split.
 /// Where a leaf of the field knows no ranges, and with [`RequiredEvidence::Measured`], the mesh is measured:
 /// points of the surface are searched for near the middles of triangles and of edges, and triangles that are too far from
-/// one are split; parts of the surface without triangles near them are missed. Without
-/// [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
+/// one are split; parts of the surface without triangles near them are missed. With [`RequiredEvidence::Proved`] such a
+/// mesh is returned as [`Failure::Unmet`].
+///
+/// With [`RequiredEvidence::ProvedOrMeasured`] a proof is tried after the mesh is there, with as many evaluations as
+/// that took and some seconds' worth at least ([`ProofEffort::Full`](crate::budget::proof::ProofEffort::Full): to its end).
+/// Where it does not end the mesh is measured as a whole, and [`Bound::open`](crate::Bound::open) lists the places that are
+/// left over. A [`Job::finish`] ends all of it soon with what there is.
 ///
 /// With [`RequiredEvidence::Estimated`] it is a draft: cubes about as large as the length, at most 96 along the longest
 /// side, polygonized, and the vertices moved onto the surface. It takes a tenth of the time, has many triangles and rounds
-/// off edges; what is thinner than a cube is missed. Its bound says nothing.
+/// off edges; what is thinner than a cube is missed. Its bound says nothing. Such a draft, measured, is also what comes where
+/// memory or time ends before there is a mesh.
 ///
 /// *Fields with meshes* ([`has_meshes`](super::has_meshes)) take another way: a field that is one solid mesh,
 /// moved, turned or scaled, is its triangles, off by rounding. Of others the sign on a lattice of cubes is
@@ -97,15 +103,14 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
             return Err(Failure::refused(RefusalCode::Budget, "the budget in pixels leaves no length"));
         }
     };
-    let measured = budget.require != RequiredEvidence::Proved;
-    let wanted = FieldMeshGoal { length, triangles: budget.triangles, measured };
+    let wanted = FieldMeshGoal { length, triangles: budget.triangles, require: budget.require };
     let made = job.run(|| {
         if budget.require == RequiredEvidence::Estimated {
             draft(field, &wanted, job)
         } else if fields_with_meshes::has_meshes(field) {
             fields_with_meshes::search(field, &wanted, job)
         } else {
-            search(field, &wanted, job)
+            search(field, &wanted, job).or_else(|failure| instead(failure, field, &wanted, job))
         }
     });
     let mut made = made?;
@@ -113,4 +118,29 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
         made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
     }
     Ok(made)
+}
+
+/// A measured draft where memory or time ended before there was a mesh, unless nothing but a proof will do.
+fn instead(
+    failure: Failure<Mesh>,
+    field: &Field,
+    wanted: &FieldMeshGoal,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    let is_short = match &failure {
+        Failure::Refused(refusal) => match refusal.code {
+            RefusalCode::TooMuchMemory => true,
+            RefusalCode::Empty => job.is_finishing(),
+            _ => false,
+        },
+        _ => false,
+    };
+    if !is_short || wanted.require == RequiredEvidence::Proved {
+        return Err(failure);
+    }
+    match measured_draft(field, wanted, job) {
+        // What stood in the way of the mesh says more than what stood in the way of its draft.
+        Err(Failure::Refused(_)) => Err(failure),
+        made => made,
+    }
 }

@@ -30,6 +30,9 @@ const ROUNDS: usize = 24;
 const SMALL: f64 = 0.01;
 /// With a limit, the same share of the sufficient distance.
 const SMALL_FOR_LIMIT: f64 = 0.02;
+/// Points that take as long as a box, which is looked at with the whole field. Chosen: as for a piece of a triangle, without
+/// its search.
+const POINTS_A_BOX: u64 = 16;
 /// A round processes the boxes above this fraction between the sufficient distance and the largest bound.
 const UPPER_PART: f64 = 0.5;
 
@@ -74,7 +77,7 @@ impl FieldDeviationSearch<'_> {
                 open.cuts >= ROUNDS || open.bounds.diagonal() < share
             };
             let level = round_threshold(&open, target.tolerance);
-            let exhausted = left == 0 || beyond;
+            let exhausted = left == 0 || beyond || self.job.is_over();
             let (next, done): (Vec<_>, Vec<_>) =
                 open.into_iter().partition(|b| b.most > target.tolerance && !exhausted && !tiny(b));
             done.iter().for_each(|b| out.settle(b.most, &b.bounds));
@@ -90,6 +93,7 @@ impl FieldDeviationSearch<'_> {
             for result in results {
                 let result = result.map_err(leaf_failure)?;
                 left = left.saturating_sub(result.looked_at);
+                self.job.count_work(POINTS_A_BOX * result.looked_at as u64);
                 if let Some((most, bounds)) = result.settled {
                     out.settle(most, &bounds);
                 }

@@ -240,13 +240,14 @@ impl FieldCover {
         mut is_worth: impl FnMut(&Box3, f64) -> bool,
     ) -> Result<(), LeafError> {
         loop {
+            let is_over = evaluator.is_over();
             let (mut now, mut later) = (Vec::new(), Vec::new());
             for cell in std::mem::take(&mut self.open) {
                 let bounds = self.bounds_of(&self.cells[cell as usize]);
                 let level = self.cells[cell as usize].level;
                 let has_room = self.has_room(8 * (now.len() + 1));
-                let is_divided =
-                    level < FIRST || level < DEEPEST && has_room && is_worth(&bounds, self.size_of(cell));
+                let may_be = level < DEEPEST && has_room && !is_over;
+                let is_divided = level < FIRST || may_be && is_worth(&bounds, self.size_of(cell));
                 if is_divided { now.push(cell) } else { later.push(cell) }
             }
             self.open = later;

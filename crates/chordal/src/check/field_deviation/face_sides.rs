@@ -172,6 +172,8 @@ fn classify_uncached(
             })
             .collect();
         let slopes = evaluator.dual_ranges(&questions)?;
+        // Where the work is used up, what needs more cuts stays open.
+        let most_cuts = if evaluator.is_over() { cuts } else { question.cuts };
         let mut rest = slopes.as_slice();
         let mut split: Vec<TriangleSplit> = Vec::new();
         for (k, piece) in pieces.iter().enumerate() {
@@ -195,7 +197,7 @@ fn classify_uncached(
             }
             if side != Membership::Unknown {
                 *face = FaceSide::Wrong;
-            } else if cuts == question.cuts {
+            } else if cuts == most_cuts {
                 *face = FaceSide::Open;
             } else {
                 match regions.trees.restricted(piece.tree, &sides) {

@@ -29,6 +29,8 @@ pub(super) struct ForwardDistance {
 const PIECES_A_FACE: usize = 24;
 const FEW_PIECES: usize = 1 << 17;
 const MOST_PIECES: usize = 1 << 22;
+/// Points that take as long as a piece: its box is searched with the whole field. Measured on unions of ten solids.
+const POINTS_A_PIECE: u64 = 64;
 /// Pieces split this often without any surface point nearby are given up: there is none to be found.
 const LOST: u32 = 6;
 /// So often a piece is split for a bound tighter than required, as long as half of the work is left for
@@ -72,6 +74,10 @@ impl FieldDeviationSearch<'_> {
             self.check_cancelled()?;
             let mut known = self.bound_batch(&batch, aim(&out))?;
             left = left.saturating_sub(batch.len());
+            self.job.count_work(POINTS_A_PIECE * batch.len() as u64);
+            if self.job.is_over() {
+                left = 0;
+            }
             for known in &known {
                 if known.at_least > out.least {
                     (out.least, out.at) = (known.at_least, known.at);

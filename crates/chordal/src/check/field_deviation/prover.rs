@@ -116,7 +116,7 @@ impl<'a> SandwichProver<'a> {
     fn prove_tree(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
         let verdict = self.prove_once(mesh, goal)?;
         let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
-        match goal.wider().filter(|_| is_hidden) {
+        match goal.wider().filter(|_| is_hidden && !self.job.is_over()) {
             Some(wider) => {
                 let wide = self.prove_once(mesh, &wider)?;
                 // A caller that splits faces may split those in the way of copies that are farther apart.

@@ -50,6 +50,7 @@ pub(super) fn measured(
             bracket.ends[usize::from(!inside)] = *middle;
         }
     }
+    drop_cracks(&mut brackets, tape)?;
     let mut worst = OneSidedDistance {
         at_least: 0.0,
         at_most: f64::INFINITY,
@@ -87,6 +88,20 @@ pub(super) fn measured(
         unresolved: (mesh.faces().len() - seen.len()) as u64,
     };
     Ok(MeasuredDeviation { whole, far })
+}
+
+/// Drops brackets whose outer end is in a crack: where two solids share a face the value there is 0, or what rounding makes
+/// of it, and a bracket farther on it is inside again. That is no surface.
+fn drop_cracks(brackets: &mut Vec<SurfaceBracket>, tape: &Tape) -> Result<(), JobError> {
+    let beyond = |SurfaceBracket { ends: [inside, outside], .. }: &SurfaceBracket| {
+        std::array::from_fn(|k| outside[k] + (outside[k] - inside[k]))
+    };
+    let points: Vec<[f64; 3]> = brackets.iter().map(beyond).collect();
+    let mut values = vec![0.0; points.len()];
+    tape.at(&points, &mut values).map_err(leaf_failure)?;
+    let mut is_outside = values.into_iter().map(|value| !(value < 0.0));
+    brackets.retain(|_| is_outside.next().expect("a value for each"));
+    Ok(())
 }
 
 fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {

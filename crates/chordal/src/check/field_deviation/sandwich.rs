@@ -203,7 +203,10 @@ impl Sandwich {
             let still: Vec<u32> = open.iter().flatten().copied().collect();
             // A caller that splits faces had better split them now.
             let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
-            if is_enough || still.iter().all(|face| is_limited(reaches[*face as usize].now)) {
+            if is_enough
+                || evaluator.is_over()
+                || still.iter().all(|face| is_limited(reaches[*face as usize].now))
+            {
                 break;
             }
             reaches.iter_mut().for_each(|reach| reach.now *= FARTHER);
@@ -344,7 +347,7 @@ impl SandwichBuilder<'_> {
                 .zip(found)
                 .for_each(|(face, found)| is_open[*face as usize] = found != FaceSide::Proved);
             let open: Vec<u32> = (0..n).filter(|face| is_open[*face as usize]).collect();
-            if open.is_empty() || round + 1 == ROUNDS {
+            if open.is_empty() || round + 1 == ROUNDS || evaluator.is_over() {
                 return Ok(open);
             }
             todo = self.grow(&open, side);

@@ -4,6 +4,7 @@ use super::field_sampler::FieldSampler;
 use super::mesher::{FieldMeshGoal, leaf_failure, longest};
 use super::search::{FieldMeshResult, clip_to_bounds};
 use crate::budget::{Bound, Bounded, Evidence, Failure, Job, Reference, RefusalCode};
+use crate::check::measured_field_deviation;
 use crate::convert::cubes::rule::Polygonize;
 use crate::convert::field_to_grid;
 use crate::convert::grid_to_mesh::grid_to_triangles;
@@ -50,6 +51,20 @@ pub(in crate::convert) fn draft(field: &Field, wanted: &FieldMeshGoal, job: &Job
         // Triangles are as many as the square of cells.
         cells = greater(CELLS[0], 0.95 * cells * lesser(1.0, (most as f64 / count as f64).sqrt()));
     }
+}
+
+/// A draft, measured: what there is where a mesh's own cells ended before there was one.
+pub(in crate::convert) fn measured_draft(
+    field: &Field,
+    wanted: &FieldMeshGoal,
+    job: &Job,
+) -> FieldMeshResult {
+    let Bounded { shape, .. } = draft(field, wanted, job).or_else(Failure::best_effort)?;
+    let bound = measured_field_deviation(&shape, field, f64::INFINITY, job)?.whole.bound;
+    let is_far = wanted.length.is_some_and(|length| bound.at_least() > length.get());
+    let is_many = wanted.triangles.is_some_and(|most| shape.faces().len() as u64 > most);
+    let made = Bounded { shape, bound };
+    if is_far || is_many { Err(Failure::Unmet(Box::new(made))) } else { Ok(made) }
 }
 
 fn on_lattice(field: &Field, tape: &Tape, cells: usize, job: &Job) -> Result<Mesh, Failure<Mesh>> {

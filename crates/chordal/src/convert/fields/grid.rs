@@ -274,7 +274,7 @@ impl<'a> FieldGrid<'a> {
             }
             // Every cut adds one cell, and others by conformity.
             let of_cells = BYTES_A_CELL * (self.n_alive + 2 * pending.len()) as u64;
-            let is_full = of_cells + self.trees.bytes() > most;
+            let is_full = of_cells + self.trees.bytes() > most || self.job.is_finishing();
             let mut judged = self.classify_cells(evaluator, pending, asked)?;
             self.refine_by_samples(evaluator, &mut judged)?;
             let count = |of: CellAction| judged.iter().filter(|(_, verdict)| *verdict == of).count();

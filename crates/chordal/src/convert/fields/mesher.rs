@@ -4,7 +4,7 @@ use super::field_sampler::FieldSampler;
 use super::grid::{FieldGrid, FieldGridError, FieldGridStatus, GridOptions};
 use super::improve::{BlockedPlace, ImproveError, LabelledSurface, SurfaceImprover};
 use super::sizing::SizingPoint;
-use crate::budget::{Failure, Job, Progress, RefusalCode, Tolerance};
+use crate::budget::{Failure, Job, Progress, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{Dual, LeafError, PrimitiveEvaluator, Tape};
 use crate::math::{Box3, greater, length, lesser};
@@ -45,8 +45,8 @@ pub(in crate::convert) struct FieldMeshGoal {
     pub length: Option<Tolerance>,
     /// The most triangles.
     pub triangles: Option<u64>,
-    /// Whether a measured result is accepted.
-    pub measured: bool,
+    /// The evidence that is accepted.
+    pub require: RequiredEvidence,
 }
 
 /// The region and the job of meshing a field.
@@ -175,7 +175,7 @@ impl<'a> FieldMesher<'a> {
                 tight.extend(astray.into_iter().take(MOST_TIGHT.saturating_sub(tight.len())));
             }
             // Smaller cells would not help where so many vertices are blocked.
-            let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT;
+            let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT || self.job.is_finishing();
             if tight.is_empty() || is_last {
                 // Estimates for coarse faces are too high by up to about this; the work itself keeps to the
                 // limits.

@@ -14,6 +14,7 @@ mod growth;
 mod improve;
 mod material_borders;
 mod mesher;
+mod open_places;
 mod polygon_triangulation;
 mod sampled_signs;
 mod search;
@@ -24,7 +25,7 @@ mod vertex_values;
 #[cfg(test)]
 mod tests;
 
-pub(super) use draft::draft;
+pub(super) use draft::{draft, measured_draft};
 pub(super) use face_materials::FaceMaterials;
 pub(super) use field_sampler::FieldSampler;
 pub(super) use mesher::FieldMeshGoal;

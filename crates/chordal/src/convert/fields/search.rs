@@ -3,9 +3,10 @@ use super::face_materials::{FaceMaterials, with_labels};
 use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
 use super::mesher::{FieldMeshGoal, FieldMesher, ImprovedSurface, leaf_failure, longest};
-use crate::budget::{Bounded, Failure, Job, Progress, RefusalCode, Tolerance};
+use super::open_places::open_places;
+use crate::budget::{Bounded, Failure, Job, Progress, ProofEffort, RefusalCode, RequiredEvidence, Tolerance};
 use crate::check::{
-    Goal, MeasuredDeviation, SandwichGoal, SandwichProver, field_deviation, is_hopeless,
+    Goal, MeasuredDeviation, SandwichGoal, SandwichProver, SandwichVerdict, field_deviation, is_hopeless,
     measured_field_deviation, sandwich_bound,
 };
 use crate::explicit::Mesh;
@@ -38,6 +39,12 @@ const MARGIN: f64 = 0.5;
 /// The target, as a fraction of the length, where a proof has only values. Chosen: the rest is used to prove
 /// signs.
 const SAMPLED: f64 = 0.5;
+/// A proof beside which a measurement would do has as many evaluations as its mesh took, and at least so many points.
+/// Measured: two to three seconds of one core.
+const LEAST_PROOF: u64 = 1 << 25;
+/// What a finer mesh takes, in that of the first, where a proof beside which a measurement would do may still afford it.
+/// Chosen: cells are the same, and triangles half as long.
+const FINER_WORK: u64 = 2;
 /// The most meshes made for a number of triangles.
 const MOST_TRIALS: usize = 10;
 /// A mesh with this fraction of the allowed triangles is good enough.
@@ -62,7 +69,8 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
     let is_sampled = !has_gradient_ranges(&mut evaluator, &field.bounds())?;
     let mesher = FieldMesher { bounds: field.bounds(), is_sampled, tape: &tape, job };
-    let is_measured = wanted.measured || !field.evidence().bounds_above();
+    let asks_no_proof = wanted.require == RequiredEvidence::Measured;
+    let is_measured = asks_no_proof || !field.evidence().bounds_above();
     let search = FieldMeshSearch { field, mesher: &mesher, wanted, is_measured, job };
     let made = match (wanted.length, wanted.triangles) {
         (None, Some(most)) => search.by_count(evaluator, most),
@@ -82,13 +90,20 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
 
 enum MeshAttempt<'s> {
     Proved(Bounded<Mesh>),
-    Open {
-        mesh: Mesh,
-        strategy: ProofStrategy,
-        /// A point where it is not proved, if known.
-        place: Option<[f64; 3]>,
-        evaluator: PrimitiveEvaluator<'s>,
-    },
+    Open { left: UnprovedMesh, strategy: ProofStrategy, evaluator: PrimitiveEvaluator<'s> },
+}
+
+/// A mesh, and how far its proof came.
+struct UnprovedMesh {
+    mesh: Mesh,
+    /// Of this mesh, if a proof was begun.
+    verdict: Option<SandwichVerdict>,
+    /// A point where it is not proved, if known.
+    place: Option<[f64; 3]>,
+    /// The conditions for what is still tried, with the work that is left.
+    proof: Job,
+    /// What was evaluated for the mesh, in points.
+    work: u64,
 }
 
 /// What may still prove an open mesh.
@@ -115,32 +130,67 @@ impl<'s> FieldMeshSearch<'s> {
         self.mesher.check_precision(length.get())?;
         if self.is_measured {
             let made = self.by_samples(evaluator, length.get())?;
-            return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
+            return if self.is_strict() { Err(Failure::Unmet(Box::new(made))) } else { Ok(made) };
         }
         // Without slopes signs are proved by values alone, on pieces as small as the rest of the length.
         let share = if self.mesher.is_sampled { SAMPLED } else { 1.0 };
-        let attempt = match self.attempt(evaluator, length, share)? {
-            MeshAttempt::Open { strategy: ProofStrategy::FinerMesh, evaluator, .. } => {
-                self.attempt(evaluator, length, NEARER * share)?
-            }
-            proved_or_far => proved_or_far,
-        };
-        let mesh = match attempt {
+        let (left, strategy) = match self.attempt(evaluator, length, share)? {
             MeshAttempt::Proved(made) => return Ok(made),
-            MeshAttempt::Open { mesh, strategy: ProofStrategy::Nothing, place, .. } => {
-                let mut made = self.measure(mesh)?;
-                made.bound.at = place.or(made.bound.at);
-                return Err(Failure::Unmet(Box::new(made)));
+            MeshAttempt::Open { left, strategy: ProofStrategy::FinerMesh, evaluator }
+                if left.proof.work_left() > FINER_WORK.saturating_mul(left.work) =>
+            {
+                match self.attempt(evaluator, length, NEARER * share)? {
+                    MeshAttempt::Proved(made) => return Ok(made),
+                    // Where cells ended first, less is known of it.
+                    MeshAttempt::Open { left: finer, .. } if finer.verdict.is_none() => {
+                        (left, ProofStrategy::Nothing)
+                    }
+                    MeshAttempt::Open { left, strategy, .. } => (left, strategy),
+                }
             }
-            MeshAttempt::Open { mesh, .. } => mesh,
+            MeshAttempt::Open { left, strategy, .. } => (left, strategy),
         };
-        // Boxes about the mesh may prove what its two copies do not: solids that touch, and bounds beyond the
-        // wanted length.
-        let goal = Goal { max: Some(length), ..Goal::default() };
-        let bound = field_deviation(&mesh, self.field, &goal, self.job)?.bound;
-        let is_met = bound.at_most().is_some_and(|most| most <= length.get());
-        let made = Bounded { shape: mesh, bound };
-        if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        let mut beyond = None;
+        if strategy != ProofStrategy::Nothing && !left.proof.is_over() {
+            // Boxes about the mesh may prove what its two copies do not: solids that touch, and bounds beyond the
+            // wanted length.
+            let goal = Goal { max: Some(length), ..Goal::default() };
+            let bound = field_deviation(&left.mesh, self.field, &goal, &left.proof)?.bound;
+            if bound.at_most().is_some_and(|most| most <= length.get()) {
+                return Ok(Bounded { shape: left.mesh, bound });
+            }
+            beyond = Some(bound);
+        }
+        match beyond {
+            // Nothing less would do, or it is certainly too far.
+            Some(bound) if self.is_strict() || bound.at_least() > length.get() => {
+                Err(Failure::Unmet(Box::new(Bounded { shape: left.mesh, bound })))
+            }
+            _ => self.measured_instead(left, length.get()),
+        }
+    }
+
+    /// Whether a measurement is not enough.
+    fn is_strict(&self) -> bool {
+        self.wanted.require == RequiredEvidence::Proved
+    }
+
+    /// A mesh whose proof did not end, measured as a whole, with the places that the proof left open.
+    fn measured_instead(&self, left: UnprovedMesh, length: f64) -> FieldMeshResult {
+        let places = left.verdict.as_ref().map(|verdict| open_places(&left.mesh, verdict));
+        let mut made = self.measure(left.mesh)?;
+        if self.is_strict() {
+            made.bound.at = left.place.or(made.bound.at);
+            return Err(Failure::Unmet(Box::new(made)));
+        }
+        made.bound.open = places.map(Box::new);
+        if made.bound.at_least() <= length { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    }
+
+    /// The conditions of a proof that begins now.
+    fn proof_job(&self, work: u64) -> Job {
+        let is_unlimited = self.is_strict() || self.job.proof_effort == ProofEffort::Full;
+        if is_unlimited { self.job.clone() } else { self.job.with_work_limit(work.max(LEAST_PROOF)) }
     }
 
     /// Makes a mesh and measures it; faces from which the surface is seen to be too far are split. The best one counts.
@@ -155,6 +205,9 @@ impl<'s> FieldMeshSearch<'s> {
                 measured_field_deviation(&mesh, self.field, length, self.job)?;
             if best.as_ref().is_none_or(|best| whole.bound.at_least() < best.bound.at_least()) {
                 best = Some(Bounded { shape: mesh, bound: whole.bound });
+            }
+            if self.job.is_finishing() {
+                break;
             }
             let far: Vec<u32> = far.iter().map(|f| numbers[*f as usize]).collect();
             let is_hopeless =
@@ -176,19 +229,23 @@ impl<'s> FieldMeshSearch<'s> {
     ) -> Result<MeshAttempt<'s>, Failure<Mesh>> {
         let ImprovedSurface { surface: mut improved, extent } =
             self.mesher.improved_surface(evaluator, share * length.get())?;
-        if extent == FieldGridStatus::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2)
+        let work = improved.work();
+        let proof = self.proof_job(work);
+        if extent == FieldGridStatus::Exhausted
+            || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2)
+            || proof.is_over()
         {
             let (mesh, _) = mesh_of(&improved);
-            let place = improved.first_unsettled();
+            let left = UnprovedMesh { mesh, verdict: None, place: improved.first_unsettled(), proof, work };
             let evaluator = improved.into_evaluator();
-            return Ok(MeshAttempt::Open { mesh, strategy: ProofStrategy::Nothing, place, evaluator });
+            return Ok(MeshAttempt::Open { left, strategy: ProofStrategy::Nothing, evaluator });
         }
         let csg = Csg::from_expr(self.field.sign());
-        let mut judge = SandwichProver::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failure)?;
+        let mut judge = SandwichProver::new(&csg, &self.field.bounds(), &proof).map_err(leaf_failure)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
         let (is_settled, n_first) = (improved.n_unsettled() == 0, improved.n_faces());
         let (mut n_open, mut n_worse, mut is_contradicted) = (usize::MAX, 0, false);
-        let mut place = None;
+        let mut judged = None;
         for round in 0..MOST_ROUNDS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: MOST_ROUNDS as u64 });
             let (mesh, numbers) = mesh_of(&improved);
@@ -199,10 +256,11 @@ impl<'s> FieldMeshSearch<'s> {
                 }
                 // A lower bound exceeds the upper one, as where a promise does not hold.
                 is_contradicted = true;
+                judged = Some((mesh, verdict));
                 break;
             }
-            place = verdict.first_unproved_point(&mesh);
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
+            judged = Some((mesh, verdict));
             open.sort_unstable();
             open.dedup();
             // If a mesh is not near the surface at all, all of it stays open however small its faces are.
@@ -216,14 +274,14 @@ impl<'s> FieldMeshSearch<'s> {
                 true => 1,
                 false => HOPELESS,
             };
-            if n_worse >= most_worse || improved.split_faces(&open)? == 0 {
+            if n_worse >= most_worse || proof.is_over() || improved.split_faces(&open)? == 0 {
                 break;
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
         }
-        let (mesh, _) = mesh_of(&improved);
+        let (mesh, verdict) = judged.expect("there is a first round");
         let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
-        let outlook = if is_contradicted {
+        let strategy = if is_contradicted {
             ProofStrategy::Boxes
         } else if is_cheap && n_open > 0 && FEW * n_open < improved.n_faces() {
             ProofStrategy::FinerMesh
@@ -232,7 +290,10 @@ impl<'s> FieldMeshSearch<'s> {
         } else {
             ProofStrategy::Boxes
         };
-        Ok(MeshAttempt::Open { mesh, strategy: outlook, place, evaluator: improved.into_evaluator() })
+        let place = verdict.first_unproved_point(&mesh);
+        drop(judge);
+        let left = UnprovedMesh { mesh, verdict: Some(verdict), place, proof, work };
+        Ok(MeshAttempt::Open { left, strategy, evaluator: improved.into_evaluator() })
     }
 
     fn measure(&self, mesh: Mesh) -> FieldMeshResult {
@@ -279,7 +340,8 @@ impl<'s> FieldMeshSearch<'s> {
             let middle = (fine * coarse).sqrt();
             let is_between = guess > 1.001 * fine && guess < 0.999 * coarse;
             tol = if is_between || !(middle > 0.0 && middle.is_finite()) { guess } else { middle };
-            if fine > 0.0 && coarse < 1.01 * fine || tol > self.mesher.longest() {
+            let is_over = self.job.is_finishing() && best.is_some();
+            if fine > 0.0 && coarse < 1.01 * fine || tol > self.mesher.longest() || is_over {
                 break;
             }
         }
@@ -290,18 +352,21 @@ impl<'s> FieldMeshSearch<'s> {
         };
         if self.is_measured {
             let made = self.measure(mesh)?;
-            return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
+            return if self.is_strict() { Err(Failure::Unmet(Box::new(made))) } else { Ok(made) };
         }
+        let work = evaluator.work();
+        let proof = self.proof_job(work);
         let csg = Csg::from_expr(self.field.sign());
-        let mut judge = SandwichProver::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failure)?;
+        let mut judge = SandwichProver::new(&csg, &self.field.bounds(), &proof).map_err(leaf_failure)?;
         let verdict = judge.prove(&mesh, &SandwichGoal::new(None, MARGIN))?;
         if verdict.is_proved()
             && let Some(bound) = sandwich_bound(&mesh, self.field, &verdict, self.job)?
         {
             return Ok(Bounded { shape: mesh, bound });
         }
-        let made = self.measure(mesh)?;
-        Err(Failure::Unmet(Box::new(made)))
+        drop(judge);
+        let left = UnprovedMesh { mesh, verdict: Some(verdict), place: None, proof, work };
+        self.measured_instead(left, f64::INFINITY)
     }
 }
 

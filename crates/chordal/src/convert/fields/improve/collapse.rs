@@ -38,6 +38,9 @@ impl SurfaceImprover<'_> {
         let mut list: Vec<CollapseEstimate> = Vec::new();
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
+            if self.job.is_finishing() {
+                break;
+            }
             // Estimates of the last round whose surroundings are unchanged stay valid.
             list.retain(|one| {
                 self.surface.has_face(one.h / 3) && !self.is_open[self.surface.start(one.h) as usize]

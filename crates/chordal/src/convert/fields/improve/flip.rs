@@ -19,6 +19,9 @@ struct FlipEstimate {
 impl SurfaceImprover<'_> {
     pub(super) fn flip_all(&mut self) -> Result<(), ImproveError> {
         for _ in 0..MOST_ROUNDS {
+            if self.job.is_finishing() {
+                break;
+            }
             let open = self.changed_edges();
             if open.is_empty() {
                 break;

@@ -186,6 +186,11 @@ impl<'a> SurfaceImprover<'a> {
         self.evaluator
     }
 
+    /// What was evaluated for it so far, in points.
+    pub fn work(&self) -> u64 {
+        self.evaluator.work()
+    }
+
     /// The tree of its primitives.
     pub fn csg(&self) -> &'a Csg {
         self.evaluator.csg()
@@ -218,14 +223,14 @@ impl<'a> SurfaceImprover<'a> {
             self.flip_all()?;
             let now = self.surface.n_faces();
             // Less than 3 % in a cycle: further cycles gain less.
-            if cycle > 0 && now * 100 > last * 97 {
+            if cycle > 0 && now * 100 > last * 97 || self.job.is_finishing() {
                 break;
             }
             last = now;
         }
         for _ in 0..MOST_CHECKS {
             self.split_far(MOST_REPAIRS)?;
-            if self.split_edges_of_refuted()? == 0 {
+            if self.job.is_finishing() || self.split_edges_of_refuted()? == 0 {
                 break;
             }
             self.flip_all()?;

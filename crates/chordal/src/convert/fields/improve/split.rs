@@ -25,6 +25,10 @@ impl SurfaceImprover<'_> {
         let mut n_repairs = 0;
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
+            if self.job.is_finishing() {
+                self.stuck.clear();
+                break;
+            }
             let mut far = self.far_edges()?;
             if far.is_empty() {
                 far = self.edges_of_far_faces()?;

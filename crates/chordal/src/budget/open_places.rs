@@ -1,0 +1,68 @@
+//! `OpenPlaces`: where a bound is not proved although a proof was tried.
+use crate::math::greater;
+
+/// A connected part of a result for which no proof was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenPlace {
+    /// The middle of its box.
+    pub at: [f64; 3],
+    /// The diagonal of its box.
+    pub size: f64,
+    /// The area of its triangles; 0 where a part of the true shape could be without any.
+    pub area: f64,
+}
+
+/// The places where a bound is not proved. Elsewhere each triangle is proved to be near the true shape.
+///
+/// ```
+/// use chordal::budget::proof::{OpenPlace, OpenPlaces};
+/// let place = |x: f64, size: f64| OpenPlace { at: [x, 0.0, 0.0], size, area: 0.5 };
+/// let places = OpenPlaces::new(vec![place(0.0, 0.1), place(1.0, 0.3)], 8.0);
+/// assert_eq!((places.count, places.largest[0].at[0], places.area), (2, 1.0, 1.0));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpenPlaces {
+    /// How many there are.
+    pub count: u64,
+    /// The area of their triangles.
+    pub area: f64,
+    /// The area of all triangles.
+    pub whole_area: f64,
+    /// The largest of them, at most [`OpenPlaces::MOST`], the largest first.
+    pub largest: Vec<OpenPlace>,
+}
+
+impl OpenPlaces {
+    /// How many are listed. Chosen: as many as one looks at.
+    pub const MOST: usize = 16;
+
+    /// The places, and the area of all triangles of the result.
+    #[must_use]
+    pub fn new(mut places: Vec<OpenPlace>, whole_area: f64) -> Self {
+        let count = places.len() as u64;
+        let area = places.iter().map(|place| place.area).sum();
+        places.sort_by(|a, b| b.size.total_cmp(&a.size));
+        places.truncate(Self::MOST);
+        Self { count, area, whole_area, largest: places }
+    }
+
+    /// Those of two results next to each other.
+    #[must_use]
+    pub fn beside(&self, other: &Self) -> Self {
+        let mut largest = [&self.largest[..], &other.largest[..]].concat();
+        largest.sort_by(|a, b| b.size.total_cmp(&a.size));
+        largest.truncate(Self::MOST);
+        Self {
+            count: self.count + other.count,
+            area: self.area + other.area,
+            whole_area: self.whole_area + other.whole_area,
+            largest,
+        }
+    }
+
+    /// The size of the largest.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.largest.iter().fold(0.0, |most, place| greater(most, place.size))
+    }
+}

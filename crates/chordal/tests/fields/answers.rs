@@ -1,0 +1,89 @@
+//! Fields always become a mesh: proved, or measured with the places that a proof left open.
+use chordal::budget::proof::ProofEffort;
+use chordal::budget::{Evidence, RequiredEvidence};
+use chordal::check::validity;
+use chordal::convert::field_to_mesh;
+use chordal::explicit::Topology;
+use chordal::implicit::{Expr, Field};
+use chordal::math::Box3;
+use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
+
+/// A box from its middle and half sides.
+fn plate(middle: [f64; 3], half: [f64; 3]) -> Expr {
+    let slab = |(k, axis): (usize, &Expr)| (axis - middle[k]).abs() - half[k];
+    let [x, y, z] = Expr::axes();
+    [x, y, z].iter().enumerate().map(slab).reduce(|a, b| a.max(&b)).expect("three axes")
+}
+
+fn within(field: Expr, half: f64) -> Field {
+    Field::new(field).with_bounds(Box3 { min: [-half; 3], max: [half; 3] })
+}
+
+fn budget(require: RequiredEvidence, length: f64) -> Budget {
+    Budget { require, ..Budget::length(Tolerance::new(length).unwrap()) }
+}
+
+fn is_closed(mesh: &Mesh) -> bool {
+    let seen = validity(mesh, Topology::Indices);
+    seen.closed && seen.manifold()
+}
+
+/// Two plates that cross, one on the other.
+fn crossed() -> Field {
+    let lower = plate([0.0, 0.0, 0.75], [20.0, 4.0, 0.75]);
+    within(lower.min(&plate([0.0, 0.0, 2.25], [4.0, 20.0, 0.75])), 20.0)
+}
+
+#[test]
+fn a_crack_between_solids_that_share_a_face_is_no_surface_for_measurements() {
+    let made = field_to_mesh(&crossed(), &budget(RequiredEvidence::Measured, 0.1), &Job::default()).unwrap();
+    assert!(made.bound.at_least() <= 0.1, "{}", made.bound);
+}
+
+#[test]
+fn a_mesh_comes_with_a_proof_or_with_the_places_that_are_left_over() {
+    // A ball that touches a plane from above, whatever becomes of the proof at that point.
+    let [x, y, z] = Expr::axes();
+    let ball = (x.square() + y.square() + (z - 1.0).square()).sqrt() - 1.0;
+    for field in [crossed(), within(ball.min(&plate([0.0, 0.0, -0.5], [2.0, 2.0, 0.5])), 2.5)] {
+        let asked = budget(RequiredEvidence::ProvedOrMeasured, 0.02);
+        let made = field_to_mesh(&field, &asked, &Job::default()).unwrap();
+        assert!(is_closed(&made.shape));
+        match made.bound.evidence() {
+            Evidence::Measured { samples } => {
+                let open = made.bound.open.as_deref().expect("a proof was tried");
+                assert!(*samples > 0 && open.count > 0 && open.area < open.whole_area, "{open:?}");
+                assert!(open.largest.windows(2).all(|pair| pair[0].size >= pair[1].size));
+                assert!(made.bound.at_least() <= 0.02 && made.bound.at_most().is_none());
+            }
+            evidence => assert!(evidence.bounds_above() && made.bound.open.is_none(), "{}", made.bound),
+        }
+    }
+}
+
+#[test]
+fn a_proof_that_ends_is_the_same_by_every_way_to_ask_for_it() {
+    let field = within(plate([0.1, 0.2, 0.3], [1.0, 1.5, 0.5]).max(&-plate([0.4; 3], [0.5; 3])), 2.0);
+    let ask = |require, effort| {
+        let mut job = Job::default();
+        job.proof_effort = effort;
+        field_to_mesh(&field, &budget(require, 0.01), &job).unwrap()
+    };
+    let proved = ask(RequiredEvidence::Proved, ProofEffort::Share);
+    assert_eq!(*proved.bound.evidence(), Evidence::Proved);
+    assert_eq!(ask(RequiredEvidence::ProvedOrMeasured, ProofEffort::Share), proved);
+    assert_eq!(ask(RequiredEvidence::ProvedOrMeasured, ProofEffort::Full), proved);
+}
+
+#[test]
+fn a_job_that_is_to_finish_ends_with_a_closed_mesh_that_is_measured() {
+    let [x, y, z] = Expr::axes();
+    let bumps = (&x * 9.0).sin() * (&y * 9.0).sin() * (&z * 9.0).sin() * 0.1;
+    let field = within((x.square() + y.square() + z.square()).sqrt() - 1.0 + bumps, 1.25);
+    let job = Job::default();
+    job.finish();
+    let made = field_to_mesh(&field, &budget(RequiredEvidence::ProvedOrMeasured, 1e-3), &job);
+    let Bounded { shape, bound } = made.or_else(Failure::best_effort).unwrap();
+    assert!(is_closed(&shape) && shape.faces().len() > 100);
+    assert!(matches!(bound.evidence(), Evidence::Measured { .. }) && bound.open.is_none(), "{bound:?}");
+}
