@@ -12,6 +12,7 @@ mod cli;
 mod clock;
 mod console;
 mod convert;
+mod deadline;
 mod deviation;
 mod docs;
 mod execution;

@@ -1,8 +1,9 @@
 //! `chordal mesh`
-use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, angle, length};
+use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, angle, duration, length};
 use crate::boolean::BooleanArgs;
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
+use crate::deadline::Deadline;
 use crate::execution;
 use crate::fault::Fault;
 use crate::input::InputSource;
@@ -18,7 +19,8 @@ use crate::summary;
 use crate::volume::VolumeArgs;
 use chordal::Job;
 use chordal::budget::advice::Spell;
-use chordal::budget::{Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
+use chordal::budget::proof::ProofEffort;
+use chordal::budget::{Bound, Length, PixelBudget, Pixels, Reference, RequiredEvidence, View};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
@@ -27,6 +29,7 @@ use chordal_verbs::{
 use clap::{ArgGroup, Args, ValueEnum};
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
@@ -113,12 +116,14 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub segments: Option<u64>,
 
-    /// How a field's distance is known: proved; measured, which is sooner there; or estimated, for a draft that is
-    /// there at once and whose distance nobody knows. Unless said, proved where there is anything to prove with. Other shapes are proved either way
+    /// How a field's distance has to be known: proved, or the exit code is 5; measured, without a proof; or estimated, for
+    /// a draft that is there at once and whose distance nobody knows. Unless said, it is proved as far as that goes in
+    /// about the time that the mesh took, and measured where places are left over. Other shapes are proved either way
     #[arg(long, value_name = "EVIDENCE")]
     pub require: Option<RequiredEvidence>,
 
-    /// Write the best result even where the budget was not reached; the exit code is 5 all the same
+    /// Write the best result even where the budget was not reached, as is always done of a field; the exit code is 5 all
+    /// the same
     #[arg(long)]
     pub keep_best: bool,
 }
@@ -135,10 +140,16 @@ pub struct ResultArgs {
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: SpacingArg,
 
-    /// For a count alone of a mesh's or a volume's triangles (labels have one effort): the least error (best), or
-    /// mostly about a tenth of the time for two to three times the error (fast)
-    #[arg(long, value_name = "HOW", default_value = "best")]
-    pub effort: EffortArg,
+    /// For a field: take its proof to the end (best), however long that is. For a count alone of a mesh's or a volume's
+    /// triangles (labels have one effort): the least error (best, also unless said), or mostly about a tenth of the time
+    /// for two to three times the error (fast)
+    #[arg(long, value_name = "HOW")]
+    pub effort: Option<EffortArg>,
+
+    /// For a field: write the best that is there after so long, as in 20s or 2m. Unless said, after 60s, and without a
+    /// limit where a proof is asked for by --require proved or --effort best
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub within: Option<Duration>,
 
     /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none and is from
     /// no .glb or .gltf (auto); keep, none are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups,
@@ -194,9 +205,28 @@ pub struct MeshRound<'a> {
 
 /// Reads, meshes, writes, reports.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {
-    let job = execution::job(&args.input, Some(&args.output), &Console::new(&args.console));
+    let job = job(args);
     let existing = execution::existing(&args.output);
     run_once(args, &MeshRound { job: &job, existing, require: args.budget.require, on_files: &|_| () })
+}
+
+/// The job that the command line asks for.
+pub fn job(args: &MeshArgs) -> Job {
+    let mut job = execution::job(&args.input, Some(&args.output), &Console::new(&args.console));
+    if args.result.effort == Some(EffortArg::Best) {
+        job.proof_effort = ProofEffort::Full;
+    }
+    job
+}
+
+/// After how long the best is written. Chosen: nobody waits longer for a part without a sign.
+const WITHIN: Duration = Duration::from_secs(60);
+
+/// When a field is to be written as it is: a proof that is asked for by name has no end unless one is given.
+fn time_limit(args: &MeshArgs, require: Option<RequiredEvidence>, shape: &Shape) -> Option<Duration> {
+    let has_no_end = require == Some(RequiredEvidence::Proved) || args.result.effort == Some(EffortArg::Best);
+    let default = (!has_no_end).then_some(WITHIN);
+    args.result.within.or(default).filter(|_| matches!(shape, Shape::Field(_)))
 }
 
 /// The same as one of several times.
@@ -242,17 +272,22 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     if !others.is_empty() && args.result.extrude.is_some() {
         return Err(Fault::usage("--extrude makes a solid of its own: write it, and combine the file"));
     }
+    let deadline =
+        time_limit(args, round.require, &input.shape).map(|within| Deadline::start(job, within, console));
     let made = if others.is_empty() {
         mesh(input, &spec, form, job)
     } else {
         mesh_boolean(input, others, &spec, form, job)
     };
+    drop(deadline);
     let (outcome, unmet) = match made.spelled(&CommandLine) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
             let fault = run_outcome::fault(&name, &failure, &hint(args, &failure));
             match failure {
-                MeshFailure::Unmet(best) if args.budget.keep_best => (*best, Some(fault)),
+                MeshFailure::Unmet(best) if args.budget.keep_best || is_field(&best.bound) => {
+                    (*best, Some(fault))
+                }
                 _ => return Err(fault),
             }
         }
@@ -266,16 +301,22 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
+/// Of parts as code the best is always written: there is no other.
+fn is_field(bound: &Bound) -> bool {
+    bound.reference == Reference::Field
+}
+
 /// What would help where the budget was not met.
 fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     let MeshFailure::Unmet(best) = failure else { return String::new() };
     let mut hints: Vec<&str> = Vec::new();
-    if !args.budget.keep_best {
+    if is_field(&best.bound) {
+        hints.push("it is written all the same");
+        if args.budget.require == Some(RequiredEvidence::Proved) {
+            hints.push("--require measured asks for no proof");
+        }
+    } else if !args.budget.keep_best {
         hints.push("--keep-best writes it");
-    }
-    let is_field = best.bound.reference == Reference::Field;
-    if is_field && best.bound.at_most().is_none() && args.budget.require.is_none() {
-        hints.push("--require measured asks for no proof");
     }
     let smoothed = best.certificate.smoothed.as_ref();
     let fits = smoothed
@@ -322,8 +363,8 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         SpacingArg::Even => Spacing::Even,
     };
     let effort = match args.result.effort {
-        EffortArg::Best => Effort::Best,
-        EffortArg::Fast => Effort::Fast,
+        Some(EffortArg::Best) | None => Effort::Best,
+        Some(EffortArg::Fast) => Effort::Fast,
     };
     Ok(BudgetSpec {
         length: args.budget.tol,

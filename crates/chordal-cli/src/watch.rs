@@ -35,7 +35,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         files.forget();
         files.add([&args.input.input].into_iter().chain(args.boolean.paths()).cloned());
         for require in attempts(args) {
-            match attempt(args, (require, existing), &files, &console) {
+            match attempt(args, (require, existing), &files) {
                 Ok(()) => existing = OverwritePolicy::Replace,
                 // The files changed in the middle.
                 Err(fault) if fault.exit == Exit::Interrupted => break,
@@ -73,9 +73,8 @@ fn attempt(
     args: &MeshArgs,
     (require, existing): (Option<RequiredEvidence>, OverwritePolicy),
     files: &WatchedFiles,
-    console: &Console,
 ) -> Result<(), Fault> {
-    let job = execution::job(&args.input, Some(&args.output), console);
+    let job = mesh::job(args);
     let is_over = AtomicBool::new(false);
     thread::scope(|scope| {
         scope.spawn(|| files.cancel_on_change(&job, &is_over));

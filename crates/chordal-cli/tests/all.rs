@@ -1,5 +1,6 @@
 //! The integration tests of chordal-cli, one module a file of this folder, in one program:
 //! the library is linked once and not once a file.
+mod answers;
 mod bake;
 mod batch;
 mod boolean;

@@ -23,6 +23,8 @@ impl Spelling for Keywords {
             Setting::Segments => number("segments"),
             Setting::Compress => text("compress"),
             Setting::Quantize => "quantize=True".to_owned(),
+            // How much work a proof is worth is part of what is required here.
+            Setting::Effort => "require=\"proved\"".to_owned(),
             Setting::Cure(cure) => {
                 let named = cure.name().replace('-', "_");
                 let value = value.map_or_else(|| "True".to_owned(), |length| format!("\"{length}\""));

@@ -5,7 +5,7 @@ use crate::request::MeshRequest;
 use crate::simplified_isosurface::simplified;
 use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::advice::{Message, Setting};
-use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, RequiredEvidence, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::implicit::materials::SurfaceMaterial;
@@ -50,6 +50,9 @@ fn mesh_parts(
         Ok(made)
     })?;
     notes.extend(words);
+    if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
+        notes.extend(unproved_note(&bound));
+    }
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(
@@ -61,6 +64,36 @@ fn mesh_parts(
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     let mesh = renumber(mesh, &field, materials).map_err(unsupported)?;
     Ok((Scene::from_mesh("field", mesh, implicit.frame), bound))
+}
+
+/// What is said of a mesh that is measured although a proof was tried; `None` of others.
+fn unproved_note(bound: &Bound) -> Option<Message> {
+    if bound.evidence().bounds_above() {
+        return None;
+    }
+    let what = match bound.open.as_deref() {
+        None => {
+            "no proof was begun: the cells of the shape, or the time, ended first; points all over its triangles are measured"
+                .to_owned()
+        }
+        Some(open) => {
+            let places = if open.count == 1 { "1 place".to_owned() } else { format!("{} places", open.count) };
+            let near = open.largest.first().map_or(String::new(), |place| {
+                let [x, y, z] = place.at;
+                format!(", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)
+            });
+            format!(
+                "not proved at {places} ({:.3} of {:.3} in area){near}; each triangle elsewhere is proved to be near the                  shape, and points all over are measured",
+                open.area, open.whole_area
+            )
+        }
+    };
+    Some(
+        Message::from(what)
+            .words("; ")
+            .value(Setting::Effort, "best")
+            .words(" goes on with the proof to its end"),
+    )
 }
 
 /// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half

@@ -118,11 +118,13 @@ impl BudgetSpec {
 
     /// The evidence that a mesh or polylines of this shape need.
     fn required_of(&self, shape: &Shape) -> RequiredEvidence {
-        let provable = match shape {
-            Shape::Field(implicit) => implicit.field.evidence().bounds_above(),
-            _ => true,
-        };
-        self.require.unwrap_or(if provable { RequiredEvidence::Proved } else { RequiredEvidence::Measured })
+        self.require.unwrap_or(match shape {
+            Shape::Field(implicit) if implicit.field.evidence().bounds_above() => {
+                RequiredEvidence::ProvedOrMeasured
+            }
+            Shape::Field(_) => RequiredEvidence::Measured,
+            _ => RequiredEvidence::Proved,
+        })
     }
 
     /// Resolves the budget for one shape. Returns a sentence on the length where it was converted.

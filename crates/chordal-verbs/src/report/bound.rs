@@ -1,4 +1,5 @@
 //! The bound in the report.
+use chordal::budget::proof::{OpenPlace, OpenPlaces};
 use chordal::{Bound, Evidence};
 use serde::Serialize;
 
@@ -29,6 +30,45 @@ pub struct BoundFacts {
     pub reference: &'static str,
     /// The point of the largest known loss.
     pub at: Option<[f64; 3]>,
+    /// The places that a proof left open; present where there are some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub open: Option<OpenPlacesFacts>,
+}
+
+/// The places that a proof left open, in the report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OpenPlacesFacts {
+    /// How many there are.
+    pub count: u64,
+    /// The area of their triangles.
+    pub area: f64,
+    /// The area of all triangles.
+    pub whole_area: f64,
+    /// The largest of them, the largest first.
+    pub largest: Vec<OpenPlaceFacts>,
+}
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OpenPlaceFacts {
+    /// The middle of its box.
+    pub at: [f64; 3],
+    /// The diagonal of its box.
+    pub size: f64,
+    /// The area of its triangles; 0 where a part of the true shape could be without any.
+    pub area: f64,
+}
+
+impl OpenPlacesFacts {
+    fn new(places: &OpenPlaces) -> Self {
+        let facts = |place: &OpenPlace| OpenPlaceFacts { at: place.at, size: place.size, area: place.area };
+        Self {
+            count: places.count,
+            area: places.area,
+            whole_area: places.whole_area,
+            largest: places.largest.iter().map(facts).collect(),
+        }
+    }
 }
 
 impl BoundFacts {
@@ -51,6 +91,7 @@ impl BoundFacts {
             metric: bound.metric.as_str(),
             reference: bound.reference.as_str(),
             at: bound.at,
+            open: bound.open.as_deref().map(OpenPlacesFacts::new),
         }
     }
 }

@@ -34,7 +34,7 @@ mod witness;
 
 pub use attributes::AttributeFacts;
 pub use boolean::{BooleanFacts, BooleanOperandFacts};
-pub use bound::BoundFacts;
+pub use bound::{BoundFacts, OpenPlaceFacts, OpenPlacesFacts};
 pub use budget::{BudgetFacts, ViewFacts};
 pub(crate) use cage::linear_name;
 pub use cage::{CageFacts, PolygonFacts, RefinementFacts, SharpnessFacts};

@@ -1,0 +1,59 @@
+//! A part as code always becomes a file: what is known of it is said, and the exit code follows what was asked for.
+use crate::common;
+
+use common::{Folder, run};
+
+/// A ball cut out of a box: curved and with a crease.
+const PART: &str = "box(4, 4, 2) - move(sphere(1.2), 0, 0, 1)\n";
+
+#[test]
+fn time_that_ends_leaves_a_closed_mesh_that_is_measured() {
+    let folder = Folder::new("answers-within");
+    let (input, output) = (folder.file("a.star", PART), folder.text("a.ply"));
+    let made = run(&["mesh", &input, "--tol", "0.001", "--within", "1ms", "-o", &output, "--json"]);
+    // Whether a thousandth is reached by then depends on the machine.
+    assert!([0, 5].contains(&made.code), "{made:?}");
+    let certificate = &made.report()["certificate"];
+    assert_eq!(
+        (&certificate["valid"]["closed"], &certificate["valid"]["manifold"]),
+        (&true.into(), &true.into())
+    );
+    assert!(certificate["output"]["triangles"].as_u64().unwrap() > 12, "{certificate}");
+    assert!(folder.path("a.ply").exists());
+}
+
+#[test]
+fn a_proof_that_is_asked_for_and_not_found_is_a_failure_with_a_file() {
+    let folder = Folder::new("answers-required");
+    let (input, output) = (folder.file("a.star", PART), folder.text("a.ply"));
+    let asked = ["mesh", &input, "--tol", "0.001", "--require", "proved", "--within", "1ms", "-o", &output];
+    let made = run(&[&asked[..], &["--json"]].concat());
+    made.fails_with(
+        5,
+        &["a.star: the budget was not met", "it is written all the same", "--require measured"],
+    );
+    assert_eq!(made.report()["certificate"]["bound"]["evidence"], "measured");
+    assert!(folder.path("a.ply").exists());
+}
+
+#[test]
+fn an_ordinary_part_is_proved_without_being_asked() {
+    let folder = Folder::new("answers-proved");
+    let (input, output) = (folder.file("a.star", PART), folder.text("a.ply"));
+    let made = run(&["mesh", &input, "--tol", "0.01", "-o", &output, "--json"]);
+    made.succeeds();
+    let bound = &made.report()["certificate"]["bound"];
+    assert!(bound["evidence"] == "proved" && bound.get("open").is_none(), "{bound}");
+    assert!(bound["at_most"].as_f64().unwrap() <= 0.01);
+}
+
+#[test]
+fn a_time_has_a_unit() {
+    let folder = Folder::new("answers-time");
+    let (input, output) = (folder.file("a.star", PART), folder.text("a.ply"));
+    for time in ["5", "-1s", "0s", "soon", "1e999s"] {
+        let made = run(&["mesh", &input, "--tol", "0.01", &format!("--within={time}"), "-o", &output]);
+        made.fails_with(2, &["--within", "as in 20s, 2m or 500ms"]);
+    }
+    assert_eq!(folder.names(), ["a.star"]);
+}
