@@ -97,8 +97,11 @@ const PAUSE_MS = 1000;
  * budget follows a look from near only to twice its triangles, for it is met without having been asked for; levels are asked for.
  */
 const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
-/** How the command ends when it does not know an option. */
+/** How the command ends when it does not know an option, and when a budget was not met. */
 const USAGE = 2;
+const UNMET = 5;
+/** With it the best that was reached is written all the same. */
+const KEEP_BEST = "--keep-best";
 /** What a browser can hold several times over. */
 const MOST_BYTES = 600e6;
 /** From the middle of a box to the eye, in diagonals. */
@@ -295,7 +298,7 @@ export class Controller {
     if (!done || now !== this.state.bench) return;
     const { outcome, line } = done;
     const made = outcome.made[name];
-    if (!made) return this.update({ fault: faultOf(outcome) });
+    if (!made || outcome.exit !== 0) return this.update({ fault: faultOf(outcome) });
     this.put({ ...bench(name, outcome.made, [...now.before, line]), budget: now.budget });
   }
 
@@ -349,7 +352,9 @@ export class Controller {
     const done = await this.reads("export", line, this.state.bench.files, false);
     if (!done) return null;
     const { outcome } = done;
-    const isUseful = Object.keys(outcome.made).length > 0;
+    // The command says by its exit whether it made what was asked for: what a failed run leaves behind is nobody's file.
+    const isBest = outcome.exit === UNMET && done.line.includes(KEEP_BEST);
+    const isUseful = (outcome.exit === 0 || isBest) && Object.keys(outcome.made).length > 0;
     if (!isUseful) this.update({ fault: faultOf(outcome) });
     return isUseful ? outcome.made : null;
   }
@@ -592,7 +597,7 @@ export class Controller {
 /** A name that the command does not take for an option. */
 const nameOf = ({ name }: File): string => name.replace(/^-+/, "_");
 
-const keepingBest = (line: Line): Line => (line.includes("--keep-best") ? line : [...line, "--keep-best"]);
+const keepingBest = (line: Line): Line => (line.includes(KEEP_BEST) ? line : [...line, KEEP_BEST]);
 
 /** What can be read of a file that was written; nothing where this page cannot. */
 const drawn = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);

@@ -5,7 +5,8 @@ import { existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { beforeAll, describe, expect, test, vi } from "vitest";
-import { Trapped, run } from "../../src/workbench/command";
+import { type Outcome, Trapped, run } from "../../src/workbench/command";
+import { Controller, type LaneName } from "../../src/workbench/controller";
 import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText, without } from "../../src/workbench/document";
 import { boxOf, levels, parts, standing } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
@@ -337,4 +338,32 @@ test("a file with y up stands", () => {
   const part = { name: "", positions: Float32Array.from([1, 2, 3]), indices: new Uint32Array(), groups: new Uint32Array(), paints: [] };
   expect([...standing(part, "y").positions]).toEqual([1, -3, 2]);
   expect(standing(part, "z")).toBe(part);
+});
+
+describe("an export", () => {
+  /** A bench whose command does nothing but end like this. */
+  const controller = (outcome: Outcome) =>
+    new Controller({ run: async () => outcome, isRunning: () => false, cancel: () => undefined } as unknown as Jobs<LaneName>, block, () => undefined);
+  const ended = (exit: number, made: Outcome["made"]): Outcome => ({ exit, stdout: "", stderr: "chordal: block.star: no levels of this\n", made });
+
+  test("is what the command made, where it says that it did", async () => {
+    const made = { "tiles/tileset.json": text("{}") };
+    const control = controller(ended(0, made));
+    expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBe(made);
+    expect(control.state.fault).toBeNull();
+  });
+  test("is none of what a failed run leaves behind, and the command's sentence is shown", async () => {
+    for (const exit of [1, 2, 3, 4, 5]) {
+      const control = controller(ended(exit, { "tiles/.chordal.lock": new Uint8Array() }));
+      expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBeNull();
+      expect(control.state.fault?.text).toContain("no levels of this");
+    }
+  });
+  test("is the best that there is only where the line asks for it", async () => {
+    const made = { "block.glb": text("best") };
+    const line = ["mesh", "block.star", "-o", "block.glb", "--keep-best"];
+    expect(await controller(ended(5, made)).export(line)).toBe(made);
+    expect(await controller(ended(4, made)).export(line)).toBeNull();
+    expect(await controller(ended(5, made)).export(line.slice(0, -1))).toBeNull();
+  });
 });
