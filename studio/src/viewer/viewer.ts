@@ -334,7 +334,8 @@ export class Viewer {
     const { paint, size, isOnTop } = layer;
     const material = new PointsMaterial({
       color: this.color(paint),
-      size: size * this.renderer.getPixelRatio(),
+      // In CSS pixels: three.js multiplies it by the screen's density itself.
+      size,
       sizeAttenuation: false,
       depthTest: !isOnTop,
     });
