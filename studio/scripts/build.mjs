@@ -36,11 +36,20 @@ function put(html, old, text, what) {
   return html.replace(old, () => text);
 }
 
+/** A page and the same in the other language, by their own names: of these links vite makes copies of its moulds. */
+function withAlternates(html, [en, zh]) {
+  const links = [["en", en], ["zh-CN", zh]].map(([tag, file]) => `<link rel="alternate" hreflang="${tag}" href="${file}" />`);
+  return put(html, '<meta name="color-scheme"', `${links.join("\n    ")}\n    <meta name="color-scheme"`, "the other language");
+}
+/** The file of a page in both languages, from that in one. */
+const inBoth = (file) => [file.replace(/\.zh\.html$/, ".html"), file.replace(/(\.zh)?\.html$/, ".zh.html")];
+
 const core = await Core.load(await readFile(join(root, "wasm/chordal.wasm")));
 for (const [file, language] of Object.entries(widgets)) {
   const path = join(out, file);
   const html = put(await readFile(path, "utf8"), PLACE, still(core, language), "the text");
-  await writeFile(path, put(html, ONWARD, onwardFromWidget(), "the way on"));
+  const whole = put(html, ONWARD, onwardFromWidget(), "the way on");
+  await writeFile(path, withAlternates(whole, Object.keys(widgets)));
 }
 
 const mould = await readFile(join(out, "exhibit.html"), "utf8");
@@ -50,7 +59,7 @@ for (const { file, id, lang, title, description, body } of exhibits) {
   let html = put(mould, '<html lang="en" data-exhibit="">', `<html lang="${lang}" data-exhibit="${id}">`, "the language");
   html = put(html, "<title>Chordal</title>", `<title>${quoted(title)}</title>`, "the title");
   html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
-  html = put(html, PLACE, body, "the text");
+  html = withAlternates(put(html, PLACE, body, "the text"), inBoth(file));
   // On the list of all there is nothing to move.
   await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));
 }
@@ -59,7 +68,7 @@ for (const { file, lang, title, description, body } of workbenches()) {
   let html = put(bench, '<html lang="en">', `<html lang="${lang}">`, "the language");
   html = put(html, "<title>Chordal</title>", `<title>${quoted(title)}</title>`, "the title");
   html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
-  await writeFile(join(out, file), put(html, PLACE, body, "the text"));
+  await writeFile(join(out, file), withAlternates(put(html, PLACE, body, "the text"), inBoth(file)));
 }
 // The one address of all of them knows their names.
 const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];

@@ -1,11 +1,13 @@
 // What holds for every exhibit's page, and what surrounds them: text and figure before any script, numbers that are the core's,
 // axe, widths, frames, damaged addresses, the list of all, the viewer.
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { EXHIBITS, STOPS, fileOf, fileOfStop } from "../../src/exhibits/index";
 import { LANGUAGES, type Language, TAGS } from "../../src/exhibits/say";
 import { ExhibitPages, live } from "./exhibit_page";
-import { digits, isLong, seriousFindings, settled } from "./site";
+import { DIST, digits, isLong, seriousFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 /** Runs no script. */
@@ -137,6 +139,19 @@ test("axe refuses what it should: a button without a name, words too pale to be 
   const rules = (await seriousFindings(page)).map((finding) => finding.split(":")[0]);
   expect(rules.sort()).toEqual(["button-name", "color-contrast"]);
   await page.close();
+});
+
+test("every page names itself in both languages, by files that are there, and has an icon", async () => {
+  const names = readdirSync(DIST).filter((name) => name.endsWith(".html"));
+  expect(names).toContain("workbench.zh.html");
+  for (const name of names) {
+    const html = readFileSync(join(DIST, name), "utf8");
+    const links = [...html.matchAll(/<link rel="alternate" hreflang="([^"]+)" href="([^"]+)"/g)].map(([, tag, file]) => [tag, file]);
+    expect(links.map(([tag]) => tag), name).toEqual([TAGS.en, TAGS.zh]);
+    for (const [, file] of links) expect(names, `${name} names ${file}`).toContain(file);
+    expect(links.some(([, file]) => file === name), name).toBe(true);
+    expect(html, name).toMatch(/<link rel="icon" [^>]*href="data:image\/svg/);
+  }
 });
 
 test("the list of all has a figure and a link for each, and works without script", async () => {
