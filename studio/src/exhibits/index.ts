@@ -108,8 +108,8 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "Where curves meet", zh: "曲线相接之处" },
     claim: {
-      en: "C0 meets with a kink, C1 hides it, and only C2 lets a reflection run on.",
-      zh: "C0 有折角，C1 看不出折角，只有 C2 让反射的条纹连续通过。",
+      en: "C0 meets with a kink, C1 has none and still breaks a reflection, and C2 lets it run on.",
+      zh: "C0 有折角；C1 没有折角，反射的条纹却仍会折；C2 让条纹连续通过。",
     },
     load: () => import("./joins"),
   },

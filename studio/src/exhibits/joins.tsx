@@ -79,7 +79,7 @@ const texts: Record<Language, Texts> = {
     smooth: "Place, direction, speed and bending agree: comb and stripes run on.",
     back: "Put the control arm back to where all agrees",
     story: [
-      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye forgives a jump of curvature; the *comb*, whose teeth are as long as the curve bends, does not. Nor does a mirror: a surface that is only C1 *reflects stripes with kinks*.",
+      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye forgives a jump of curvature; the *comb*, whose teeth are as long as the curve bends, does not. Nor does a mirror: a surface that is only C1 *reflects stripes with kinks*. For a mirror the shape alone counts: one direction and one curvature (*G2*) are enough, whatever the speeds.",
       "What a mirror shows depends on the normal, one derivative more than the place. Car bodies are judged so; camera paths that are only C1 jerk.",
       "Bend the first curve, and the second one has to give way: for C0 by nothing, for C1 by its first control arm, for C2 by two points. What is kept is paid for with freedom.",
     ],
@@ -105,7 +105,7 @@ const texts: Record<Language, Texts> = {
     smooth: "位置、方向、速度和弯曲都一致：曲率梳和条纹连续通过。",
     back: "恢复控制臂",
     story: [
-      "*C0*：后一段从前一段的终点开始。*C1*：方向与速度也相同。*C2*：二阶导数也相同，弯曲随之一致。曲率突变，眼睛看不出来；*曲率梳*的梳齿长度正比于曲率，一看便知。镜面也瞒不过：只有 C1 的曲面*映出的条纹有折点*。",
+      "*C0*：后一段从前一段的终点开始。*C1*：方向与速度也相同。*C2*：二阶导数也相同，弯曲随之一致。曲率突变，眼睛看不出来；*曲率梳*的梳齿长度正比于曲率，一看便知。镜面也瞒不过：只有 C1 的曲面*映出的条纹有折点*。镜面只看形状：方向和曲率相同（*G2*）就够了，速度不必相同。",
       "反射取决于法线，比位置多一阶导数。车身就是这样检验的；只有 C1 的镜头路径会顿一下。",
       "第一条曲线弯了，第二条就要让步：C0 不用让，C1 让出第一个控制臂，C2 让出两个点。保持得越多，自由越少。",
     ],

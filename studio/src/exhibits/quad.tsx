@@ -84,7 +84,7 @@ const texts: Record<Language, Texts> = {
     bulges: (rise, is) =>
       `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
     story: [
-      "There is *one* plane through any three points, so a triangle cannot bend: one normal, one inside. A fourth point may leave that plane. Folded along one diagonal the middle is a ridge, along the other a valley, and both have the same corners and edges: no file that stores only corners says which was meant.",
+      "There is *one* plane through three points that are not in a line, so a triangle cannot bend: one normal, one inside. A fourth point may leave that plane. Folded along one diagonal the middle is a ridge, along the other a valley, and both have the same corners and edges: no file that stores only corners says which was meant.",
       "This is why graphics hardware draws triangles. Authors keep their quads, which are good to work with, and somewhere on the way to the screen every quad is cut in two. A tool that cuts along the other diagonal shows another shape.",
       "The distance is signed and its zero is exact: the core decides by exact arithmetic whether four points lie in one plane, and not by a small number that somebody chose.",
     ],
