@@ -236,7 +236,7 @@ test-long: need-rust need-fuzz test-viewers test-web test-studio test-python doc
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
 	$(VENV)/bin/python -m pip install -q -r tests/python/requirements-long.txt
-	$(VENV)/bin/python -m pytest -q tests/python/test_interop.py tests/python/test_cluster.py tests/python/test_batch_cluster.py tests/python/test_devices.py tests/python/test_sources.py
+	$(VENV)/bin/python -m pytest -q tests/python/test_interop.py tests/python/test_images.py tests/python/test_cluster.py tests/python/test_batch_cluster.py tests/python/test_devices.py tests/python/test_sources.py
 	mkdir -p $(TARGET)/large && $(VENV)/bin/python tests/python/large_volume.py $(TARGET)/large && rm -rf $(TARGET)/large
 	$(MAKE) fuzz
 

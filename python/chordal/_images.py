@@ -95,29 +95,44 @@ def _of_xarray(data: Any) -> Lattice:
     return Lattice(values, affine, units.pop() if len(units) == 1 and units <= known else None)
 
 
-def _of_pyvista(image: Any) -> Lattice:
+def _of_vtk(image: Any) -> Lattice:
+    """An image of VTK, which PyVista's are, too: its samples are counted from where its extent begins."""
     import numpy as np
 
-    values = image.active_scalars
-    if values is None:
-        raise ValueError("array: this image has no active scalars")
-    shape = tuple(image.dimensions)
+    values = _scalars_of_vtk(image)
+    shape = tuple(int(side) for side in image.GetDimensions())
     # Scalars of cells are one less along each axis, and stand at their middles.
     is_of_cells = len(values) != int(np.prod(shape))
     if is_of_cells:
         shape = tuple(max(side - 1, 1) for side in shape)
     if np.ndim(values) != 1 or len(values) != int(np.prod(shape)):
         raise ValueError(f"array: one number for each point, not scalars of shape {np.shape(values)}")
-    affine = np.array(image.index_to_physical_matrix, dtype=np.float64)
-    if is_of_cells:
-        affine[:3, 3] = affine[:3, 3] + affine[:3, :3].sum(axis=1) / 2
+    matrix = image.GetIndexToPhysicalMatrix()
+    affine = np.array([[matrix.GetElement(row, column) for column in range(4)] for row in range(4)])
+    first = np.asarray(image.GetExtent()[::2]) + (0.5 if is_of_cells else 0.0)
+    affine[:3, 3] = affine[:3, 3] + affine[:3, :3] @ first
     return Lattice(np.asarray(values).reshape(shape, order="F"), affine, None)
+
+
+def _scalars_of_vtk(image: Any) -> NDArray[Any]:
+    """The active scalars of points, else of cells; of PyVista's those that it calls active."""
+    import numpy as np
+
+    if hasattr(image, "active_scalars"):
+        values = image.active_scalars
+    else:
+        scalars = image.GetPointData().GetScalars() or image.GetCellData().GetScalars()
+        values = None if scalars is None else library("vtkmodules.util.numpy_support").vtk_to_numpy(scalars)
+    if values is None:
+        raise ValueError("array: this image has no active scalars")
+    found: NDArray[Any] = np.asarray(values)
+    return found
 
 
 _KNOWN: tuple[tuple[Callable[[Any], bool], Callable[[Any], Lattice]], ...] = (
     (_has("dataobj", "affine"), _of_nibabel),
     (_has("GetDirection", "GetSpacing", "GetOrigin"), _of_simpleitk),
-    (_has("dimensions", "index_to_physical_matrix", "point_data"), _of_pyvista),
+    (_has("GetExtent", "GetIndexToPhysicalMatrix", "GetPointData"), _of_vtk),
     (_has("dims", "coords", "values"), _of_xarray),
 )
 
