@@ -260,3 +260,43 @@ def test_labels_may_have_64_bits(tmp_path: Path) -> None:
     assert list(bounds) == [720575940621039146] and (tmp_path / "720575940621039146:0").exists()
     with pytest.raises(chordal.Error, match="label -3"):
         chordal.block_volume(np.full((4, 4, 4), -3, dtype=np.int64)).labels()
+
+
+@pytest.mark.parametrize("way", ["npy", "mapped", "nii", "zarr", "array"])
+def test_samples_that_were_written_anew_are_others(way: str, tmp_path: Path) -> None:
+    """Of the same size, at the same place, and even at the same time: the folder does not hand out what was made of the old ones."""
+    path = tmp_path / f"ball.{way}"
+
+    def volume(samples: Any) -> chordal.BlockVolume:
+        if way == "array":
+            return chordal.block_volume(samples)
+        if way == "nii":
+            nibabel = pytest.importorskip("nibabel")
+            nibabel.save(nibabel.Nifti1Image(samples, np.eye(4)), path)
+        elif way == "zarr":
+            zarr = pytest.importorskip("zarr")
+            zarr.open_array(path, mode="w", shape=samples.shape, chunks=(9, 9, 9), dtype="f8")[:] = samples
+        else:
+            with path.open("wb") as file:
+                np.save(file, samples)
+            os.utime(path, ns=(0, 0))
+        return chordal.block_volume(np.load(path, mmap_mode="r") if way == "mapped" else path)
+
+    arguments: Any = {"iso": 0, "inside": "low", "block": 10, "folder": tmp_path / "done"}
+    first = volume(ball()).mesh(**arguments)
+    assert same(volume_again(volume, way, path).mesh(**arguments), first), "the same file goes on where it ended"
+    with pytest.raises(chordal.Error, match="blocks of another volume"):
+        volume(ball() - 1).mesh(**arguments)
+    one = ball()
+    one[1, 2, 3] += 0.5
+    if way in ("array", "zarr"):
+        with pytest.raises(chordal.Error, match="blocks of another volume"):
+            volume(one).mesh(**arguments)
+
+
+def volume_again(volume: Any, way: str, path: Path) -> chordal.BlockVolume:
+    """The volume as another program opens it, with the same bytes."""
+    if way == "array":
+        made: chordal.BlockVolume = volume(ball())
+        return made
+    return chordal.block_volume(np.load(path, mmap_mode="r") if way == "mapped" else path)

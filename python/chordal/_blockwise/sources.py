@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from chordal._arguments import warn
+from chordal._blockwise.file_marks import known_of_files
 from chordal._blockwise.sampled import FieldSamples
 from chordal._images import nibabel_facts
 from chordal._libraries import library
@@ -82,22 +83,20 @@ def refuse_choice(name: str, value: int | None, of: str) -> None:
 
 
 def source_of(array: Any) -> str:
-    """Where samples are, or some of them: two volumes with other samples differ in it but for bad luck."""
+    """What tells samples from others: where they are and what is known of the files, or all of them where they are in memory."""
     if isinstance(array, (_Opened, FieldSamples)):
         return array.source()
     if not hasattr(array, "__array_interface__"):
-        return type(array).__name__
+        # The name of an array of Dask has a digest of what it is made of.
+        return f"{type(array).__name__} {getattr(array, 'name', '')}".strip()
     import hashlib
 
     import numpy as np
 
-    known = np.asarray(array)
-    steps = tuple(slice(None, None, max(1, n // _LOOKED_AT)) for n in known.shape)
-    return hashlib.sha256(np.ascontiguousarray(known[steps]).tobytes()).hexdigest()
-
-
-#: So many samples along each axis tell an array in memory from another. Chosen.
-_LOOKED_AT = 32
+    known, digest = np.asarray(array), hashlib.sha256()
+    for layer in known:
+        digest.update(np.ascontiguousarray(layer).data)
+    return digest.hexdigest()
 
 
 class _Opened:
@@ -106,10 +105,15 @@ class _Opened:
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
 
+    @property
+    def _place(self) -> str:
+        """The file or folder, or its address."""
+        return str(vars(self)["_path"])
+
     def source(self) -> str:
-        """Its path and what of it is meant."""
+        """Its path, what of it is meant, and what is known of the files there: written anew they are other samples."""
         told = {name: value for name, value in vars(self).items() if name not in ("shape", "dtype", "_token")}
-        return repr(sorted(told.items()))
+        return f"{sorted(told.items())!r} {known_of_files(self._place)}"
 
     def _array(self) -> Any:
         raise NotImplementedError
