@@ -10,11 +10,12 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, SupportsFloat
 
 from chordal import _chordal
+from chordal._arguments import number
 from chordal._arguments import text as _text
 from chordal._arrays import coordinates
 from chordal._curve import Curve
 from chordal._devices import parameter_of
-from chordal._functions import of_bytes, try_at_points
+from chordal._functions import Sided, of_bytes, try_at_points, warn_of_complement
 from chordal._hints import keywords_hinted, refuse_own
 from chordal._recipe import Recipe, Remakeable
 from chordal._shape import Shape
@@ -393,11 +394,15 @@ def field(
     lipschitz: SupportsFloat | None = None,
     gradient: Callable[[Any], Any] | None = None,
     like: Any | None = None,
+    iso: SupportsFloat = 0,
+    inside: Literal["low", "high"] = "low",
 ) -> Field:
     """A shape from a formula, or from a function of points.
 
     A function is called with an array n × 3 of double precision, all points at a time that are asked for at once: from
-    one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. It is called from other threads.
+    one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. `iso` is the value of the surface where
+    it is not 0, and `inside` is "high" where values are larger inside, as occupancies and densities are; what comes back has
+    its surface at 0 and is negative inside. It is called from other threads.
     What it raises comes back as it is. `bounds` is a box that holds the shape, which is cut off there. With `lipschitz`
     you promise that values of two points differ by no more than that many times their distance, and what is proved is proved under that
     promise; without it a mesh is measured, at samples. `gradient` gives back the derivatives along x, y and z, n × 3;
@@ -415,7 +420,9 @@ def field(
     (array([2.]), 'proved-if')
     """
     is_alone = bounds is None and lipschitz is None and gradient is None and like is None
-    if isinstance(what, Field) and is_alone:
+    level, is_high = number("iso", iso), _is_high(inside)
+    is_plain = level == 0 and not is_high
+    if isinstance(what, Field) and is_alone and is_plain:
         return what
     if isinstance(what, Shape) and not isinstance(what, Field):
         raise TypeError(f"what: a formula or a function of points; {_field_by(what)}")
@@ -424,7 +431,7 @@ def field(
     if isinstance(what, Formula) or not callable(what):
         if not is_alone:
             raise TypeError("bounds, lipschitz, gradient and like are for functions")
-        return called("field", what)  # type: ignore[no-any-return]
+        return called("field", what if is_plain else level - what if is_high else what - level)  # type: ignore[no-any-return]
     slope = None if lipschitz is None else float(lipschitz)
     if slope is not None and not 0 <= slope < float("inf"):
         raise ValueError(f"lipschitz: a number that is not negative, not {slope}")
@@ -432,15 +439,25 @@ def field(
         raise TypeError("gradient: a function of points")
     if like is None and parameter_of(what) is None:
         try_at_points(what, None if bounds is None else _box("bounds", bounds))
-    values = of_bytes(what, "function", lambda n: ((n,), (n, 1)), like)
-    slopes = None if gradient is None else of_bytes(gradient, "gradient", lambda n: ((n, 3),), like)
-    recipe: Recipe = (field, (what,), {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like})
+    sided = None if is_plain else Sided(level, is_high)
+    values = of_bytes(what, "function", lambda n: ((n,), (n, 1)), like, None if sided is None else sided.value)
+    turned = None if sided is None else sided.slope
+    slopes = None if gradient is None else of_bytes(gradient, "gradient", lambda n: ((n, 3),), like, turned)
+    words = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like, "iso": level, "inside": inside}
+    recipe: Recipe = (field, (what,), words)
     uncut = _chordal.ScriptValue.callable(values, slopes, slope)
     if bounds is None:
         return Field(uncut, None, recipe)
     box = _box("bounds", bounds)
+    warn_of_complement(values, box)
     # A network is anything far from what it has learned: what is made of this one alone does not rest on the box.
     return Field(uncut.with_bounds(box), uncut.source(box), recipe, uncut)
+
+
+def _is_high(inside: str) -> bool:
+    if inside not in ("low", "high"):
+        raise ValueError(f"inside: 'low' or 'high', not {inside!r}")
+    return inside == "high"
 
 
 def _field_by(shape: Shape) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from chordal._arguments import warn
@@ -69,8 +70,9 @@ def of_bytes(
     name: str,
     shapes: Callable[[int], tuple[tuple[int, ...], ...]],
     like: Any | None,
+    turned: Callable[[Any], Any] | None = None,
 ) -> Callable[[bytes], bytes]:
-    """The function of the bytes of points, which gives back the bytes of an array of one of these shapes."""
+    """The function of the bytes of points, which gives back the bytes of an array of one of these shapes, turned if need be."""
     called = with_arrays(function, like)
 
     def values(asked: bytes) -> bytes:
@@ -83,6 +85,47 @@ def of_bytes(
         found = np.ascontiguousarray(given, dtype=np.float64)
         if found.shape not in shapes(len(points)):
             raise ValueError(f"the {name} gave back {found.shape} for {len(points)} points")
-        return found.tobytes()
+        return (found if turned is None else np.ascontiguousarray(turned(found))).tobytes()
 
     return values
+
+
+@dataclass(frozen=True)
+class Sided:
+    """Where the surface of a function is, and on which side of that its inside."""
+
+    level: float
+    is_high: bool
+
+    def value(self, found: Any) -> Any:
+        """The values of a function, with the surface at 0 and negative inside."""
+        return self.level - found if self.is_high else found - self.level
+
+    def slope(self, found: Any) -> Any:
+        """The same for derivatives."""
+        return -found if self.is_high else found
+
+
+def warn_of_complement(values: Callable[[bytes], bytes], box: Sequence[Sequence[float]]) -> None:
+    """Says it where a function seems to be positive inside: it is negative all around its box and positive somewhere within,
+    so that the shape is the box without what was meant. What it raises it raises again where it is used.
+    """
+    import numpy as np
+
+    low, high = (np.asarray(end) for end in box)
+    # Two of the three coordinates of Roberts' points, on each side of the box; and within it.
+    inner = np.modf(np.outer(np.arange(1, _N_TRIED + 1), _STEPS))[0]
+    sides = [np.insert(inner[: _N_TRIED // 4, :2], axis, end, axis=1) for axis in range(3) for end in (0.0, 1.0)]
+    corners = np.indices((2, 2, 2)).reshape(3, -1).T.astype(float)
+    outer = np.vstack([*sides, corners])
+    points = low + np.vstack([outer, inner]) * (high - low)
+    try:
+        found = np.frombuffer(values(np.ascontiguousarray(points).tobytes()))
+    except Exception:
+        return
+    around, within = found[: len(outer)], found[len(outer) :]
+    if np.all(around < 0) and np.any(within > 0):
+        warn(
+            "what: the function is negative all around its bounds and positive within them, so that the shape is the box without "
+            "what is in it, for negative is inside; where the function is positive inside, say inside='high'"
+        )

@@ -97,8 +97,9 @@ def test_a_function_of_points_is_called_with_many_at_once() -> None:
         return np.asarray(np.linalg.norm(points, axis=1) - 1, dtype=np.float64)
 
     field = chordal.field(ball, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
-    # It was asked for two points, to see that it takes more than one, and for some more, whether it has more than two values.
-    assert sizes == [2, 64]
+    # It was asked for two points, to see that it takes more than one, and for some more, whether it has more than two values;
+    # and for some around its box and within, whether it is positive inside.
+    assert sizes == [2, 64, 168]
     sizes.clear()
     many = np.zeros((200_000, 3))
     assert (field(many) == -1).all()
@@ -298,3 +299,43 @@ def test_an_occupancy_is_no_distance() -> None:
         chordal.field(lambda p: np.linalg.norm(p, axis=1) < 1.5, bounds=box)
     with pytest.warns(UserWarning, match="two values alone, as it seems; .*chordal.volume"):
         chordal.field(lambda p: np.where(np.linalg.norm(p, axis=1) < 1.5, -1.0, 1.0), bounds=box)
+
+
+BOX = ((-1.3, -1.3, -1.3), (1.3, 1.3, 1.3))
+
+
+def test_a_function_says_where_its_surface_is_and_which_side_is_inside() -> None:
+    def hill(points: Any) -> Any:
+        return 5 - 2 * np.linalg.norm(points, axis=1)
+
+    def slope(points: Any) -> Any:
+        return -2 * points / np.linalg.norm(points, axis=1, keepdims=True)
+
+    ball = chordal.field(hill, bounds=BOX, iso=3, inside="high")
+    assert np.allclose(ball(POINTS), 2 * np.linalg.norm(POINTS, axis=1) - 2)
+    assert ball.mesh(tol=0.05).volume == pytest.approx(4 / 3 * np.pi, rel=0.1)
+    sloped = chordal.field(hill, bounds=BOX, gradient=slope, lipschitz=2, iso=3, inside="high")
+    assert np.allclose(sloped.gradient(POINTS), -slope(POINTS))
+    made = sloped.mesh(tol=0.1)
+    assert made.bound.evidence == "proved-if" and made.volume == pytest.approx(4 / 3 * np.pi, rel=0.15)
+    x, y, z = chordal.shapes.x, chordal.shapes.y, chordal.shapes.z
+    for formula, words in ((x * x + y * y + z * z, {"iso": 4}), (7 - x * x - y * y - z * z, {"iso": 3, "inside": "high"})):
+        two = chordal.field(formula, **words)
+        assert two([[2, 0, 0], [0, 1, 0]]).tolist() == [0, -3]
+    with pytest.raises(ValueError, match="inside: 'low' or 'high', not 'out'"):
+        chordal.field(hill, inside="out")  # type: ignore[arg-type]
+    with pytest.raises(chordal.BudgetError, match="iso: a finite number"):
+        chordal.field(hill, iso=float("nan"))
+
+
+def test_a_function_that_is_positive_inside_is_warned_of() -> None:
+    def hill(points: Any) -> Any:
+        return 1 - np.linalg.norm(points, axis=1)
+
+    with pytest.warns(UserWarning, match="negative all around its bounds and positive within.*inside='high'"):
+        chordal.field(hill, bounds=BOX)
+    # What is said is not warned of, and nor is what reaches its box, is in it, or fills it.
+    chordal.field(hill, bounds=BOX, inside="high")
+    chordal.field(lambda p: -hill(p), bounds=BOX)
+    chordal.field(lambda p: p[:, 2], bounds=BOX)
+    chordal.field(lambda p: -1 - p[:, 0] ** 2, bounds=BOX)
