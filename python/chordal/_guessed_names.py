@@ -24,7 +24,7 @@ _VERBS: dict[str, str] = {
     **dict.fromkeys(("save", "write", "save_mesh", "write_mesh", "dump"), 'shape.export("a.stl"), or shape.to_bytes("stl")'),
     **dict.fromkeys(("fill_holes", "close_holes"), "shape.mend(fill_holes=True)"),
     **dict.fromkeys(
-        ("weld", "merge_vertices", "merge_close_vertices", "remove_duplicated_vertices"),
+        ("weld", "merge_vertices", "merge_close_vertices", "merge_points", "remove_duplicated_vertices"),
         "shape.mend(weld=True), or shape.mend(weld=1e-6) for vertices that are nearly one",
     ),
     **dict.fromkeys(("clean", "repair", "process", "fix", "make_watertight", "make_manifold"), "shape.mend(all=True)"),
@@ -38,15 +38,17 @@ _VERBS: dict[str, str] = {
         ("signed_distance", "implicit_distance", "compute_implicit_distance", "sdf"),
         "shape.to_field()(points), negative inside",
     ),
-    **dict.fromkeys(("contains", "select_enclosed_points", "is_inside"), "shape.to_field()(points) < 0"),
+    **dict.fromkeys(("contains", "select_enclosed_points", "is_inside", "select_interior_points"), "shape.to_field()(points) < 0"),
     **dict.fromkeys(
-        ("nearest", "proximity", "closest_point", "find_closest_cell", "nearest_point"),
+        ("nearest", "proximity", "closest_point", "find_closest_cell", "find_closest_point", "nearest_point"),
         "shape.to_field()(points) for distances; nearest points are those of to_trimesh().nearest",
     ),
     **dict.fromkeys(("distance", "hausdorff", "hausdorff_distance", "compare"), "shape.deviation(other)"),
     **dict.fromkeys(
-        ("voxelized", "voxelize", "voxels"), "shape.bake(cells=64), the distances on a lattice; samples below 0 are inside"
+        ("voxelized", "voxelize", "voxels", "voxelize_binary_mask", "voxelize_rectilinear"),
+        "shape.bake(cells=64), the distances on a lattice; samples below 0 are inside",
     ),
+    "remove_non_manifold_edges": "shape.mend(split_nonmanifold=True)",
     "boolean_union": "shape.union(other), or a | b",
     "boolean_difference": "shape.difference(other), or a - b",
     "boolean_intersection": "shape.intersection(other), or a & b",
@@ -69,7 +71,16 @@ _MESHES: dict[str, str] = {
     **dict.fromkeys(("unite", "fuse", "add"), "mesh.union(other), or a | b, for solids; mesh + other for triangles next to each other"),
     **dict.fromkeys(("subtract", "minus"), "mesh.difference(other), or a - b"),
     **dict.fromkeys(("intersect", "common"), "mesh.intersection(other), or a & b"),
-    **dict.fromkeys(("cut", "slice_plane", "clip_plane"), "mesh.difference(other), as of a large box"),
+    **dict.fromkeys(("cut", "slice_plane", "clip_plane", "clip_closed_surface"), "mesh.difference(other), as of a large box"),
+    **dict.fromkeys(("crop", "clip_box"), "mesh.intersection(other), as of a box: chordal.shapes.box(…) with tol=0.01"),
+    **dict.fromkeys(("collision", "is_intersecting"), "mesh.intersection(other), which has no triangles where they are apart"),
+    **dict.fromkeys(
+        ("submesh", "update_faces", "remove_cells", "extract_cells", "select_by_index", "remove_triangles_by_index")
+        + ("remove_triangles_by_mask", "remove_vertices_by_index", "remove_vertices_by_mask"),
+        "chordal.Mesh(mesh.vertices, mesh.faces[keep]), and .mend(drop_unused=True) where vertices are left over",
+    ),
+    "plot_normals": 'mesh.render(show="normals")',
+    "plot_curvature": "mesh.vertex_curvature(), for the colours of any plot",
     "edge_lengths": "numpy.linalg.norm of the differences of mesh.vertices[mesh.faces]",
     **dict.fromkeys(("pointcloud", "point_cloud", "to_points"), "mesh.vertices, or mesh.to_trimesh().sample(count)"),
     "name": "mesh.parts[0].name, and that of mesh.nodes",
@@ -135,7 +146,7 @@ _MESHES: dict[str, str] = {
     **dict.fromkeys(("camera", "lights", "set_camera"), "the view= of mesh.render"),
     **dict.fromkeys(("cluster_connected_triangles", "decompose", "separate_cells", "extract_largest"), "mesh.split()"),
     **dict.fromkeys(("flip_x", "flip_y", "flip_z"), "mesh.scale((-1, 1, 1)), a new mesh"),
-    **dict.fromkeys(("flip_faces", "flip_normal", "flip_normals", "invert"), _INSIDE_OUT),
+    **dict.fromkeys(("flip_faces", "flip_normal", "flip_normals", "flip_normal_vectors", "invert"), _INSIDE_OUT),
     "flip": f"{_INSIDE_OUT} turns it inside out, and mesh.scale((-1, 1, 1)) mirrors it",
     "hull": f"{_ELSE}: mesh.to_trimesh().convex_hull; {_BACK}",
     "project": f"{_ELSE}: mesh.to_trimesh().projected(normal)",
@@ -183,7 +194,7 @@ _MESHES: dict[str, str] = {
         ("rotated", "rotate_x", "rotate_y", "rotate_z", "rotate_vector"), 'mesh.rotate("z", 90), in degrees: a new mesh'
     ),
     **dict.fromkeys(("mirror", "reflect"), "mesh.scale((-1, 1, 1)), a new mesh"),
-    **dict.fromkeys(("concatenate", "append", "merge"), "chordal.concatenate([a, b])"),
+    **dict.fromkeys(("concatenate", "append", "append_polydata", "merge"), "chordal.concatenate([a, b])"),
     **dict.fromkeys(("to_3dtiles", "tiles", "tileset", "to_tileset"), "mesh.lod(…).export(folder)"),
     **dict.fromkeys(
         ("to_neuroglancer", "neuroglancer", "precomputed", "to_precomputed"),
@@ -216,8 +227,8 @@ _ELSEWHERE: dict[str, str] = {
     **{
         name: f"{_ELSE}: mesh.to_trimesh().{name}, or the like of mesh.to_pyvista(); {_BACK}"
         for name in ("convex_hull", "subdivide", "subdivide_loop", "smoothed", "unwrap", "moment_inertia", "ray", "sample")
-        + ("edges", "edges_unique", "face_adjacency", "bounding_sphere", "bounding_box_oriented", "section", "submesh")
-        + ("slice_plane", "update_faces", "principal_inertia_transform")
+        + ("edges", "edges_unique", "face_adjacency", "bounding_sphere", "bounding_box_oriented", "section")
+        + ("principal_inertia_transform",)
     },
     **{
         name: f"{_ELSE}: mesh.to_pyvista().{name}(…), or the like of mesh.to_trimesh(); {_BACK}"

@@ -436,3 +436,26 @@ def test_options_of_a_batch_may_be_named(tmp_path: Any) -> None:
 @pytest.mark.parametrize("module", [chordal, chordal.shapes])
 def test_modules_list_what_they_give(module: types.ModuleType) -> None:
     assert [name for name in dir(module) if not name.startswith("__")] == sorted(set(module.__all__) - {"__version__"})
+
+
+@pytest.mark.parametrize(
+    ("name", "here"),
+    [
+        ("select_interior_points", "to_field()"),
+        ("voxelize_binary_mask", ".bake("),
+        ("merge_points", "mend(weld=True)"),
+        ("remove_non_manifold_edges", "mend(split_nonmanifold=True)"),
+        ("crop", "mesh.intersection("),
+        ("is_intersecting", "mesh.intersection("),
+        ("submesh", "mesh.faces[keep]"),
+        ("remove_triangles_by_mask", "mesh.faces[keep]"),
+        ("flip_normal_vectors", "[:, ::-1]"),
+        ("append_polydata", "chordal.concatenate"),
+        ("plot_normals", 'show="normals"'),
+    ],
+)
+def test_what_is_here_is_not_sent_to_other_libraries(name: str, here: str) -> None:
+    with pytest.raises(AttributeError) as raised:
+        getattr(SOLID, name)
+    said = str(raised.value)
+    assert here in said and "Chordal has none" not in said
