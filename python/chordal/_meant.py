@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Literal, SupportsFloat
+import operator
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
 from chordal._arguments import number, text, warn
@@ -24,7 +25,7 @@ def meant(
     iso: SupportsFloat | None,
     inside: Literal["high", "low"] | None,
     border: Literal["capped", "open"] | None,
-    labels: Sequence[int] | Literal["all"] | None,
+    labels: Sequence[SupportsIndex] | SupportsIndex | Literal["all"] | None,
     smooth: str | SupportsFloat | None,
 ) -> _chordal.Source:
     """A volume with the surface that is meant; the same shape where nothing is said of one."""
@@ -38,31 +39,58 @@ def meant(
         "iso": None if iso is None else number("iso", iso),
         "inside": text("inside", inside),
         "border": text("border", border) or "capped",
-        "labels": None if labels is None else [] if labels == "all" else _labels(labels),
+        "labels": None if labels is None else [] if isinstance(labels, str) and labels == "all" else _labels(labels),
         "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(number("smooth", smooth)),
     }
     if iso is not None and inside is None and labels is None:
-        _warn_of_distances(source, arguments["iso"])
+        _warn_of_unclear_sides(source, arguments["iso"])
     return source.surface(arguments)
 
 
-def _warn_of_distances(source: _chordal.Source, level: float | None) -> None:
-    """Says it where samples are taken for distances, below 0 inside, and most at the ends of the lattice are inside."""
+#: Where more than this share of the ends of a lattice are on the side that is taken for inside, it is said. Chosen: a body reaches
+#: the first and last layers of a scan, and less than that of all ends.
+_UNCLEAR = 1 / 3
+
+
+def _warn_of_unclear_sides(source: _chordal.Source, level: float | None) -> None:
+    """Says it where the samples alone tell which side of 0 is inside, and the ends of the lattice are on both."""
     import numpy as np
 
     samples = np.asarray(_chordal.samples(source)[0])
-    if level != 0 or samples.dtype.kind != "f":
+    if level != 0 or samples.dtype.kind not in "fi":
         return
     ends = np.concatenate([samples.take((0, -1), axis).ravel() for axis in range(3)])
-    if np.mean(ends < 0) > 0.5:
-        warn(
-            "iso: at level 0 floating-point samples are taken for distances, negative inside, and most at the ends of the "
-            "lattice are; say inside='high' if they are positive inside, or inside='low' if this is meant"
-        )
+    below, above = np.mean(ends < 0), np.mean(ends > 0)
+    if min(below, above) <= _UNCLEAR:
+        return
+    side, other = ("above", "low") if below > above else ("below", "high")
+    warn(
+        f"iso: at level 0 what is at most ends of the lattice is taken for outside, and so what is {side} the level for inside; "
+        f"{max(below, above):.0%} of the ends say so and {min(below, above):.0%} do not: say inside={other!r} for the other side, "
+        f"or inside={'high' if other == 'low' else 'low'!r} if this is meant"
+    )
 
 
-def _labels(labels: Sequence[int] | str) -> list[int]:
-    found = [int(label) for label in labels]
+def _labels(labels: Sequence[SupportsIndex] | SupportsIndex | str) -> list[int]:
+    found = label_list("labels", labels)
     if not found:
         raise ValueError("labels: one label at least, or 'all'")
     return found
+
+
+def label_list(name: str, labels: Any) -> list[int]:
+    """Labels that are given one by one, or as one number; floats that are whole numbers will do, as those of numpy's unique."""
+    if isinstance(labels, str):
+        raise TypeError(f"{name}: labels as whole numbers, as in {name}=[1, 2], not {labels!r}")
+    given = labels if isinstance(labels, Iterable) else [labels]
+    return [_label(name, label) for label in given]
+
+
+def _label(name: str, label: Any) -> int:
+    try:
+        return operator.index(label)
+    except TypeError:
+        whole = number(name, label)
+        if not whole.is_integer():
+            raise ValueError(f"{name}: whole numbers, not {whole:g}") from None
+        return int(whole)

@@ -141,7 +141,7 @@ class Shape(
         iso: SupportsFloat | None = None,
         inside: Literal["high", "low"] | None = None,
         border: Literal["capped", "open"] | None = None,
-        labels: Sequence[int] | Literal["all"] | None = None,
+        labels: Sequence[SupportsIndex] | SupportsIndex | Literal["all"] | None = None,
         smooth: str | SupportsFloat | None = None,
         progress: Progress | None = None,
     ) -> Mesh:

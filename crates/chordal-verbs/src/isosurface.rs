@@ -217,7 +217,7 @@ fn polygonize_rule(
             ));
         }
     };
-    let side = inside.unwrap_or_else(|| default_side(level, suggested.as_ref()));
+    let side = inside.unwrap_or_else(|| range.default_side(level, &sampled.volume));
     let taken = match (suggested, side) {
         (Some(found), _) if sampled.surface.level.is_none() => {
             let article = if found.kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
@@ -246,14 +246,6 @@ fn polygonize_rule(
         return Err(MeshFailure::refused(RefusalCode::Empty, message));
     }
     Ok(if *border == Border::Open { rule.open() } else { rule })
-}
-
-/// Distances are low inside, everything else is high.
-fn default_side(level: f64, suggested: Option<&SuggestedLevel>) -> Inside {
-    match suggested {
-        Some(found) if found.level == level => found.inside,
-        _ => Inside::High,
-    }
 }
 
 /// Adds a note where the shape reaches the border of the volume.
@@ -296,7 +288,11 @@ fn selected_labels(
         return Err(MeshFailure::Usage(message.words(" alone, or ").setting(Setting::Iso)));
     }
     let Some(known) = &range.labels else {
-        let message = "labels are whole numbers, and at most 65,536 different ones; these samples are not";
+        let message = if range.is_whole {
+            "labels are at most 65,536 different whole numbers; these samples are more"
+        } else {
+            "labels are whole numbers, and not all of these samples are"
+        };
         return Err(MeshFailure::Usage(message.into()));
     };
     match labels {

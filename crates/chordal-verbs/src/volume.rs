@@ -1,8 +1,8 @@
 //! `VolumeShape`: a volume with the choice of its surface, and the level that its samples suggest.
 use crate::smoothing_width::SmoothingWidth;
 use chordal::convert::{Border, Inside};
-use chordal::implicit::Samples;
 use chordal::implicit::evaluation::SampleGrid;
+use chordal::implicit::{Grid, Samples};
 use chordal::math::{Box3, greater, lesser};
 use chordal_io::Volume;
 use std::collections::BTreeMap;
@@ -61,8 +61,9 @@ pub struct ValueRange {
     pub nan: u64,
     /// Samples that are infinite.
     pub infinite: u64,
-    /// How often each value occurs, where the type is a whole number and there are few enough distinct
-    /// values.
+    /// Whether all finite samples are whole numbers, of whatever type.
+    pub is_whole: bool,
+    /// How often each value occurs, where all are whole numbers and there are few enough distinct values.
     pub labels: Option<BTreeMap<i64, u64>>,
 }
 
@@ -104,9 +105,37 @@ fn is_baked(volume: &Volume) -> bool {
 /// More distinct values than these are no labels.
 const MOST_LABELS: usize = 1 << 16;
 
-/// Whether samples of that type are whole numbers.
-fn is_whole(samples: &Samples) -> bool {
-    !matches!(samples, Samples::F32(_) | Samples::F64(_))
+/// Whether a finite sample is a whole number. Those beyond `i64` are no labels of anybody's.
+fn is_whole(x: f64) -> bool {
+    // Defined: the range of i64, whose upper end is no double.
+    x == x.trunc() && (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x)
+}
+
+/// How many samples at the ends of a lattice are below 0, above it, and numbers at all.
+struct EndSigns {
+    below: u64,
+    above: u64,
+    all: u64,
+}
+
+impl EndSigns {
+    fn from_grid(grid: &Grid) -> Self {
+        let [nx, ny, nz] = grid.size();
+        let mut signs = Self { below: 0, above: 0, all: 0 };
+        for z in 0..nz {
+            for y in 0..ny {
+                let is_end = z == 0 || z + 1 == nz || y == 0 || y + 1 == ny;
+                let step = if is_end { 1 } else { (nx - 1).max(1) };
+                for x in (0..nx).step_by(step) {
+                    let sample = grid.sample([x, y, z]);
+                    signs.below += u64::from(sample < 0.0);
+                    signs.above += u64::from(sample > 0.0);
+                    signs.all += u64::from(!sample.is_nan());
+                }
+            }
+        }
+        signs
+    }
 }
 
 impl ValueRange {
@@ -114,7 +143,7 @@ impl ValueRange {
     #[must_use]
     pub fn from_samples(samples: &Samples) -> Self {
         let mut range =
-            Self { ends: None, nan: 0, infinite: 0, labels: is_whole(samples).then(BTreeMap::new) };
+            Self { ends: None, nan: 0, infinite: 0, is_whole: true, labels: Some(BTreeMap::new()) };
         // A run of equal samples is looked up once.
         let (mut last, mut times) = (0, 0);
         for i in 0..samples.len() {
@@ -126,6 +155,9 @@ impl ValueRange {
             }
             let [low, high] = range.ends.unwrap_or([x, x]);
             range.ends = Some([lesser(x, low), greater(x, high)]);
+            if range.is_whole && !is_whole(x) {
+                (range.is_whole, range.labels, times) = (false, None, 0);
+            }
             if range.labels.is_some() {
                 if x as i64 != last {
                     range.count(last, times);
@@ -152,18 +184,48 @@ impl ValueRange {
         }
     }
 
+    /// Which samples are inside at a level for which nobody said it. Numbers count and not their type, so that a scan is the same
+    /// solid in whole numbers and in floats. At level 0 it is that which is not at most ends of the lattice: a scan has air there,
+    /// below 0, and distances are positive outside.
+    pub(crate) fn default_side(&self, level: f64, volume: &Volume) -> Inside {
+        match self.suggest(volume) {
+            Some(found) if found.level == level => found.inside,
+            _ if level == 0.0 && self.is_signed() => side_of_ends(&EndSigns::from_grid(&volume.grid)),
+            _ => Inside::High,
+        }
+    }
+
+    /// Whether there are samples on both sides of 0.
+    fn is_signed(&self) -> bool {
+        self.ends.is_some_and(|[low, high]| low < 0.0 && high > 0.0)
+    }
+
+    /// Whether samples look like distances: outside, where they are positive, is at most ends of the lattice. Few distances are
+    /// whole numbers, and many intensities; these have to be positive at all ends.
+    fn looks_like_distances(&self, volume: &Volume) -> bool {
+        if !self.is_signed() {
+            return false;
+        }
+        let signs = EndSigns::from_grid(&volume.grid);
+        if self.is_whole { signs.above == signs.all } else { side_of_ends(&signs) == Inside::Low }
+    }
+
     /// Suggests a level for samples in this range; `None` where all are equal.
     #[must_use]
     pub fn suggest(&self, volume: &Volume) -> Option<SuggestedLevel> {
         let samples = volume.grid.samples();
         let [low, high] = self.ends.filter(|[low, high]| low < high)?;
-        let is_float = !is_whole(samples);
+        let is_float = !self.is_whole;
         let found = |level, inside, kind| Some(SuggestedLevel { level, inside, kind });
-        if is_baked(volume) || is_float && low < 0.0 && high > 0.0 {
+        if is_baked(volume) || self.looks_like_distances(volume) {
             return found(0.0, Inside::Low, "signed distance");
         }
         if !is_float && self.labels.as_ref().is_some_and(|values| values.len() == 2) {
-            return found(0.5 * low + 0.5 * high, Inside::High, "mask");
+            let level = 0.5 * low + 0.5 * high;
+            let is_signed = level == 0.0 && self.is_signed();
+            let side =
+                if is_signed { side_of_ends(&EndSigns::from_grid(&volume.grid)) } else { Inside::High };
+            return found(level, side, "mask");
         }
         // Between 0 and less than nearly 1 they may also be distances from a sheet.
         let is_sheet = low < FROM_0 && high < NEARLY_1;
@@ -174,6 +236,11 @@ impl ValueRange {
         // Between whole numbers no sample equals the level.
         found(if is_float { level } else { level.floor() + 0.5 }, Inside::High, "intensity")
     }
+}
+
+/// The side of 0 that is inside, where the other is at most ends of the lattice.
+fn side_of_ends(signs: &EndSigns) -> Inside {
+    if 2 * signs.below > signs.all { Inside::High } else { Inside::Low }
 }
 
 /// Whether samples at the border of a lattice are inside of the surface at a level, so that it reaches the border.
@@ -254,7 +321,7 @@ pub(crate) fn type_name(samples: &Samples) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chordal::implicit::{Affine3, Grid};
+    use chordal::implicit::Affine3;
 
     fn suggested(samples: &Samples) -> Option<SuggestedLevel> {
         let grid = Grid::new([samples.len(), 1, 1], samples.clone(), Affine3::IDENTITY).unwrap();
@@ -273,10 +340,50 @@ mod tests {
         }
         // Distances from a sheet.
         assert!(!suggested(&Samples::F32(vec![0.0, 0.25, 0.52])).unwrap().follows());
-        let distance = suggested(&Samples::F64(vec![-1.0, f64::NAN, 3.0])).unwrap();
+        let distance = suggested(&Samples::F64(vec![-1.5, f64::NAN, 3.0])).unwrap();
         assert_eq!((distance.level, distance.inside, distance.kind), (0.0, Inside::Low, "signed distance"));
         assert!(suggested(&Samples::U8(vec![3; 9])).is_none());
         assert!(suggested(&Samples::F32(vec![f32::NAN; 9])).is_none());
+    }
+
+    #[test]
+    fn the_same_numbers_are_the_same_solid_in_every_type() {
+        let scan = [-1000_i16, -1000, 40, 40, -1000, -990];
+        let distances = [3_i16, 1, -1, -2, 1, 3];
+        for (numbers, inside) in [(scan, Inside::High), (distances, Inside::Low)] {
+            let types = [
+                Samples::I16(numbers.to_vec()),
+                Samples::F32(numbers.iter().map(|x| f32::from(*x)).collect()),
+                Samples::F64(numbers.iter().map(|x| f64::from(*x)).collect()),
+                // A scale that is no whole number changes nothing.
+                Samples::F64(numbers.iter().map(|x| 0.97 * f64::from(*x)).collect()),
+            ];
+            for samples in types {
+                let range = ValueRange::from_samples(&samples);
+                let volume = lattice_of(samples);
+                assert_eq!(range.default_side(0.0, &volume), inside, "{volume:?}");
+            }
+        }
+    }
+
+    /// Samples in the middle of a lattice whose ends are the first of them.
+    fn lattice_of(samples: Samples) -> Volume {
+        let n = samples.len();
+        let values = (0..3 * 3 * (n + 2)).map(|at| {
+            let (x, yz) = (at % (n + 2), at / (n + 2));
+            samples.get(if yz == 4 && x > 0 && x <= n { x - 1 } else { 0 })
+        });
+        let grid = Grid::new([n + 2, 3, 3], Samples::F64(values.collect()), Affine3::IDENTITY);
+        Volume::from_grid(grid.unwrap())
+    }
+
+    #[test]
+    fn whole_numbers_are_known_by_their_values() {
+        let labels = ValueRange::from_samples(&Samples::F64(vec![0.0, 2.0, 2.0, f64::NAN, 7.0]));
+        assert!(labels.is_whole);
+        assert_eq!(labels.labels.unwrap().into_iter().collect::<Vec<_>>(), [(0, 1), (2, 2), (7, 1)]);
+        let others = ValueRange::from_samples(&Samples::F32(vec![0.0, 2.0, 2.5]));
+        assert!(!others.is_whole && others.labels.is_none());
     }
 
     #[test]

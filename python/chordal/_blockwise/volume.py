@@ -50,6 +50,7 @@ from chordal._errors import BudgetError, BudgetUnmet, Refused
 from chordal._field import Field
 from chordal._hints import Guessed, keywords_hinted
 from chordal._images import lattice_of
+from chordal._meant import label_list
 from chordal._table import table
 from chordal._units import VOLUME_METRES, refuse_unknown
 from chordal._volume import _steps
@@ -151,8 +152,8 @@ class BlockVolume(Guessed):
         interpolant. With `tol`, a length in the units of the volume or a text as in "0.1mm", it has fewer triangles, within that
         length: each block is simplified where it is done, with the triangles between blocks as they are, and the whole at last.
 
-        What is above the level is inside, or below it where `inside` is "low", as for distances; at level 0 of floating-point
-        samples one has to say which, since nobody looks at all samples first.
+        What is above the level is inside, or below it where `inside` is "low", as for distances; at level 0 of samples that
+        may be negative one has to say which, since nobody looks at all samples first.
 
         `block` is the number of cells along a side, one or three; each task reads its own block and the samples that it
         shares with its neighbours. Without more the blocks are done here one after the other, on all processors. `executor`
@@ -205,7 +206,7 @@ class BlockVolume(Guessed):
     @keywords_hinted
     def labels(
         self,
-        only: Sequence[SupportsIndex] | None = None,
+        only: Sequence[SupportsIndex] | SupportsIndex | None = None,
         *,
         border: Literal["capped", "open"] = "capped",
         block: SupportsIndex | Sequence[SupportsIndex] = 256,
@@ -230,7 +231,7 @@ class BlockVolume(Guessed):
         from chordal._mesh import Mesh
 
         surface = self._surface(0.5, "high", border)
-        chosen = None if only is None else frozenset(map(index, only))
+        chosen = None if only is None else frozenset(label_list("only", only))
         call = partial(mesh_labels, surface, chosen)
         plan = {"labels": None if chosen is None else sorted(chosen)}
         done = self._done(block, executor, cluster, folder, progress, surface, plan, call)
@@ -249,7 +250,7 @@ class BlockVolume(Guessed):
     def precomputed(
         self,
         folder: str | os.PathLike[str],
-        only: Sequence[SupportsIndex] | None = None,
+        only: Sequence[SupportsIndex] | SupportsIndex | None = None,
         *,
         tol: Length | None = None,
         border: Literal["capped", "open"] = "capped",
@@ -286,7 +287,7 @@ class BlockVolume(Guessed):
     def precomputed_levels(
         self,
         folder: str | os.PathLike[str],
-        only: Sequence[SupportsIndex] | None = None,
+        only: Sequence[SupportsIndex] | SupportsIndex | None = None,
         *,
         tol: Length | None = None,
         border: Literal["capped", "open"] = "capped",
@@ -373,7 +374,7 @@ class BlockVolume(Guessed):
 
     def _labels_in_nanometres(
         self,
-        only: Sequence[SupportsIndex] | None,
+        only: Sequence[SupportsIndex] | SupportsIndex | None,
         tol: Length | None,
         border: str,
         block: SupportsIndex | Sequence[SupportsIndex],
@@ -382,7 +383,7 @@ class BlockVolume(Guessed):
         if self._unit is None:
             raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"nm\")")
         surface = self._surface(0.5, "high", border)
-        chosen = None if only is None else frozenset(map(index, only))
+        chosen = None if only is None else frozenset(label_list("only", only))
         length = self._tolerance(tol)
         named_labels = None if chosen is None else sorted(chosen)
         plan = {**surface.plan(_sides(block), self._identity()), "labels": named_labels, "tol": length, "unit": self._unit}
@@ -406,7 +407,7 @@ class BlockVolume(Guessed):
         if inside is None:
             if isinstance(self._array, FieldSamples):
                 inside = "low"
-            elif level == 0.0 and self.dtype.kind == "f":
+            elif level == 0.0 and self.dtype.kind in "fi":
                 raise ValueError("inside: 'low' if these are distances, else 'high'; level 0 alone does not say which")
             else:
                 inside = "high"

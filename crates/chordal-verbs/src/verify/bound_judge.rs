@@ -224,10 +224,9 @@ fn level_of(sampled: &VolumeShape) -> Option<(f64, Inside)> {
     if surface.labels.is_some() || surface.smooth.is_some() {
         return None;
     }
-    let suggested = ValueRange::from_samples(sampled.volume.grid.samples()).suggest(&sampled.volume);
-    let level = surface.level.or(suggested.map(|found| found.level))?;
-    let usual = suggested.map_or(Inside::High, |found| found.inside);
-    Some((level, surface.inside.unwrap_or(usual)))
+    let range = ValueRange::from_samples(sampled.volume.grid.samples());
+    let level = surface.level.or_else(|| range.suggest(&sampled.volume).map(|found| found.level))?;
+    Some((level, surface.inside.unwrap_or_else(|| range.default_side(level, &sampled.volume))))
 }
 
 /// The distance in the metric of the claim, with what transforms moved.
