@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from operator import index
+from collections.abc import Callable
 from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import number, whole
+from chordal._arguments import function, number, whole
 from chordal._budget import Length, Share, budget_arguments
 from chordal._errors import BudgetError, BudgetUnmet
 from chordal._hints import keywords_hinted
@@ -30,6 +30,7 @@ class Bakeable(Sourced):
         rel: Share | None = None,
         band: SupportsFloat | None = None,
         bound: bool = False,
+        progress: Callable[[str, int, int], object] | None = None,
     ) -> Volume:
         """The distance to the shape on a lattice of cubes, negative inside: `cells` along the longest side.
 
@@ -37,7 +38,7 @@ class Bakeable(Sourced):
         samples vanishes to be proved within that length of the shape; `BudgetUnmet` has the best that was reached. With
         `band` samples are distances only within so many cells of the surface. `bound` proves that surface for `cells`,
         too. `report` of what comes back says by how much distances are off at most, at samples and between them, and
-        what the sides rest on. Raises `Refused` for curves.
+        what the sides rest on. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` for curves.
 
         >>> import chordal
         >>> corner = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -47,7 +48,7 @@ class Bakeable(Sourced):
         >>> solid.bake(tol=0.05).bound.at_most <= 0.05
         True
         """
-        return _baked(self._source, cells=cells, tol=tol, rel=rel, band=band, bound=bound)
+        return _baked(self._source, cells=cells, tol=tol, rel=rel, band=band, bound=bound, progress=progress)
 
 
 def _baked(
@@ -58,6 +59,7 @@ def _baked(
     rel: Share | None,
     band: SupportsFloat | None,
     bound: bool,
+    progress: Callable[[str, int, int], object] | None,
 ) -> Volume:
     """The distances; raises `BudgetUnmet` with the best where a length was not reached."""
     from chordal._volume import Volume
@@ -71,7 +73,7 @@ def _baked(
         "band": None if band is None else number("band", band),
         "bound": bound,
     }
-    made, report, unmet = source.bake(arguments)
+    made, report, unmet = source.bake(arguments, function("progress", progress))
     volume = Volume(made, report)
     if unmet is not None:
         raise BudgetUnmet(unmet, volume)

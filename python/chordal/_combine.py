@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from chordal import _chordal
 from chordal._arguments import function
+from chordal._bound import Bound
 from chordal._budget import Length, Share, budget_arguments
+from chordal._errors import Refused
 from chordal._interop import mesh_of
 from chordal._sourced import Sourced
 
@@ -17,6 +19,10 @@ if TYPE_CHECKING:
 
 #: The names of all of them.
 OPERATIONS: tuple[str, ...] = ("union", "difference", "intersection")
+
+
+#: How the sentence begins where no point is inside of what was asked for: the code "empty" is that of empty shapes, too.
+_NOTHING = "nothing would be left"
 
 
 class Combinable(Sourced):
@@ -37,7 +43,8 @@ class Combinable(Sourced):
         Closed triangles are cut as they are. Open ones and other shapes become closed triangles first, within `tol` or
         `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side.
 
-        Raises `Refused` where a shape bounds no solid or nothing is left, and `BudgetUnmet` with the best result where
+        Where nothing is left, as of a solid without itself, the mesh has no triangles, and nothing bounds its distance. Raises
+        `Refused` where a shape bounds no solid, and `BudgetUnmet` with the best result where
         the check of the result or the budget fails. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`.
 
         >>> import chordal
@@ -50,17 +57,35 @@ class Combinable(Sourced):
         """
         return _combined(self, steps, tol=tol, rel=rel, progress=progress)
 
-    def union(self, *others: Shape | Any, tol: Length | None = None, rel: Share | None = None) -> Mesh:
+    def union(
+        self,
+        *others: Shape | Any,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> Mesh:
         """What is in this solid or in any of the others, which may be a list: `combine`."""
-        return self.combine(*(("union", other) for other in one_by_one(others)), tol=tol, rel=rel)
+        return self.combine(*(("union", other) for other in one_by_one(others)), tol=tol, rel=rel, progress=progress)
 
-    def difference(self, *others: Shape | Any, tol: Length | None = None, rel: Share | None = None) -> Mesh:
+    def difference(
+        self,
+        *others: Shape | Any,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> Mesh:
         """This solid without the others: `combine`."""
-        return self.combine(*(("difference", other) for other in one_by_one(others)), tol=tol, rel=rel)
+        return self.combine(*(("difference", other) for other in one_by_one(others)), tol=tol, rel=rel, progress=progress)
 
-    def intersection(self, *others: Shape | Any, tol: Length | None = None, rel: Share | None = None) -> Mesh:
+    def intersection(
+        self,
+        *others: Shape | Any,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
+    ) -> Mesh:
         """What is in this solid and in all of the others: `combine`."""
-        return self.combine(*(("intersection", other) for other in one_by_one(others)), tol=tol, rel=rel)
+        return self.combine(*(("intersection", other) for other in one_by_one(others)), tol=tol, rel=rel, progress=progress)
 
     def __or__(self, other: Shape | Any) -> Mesh:
         """The union of closed triangles: `combine`."""
@@ -101,11 +126,51 @@ def _combined(
     if not steps:
         raise ValueError("steps: at least one, as in ('difference', other)")
     budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
-    others = [_step(step) for step in steps]
-    return Mesh._of(_chordal.combine(first._source, others, budget, "ply", function("progress", progress)))
+    shapes: list[tuple[str, Combinable]] = [_step(step) for step in steps]
+    tell = function("progress", progress)
+    first, shapes = _without_nothing(first, shapes)
+    if not shapes and isinstance(first, Mesh):
+        return first
+    others = [(operation, other._source) for operation, other in shapes]
+    try:
+        return Mesh._of(_chordal.combine(first._source, others, budget, "ply", tell))
+    except Refused as refused:
+        if not refused.message.startswith(_NOTHING):
+            raise
+        return _nothing(first)
 
 
-def _step(step: object) -> tuple[str, _chordal.Source]:
+def _nothing(first: Combinable) -> Mesh:
+    """No triangles, where nothing is left of solids. No judge looks at what is not there: nothing bounds what was lost."""
+    from chordal._mesh import Mesh
+
+    made = Mesh([], [], unit=getattr(first, "unit", None))
+    return Mesh._of_source(made._source, Bound(0.0, None, "estimated", "solid", "input solids"))
+
+
+def _without_nothing(
+    first: Combinable, steps: list[tuple[str, Combinable]]
+) -> tuple[Combinable, list[tuple[str, Combinable]]]:
+    """The same without meshes that have no triangles, as differences may be: nothing is a solid, too."""
+    left: list[tuple[str, Combinable]] = []
+    for operation, other in steps:
+        if _is_nothing(other):
+            if operation == "intersection":
+                first, left = other, []
+        elif _is_nothing(first):
+            first = other if operation == "union" else first
+        else:
+            left.append((operation, other))
+    return first, left
+
+
+def _is_nothing(shape: Combinable) -> bool:
+    from chordal._mesh import Mesh
+
+    return isinstance(shape, Mesh) and len(shape.vertices) == len(shape.faces) == 0
+
+
+def _step(step: object) -> tuple[str, Shape]:
     if not isinstance(step, tuple) or len(step) != 2:
         raise TypeError(f"steps: pairs as in ('difference', other), not {type(step).__name__}")
     operation, other = step
@@ -113,7 +178,7 @@ def _step(step: object) -> tuple[str, _chordal.Source]:
         raise ValueError(f"steps: one of {', '.join(OPERATIONS)}, not {operation!r}")
     from chordal._verbs import shaped
 
-    return operation, shaped("steps", other)._source
+    return operation, shaped("steps", other)
 
 
 def one_by_one(others: tuple[Any, ...]) -> list[Any]:

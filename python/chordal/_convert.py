@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import os
 import warnings
+from collections.abc import Callable
 from typing import Literal, Protocol
 
 from chordal import _chordal, _files
-from chordal._arguments import text
+from chordal._arguments import function, text
 from chordal._budget import Length, Share, budget_arguments
 from chordal._hints import keywords_hinted
+from chordal._made import Form
 from chordal._report import Report
 from chordal._sourced import Sourced
 
@@ -40,6 +42,7 @@ class Convertible(Sourced):
         compress: Literal["meshopt"] | None = None,
         tol: Length | None = None,
         rel: Share | None = None,
+        progress: Callable[[str, int, int], object] | None = None,
     ) -> Report:
         """Write a file, in the format that its extension names, and return the report on what is in it.
 
@@ -50,7 +53,8 @@ class Convertible(Sourced):
         An OBJ with materials gets a material library and pictures beside it, whose names begin like its own; files of
         these names are replaced too. For GLB and glTF: `quantize` rounds positions to steps of 16 bits and attributes to 8
         and 16; `compress="meshopt"` compresses what is left without loss. For SVG: arcs and rational curves become cubics
-        within `tol` or `rel`.
+        within `tol` or `rel`. What was made within a budget may be made anew for the numbers of a format: `progress` is as for
+        `Shape.mesh`.
 
         >>> import chordal, tempfile, os
         >>> with tempfile.TemporaryDirectory() as folder:
@@ -60,7 +64,8 @@ class Convertible(Sourced):
         True
         """
         extension = extension_of(path, self)
-        return write(self._written(extension, quantize, text("compress", compress), tol, rel), path)
+        form = Form(extension, (quantize, text("compress", compress)), function("progress", progress))
+        return write(self._written(form, tol, rel), path)
 
     @keywords_hinted
     def to_bytes(
@@ -76,17 +81,15 @@ class Convertible(Sourced):
 
         Gives a `UserWarning` where `export` would write files beside it, as an OBJ has its materials.
         """
-        written = self._written(format, quantize, text("compress", compress), tol, rel)
+        written = self._written(Form(format, (quantize, text("compress", compress))), tol, rel)
         if written.names_files:
             warnings.warn("materials stand in files beside it, which export writes", stacklevel=2)
         return written.write()
 
-    def _written(
-        self, format: str, quantize: bool, compress: str | None, tol: Length | None, rel: Share | None
-    ) -> Written:
+    def _written(self, form: Form, tol: Length | None, rel: Share | None) -> Written:
         budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
-        refuse_unknown(self, format)
-        return _chordal.convert(self._source, format, (quantize, compress), budget["length"])
+        refuse_unknown(self, form.format)
+        return _chordal.convert(self._source, form.format, form.packing, budget["length"], form.progress)
 
 
 def extension_of(path: str | os.PathLike[str], shape: Sourced) -> str:

@@ -14,7 +14,7 @@ from chordal._corners import warn_of_soup, welded
 from chordal._curvature import curvatures
 from chordal._hints import keywords_hinted
 from chordal._interop import Interoperable
-from chordal._made import counted, of_outcome, remade
+from chordal._made import Form, counted, of_outcome, remade
 from chordal._notebook import Shown, html_of
 from chordal._pieces import Splittable
 from chordal._report import Report
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from chordal._budget import Length
     from chordal._convert import Written
+    from chordal._field import Field
     from chordal._scene import _Kind
 
 
@@ -359,9 +360,13 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
         """
         import numpy as np
 
+        return np.abs(self._distances_to(other, tol)(self.vertices))
+
+    def _distances_to(self, other: Shape | Any, tol: Length | None) -> Field:
+        """The distance to the triangles of another shape, with a sign."""
         from chordal._verbs import shaped
 
-        return np.abs(shaped("other", other).to_field(tol=tol)(self.vertices))
+        return shaped("other", other).to_field(tol=tol)
 
     @property
     def is_watertight(self) -> bool:
@@ -405,16 +410,16 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
         found: NDArray[Any] = self._cached[name]
         return found
 
-    def _written(self, format: str, quantize: bool, compress: str | None, tol: Any, rel: Any) -> Written:
+    def _written(self, form: Form, tol: Any, rel: Any) -> Written:
         """GLB and STL hold single precision. Their rounding counts against the budget of what was made within one, so for
         them the shape is meshed again, a little finer; the file is then the same, byte for byte, as the command's.
         """
-        refuse_unknown(self, format)
+        refuse_unknown(self, form.format)
         if self._outcome is None:
-            return super()._written(format, quantize, compress, tol, rel)
+            return super()._written(form, tol, rel)
         if tol is not None or rel is not None:
             raise TypeError("tol, rel: they are for drawings; this was made within a budget already")
-        return remade(self._outcome, Mesh._unjudged, format, quantize, compress)
+        return remade(self._outcome, Mesh._unjudged, form)
 
     def __reduce__(self) -> Any:
         state, blocks = _chordal.scene_state(self._source)
@@ -431,8 +436,10 @@ class Mesh(Shape, Interoperable, Transformable, Splittable):
         return f"<Mesh: {self._size()}; {self.bound.sentence()}>"
 
     def show(self, *, wire: bool = False, deviation: Shape | None = None, height: int = 380) -> Shown:
-        """The mesh as a notebook shows it, to be turned by hand: with its edges, or coloured by how far its vertices are from
-        another shape. It needs no network, and stays in a notebook that is exported to HTML. Very large meshes are a picture.
+        """The mesh as a notebook shows it, to be turned by hand: with its edges, or coloured by how far it is from another
+        shape, at samples of all its triangles; `deviation` bounds what lies between them. Without that vertices have their
+        own colours, and triangles those of their materials; of several parts, as labels are, each has one. It needs no
+        network, and stays in a notebook that is exported to HTML. Very large meshes are a picture.
 
         >>> import chordal
         >>> "<iframe" in chordal.shapes.sphere(1).mesh(tol=0.1).show()._repr_html_() or "the package has no viewer"

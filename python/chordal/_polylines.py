@@ -12,7 +12,7 @@ from chordal._arrays import as_asked
 from chordal._bound import Bound, bound_of
 from chordal._convert import Convertible
 from chordal._hints import Guessed
-from chordal._made import counted, of_outcome, remade
+from chordal._made import Form, counted, of_outcome, remade
 from chordal._report import Report
 from chordal._sourced import plain_reading
 from chordal._table import table
@@ -141,19 +141,20 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
         found: NDArray[Any] = self._arrays[name]
         return found
 
-    def _written(self, format: str, quantize: bool, compress: str | None, tol: Any, rel: Any) -> Written:
+    def _written(self, form: Form, tol: Any, rel: Any) -> Written:
         if tol is not None or rel is not None:
             raise TypeError("tol, rel: these lines were made within a budget already")
         if self._outcome is not None:
-            return remade(self._outcome, Polylines, format, quantize, compress)
+            return remade(self._outcome, Polylines, form)
         # It comes from another process, as the file of it.
-        if format == "json" and not quantize and compress is None:
+        if form.format == "json" and form.packing == (False, None):
             return _Kept(self._file, self._text)
-        return _chordal.convert(_chordal.Source(self._file, plain_reading("json")), format, (quantize, compress), None)
+        source = _chordal.Source(self._file, plain_reading("json"))
+        return _chordal.convert(source, form.format, form.packing, None, form.progress)
 
     def __reduce__(self) -> Any:
         names = ("points", "places", "starts", "closed", "sources")
-        content = self._file if self._outcome is None else self._outcome.remake("json", False, None).write()
+        content = self._file if self._outcome is None else self._outcome.remake("json", (False, None), None).write()
         return _again, (self._text, {name: self._array(name) for name in names}, content)
 
     def __repr__(self) -> str:

@@ -11,10 +11,11 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from chordal import _chordal
+from chordal._arguments import function
 from chordal._errors import ReadError, Refused
 from chordal._hints import keywords_hinted
 from chordal._report import Report
-from chordal._shape import Shape
+from chordal._shape import Progress, Shape
 from chordal._verbs import shaped
 
 __all__ = ["verify"]
@@ -30,13 +31,14 @@ def verify(
     *,
     certificate: str | os.PathLike[str] | Mapping[str, Any] | None = None,
     options: Mapping[str, str] | None = None,
+    progress: Progress | None = None,
 ) -> Report:
     """Prove the certificate of a file again, from all that it was made of: files, shapes, and meshes of other libraries.
 
     `certificate` is a report, or the file of one, for formats that hold none. The verdict is "re-proved", "not re-proved" or
     "refuted"; every claim has one of its own. Of a mesh that was moved, joined or put in a scene, `against` is the mesh as it
     was before, and what that was made of. Files alone are judged by the command in a process of its own; `options` are more
-    options of it by their names, as in `{"surface": "catmull-clark"}`.
+    options of it by their names, as in `{"surface": "catmull-clark"}`. `progress` is as for `Shape.mesh`.
 
     Raises `ReadError` where there is no certificate.
 
@@ -51,6 +53,7 @@ def verify(
     ('re-proved', 'field')
     """
     is_one = isinstance(against, (str, bytes, os.PathLike, Shape)) or not isinstance(against, Iterable)
+    tell = function("progress", progress)
     given: list[Any] = [against] if is_one else list(against)  # type: ignore[arg-type]
     if isinstance(path, Shape) or any(not isinstance(one, (str, os.PathLike)) for one in given):
         if options:
@@ -59,7 +62,8 @@ def verify(
         shapes = [one if isinstance(one, (str, os.PathLike)) else shaped("against", one) for one in given]
         sources = [shaped("against", one)._source for one in shapes]
         try:
-            return Report(json.loads(_chordal.verified(shaped("path", path)._source, _text_of(certificate), sources)))
+            text = _chordal.verified(shaped("path", path)._source, _text_of(certificate), sources, tell)
+            return Report(json.loads(text))
         except Refused as refused:
             raise ReadError("unverifiable", None, str(refused)) from None
     if isinstance(certificate, Mapping):
@@ -67,8 +71,8 @@ def verify(
             name = os.path.join(folder, "report.json")
             with open(name, "w", encoding="utf-8") as file:
                 json.dump(certificate, file)
-            return _by_command(path, given, name, options)
-    return _by_command(path, given, certificate, options)
+            return _by_command((path, given, name), options, tell)
+    return _by_command((path, given, certificate), options, tell)
 
 
 def _text_of(certificate: str | os.PathLike[str] | Mapping[str, Any] | None) -> str | None:
@@ -78,18 +82,40 @@ def _text_of(certificate: str | os.PathLike[str] | Mapping[str, Any] | None) -> 
         return file.read()
 
 
-def _by_command(
-    path: str | os.PathLike[str],
-    against: list[str | os.PathLike[str]],
-    certificate: str | os.PathLike[str] | None,
-    options: Mapping[str, str] | None,
-) -> Report:
+#: A file, what it is judged against, and where its certificate is, if not in it.
+_Files = tuple[str | os.PathLike[str], list[Any], str | os.PathLike[str] | None]
+#: After so many seconds without a word progress is told again, as by the compiled part.
+_SILENCE = 1.0
+
+
+def _by_command(files: _Files, options: Mapping[str, str] | None, tell: Progress | None) -> Report:
+    path, against, certificate = files
     words = [sys.executable, "-m", "chordal", "verify", os.fspath(path), "--json"]
     words += [f"--{name}={value}" for name, value in (options or {}).items()]
     if certificate is not None:
         words += ["--certificate", os.fspath(certificate)]
     words += ["--against", *(os.fspath(file) for file in against)]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode not in _JUDGED:
-        raise ReadError("unverifiable", None, done.stderr.strip().removeprefix("chordal: "))
-    return Report(json.loads(done.stdout))
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        try:
+            out, error = _heard(running, tell)
+        except BaseException:
+            running.kill()
+            raise
+    if running.returncode not in _JUDGED:
+        raise ReadError("unverifiable", None, error.strip().removeprefix("chordal: "))
+    return Report(json.loads(out))
+
+
+def _heard(running: subprocess.Popen[str], tell: Progress | None) -> tuple[str, str]:
+    """What a command says, and progress meanwhile."""
+    if tell is None:
+        return running.communicate()
+    tell("verify", 0, 1)
+    while True:
+        try:
+            said = running.communicate(timeout=_SILENCE)
+        except subprocess.TimeoutExpired:
+            tell("verify", 0, 1)
+        else:
+            tell("verify", 1, 1)
+            return said

@@ -6,7 +6,7 @@ import base64
 import json
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
 from chordal._arguments import text
@@ -139,14 +139,15 @@ class Volume(Shape, Imaged):
         iso: SupportsFloat | None = None,
         inside: Literal["high", "low"] | None = None,
         border: Literal["capped", "open"] | None = None,
-        labels: Sequence[int] | Literal["all"] | None = None,
+        labels: Sequence[SupportsIndex] | SupportsIndex | Literal["all"] | None = None,
         smooth: str | SupportsFloat | None = None,
     ) -> Volume:
         """The same samples with the surface of them that is meant by `mesh`, `lod`, `render` and the rest.
 
         It is that of the level `iso`: without one it is 0.5 for masks and occupancies and 0 for distances; anything else is
-        `Refused`. `inside` says on which side of the level the shape is. A shape that reaches the border is closed there,
-        unless `border` is "open". With `labels`, a list or "all", every label has a surface of its own; within a budget
+        `Refused`. `inside` says on which side of the level the shape is: above it unless that is said, but at level 0 of samples
+        on both sides, where what is at most ends of the lattice is outside, be they distances or a scan in air. A shape that reaches the border is closed there,
+        unless `border` is "open". With `labels`, one, a list or "all", every label has a surface of its own; within a budget
         two that meet still have the same triangles there, and a count of triangles is for all together. `smooth`, as in
         "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the bound stays against the
         unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost.
@@ -163,7 +164,7 @@ class Volume(Shape, Imaged):
         return Volume(source, self._report, said, self._runs_backwards)
 
     def __reduce__(self) -> Any:
-        content = _chordal.convert(self._source, "nrrd", (False, None), None).write()
+        content = _chordal.convert(self._source, "nrrd", (False, None), None, None).write()
         return _again, (content, self._report, self._meant, self._runs_backwards)
 
     def _repr_html_(self) -> str:
@@ -301,9 +302,10 @@ def labels(
     origin: Sequence[SupportsFloat] | None = None,
     affine: ArrayLike | None = None,
     unit: str | None = None,
-    only: Sequence[int] | None = None,
+    only: Sequence[SupportsIndex] | SupportsIndex | None = None,
 ) -> Volume:
-    """A volume of labels, each with a surface of its own: `volume(…)` with `surface(labels=…)`, all but 0 or `only` some.
+    """A volume of labels, each with a surface of its own: `volume(…)` with `surface(labels=…)`, all but 0 or `only` some, one or several. Whole
+    numbers may be floats, as those of nibabel's `get_fdata` are.
 
     >>> import chordal, numpy
     >>> halves = numpy.ones((6, 6, 6), numpy.uint8)

@@ -48,7 +48,7 @@ def test_steps_go_from_left_to_right_and_other_shapes_take_a_length() -> None:
 
 
 def test_what_is_wrong_is_said() -> None:
-    """Types, names, open meshes, and nothing left."""
+    """Types, names and open meshes."""
     with pytest.raises(TypeError):
         A | 3
     with pytest.raises(ValueError, match="union, difference, intersection"):
@@ -57,6 +57,19 @@ def test_what_is_wrong_is_said() -> None:
         A.combine()
     with pytest.raises(chordal.Refused, match="one triangle only"):
         A - chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-    with pytest.raises(chordal.Refused, match="nothing would be left"):
-        A - A
     assert volume(cuboid((0, 0, 0), (2, 2, 2), turned=True) - B) == pytest.approx(7)
+
+
+def test_what_is_left_of_nothing_is_an_empty_mesh() -> None:
+    """A solid without itself, and solids that are apart; and nothing is a solid as any other."""
+    far = cuboid((10, 10, 10), (11, 11, 11))
+    for made in (A - A, A & far, A.difference(cuboid((-1, -1, -1), (5, 5, 5))), chordal.intersection(A, far)):
+        assert made.faces.shape == (0, 3) and made.volume == 0 and made.area == 0
+        assert made.bound.at_most is None, "nobody has looked at what is not there"
+    nothing = A - A
+    assert volume(nothing | B) == volume(B | nothing) == volume(B - nothing) == 8
+    for made in (nothing - B, nothing & B, B & nothing):
+        assert len(made.faces) == 0
+    assert volume(A.combine(("difference", A), ("union", B))) == 8
+    with pytest.raises(chordal.Refused):
+        chordal.shapes.sphere(1).combine(("difference", nothing))

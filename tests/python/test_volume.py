@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -146,3 +147,54 @@ def test_colours_are_shares_or_bytes() -> None:
     with pytest.raises(ValueError, match="colors: floats from 0 to 1, or bytes, .* not 200"):
         chordal.Mesh(corners, faces, colors=np.full((3, 3), 200.0))
     assert chordal.Mesh(corners, faces, colors=np.full((3, 3), 200, np.uint8)).colors is not None
+
+
+SCAN = np.where(BALL < 0, 40.0, -1000.0)
+#: Outside is positive, as of distances; all are whole numbers.
+BLOCK = np.max(np.abs([I - 6, J - 7, K - 8]), axis=0) - 3
+
+
+@pytest.mark.parametrize("dtype", [np.int16, np.int32, np.float32, np.float64])
+def test_the_same_samples_are_the_same_solid_in_every_type(dtype: Any) -> None:
+    for samples, within in ((SCAN, BALL < 0), (BLOCK, BLOCK < 0)):
+        mesh = chordal.volume(samples.astype(dtype)).mesh(iso=0)
+        # Not the box without it: a solid of about as many cells as there are samples in it.
+        assert 0.5 * within.sum() < mesh.volume < 2 * within.sum() + 60
+        other = chordal.volume((0.97 * samples).astype(np.float64)).mesh(iso=0)
+        assert np.sign(other.volume) == np.sign(mesh.volume) and other.volume == pytest.approx(mesh.volume, rel=0.01)
+    assert chordal.volume(BLOCK.astype(np.int16)).mesh().volume == chordal.volume(BLOCK).mesh().volume
+
+
+def test_a_side_that_samples_do_not_tell_is_warned_of() -> None:
+    wave = np.sin(I) * np.cos(J) + np.sin(K)
+    with pytest.warns(UserWarning, match="taken for outside.*say inside="):
+        chordal.volume(wave).mesh(iso=0)
+    for inside in ("low", "high"):
+        chordal.volume(wave).mesh(iso=0, inside=inside)
+    for samples in (np.float32(wave), np.int16(1000 * wave)):
+        with pytest.raises(ValueError, match="inside: 'low' if these are distances"):
+            chordal.block_volume(samples).mesh(iso=0)
+
+
+def test_labels_are_whole_numbers_of_whatever_type() -> None:
+    samples = np.zeros((10, 10, 10))
+    samples[2:5], samples[5:8] = 1, 2
+    whole = chordal.labels(samples.astype(np.uint8)).mesh()
+    for dtype in (np.float32, np.float64):
+        made = chordal.labels(samples.astype(dtype)).mesh()
+        assert [part.name for part in made.parts] == ["label 1", "label 2"]
+        assert np.array_equal(made.vertices, whole.vertices) and np.array_equal(made.faces, whole.faces)
+    volume = chordal.volume(samples)
+    one = volume.mesh(labels=[2])
+    for said in (2, np.int64(2), np.array([2]), 2.0, np.unique(samples)[2:]):
+        assert np.array_equal(volume.mesh(labels=said).vertices, one.vertices)  # type: ignore[arg-type]
+    assert np.array_equal(chordal.labels(samples, only=2).mesh().vertices, one.vertices)
+    assert list(chordal.block_volume(samples.astype(np.uint8)).labels(2)) == [2]
+    with pytest.raises(ValueError, match="labels: whole numbers, not 1.5"):
+        volume.mesh(labels=1.5)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="labels as whole numbers"):
+        volume.mesh(labels="some")  # type: ignore[arg-type]
+    with pytest.raises(chordal.Refused, match="not all of these samples are"):
+        chordal.labels(samples + 0.5 * (samples == 2)).mesh()
+    with pytest.raises(chordal.Refused, match="at most 65,536 different"):
+        chordal.labels(np.arange(42**3, dtype=np.float64).reshape(42, 42, 42)).mesh()

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import inspect
 import multiprocessing
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from hashlib import sha256
+from typing import Any
 
+import numpy as np
 import pytest
 from conftest import TEAPOT
 
@@ -208,3 +212,82 @@ def test_a_thread_that_flushes_subnormals_changes_no_result() -> None:
         [sys.executable, "-c", FLUSH, TEAPOT], capture_output=True, text=True, check=False, timeout=120
     )
     assert (done.stdout, done.stderr) == ("True\n", "")
+
+
+CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
+QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+CUBE = chordal.Mesh(CORNERS, [face for a, b, c, d in QUADS for face in ((a, b, c), (a, c, d))])
+OTHER = CUBE.translate((0.5, 0.25, 0.125))
+SAMPLES = chordal.volume(np.linalg.norm(np.indices((9, 9, 9)) - 4.0, axis=0) - 3)
+CIRCLE = chordal.load(b'<svg xmlns="http://www.w3.org/2000/svg"><circle r="1"/></svg>')
+STL = os.path.join(tempfile.mkdtemp(), "a.stl")
+#: Every call that takes `progress`, of a shape that is done in no time; large ones only take longer.
+VERBS: dict[str, Callable[[Any], object]] = {
+    "mesh of a cage": lambda tell: chordal.load(TEAPOT).mesh(tol=0.05, progress=tell),
+    "mesh of a volume": lambda tell: SAMPLES.mesh(iso=0, progress=tell),
+    "mesh of a volume within a length": lambda tell: SAMPLES.mesh(iso=0, tol=0.5, progress=tell),
+    "mesh of labels": lambda tell: chordal.labels(SAMPLES.array < 0).mesh(tol=1, progress=tell),
+    "mesh of triangles": lambda tell: CUBE.mesh(tol=0.1, progress=tell),
+    "mesh of so many triangles": lambda tell: CUBE.mesh(triangles=12, progress=tell),
+    "mesh of a field": lambda tell: chordal.shapes.sphere(1).mesh(tol=0.1, progress=tell),
+    "mesh of a drawing": lambda tell: CIRCLE.mesh(tol=0.1, progress=tell),
+    "flatten": lambda tell: CIRCLE.flatten(tol=0.1, progress=tell),
+    "lod": lambda tell: CUBE.lod(tol=0.1, progress=tell),
+    "deviation": lambda tell: CUBE.deviation(OTHER, progress=tell),
+    "mend": lambda tell: CUBE.mend(weld=True, progress=tell),
+    "render": lambda tell: CUBE.render(size=(32, 24), progress=tell),
+    "bake": lambda tell: CUBE.bake(cells=4, progress=tell),
+    "combine": lambda tell: CUBE.combine(("union", OTHER), progress=tell),
+    "union": lambda tell: CUBE.union(OTHER, progress=tell),
+    "difference": lambda tell: CUBE.difference(OTHER, progress=tell),
+    "intersection": lambda tell: CUBE.intersection(OTHER, progress=tell),
+    "the function union": lambda tell: chordal.union(CUBE, OTHER, progress=tell),
+    "convert": lambda tell: chordal.convert(CUBE, STL, progress=tell),
+    "export of what was made": lambda tell: chordal.shapes.sphere(1).mesh(tol=0.1).export(STL, progress=tell),
+    "verify": lambda tell: chordal.verify(chordal.shapes.sphere(1).mesh(tol=0.1), chordal.shapes.sphere(1), progress=tell),
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_tells_of_its_beginning_and_its_end(verb: str) -> None:
+    told: list[tuple[str, int, int]] = []
+    VERBS[verb](lambda *said: told.append(said))
+    assert len(told) >= 2 and all(stage and 0 <= done <= total for stage, done, total in told)
+    (first, none, _), (last, done, total) = told[0], told[-1]
+    assert first == last and none == 0 and done == total
+
+
+def test_all_that_takes_long_takes_progress() -> None:
+    known = {word for name in VERBS for word in name.split()}
+    for name in sorted(chordal.__all__):
+        if inspect.isfunction(getattr(chordal, name)) and "progress" in inspect.signature(getattr(chordal, name)).parameters:
+            assert name in known or name in ("batch", "union", "difference", "intersection"), name
+    for kind in (chordal.Mesh, chordal.Field, chordal.Volume):
+        for name in ("mesh", "lod", "deviation", "bake", "combine", "union", "difference", "intersection", "mend", "render", "export"):
+            assert "progress" in inspect.signature(getattr(kind, name)).parameters, name
+
+
+def test_who_waits_hears_the_last_word_again() -> None:
+    """A function that lets its caller wait until it was told three times: nothing else is said meanwhile."""
+    heard = threading.Semaphore(0)
+    is_first = threading.Event()
+
+    def slow(points: Any) -> Any:
+        if threading.current_thread() is not threading.main_thread() and not is_first.is_set():
+            is_first.set()
+            for _ in range(3):
+                assert heard.acquire(timeout=60)
+        return np.linalg.norm(points, axis=1) - 1
+
+    ball = chordal.field(slow, bounds=((-1.5,) * 3, (1.5,) * 3))
+    assert len(ball.mesh(tol=0.2, progress=lambda *_: heard.release()).faces) > 10
+
+
+def test_what_progress_raises_comes_back_from_every_verb() -> None:
+    def tell(*_: object) -> None:
+        raise KeyError("enough")
+
+    for verb, call in VERBS.items():
+        with pytest.raises(KeyError, match="enough"):
+            call(tell)
+        assert verb

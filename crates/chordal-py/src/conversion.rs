@@ -2,6 +2,7 @@
 use crate::outcome::{FileBytes, file_bytes, form_of};
 use crate::source::Source;
 use crate::spelling::Keywords;
+use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
@@ -29,6 +30,7 @@ pub(crate) fn convert(
     format: &str,
     packing: (bool, Option<String>),
     length: Option<(String, String)>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Conversion> {
     let form = form_of(format, packing.0, packing.1.as_deref())?;
     let length = length.map(|(name, text)| {
@@ -36,7 +38,9 @@ pub(crate) fn convert(
     });
     let length = length.transpose()?;
     let named = source.named_input();
-    let made = work::run(py, None, move |job| convert_within(Input::clone(&named.input), form, length, job))?;
+    let listener = ProgressListener::new(progress, "convert");
+    let made =
+        work::run(py, listener, move |job| convert_within(Input::clone(&named.input), form, length, job))?;
     let made = made.map_err(|error| failure::mesh(py, error))?;
     let told = made.certificate.clone().spelled(&Keywords);
     Ok(Conversion { made: Arc::new(made.spelled(&CommandLine)), told, name: source.named_input().name })

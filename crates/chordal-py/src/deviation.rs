@@ -1,6 +1,7 @@
 //! How far two shapes are apart, and whether what a file says of that is so, from Python's arguments.
 use crate::source::Source;
 use crate::spec::parse_argument;
+use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
@@ -37,7 +38,8 @@ pub(crate) fn report(
         absolute: parse_argument::<Length>("absolute", arguments.absolute.as_deref())?,
         max: parse_argument::<Length>("max", arguments.max.as_deref())?,
     };
-    let found = work::run(py, progress, move |job| {
+    let listener = ProgressListener::new(progress, "deviation");
+    let found = work::run(py, listener, move |job| {
         let (a, b) = (Input::clone(&shape.input), Input::clone(&other.input));
         deviation(a, b, &spec, job).map(|mut report| {
             report.run.input = shape.name;
@@ -56,12 +58,14 @@ pub(crate) fn verified(
     source: &Source,
     certificate: Option<&str>,
     against: Vec<PyRef<'_, Source>>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let given = certificate.map(serde_json::from_str::<serde_json::Value>).transpose();
     let given = given.map_err(|error| failure::argument("certificate", error))?;
     let out = Arc::clone(source.input());
     let against: Vec<Input> = against.iter().map(|of| Input::clone(of.input())).collect();
-    let found = work::run(py, None, move |job| verify(&out, given.as_ref(), &against, job))?;
+    let listener = ProgressListener::new(progress, "verify");
+    let found = work::run(py, listener, move |job| verify(&out, given.as_ref(), &against, job))?;
     let report = found.map_err(|error| failure::mesh(py, error))?;
     serde_json::to_string(&report).map_err(|error| failure::internal(py, &error.to_string()))
 }

@@ -2,6 +2,7 @@
 use crate::outcome::{FileBytes, file_bytes};
 use crate::source::Source;
 use crate::spec::parse_argument;
+use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::attributes::AttributeLimits;
@@ -94,7 +95,9 @@ pub(crate) fn levels(
 ) -> PyResult<Levels> {
     let spec = arguments.spec(py)?;
     let named = source.named_input();
-    let made = work::run(py, progress, move |job| lod(Input::clone(&named.input), &spec, job))?;
+    let made = work::run(py, ProgressListener::new(progress, "lod"), move |job| {
+        lod(Input::clone(&named.input), &spec, job)
+    })?;
     let made = made.map_err(|error| source.raised().unwrap_or_else(|| failure::mesh(py, error)))?;
     Ok(Levels { made: Arc::new(made.spelled(&CommandLine)), name: source.named_input().name })
 }

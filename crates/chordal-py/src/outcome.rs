@@ -4,6 +4,7 @@ use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
 use crate::spelling::Keywords;
+use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::Job;
 use chordal::budget::advice::Spell;
@@ -46,6 +47,14 @@ impl MeshTask {
         match self {
             Self::Mesh(_) | Self::Combine(..) => "mesh",
             Self::Mend(_) => "mend",
+        }
+    }
+
+    /// What progress calls it, until the work itself says more.
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Combine(..) => "combine",
+            other => other.verb(),
         }
     }
 
@@ -126,7 +135,8 @@ impl Outcome {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let own = order.clone();
-        let filled = work::run(py, progress, move |job| own.run(form, job))?;
+        let listener = ProgressListener::new(progress, order.task.name());
+        let filled = work::run(py, listener, move |job| own.run(form, job))?;
         let filled = filled.map_err(|error| failure::mesh(py, error))?;
         Ok(Self { order, form, filled })
     }
@@ -183,12 +193,18 @@ impl Outcome {
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts. A glTF may be
     /// quantized, and compressed by a codec.
-    fn remake(&self, py: Python<'_>, format: &str, quantize: bool, compress: Option<&str>) -> PyResult<Self> {
-        let form = form_of(format, quantize, compress)?;
+    fn remake(
+        &self,
+        py: Python<'_>,
+        format: &str,
+        packing: (bool, Option<String>),
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let form = form_of(format, packing.0, packing.1.as_deref())?;
         if form == self.form {
             return Ok(Self { order: self.order.clone(), form, filled: self.filled.clone() });
         }
-        Self::new(py, self.order.clone(), form, None)
+        Self::new(py, self.order.clone(), form, progress)
     }
 
     /// The bytes of a file of the format that it was made for.

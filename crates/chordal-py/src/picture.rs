@@ -2,6 +2,7 @@
 use crate::array::{Array, ArrayData};
 use crate::source::Source;
 use crate::spec::parse_argument;
+use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::camera::Screen;
@@ -124,7 +125,7 @@ pub(crate) fn picture(
     let darkest = parse_argument::<Length>("darkest", arguments.darkest.as_deref())?;
     let (input, other) = (Arc::clone(source.input()), against.map(|other| Arc::clone(other.input())));
     let is_comb = arguments.show == "comb";
-    let made = work::run(py, progress, move |job| match other {
+    let made = work::run(py, ProgressListener::new(progress, "render"), move |job| match other {
         Some(other) => render_against((*input).clone(), (*other).clone(), darkest, &options, job),
         None if is_comb => render_comb(&input, &options, job),
         None => render(&input, &options, fineness, job),

@@ -224,8 +224,14 @@ impl Source {
     }
 
     /// Distances to the shape on a lattice, the report, and why a budget was not met.
-    fn bake(&self, py: Python<'_>, arguments: BakeArguments) -> PyResult<BakedVolume> {
-        bake_input(py, self.named_input(), arguments).map_err(|error| self.raised().unwrap_or(error))
+    fn bake(
+        &self,
+        py: Python<'_>,
+        arguments: BakeArguments,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<BakedVolume> {
+        bake_input(py, self.named_input(), arguments, progress)
+            .map_err(|error| self.raised().unwrap_or(error))
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.

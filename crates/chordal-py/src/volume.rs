@@ -2,6 +2,7 @@
 use crate::array::{Array, ArrayData};
 use crate::deviation::NamedInput;
 use crate::source::Source;
+use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{InvalidLength, Length};
@@ -113,10 +114,12 @@ pub(crate) fn bake_input(
     py: Python<'_>,
     named: NamedInput,
     arguments: BakeArguments,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<BakedVolume> {
     let spec = arguments.spec(py)?;
     let NamedInput { input, name } = named;
-    let made = work::run(py, None, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
+    let listener = ProgressListener::new(progress, "bake");
+    let made = work::run(py, listener, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
     let outcome = made.map_err(|error| failure::mesh(py, error))?.spelled(&CommandLine);
     let run = RunFacts { verb: "bake", input: name, ..RunFacts::default() };
     let report = Report::new(outcome.certificate.clone(), run).to_value().to_string();

@@ -18,6 +18,40 @@ const LOOK: Duration = Duration::from_millis(20);
 /// [`LOOK`].
 const AWAKE: Duration = Duration::from_micros(50);
 
+/// After so long without a word from the work the last one is said again: who waits sees that it goes on. Chosen.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// A Python function that is told of progress.
+pub(crate) struct ProgressListener {
+    function: Py<PyAny>,
+    /// What was said last; at first the verb, with nothing done.
+    last: Progress,
+    said: Instant,
+}
+
+impl ProgressListener {
+    /// A listener, which knows the work as `verb` until it says more itself.
+    pub(crate) fn new(function: Option<Py<PyAny>>, verb: &'static str) -> Option<Self> {
+        let last = Progress { stage: verb, done: 0, total: 1 };
+        function.map(|function| Self { function, last, said: Instant::now() })
+    }
+
+    /// Calls the function.
+    fn tell(&mut self, py: Python<'_>, told: Progress) -> PyResult<()> {
+        (self.last, self.said) = (told, Instant::now());
+        self.function.call1(py, (told.stage, told.done, told.total)).map(drop)
+    }
+
+    /// Passes news on, and where there are none for long says the last again.
+    fn pass_on(&mut self, py: Python<'_>, news: Option<Progress>) -> PyResult<()> {
+        match news {
+            Some(told) => self.tell(py, told),
+            None if self.said.elapsed() >= SILENCE => self.tell(py, self.last),
+            None => Ok(()),
+        }
+    }
+}
+
 /// What comes from the work.
 enum WorkMessage<T> {
     Progress(Progress),
@@ -29,10 +63,11 @@ enum WorkMessage<T> {
 ///
 /// Python's signal handlers run meanwhile, every [`LOOK`]. If one raises, or the function for progress does,
 /// that exception comes back at once and unchanged; the work is told to stop and ends by itself, on what it
-/// owns. Progress is told from the thread that called; of steps that follow each other closely, the last.
+/// owns. Progress is told from the thread that called: the verb at the start and at the end, what the work says in between (of
+/// steps that follow each other closely the last), and the last again where the work says nothing for [`SILENCE`].
 pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
-    progress: Option<Py<PyAny>>,
+    progress: Option<ProgressListener>,
     work: impl FnOnce(&Job) -> T + Send + 'static,
 ) -> PyResult<T> {
     let pool = pool(py).map_err(|error| failure::internal(py, &format!("no threads: {error}")))?;
@@ -83,16 +118,25 @@ impl Drop for CancelGuard<'_> {
 
 fn wait<T: Send>(
     py: Python<'_>,
-    progress: Option<Py<PyAny>>,
+    mut progress: Option<ProgressListener>,
     mut messages: Receiver<WorkMessage<T>>,
 ) -> PyResult<T> {
+    let begun = progress.as_ref().map(|listener| listener.last);
+    if let (Some(listener), Some(begun)) = (&mut progress, begun) {
+        listener.tell(py, begun)?;
+    }
     loop {
         let news = py.detach(|| next_update(&mut messages));
-        if let (Some(sink), Some(told)) = (&progress, news.progress) {
-            sink.call1(py, (told.stage, told.done, told.total))?;
+        if let Some(listener) = &mut progress {
+            listener.pass_on(py, news.progress)?;
         }
         match news.end {
-            Some(Ok(done)) => return Ok(done),
+            Some(Ok(done)) => {
+                if let (Some(listener), Some(begun)) = (&mut progress, begun) {
+                    listener.tell(py, Progress { done: begun.total, ..begun })?;
+                }
+                return Ok(done);
+            }
             Some(Err(WorkPanic)) => return Err(failure::internal(py, BROKEN)),
             None => py.check_signals()?,
         }
