@@ -8,6 +8,8 @@ import json
 import os
 from typing import TYPE_CHECKING, Any, Final
 
+from chordal._deviation_samples import SampledDeviation, sampled_deviation
+from chordal._looks import looks_of
 from chordal._table import columns, table
 
 if TYPE_CHECKING:
@@ -69,29 +71,31 @@ def _base64(array: NDArray[Any], kind: str) -> str:
     return base64.b64encode(np.ascontiguousarray(array, dtype=kind).tobytes()).decode()
 
 
-def page_of(mesh: Mesh, *, wire: bool, values: NDArray[Any] | None, what: str) -> str | None:
-    """The page of a mesh, for a frame or a file; None without the viewer."""
-    import numpy as np
-
+def page_of(mesh: Mesh, *, wire: bool, deviation: SampledDeviation | None) -> str | None:
+    """The page of a mesh, for a frame or a file, with the distances from another shape; None without the viewer."""
     script = _viewer()
     if script is None:
         return None
     # Small beside large coordinates would be lost in single precision.
     middle = mesh.bounds.mean(axis=0)
-    low, high = (0.0, 1.0) if values is None else (0.0, float(values.max()) or 1.0)
-    normals = mesh._vertex_rows("normal")
-    facts = {
-        "positions": _base64(mesh.vertices - middle, "<f4"),
-        "faces": _base64(mesh.faces, "<u4"),
-        "normals": None if normals is None else _base64(normals, "<f4"),
-        "values": None if values is None else _base64(np.asarray(values), "<f4"),
-        "range": [low, high],
-        "what": what,
-        "wire": wire,
-    }
+    own = {"positions": _base64(mesh.vertices - middle, "<f4"), "faces": _base64(mesh.faces, "<u4")}
+    facts: dict[str, Any] = {"wire": wire, "values": None, "range": [0.0, 1.0], "what": "", "edges": None}
+    facts |= {"colors": None, "groups": None, "paints": []}
+    scale = ""
+    if deviation is None:
+        normals, looks = mesh._vertex_rows("normal"), looks_of(mesh)
+        facts |= own
+        facts["colors"] = None if looks.colors is None else _base64(looks.colors, "<f4")
+        facts["groups"] = None if looks.groups is None else _base64(looks.groups, "<u4")
+        facts["paints"] = list(looks.paints)
+    else:
+        normals, high, what = deviation.normals, float(deviation.values.max()) or 1.0, "off, at samples"
+        facts |= {"positions": _base64(deviation.vertices - middle, "<f4"), "faces": _base64(deviation.faces, "<u4")}
+        facts |= {"values": _base64(deviation.values, "<f4"), "range": [0.0, high], "what": what, "edges": own}
+        scale = f'<span>0</span><span id="scale"></span><span>{high:.3g} {html.escape(what)}</span>'
+    facts["normals"] = None if normals is None else _base64(normals, "<f4")
     # No sign in it may end the element that it stands in.
     data = json.dumps(facts).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-    scale = "" if values is None else f'<span>0</span><span id="scale"></span><span>{high:.3g} {html.escape(what)}</span>'
     name = html.escape(mesh._size(), quote=True)
     return _PAGE.format(name=name, scale=scale, data=data, script=script)
 
@@ -121,10 +125,10 @@ def html_of(mesh: Mesh, *, wire: bool = False, against: Any = None, height: int 
     shown = _table(mesh)
     if len(mesh.faces) == 0:
         return shown
-    values, what = None, ""
-    if against is not None:
-        values, what = mesh.vertex_deviation(against), "off, at vertices"
-    page = None if len(mesh.faces) > MOST_FACES else page_of(mesh, wire=wire, values=values, what=what)
+    page = None
+    if len(mesh.faces) <= MOST_FACES and _viewer() is not None:
+        deviation = None if against is None else sampled_deviation(mesh, mesh._distances_to(against, None))
+        page = page_of(mesh, wire=wire, deviation=deviation)
     if page is None:
         show: Any = {"show": "deviation", "against": against} if against is not None else {"show": "wire" if wire else "shaded"}
         picture = base64.b64encode(mesh.render(size=(640, height), **show).to_bytes("png")).decode()

@@ -50,12 +50,49 @@ def test_a_mesh_says_its_bound_and_carries_its_triangles() -> None:
     assert np.allclose(places + made.bounds.mean(axis=0), made.vertices, atol=1e-5)
 
 
+def numbers(text: str, kind: str) -> Any:
+    return np.frombuffer(base64.b64decode(text), kind)
+
+
 def test_it_shows_edges_and_how_far_another_shape_is() -> None:
     made, fine = mesh(), chordal.load(TEAPOT).mesh(tol=0.01)
     facts = facts_in(page_in(made.show(wire=True, deviation=fine)._repr_html_()))
-    values = np.frombuffer(base64.b64decode(facts["values"]), "<f4")
-    assert facts["wire"] is True and len(values) == len(made.vertices) and 0 < values.max() <= 0.06
+    values, faces = numbers(facts["values"], "<f4"), numbers(facts["faces"], "<u4").reshape(-1, 3)
+    assert facts["wire"] is True and 3 * len(values) == len(numbers(facts["positions"], "<f4")) and faces.max() < len(values)
     assert facts["range"] == [0, pytest.approx(float(values.max()))]
+    # The edges are those of the mesh, whatever it was cut into.
+    assert np.array_equal(numbers(facts["edges"]["faces"], "<u4").reshape(-1, 3), made.faces)
+
+
+@pytest.mark.parametrize("most", [60_000, 1])
+def test_what_is_far_between_vertices_is_coloured(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A chord of a cylinder: all vertices are on it, and the middles of the faces are not."""
+    monkeypatch.setattr("chordal._deviation_samples._MOST_DRAWN", most)
+    angles = 2 * np.pi * np.arange(6) / 6
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points = np.vstack([np.column_stack([ring, np.full(6, z)]) for z in (0.0, 2.0)])
+    sides = [(k, (k + 1) % 6, 6 + (k + 1) % 6) for k in range(6)] + [(k, 6 + (k + 1) % 6, 6 + k) for k in range(6)]
+    prism, tube = chordal.Mesh(points, sides), chordal.shapes.cylinder(1, 10).mesh(tol=1e-4)
+    assert prism.vertex_deviation(tube).max() < 1e-3
+    facts = facts_in(page_in(prism.show(deviation=tube)._repr_html_()))
+    # 1 - cos 30°: the sagitta of a sixth.
+    assert facts["range"][1] == pytest.approx(1 - np.cos(np.pi / 6), rel=0.02 if most > 1 else 0.15)
+
+
+def test_labels_materials_and_vertices_have_their_colours() -> None:
+    halves = np.ones((6, 6, 6), np.uint8)
+    halves[3:] = 2
+    labels = chordal.labels(halves).mesh()
+    facts = facts_in(page_in(labels.show()._repr_html_()))
+    groups = numbers(facts["groups"], "<u4")
+    first = len(labels.parts[0].faces)
+    assert len(groups) == len(labels.faces) and set(groups[:first]) == {0} and set(groups[first:]) == {1}
+    assert len(set(facts["paints"])) == 2 and all(re.fullmatch("#[0-9a-f]{6}", paint) for paint in facts["paints"])
+    corners, red = np.eye(3), np.array([(255, 0, 0)] * 3, np.uint8)
+    facts = facts_in(page_in(chordal.Mesh(corners, [(0, 1, 2)], colors=red).show()._repr_html_()))
+    assert numbers(facts["colors"], "<f4").tolist() == [1, 0, 0] * 3 and facts["groups"] is None
+    plain = facts_in(page_in(mesh().show()._repr_html_()))
+    assert plain["colors"] is None and plain["groups"] is None and plain["values"] is None
 
 
 def test_the_page_needs_nothing_from_elsewhere() -> None:

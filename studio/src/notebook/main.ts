@@ -10,6 +10,13 @@ interface Shown {
   faces: string;
   normals: string | null;
   values: string | null;
+  /** Red, green and blue of each vertex, where it has a colour. */
+  colors: string | null;
+  /** A group for each triangle, and the colour of each group. */
+  groups: string | null;
+  paints: string[];
+  /** The triangles whose edges are drawn, where those above are parts of them. */
+  edges: { positions: string; faces: string } | null;
   /** The ends of the scale of `values`, and what they are. */
   range: [number, number];
   what: string;
@@ -47,12 +54,17 @@ function layers(shown: Shown, hasWire: boolean): Layer[] {
     indices,
     ...(normals ? { normals } : {}),
     ...(values ? { values: { of: values, range: shown.range, ramp: "deviation" as const } } : {}),
+    ...(shown.colors ? { colors: floats(shown.colors) } : {}),
+    ...(shown.groups ? { groups: { of: new Uint32Array(bytes(shown.groups)), paints: shown.paints } } : {}),
     paint: PAINT.face,
     back: PAINT.back,
     shading: normals ? "smooth" : "flat",
     sides: "both",
   };
-  return hasWire ? [mesh, { kind: "wire", id: "wire", positions, indices, paint: PAINT.wire, width: 1 }] : [mesh];
+  const edges = shown.edges
+    ? { positions: floats(shown.edges.positions), indices: new Uint32Array(bytes(shown.edges.faces)) }
+    : { positions, indices };
+  return hasWire ? [mesh, { kind: "wire", id: "wire", ...edges, paint: PAINT.wire, width: 1 }] : [mesh];
 }
 
 function start(): void {
