@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, TypeVar, overload
 
 from chordal import _chordal, _files
-from chordal._arguments import number, whole
+from chordal._arguments import number, warn, whole
 from chordal._arguments import text as _text
 from chordal._errors import ReadError
 from chordal._field import Field
@@ -191,6 +192,17 @@ def _other_kind(found: Shape, kind: type[Shape]) -> str:
     return f"this holds {found._source.kinds}, which are a {type(found).__name__} and not a {kind.__name__}{way}"
 
 
+def _warn_of_points(source: _chordal.Source) -> None:
+    """Says it where a file holds points and nothing between them."""
+    parts = json.loads(_chordal.scene_facts(source))["parts"]
+    n_points = sum(part["vertices"] for part in parts)
+    if n_points and not any(part["faces"] for part in parts):
+        warn(
+            f"source: {n_points:,} points and no triangles: there is no surface in this file, so that nothing of it is shown or "
+            "measured; mesh.parts[0].vertices has the points"
+        )
+
+
 #: Files by which a folder is known as samples of Zarr (versions 3 and 2) or of Neuroglancer.
 _ARRAY_MARKS = ("zarr.json", ".zarray", ".zgroup", "info")
 
@@ -211,6 +223,7 @@ def read(content: bytes, reading: _chordal.Reading) -> Shape:
     source = _chordal.Source(content, reading)
     # Triangles and samples are pickled as they are; what else there is is small, and its bytes are kept for that.
     if source.kind == "triangles":
+        _warn_of_points(source)
         return Mesh._of_source(source)
     if source.kind == "volume":
         return Volume(source)
