@@ -398,8 +398,9 @@ mod tests {
     #[test]
     fn a_range_counts_what_is_there() {
         let range =
-            ValueRange::from_samples(&Samples::F32(vec![f32::NAN, 2.0, f32::INFINITY, -1.0, f32::NAN]));
-        assert_eq!(range, ValueRange { ends: Some([-1.0, 2.0]), nan: 2, infinite: 1, labels: None });
+            ValueRange::from_samples(&Samples::F32(vec![f32::NAN, 2.5, f32::INFINITY, -1.0, f32::NAN]));
+        let seen = ValueRange { ends: Some([-1.0, 2.5]), nan: 2, infinite: 1, is_whole: false, labels: None };
+        assert_eq!(range, seen);
         let range = ValueRange::from_samples(&Samples::U32(vec![5, 5, 0, 5, u32::MAX]));
         let labels: Vec<_> = range.labels.unwrap().into_iter().collect();
         assert_eq!(labels, [(0, 1), (5, 3), (i64::from(u32::MAX), 1)]);
