@@ -126,3 +126,12 @@ def test_materials_of_fields_are_those_of_the_file() -> None:
     assert sorted(one["material"] for one in told["meshes"][0]["primitives"]) == [0, 1]
     with pytest.raises(ValueError, match="needs a colour as"):
         color(sphere(1), "reddish")
+
+
+def test_a_file_of_points_alone_is_warned_of(tmp_path: Path) -> None:
+    points = tmp_path / "points.ply"
+    header = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    points.write_text(header + "0 0 0\n1 2 3\n")
+    with pytest.warns(UserWarning, match="2 points and no triangles"):
+        found = chordal.load(points, kind=chordal.Mesh)
+    assert len(found.faces) == 0 and found.parts[0].vertices.tolist() == [[0, 0, 0], [1, 2, 3]]
