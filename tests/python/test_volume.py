@@ -70,7 +70,7 @@ def test_what_is_wrong_is_said() -> None:
 
 def test_settings_are_spelled_as_arguments() -> None:
     with pytest.raises(chordal.Refused, match="where the surface is: iso=LEVEL does") as caught:
-        chordal.volume(np.where(I < 6, 10.0, 90.0)).mesh()
+        chordal.volume(np.where(I < 6, 10.5, 90.25)).mesh()
     assert "--" not in str(caught.value)
     with pytest.raises(chordal.Refused, match=r"give labels= alone, or iso=$"):
         chordal.volume((BALL < 0).astype(np.uint8)).mesh(iso=0.5, labels="all")

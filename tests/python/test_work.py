@@ -261,7 +261,7 @@ def test_all_that_takes_long_takes_progress() -> None:
     known = {word for name in VERBS for word in name.split()}
     for name in sorted(chordal.__all__):
         if inspect.isfunction(getattr(chordal, name)) and "progress" in inspect.signature(getattr(chordal, name)).parameters:
-            assert name in known or name in ("batch", "union", "difference", "intersection"), name
+            assert name in known or name in ("batch", "plot_error", "union", "difference", "intersection"), name
     for kind in (chordal.Mesh, chordal.Field, chordal.Volume):
         for name in ("mesh", "lod", "deviation", "bake", "combine", "union", "difference", "intersection", "mend", "render", "export"):
             assert "progress" in inspect.signature(getattr(kind, name)).parameters, name
