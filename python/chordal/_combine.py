@@ -142,9 +142,11 @@ def _combined(
 
 def _nothing(first: Combinable) -> Mesh:
     """No triangles, where nothing is left of solids. No judge looks at what is not there: nothing bounds what was lost."""
+    import numpy as np
+
     from chordal._mesh import Mesh
 
-    made = Mesh([], [], unit=getattr(first, "unit", None))
+    made = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32), unit=getattr(first, "unit", None))
     return Mesh._of_source(made._source, Bound(0.0, None, "estimated", "solid", "input solids"))
 
 

@@ -79,6 +79,9 @@ def test_what_is_far_between_vertices_is_coloured(most: int, monkeypatch: pytest
     assert facts["range"][1] == pytest.approx(1 - np.cos(np.pi / 6), rel=0.02 if most > 1 else 0.15)
 
 
+CORNERS = np.eye(3)
+
+
 def test_labels_materials_and_vertices_have_their_colours() -> None:
     halves = np.ones((6, 6, 6), np.uint8)
     halves[3:] = 2
@@ -86,10 +89,15 @@ def test_labels_materials_and_vertices_have_their_colours() -> None:
     facts = facts_in(page_in(labels.show()._repr_html_()))
     groups = numbers(facts["groups"], "<u4")
     first = len(labels.parts[0].faces)
-    assert len(groups) == len(labels.faces) and set(groups[:first]) == {0} and set(groups[first:]) == {1}
-    assert len(set(facts["paints"])) == 2 and all(re.fullmatch("#[0-9a-f]{6}", paint) for paint in facts["paints"])
-    corners, red = np.eye(3), np.array([(255, 0, 0)] * 3, np.uint8)
-    facts = facts_in(page_in(chordal.Mesh(corners, [(0, 1, 2)], colors=red).show()._repr_html_()))
+    one, two = ({facts["paints"][group] for group in some} for some in (groups[:first], groups[first:]))
+    assert len(groups) == len(labels.faces) and len(one) == len(two) == 1 and one != two
+    assert all(re.fullmatch("#[0-9a-f]{6}", paint) for paint in facts["paints"])
+    # The same parts without materials: a colour for each.
+    bare = chordal.scene({"a": chordal.Mesh(CORNERS, [(0, 1, 2)]), "b": chordal.Mesh(CORNERS + 1, [(0, 1, 2)])})
+    facts = facts_in(page_in(bare.show()._repr_html_()))
+    assert numbers(facts["groups"], "<u4").tolist() == [0, 1] and len(set(facts["paints"])) == 2
+    red = np.array([(255, 0, 0)] * 3, np.uint8)
+    facts = facts_in(page_in(chordal.Mesh(CORNERS, [(0, 1, 2)], colors=red).show()._repr_html_()))
     assert numbers(facts["colors"], "<f4").tolist() == [1, 0, 0] * 3 and facts["groups"] is None
     plain = facts_in(page_in(mesh().show()._repr_html_()))
     assert plain["colors"] is None and plain["groups"] is None and plain["values"] is None
