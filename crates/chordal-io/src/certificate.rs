@@ -1,48 +1,54 @@
-//! A certificate as one line of text, for formats that have comments.
-use crate::text::grouped;
+//! A certificate in comments: how it is written into lines that every program reads, and put together again.
+use crate::text::{grouped, integer};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, WriteError};
 use serde_json::Value;
+use std::io::Write;
 
-/// Parses the certificate from the rest of a comment. Counts a warning where it is not valid.
-pub(crate) fn read(
-    text: &[u8],
-    limits: &Limits,
-    place: FileLocation,
-    warnings: &mut Warnings,
-) -> Option<Value> {
-    let parsed = if text.len() > limits.header_line {
-        Err(format!("{} bytes are over the limit of {}", grouped(text.len() as u64), limits.header_line))
-    } else {
-        serde_json::from_slice(text).map_err(|error| error.to_string())
-    };
-    match parsed {
-        Ok(value) => Some(value),
-        Err(why) => {
-            warnings.count("certificate-unreadable", || {
-                (place, format!("the certificate in a comment is unreadable and was skipped: {why}"))
-            });
-            None
-        }
-    }
-}
+/// The most bytes of a certificate in comments. Chosen: ten thousand lines, which no program that was tried minds.
+pub(crate) const MOST: usize = 1 << 20;
 
-/// The comment's own prefix precedes it.
-pub(crate) const PREFIX: usize = 32;
+/// The most bytes of JSON in one line. Chosen: with what stands before them lines have at most 200 bytes. MeshLab
+/// refuses a PLY with a line of 700, and RPly, which Open3D is built on, ends the program at 1,024.
+const PIECE: usize = 160;
 
-/// Serialises the certificate as one line without a line break, in ASCII: the header of a PLY holds no other
+/// The bytes of the longest escape that [`pieces`] writes, `\u0020`.
+const LONGEST_ESCAPE: usize = 6;
+
+/// Serialises the certificate as one text without a line break, in ASCII: the header of a PLY holds no other
 /// letters.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] when the line is longer than readers accept by default.
-pub(crate) fn line(certificate: &Value) -> Result<String, WriteError> {
-    let limit = Limits::default().header_line - PREFIX;
-    let line = in_ascii(&certificate.to_string());
-    if line.len() > limit {
-        let message = format!("a certificate of {} bytes does not fit into a line of {limit}", line.len());
+/// [`WriteError::Unsupported`] when it is longer than readers accept.
+pub(crate) fn text(certificate: &Value) -> Result<String, WriteError> {
+    let text = in_ascii(&certificate.to_string());
+    if text.len() > MOST {
+        let message = format!(
+            "a certificate of {} bytes is over the limit of {}",
+            grouped(text.len() as u64),
+            grouped(MOST as u64)
+        );
         return Err(WriteError::Unsupported(message));
     }
-    Ok(line)
+    Ok(text)
+}
+
+/// Writes a certificate as comments, each as `prefix 3/12 piece of its JSON`, counted from 1; nothing for none.
+///
+/// # Errors
+/// As for [`text`], and when the sink fails.
+pub(crate) fn write_comments(
+    prefix: &str,
+    certificate: Option<&Value>,
+    out: &mut impl Write,
+) -> Result<(), WriteError> {
+    let Some(certificate) = certificate else { return Ok(()) };
+    let pieces = pieces(&text(certificate)?);
+    let n = pieces.len();
+    for (i, piece) in pieces.iter().enumerate() {
+        writeln!(out, "{prefix}{}/{n} {piece}", i + 1)?;
+    }
+    Ok(())
 }
 
 /// JSON with the same content: letters beyond ASCII are in its strings, where an escape says the same.
@@ -58,4 +64,233 @@ fn in_ascii(json: &str) -> String {
         }
     }
     text
+}
+
+/// Cuts JSON into pieces that lines hold: none begins or ends with a space, which programs cut off, or ends with a
+/// backslash, which joins it to the next line in an OBJ. Where one would, an escape says the same.
+fn pieces(json: &str) -> Vec<String> {
+    let (mut pieces, mut piece) = (Vec::new(), String::new());
+    let mut rest = json;
+    while let Some(letter) = rest.chars().next() {
+        let n = match rest.as_bytes() {
+            [b'\\', b'u', ..] => LONGEST_ESCAPE,
+            [b'\\', ..] => 2,
+            _ => letter.len_utf8(),
+        };
+        let (unit, after) = rest.split_at(n.min(rest.len()));
+        rest = after;
+        // What comes after a space here may not fit beside it.
+        let is_at_end = piece.is_empty() || piece.len() + LONGEST_ESCAPE >= PIECE;
+        let unit = match unit {
+            " " if is_at_end => "\\u0020",
+            "\\\\" => "\\u005c",
+            other => other,
+        };
+        if piece.len() + unit.len() > PIECE {
+            pieces.push(std::mem::take(&mut piece));
+        }
+        piece.push_str(unit);
+    }
+    pieces.push(piece);
+    pieces
+}
+
+/// The comments of a file that hold its certificate, in the order in which they stand.
+///
+/// Each is a piece with its number, as [`write_comments`] writes it, or all of it, as files of earlier versions have
+/// it. What is not whole and in order is no certificate.
+#[derive(Debug, Default)]
+pub(crate) struct CertificateComments {
+    text: Vec<u8>,
+    n_lines: u64,
+    n_read: u64,
+    /// The first comment.
+    place: Option<FileLocation>,
+    /// Where what was read cannot be a certificate, and why.
+    damage: Option<(FileLocation, String)>,
+}
+
+impl CertificateComments {
+    /// Takes the text of the next comment.
+    pub(crate) fn take(&mut self, comment: &[u8], place: FileLocation) {
+        if self.damage.is_some() {
+            return;
+        }
+        let (number, n_lines, piece) = numbered(comment).unwrap_or((1, 1, comment));
+        let is_first = self.place.is_none();
+        if is_first {
+            self.place = Some(place.clone());
+            self.n_lines = n_lines;
+        }
+        if self.n_read == self.n_lines && !is_first {
+            self.damage = Some((place, "another one follows it, and both cannot be of this file".to_owned()));
+        } else if n_lines != self.n_lines || number != self.n_read + 1 {
+            let message = format!(
+                "its line {number} of {n_lines} stands where line {} of {} belongs",
+                self.n_read + 1,
+                self.n_lines
+            );
+            self.damage = Some((place, message));
+        } else if self.text.len() + piece.len() > MOST {
+            self.damage = Some((place, format!("it is over the limit of {} bytes", grouped(MOST as u64))));
+        }
+        self.n_read += 1;
+        self.text.extend_from_slice(if self.damage.is_none() { piece } else { &[] });
+    }
+
+    /// The certificate, where all of it was found. Counts a warning where there is only something of it.
+    pub(crate) fn finish(self, warnings: &mut Warnings) -> Option<Value> {
+        let first = self.place?;
+        let mut damage = self.damage;
+        if damage.is_none() && self.n_read < self.n_lines {
+            let message = format!("only {} of its {} lines are there", self.n_read, self.n_lines);
+            damage = Some((first.clone(), message));
+        }
+        match damage {
+            None => read(&self.text, first, warnings),
+            Some((place, why)) => unreadable(why, place, warnings),
+        }
+    }
+}
+
+/// The parts of `3/12 piece`: its number, how many there are, and itself.
+fn numbered(comment: &[u8]) -> Option<(u64, u64, &[u8])> {
+    let space = comment.iter().position(|byte| *byte == b' ')?;
+    let (numbers, piece) = (&comment[..space], &comment[space + 1..]);
+    let slash = numbers.iter().position(|byte| *byte == b'/')?;
+    let count = |digits: &[u8]| {
+        let is_plain = digits.first().is_some_and(u8::is_ascii_digit);
+        integer(digits).ok().filter(|n| is_plain && *n > 0).and_then(|n| u64::try_from(n).ok())
+    };
+    Some((count(&numbers[..slash])?, count(&numbers[slash + 1..])?, piece))
+}
+
+/// Parses a certificate. Counts a warning where it is not valid.
+pub(crate) fn read(text: &[u8], place: FileLocation, warnings: &mut Warnings) -> Option<Value> {
+    if text.len() > MOST {
+        let n = grouped(text.len() as u64);
+        return unreadable(
+            format!("{n} bytes are over the limit of {}", grouped(MOST as u64)),
+            place,
+            warnings,
+        );
+    }
+    match serde_json::from_slice(text) {
+        Ok(value) => Some(value),
+        Err(error) => unreadable(error.to_string(), place, warnings),
+    }
+}
+
+/// Counts a certificate that is not one.
+pub(crate) fn unreadable(why: String, place: FileLocation, warnings: &mut Warnings) -> Option<Value> {
+    warnings.count("certificate-unreadable", || {
+        (place, format!("the certificate is unreadable and was skipped: {why}"))
+    });
+    None
+}
+
+/// The most bytes of a certificate in one line of a header.
+pub(crate) fn most_in_a_line() -> usize {
+    /// What stands before it.
+    const PREFIX: usize = 32;
+    Limits::default().header_line - PREFIX
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_testkit::Random;
+    use serde_json::json;
+
+    fn lines_of(certificate: &Value) -> Vec<String> {
+        let mut out = Vec::new();
+        write_comments("comment chordal ", Some(certificate), &mut out).unwrap();
+        String::from_utf8(out).unwrap().lines().map(str::to_owned).collect()
+    }
+
+    /// What is read of lines, without the prefix, and the warning.
+    fn read_of(lines: &[&str]) -> (Option<Value>, Option<String>) {
+        let (mut comments, mut warnings) = (CertificateComments::default(), Warnings::default());
+        for (i, line) in lines.iter().enumerate() {
+            let text = line.strip_prefix("comment chordal ").unwrap_or(line);
+            comments.take(text.as_bytes(), FileLocation::Line(i as u64 + 1));
+        }
+        let value = comments.finish(&mut warnings);
+        (value, warnings.into_list().first().map(|warning| warning.message.to_string()))
+    }
+
+    #[test]
+    fn lines_are_short_and_keep_what_trimming_and_joining_would_take() {
+        let mut random = Random::new(3);
+        let letters = [" ", " ", "\\", "\"", "\n", "a", "\u{e9}", "\u{1f600}", "7/9 "];
+        for n in 0..400 {
+            let text: String = (0..n).map(|_| letters[random.below(letters.len())]).collect();
+            let certificate = json!({ "name": text, "spaces": " ".repeat(n), "back": "\\".repeat(n) });
+            let lines = lines_of(&certificate);
+            for line in &lines {
+                assert!(line.len() <= 200 && line.is_ascii(), "{line}");
+                assert!(line.trim() == line && !line.ends_with('\\'), "{line}");
+                assert!(!line.contains("  "), "nothing for programs to fold: {line}");
+            }
+            let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+            assert_eq!(read_of(&lines), (Some(certificate), None));
+        }
+    }
+
+    #[test]
+    fn one_line_of_earlier_versions_is_read() {
+        assert_eq!(read_of(&["{\"a\": 1}"]), (Some(json!({ "a": 1 })), None));
+        assert_eq!(read_of(&[]), (None, None));
+    }
+
+    #[test]
+    fn lines_that_are_missing_twice_there_or_out_of_order_are_no_certificate() {
+        let certificate = json!({ "text": "0123456789".repeat(60) });
+        let lines = lines_of(&certificate);
+        let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        let n = lines.len();
+        assert!(n > 3);
+        let says = |lines: &[&str], why: &str| {
+            let (value, warning) = read_of(lines);
+            assert!(
+                value.is_none() && warning.as_ref().is_some_and(|text| text.contains(why)),
+                "{warning:?}"
+            );
+        };
+        for i in 0..n - 1 {
+            says(&[&lines[..i], &lines[i + 1..]].concat(), "belongs");
+            says(&[&lines[..i + 1], &lines[i..]].concat(), "belongs");
+            let mut swapped = lines.clone();
+            swapped.swap(i, i + 1);
+            says(&swapped, "belongs");
+        }
+        says(&lines[..n - 1], &format!("only {} of its {n} lines are there", n - 1));
+        says(&[&lines[..], &lines[..]].concat(), "another one follows it");
+        says(&["{}", "{}"], "another one follows it");
+        says(&["{", "}"], "another one follows it");
+    }
+
+    #[test]
+    fn numbers_of_attackers_are_damage_and_no_panic() {
+        for comment in [
+            "0/0 {}",
+            "1/0 {}",
+            "2/1 {}",
+            "1/18446744073709551616 {}",
+            "1/9223372036854775807 {}",
+            "-1/1 {}",
+            "/ {}",
+            "1/ {}",
+            "1/1",
+            "1/1 ",
+            "",
+            " ",
+            "1/2/3 {}",
+            "+1/1 {}",
+        ] {
+            let (value, warning) = read_of(&[comment]);
+            assert!(value.is_none() && warning.is_some(), "{comment}");
+        }
+        assert_eq!(read_of(&["1/1 7"]), (Some(json!(7)), None));
+    }
 }

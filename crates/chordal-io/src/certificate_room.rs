@@ -1,8 +1,8 @@
 //! How much room formats have for a certificate.
-use crate::certificate::PREFIX;
-use crate::{Format, Limits};
+use crate::Format;
+use crate::certificate::{MOST, most_in_a_line};
 
-/// The most bytes of a certificate in a file of triangles, where the format has a limit.
+/// The most bytes of a certificate in a file, where the format has a limit.
 ///
 /// ```
 /// use chordal_io::{Format, most_certificate_bytes};
@@ -10,6 +10,9 @@ use crate::{Format, Limits};
 /// ```
 #[must_use]
 pub fn most_certificate_bytes(format: Format) -> Option<usize> {
-    let is_line = matches!(format, Format::Ply | Format::Obj | Format::Off | Format::Vtp);
-    is_line.then(|| Limits::default().header_line - PREFIX)
+    match format {
+        Format::Ply | Format::Obj | Format::Off | Format::Vtp => Some(MOST),
+        Format::Nrrd => Some(most_in_a_line()),
+        _ => None,
+    }
 }

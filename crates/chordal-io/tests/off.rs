@@ -216,9 +216,9 @@ fn the_keyword_says_what_is_written() {
     let colored = plain.clone().with_attribute(vertex(Semantic::Color(0), 4, bytes.clone())).unwrap();
     assert!(written(&colored).starts_with("COFF\n3 1 0\n0 0 0 255 51 0 102\n"));
     mesh = mesh.with_attribute(vertex(Semantic::Color(0), 3, [0.0, 1.0, 0.3].repeat(3))).unwrap();
-    assert!(written(&mesh).starts_with("CNOFF\n3 1 0\n0 0 0 0 0 1 0.0 1.0 0.3\n"));
+    assert!(written(&mesh).starts_with("CNOFF\n3 1 0\n0 0 0 0 0 1 0.0 1.0 0.3 1.0\n"));
     mesh = mesh.with_attribute(vertex(Semantic::TexCoord(0), 2, vec![0.5; 6])).unwrap();
-    assert!(written(&mesh).starts_with("STCNOFF\n3 1 0\n0 0 0 0 0 1 0.0 1.0 0.3 0.5 0.5\n"));
+    assert!(written(&mesh).starts_with("STCNOFF\n3 1 0\n0 0 0 0 0 1 0.0 1.0 0.3 1.0 0.5 0.5\n"));
     let face = |values: &[f64]| Attribute {
         semantic: Semantic::Color(0),
         domain: Domain::Face,

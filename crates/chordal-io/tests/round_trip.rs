@@ -210,7 +210,7 @@ fn the_certificate_travels_to_the_last_bit() {
     }
     let (scene, _) = load_scene(&write(&scene_of(cube()), Format::Stl, Some(&certificate)), Format::Stl);
     assert_eq!(scene.certificate, None);
-    let long = Value::String("x".repeat(70_000));
+    let long = Value::String("x".repeat(1 << 20));
     assert!(matches!(
         obj::write(&scene_of(cube()), Some(&long), &mut Vec::new()),
         Err(WriteError::Unsupported(_))
@@ -219,6 +219,62 @@ fn the_certificate_travels_to_the_last_bit() {
         ply::write(&scene_of(cube()), Some(&long), &mut Vec::new()),
         Err(WriteError::Unsupported(_))
     ));
+}
+
+#[test]
+fn a_long_certificate_stands_in_short_lines() {
+    let certificate = json!({ "name": "  \\ \u{e9}  ".repeat(9_000), "bound": 1.5 });
+    for format in [Format::Ply, Format::Obj, Format::Off] {
+        let bytes = write(&scene_of(cube()), format, Some(&certificate));
+        let lines = bytes.split(|byte| *byte == b'\n').filter(|line| {
+            let words = [&b"comment chordal "[..], b"# chordal: "];
+            words.iter().any(|start| line.starts_with(start))
+        });
+        let lengths: Vec<usize> = lines.map(<[u8]>::len).collect();
+        assert!(lengths.len() > 500 && lengths.iter().all(|n| *n <= 200), "{format}: {lengths:?}");
+        let (scene, warnings) = load_scene(&bytes, format);
+        assert_eq!(scene.certificate.as_ref(), Some(&certificate), "{format}");
+        assert_eq!(count(&warnings, "certificate-unreadable"), 0);
+    }
+}
+
+#[test]
+fn one_line_of_earlier_versions_is_a_certificate_too() {
+    let obj = "# chordal: {\"bound\": 2}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let off = "OFF\n# chordal: {\"bound\": 2}\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let ply = "ply\nformat ascii 1.0\ncomment chordal {\"bound\": 2}\nend_header\n";
+    for (text, format) in [(obj, Format::Obj), (off, Format::Off), (ply, Format::Ply)] {
+        let (scene, warnings) = load_scene(text.as_bytes(), format);
+        assert_eq!(scene.certificate, Some(json!({ "bound": 2 })), "{format}: {warnings:?}");
+    }
+}
+
+#[test]
+fn lines_of_a_certificate_that_are_lost_or_moved_are_no_certificate() {
+    let certificate = json!({ "name": "n".repeat(700) });
+    for format in [Format::Ply, Format::Obj, Format::Off] {
+        let bytes = write(&scene_of(cube()), format, Some(&certificate));
+        let of_file: Vec<&[u8]> = bytes.split_inclusive(|byte| *byte == b'\n').collect();
+        let first = of_file
+            .iter()
+            .position(|line| line.windows(10).any(|w| w == b"chordal 1/" || w == b"ordal: 1/5"))
+            .unwrap();
+        for damage in 0..3 {
+            let mut lines = of_file.clone();
+            match damage {
+                0 => drop(lines.remove(first + 2)),
+                1 => lines.insert(first + 2, of_file[first + 2]),
+                _ => lines.swap(first + 1, first + 2),
+            }
+            let (scene, warnings) = load_scene(&lines.concat(), format);
+            assert_eq!(
+                (scene.certificate, count(&warnings, "certificate-unreadable")),
+                (None, 1),
+                "{format}"
+            );
+            assert_eq!(scene.parts[0].mesh.faces().len(), 12, "the mesh is read all the same");
+        }
+    }
 }
 
 #[test]

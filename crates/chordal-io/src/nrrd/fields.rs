@@ -1,11 +1,11 @@
 //! The header of a NRRD file: lines of `field: value`, `key:=value` and `# comment`, up to an empty line.
 use super::{CERTIFICATE, MAGIC};
+use crate::certificate::CertificateComments;
 use crate::text::{LineTokens, TextLines, finite, integer, number, number_error, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::volume::label_table::SegmentKeys;
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
-use serde_json::Value;
 
 /// A value with its line number.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ pub(super) struct NrrdHeader {
     pub content: String,
     pub line_skip: u64,
     pub byte_skip: i64,
-    pub certificate: Option<Value>,
+    pub certificate: CertificateComments,
     pub segments: SegmentKeys,
     /// The last line that was read, where missing fields are reported.
     pub last_line: u64,
@@ -105,7 +105,7 @@ impl NrrdHeader {
         let (name, value) = (&text[..colon], &text[colon + 1..]);
         if let Some(value) = value.strip_prefix(b"=") {
             if name == CERTIFICATE.as_bytes() {
-                self.certificate = serde_json::from_slice(&unescaped(value)).ok();
+                self.certificate.take(&unescaped(value), FileLocation::Line(line));
             }
             self.segments.take(name, &unescaped(value));
             return Ok(());

@@ -73,7 +73,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         name: fields.content,
         space,
         labels,
-        certificate: fields.certificate,
+        certificate: fields.certificate.finish(&mut warnings),
         ..Volume::from_grid(grid)
     };
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })

@@ -1,5 +1,6 @@
 //! Writes `.nrrd`.
 use super::CERTIFICATE;
+use crate::certificate::most_in_a_line;
 use crate::npy::{write_bricks, write_samples};
 use crate::number::ShortestDecimal;
 use crate::volume::label_table::LabelLook;
@@ -134,7 +135,7 @@ impl HeaderText<'_> {
             writeln!(out, "space units: \"{unit}\" \"{unit}\" \"{unit}\"")?;
         }
         if let Some(certificate) = self.certificate {
-            writeln!(out, "{CERTIFICATE}:={}", escaped(&certificate.to_string()))?;
+            writeln!(out, "{CERTIFICATE}:={}", certificate_value(certificate)?)?;
         }
         for (at, (label, look)) in self.labels.iter().enumerate() {
             writeln!(out, "Segment{at}_LabelValue:={label}")?;
@@ -148,6 +149,23 @@ impl HeaderText<'_> {
         writeln!(out)?;
         Ok(())
     }
+}
+
+/// The value of the certificate's key.
+///
+/// # Errors
+/// [`WriteError::Unsupported`] when the line is longer than readers accept.
+fn certificate_value(certificate: &Value) -> Result<String, WriteError> {
+    let value = escaped(&certificate.to_string());
+    if value.len() > most_in_a_line() {
+        let message = format!(
+            "a certificate of {} bytes does not fit into a line of {}",
+            value.len(),
+            most_in_a_line()
+        );
+        return Err(WriteError::Unsupported(message));
+    }
+    Ok(value)
 }
 
 /// The value of a key: a line feed would end it.

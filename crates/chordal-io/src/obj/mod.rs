@@ -28,5 +28,5 @@ pub(crate) use write::keeps;
 pub use write::{write, write_with_library};
 pub use write_polygons::{write_polygons, write_polygons_with_library};
 
-/// The prefix of a comment with a certificate as JSON.
-const CERTIFICATE: &[u8] = b"# chordal: ";
+/// The prefix of a comment with a piece of a certificate.
+const CERTIFICATE: &str = "# chordal: ";

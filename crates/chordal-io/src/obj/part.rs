@@ -85,7 +85,7 @@ impl<'a> ObjPart<'a> {
                     cursor.end_line();
                     true
                 }
-                b'#' if !text[start..].starts_with(CERTIFICATE) => {
+                b'#' if !text[start..].starts_with(CERTIFICATE.as_bytes()) => {
                     cursor.skip_line();
                     true
                 }

@@ -10,6 +10,7 @@ use super::part::parts_of;
 use super::statements::ObjRowCounts;
 use super::vertex_table::{ObjCorner, ObjVertexTable};
 use crate::assemble::{self, RawMesh, too_many_rows};
+use crate::certificate::CertificateComments;
 use crate::faces::{Faces, SHORT_FACES};
 use crate::groups::Groups;
 use crate::grow::{push, push_many, with_room};
@@ -23,7 +24,6 @@ use chordal::Job;
 use chordal::budget::par_map;
 use chordal::explicit::subdivision::Scheme;
 use chordal::explicit::{Attribute, Domain, Semantic};
-use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Reads an OBJ file as one mesh part; or as one cage of polygons, if it has subdivision tags or
@@ -148,7 +148,7 @@ struct ObjReader<'a> {
     /// What follows each `mtllib`, where libraries are opened.
     libraries: Option<Vec<Box<[u8]>>>,
     corners: Vec<u32>,
-    certificate: Option<Value>,
+    certificate: CertificateComments,
     n_known: u64,
     /// The lines of the parts so far.
     n_lines: u64,
@@ -175,7 +175,7 @@ impl<'a> ObjReader<'a> {
             groups: Default::default(),
             libraries: None,
             corners: Vec::new(),
-            certificate: None,
+            certificate: CertificateComments::default(),
             n_known: 0,
             n_lines: 0,
         })
@@ -186,11 +186,10 @@ impl<'a> ObjReader<'a> {
         let mut tokens = LineTokens::new(statement);
         let Some(word) = tokens.next() else { return Ok(()) };
         if word.starts_with(b"#") {
-            if let Some(text) = statement.strip_prefix(CERTIFICATE) {
+            if let Some(piece) = statement.strip_prefix(CERTIFICATE.as_bytes()) {
                 // An empty scene has no other line.
                 self.n_known += 1;
-                self.certificate =
-                    crate::certificate::read(text, self.limits, FileLocation::Line(line), &mut self.warnings);
+                self.certificate.take(piece, FileLocation::Line(line));
             }
             return Ok(());
         }
@@ -473,7 +472,7 @@ impl<'a> ObjReader<'a> {
         raw.attributes.extend(groups);
         let mesh = assemble::mesh(raw, self.limits, &mut self.warnings)?;
         let mut scene = Scene::from_mesh("", mesh, FRAME);
-        scene.certificate = self.certificate;
+        scene.certificate = self.certificate.finish(&mut self.warnings);
         scene.groups = names;
         Ok(ReadOutcome { content: Content::Scene(scene), warnings: self.warnings.into_list() })
     }
@@ -492,7 +491,7 @@ impl<'a> ObjReader<'a> {
         }
         polygons.groups = names;
         polygons.frame = FRAME;
-        polygons.certificate = self.certificate;
+        polygons.certificate = self.certificate.finish(&mut self.warnings);
         Ok(ReadOutcome { content: Content::Polygons(polygons), warnings: self.warnings.into_list() })
     }
 

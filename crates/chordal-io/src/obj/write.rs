@@ -1,6 +1,7 @@
 //! Writes Wavefront OBJ.
 use super::CERTIFICATE;
 use super::names::{ObjNames, one_line};
+use crate::certificate::write_comments;
 use crate::instances::{PartInstance, part_instances};
 use crate::number::{put_count, put_double, put_single};
 use crate::{Frame, MATERIAL, Scene, TextureOrigin, WriteError};
@@ -15,10 +16,10 @@ use std::io::{BufWriter, Write};
 /// where the frame says that it runs down. Positions and texture coordinates are the shortest decimals that
 /// read back to the same f64, normals to the same f32. Transforms of nodes are applied; each node becomes an
 /// `o`. Group attributes become `usemtl`, `g`, `o` and `s`; materials are named, each by a name of its own.
-/// The certificate is a comment. [`crate::losses`] lists what OBJ cannot hold.
+/// The certificate is in comments. [`crate::losses`] lists what OBJ cannot hold.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long for a line.
+/// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -43,13 +44,9 @@ pub fn write_with_library(
     library: Option<&str>,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let certificate = certificate.map(crate::certificate::line).transpose()?;
     let parts = part_instances(scene)?;
     let mut writer = ObjWriter { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
-    if let Some(line) = certificate {
-        writer.out.write_all(CERTIFICATE)?;
-        writeln!(writer.out, "{line}")?;
-    }
+    write_comments(CERTIFICATE, certificate, &mut writer.out)?;
     if let Some(library) = library {
         writer.statement("mtllib", library)?;
     }

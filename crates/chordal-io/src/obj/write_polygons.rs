@@ -3,6 +3,7 @@ use super::CERTIFICATE;
 use super::names::ObjNames;
 use super::tag_names::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
 use super::write::{GROUPS, ObjWriter};
+use crate::certificate::write_comments;
 use crate::number::put_double;
 use crate::{Polygons, WriteError};
 use chordal::explicit::subdivision::{CornerTexcoords, CreasingMethod, LinearTexcoords, Scheme};
@@ -20,7 +21,7 @@ use std::io::{BufWriter, Write};
 /// to the same f64. [`crate::losses_of_polygons`] lists what OBJ cannot hold.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long for a line.
+/// [`WriteError`] when the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -53,10 +54,7 @@ pub fn write_polygons_with_library(
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let mut writer = ObjWriter { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
-    if let Some(line) = certificate.map(crate::certificate::line).transpose()? {
-        writer.out.write_all(CERTIFICATE)?;
-        writeln!(writer.out, "{line}")?;
-    }
+    write_comments(CERTIFICATE, certificate, &mut writer.out)?;
     if let Some(library) = library {
         writer.statement("mtllib", library)?;
     }

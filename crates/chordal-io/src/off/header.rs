@@ -2,6 +2,7 @@
 use super::CERTIFICATE;
 use super::keyword::{OffKeyword, without_comment};
 use crate::assemble::too_many_rows;
+use crate::certificate::CertificateComments;
 use crate::text::{IntegerError, LineTokens, TextLines, grouped, integer, show, text_of, trim};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
@@ -35,7 +36,7 @@ impl OffHeader {
         let n_faces = reader.rows(&keyword, "faces")?;
         reader.edges(&keyword, n_vertices)?;
         let body = if keyword.is_binary { reader.at } else { reader.lines.offset() };
-        let (certificate, lines) = (reader.certificate, reader.line);
+        let (certificate, lines) = (reader.certificate.finish(reader.warnings), reader.line);
         Ok(Self { keyword, dimension, n_vertices, n_faces, certificate, body, lines })
     }
 
@@ -57,7 +58,7 @@ struct OffHeaderReader<'a, 'b> {
     pending: Option<&'a [u8]>,
     /// The next byte of a binary header.
     at: usize,
-    certificate: Option<Value>,
+    certificate: CertificateComments,
 }
 
 impl<'a, 'b> OffHeaderReader<'a, 'b> {
@@ -71,7 +72,7 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
             line: 1,
             pending: None,
             at: 0,
-            certificate: None,
+            certificate: CertificateComments::default(),
         }
     }
 
@@ -90,9 +91,8 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
             return Err(self.error("line-too-long", message));
         }
         let text = text.strip_prefix(&[0xef, 0xbb, 0xbf]).filter(|_| line == 1).unwrap_or(text);
-        if let Some(json) = text.strip_prefix(CERTIFICATE) {
-            let place = FileLocation::Line(line);
-            self.certificate = crate::certificate::read(json, self.limits, place, self.warnings);
+        if let Some(piece) = text.strip_prefix(CERTIFICATE.as_bytes()) {
+            self.certificate.take(piece, FileLocation::Line(line));
         }
         self.words = LineTokens::new(without_comment(text));
         Ok(true)

@@ -15,5 +15,5 @@ pub(crate) use write::keeps;
 pub use write::write;
 pub use write_polygons::write_polygons;
 
-/// The prefix of a comment with a certificate as JSON.
-const CERTIFICATE: &[u8] = b"# chordal: ";
+/// The prefix of a comment with a piece of a certificate.
+const CERTIFICATE: &str = "# chordal: ";

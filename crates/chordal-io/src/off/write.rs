@@ -1,6 +1,7 @@
 //! Writes OFF.
 use super::CERTIFICATE;
 use super::colors::OffColorSpelling;
+use crate::certificate::write_comments;
 use crate::instances::{PartInstance, part_instances};
 use crate::number::{put_count, put_shortest};
 use crate::text::grouped;
@@ -16,11 +17,11 @@ use std::io::{BufWriter, Write};
 /// set 0. Colours of faces are kept too. Colours are whole numbers up to 255 where that is exact, else
 /// fractions. Transforms of nodes are applied, and all parts become one; where only some have an attribute,
 /// the others have normals and texture coordinates of 0, white vertices and faces without a colour. The
-/// certificate is a comment. [`crate::losses`] lists what OFF cannot hold.
+/// certificate is in comments. [`crate::losses`] lists what OFF cannot hold.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the
-/// certificate is too long for a header line.
+/// certificate is too long.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -32,12 +33,11 @@ use std::io::{BufWriter, Write};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
-    let certificate = certificate.map(crate::certificate::line).transpose()?;
     let instances = part_instances(scene)?;
     let parts: Vec<_> = instances.iter().map(OffPartLayout::from_instance).collect();
     let layout = OffFileLayout::from_parts(&parts)?;
     let mut out = BufWriter::new(out);
-    layout.header(certificate.as_deref(), &mut out)?;
+    layout.header(certificate, &mut out)?;
     parts.iter().try_for_each(|part| layout.vertices(part, &mut out))?;
     let mut first = 0;
     for part in &parts {
@@ -147,12 +147,14 @@ impl OffFileLayout {
             n_faces: parts.iter().map(OffPartLayout::n_faces).sum(),
             has_normals: parts.iter().any(|part| part.normals.is_some()),
             has_texcoords: parts.iter().any(|part| part.texcoords.is_some()),
-            colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.colors)),
+            // Geomview's have an alpha, and Assimp refuses a file whose have none; those of faces may leave it out.
+            colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.colors))
+                .map(|layout| OffColorLayout { width: 4, ..layout }),
             face_colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.face_colors)),
         })
     }
 
-    fn header(&self, certificate: Option<&str>, out: &mut impl Write) -> Result<(), WriteError> {
+    fn header(&self, certificate: Option<&Value>, out: &mut impl Write) -> Result<(), WriteError> {
         let letter = |has: bool, letter: &'static str| if has { letter } else { "" };
         let texcoords = letter(self.has_texcoords, "ST");
         let colors = letter(self.colors.is_some(), "C");
@@ -222,14 +224,11 @@ fn file_rows(part: &OffPartLayout, first: u64) -> Vec<u64> {
 
 /// Writes the certificate and the counts. That of edges, which readers do not use, is 0.
 pub(super) fn end_header(
-    certificate: Option<&str>,
+    certificate: Option<&Value>,
     counts: [u64; 2],
     out: &mut impl Write,
 ) -> Result<(), WriteError> {
-    if let Some(line) = certificate {
-        out.write_all(CERTIFICATE)?;
-        writeln!(out, "{line}")?;
-    }
+    write_comments(CERTIFICATE, certificate, out)?;
     Ok(writeln!(out, "{} {} 0", counts[0], counts[1])?)
 }
 

@@ -7,11 +7,11 @@ use std::io::{BufWriter, Write};
 /// Writes the vertices and polygons of a cage as OFF text, positions as the shortest decimals that read back
 /// to the same f64.
 ///
-/// OFF has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is a
-/// comment.
+/// OFF has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is in
+/// comments.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long for a header line.
+/// [`WriteError`] when the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -29,10 +29,9 @@ pub fn write_polygons(
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let cage = &polygons.cage;
-    let certificate = certificate.map(crate::certificate::line).transpose()?;
     let mut out = BufWriter::new(out);
     writeln!(out, "OFF")?;
-    end_header(certificate.as_deref(), [cage.positions().len() as u64, cage.n_faces() as u64], &mut out)?;
+    end_header(certificate, [cage.positions().len() as u64, cage.n_faces() as u64], &mut out)?;
     let mut line = Vec::new();
     for position in cage.positions() {
         line.clear();

@@ -1,4 +1,5 @@
 //! The header of a PLY file: its elements and their properties.
+use crate::certificate::CertificateComments;
 use crate::text::{LineTokens, TextLines, grouped, integer, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
@@ -151,11 +152,11 @@ impl PlyHeader {
                 let end = before + text.len();
                 cr_only = bytes.get(end) == Some(&b'\r') && bytes.get(end + 1) != Some(&b'\n');
             }
-            if reader.line(line, text, limits, warnings)? {
+            if reader.line(line, text, limits)? {
                 // In a header of lone CRs, an LF after the last one is the first byte of a binary body.
                 let cr_end = before + text.len() + 1;
                 let body = if cr_only && reader.is_binary() { cr_end } else { lines.offset() };
-                return reader.finish(line, body);
+                return reader.finish(line, body, warnings);
             }
         }
     }
@@ -166,7 +167,7 @@ struct PlyHeaderReader {
     has_magic: bool,
     encoding: Option<PlyEncoding>,
     elements: Vec<PlyElement>,
-    certificate: Option<Value>,
+    certificate: CertificateComments,
 }
 
 impl PlyHeaderReader {
@@ -175,13 +176,7 @@ impl PlyHeaderReader {
     }
 
     /// Reads one line; true when it is the last one.
-    fn line(
-        &mut self,
-        line: u64,
-        text: &[u8],
-        limits: &Limits,
-        warnings: &mut Warnings,
-    ) -> Result<bool, ReadError> {
+    fn line(&mut self, line: u64, text: &[u8], limits: &Limits) -> Result<bool, ReadError> {
         let mut tokens = LineTokens::new(text);
         let Some(word) = tokens.next() else { return Ok(false) };
         if !self.has_magic {
@@ -194,10 +189,8 @@ impl PlyHeaderReader {
         match word {
             b"format" => self.format(line, tokens)?,
             b"comment" => {
-                let certificate = tokens.rest().strip_prefix(b"chordal ");
-                if let Some(text) = certificate {
-                    self.certificate =
-                        crate::certificate::read(text, limits, FileLocation::Line(line), warnings);
+                if let Some(text) = tokens.rest().strip_prefix(b"chordal ") {
+                    self.certificate.take(text, FileLocation::Line(line));
                 }
             }
             b"obj_info" => {}
@@ -299,9 +292,10 @@ impl PlyHeaderReader {
         Ok(())
     }
 
-    fn finish(self, lines: u64, body: usize) -> Result<PlyHeader, ReadError> {
+    fn finish(self, lines: u64, body: usize, warnings: &mut Warnings) -> Result<PlyHeader, ReadError> {
         let Self { encoding, elements, certificate, .. } = self;
         let encoding = encoding.ok_or_else(|| error(lines, "no-format", "the header names no format"))?;
+        let certificate = certificate.finish(warnings);
         Ok(PlyHeader { encoding, elements, certificate, body, lines })
     }
 }

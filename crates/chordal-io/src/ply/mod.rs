@@ -17,3 +17,6 @@ pub use write_polygons::write_polygons;
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     text.starts_with(b"ply") && text.get(3).is_some_and(|b| crate::text::is_space(*b))
 }
+
+/// What stands before each piece of a certificate.
+const CERTIFICATE: &str = "comment chordal ";

@@ -1,5 +1,7 @@
 //! Writes PLY.
+use super::CERTIFICATE;
 use super::vertices::POSITION_ID;
+use crate::certificate::write_comments;
 use crate::instances::{PartInstance, part_instances};
 use crate::text::grouped;
 use crate::{Scene, WriteError};
@@ -13,12 +15,12 @@ use std::io::{BufWriter, Write};
 /// PLY has one row for each vertex, so vertices that differ only in their attributes stay separate rows.
 /// Where the mesh ties them, a property `position_id` names the first row at the same position. This reader
 /// understands it, others skip it. Transforms of nodes are applied, and all parts become one. Colours are
-/// bytes where that is exact, else floats. The certificate is a comment. [`crate::losses`] lists what PLY
+/// bytes where that is exact, else floats. The certificate is in comments. [`crate::losses`] lists what PLY
 /// cannot hold.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the
-/// certificate is too long for a header line.
+/// certificate is too long.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -31,11 +33,10 @@ use std::io::{BufWriter, Write};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
-    let certificate = certificate.map(crate::certificate::line).transpose()?;
     let parts = part_instances(scene)?;
     let plan = PlyFileLayout::from_parts(&parts)?;
     let mut out = BufWriter::new(out);
-    plan.header(certificate.as_deref(), &mut out)?;
+    plan.header(certificate, &mut out)?;
     let mut first_vertex = 0;
     for part in &parts {
         plan.vertices(part, first_vertex, &mut out)?;
@@ -90,11 +91,9 @@ impl PlyFileLayout {
         })
     }
 
-    fn header(&self, certificate: Option<&str>, out: &mut impl Write) -> Result<(), WriteError> {
+    fn header(&self, certificate: Option<&Value>, out: &mut impl Write) -> Result<(), WriteError> {
         writeln!(out, "ply\nformat binary_little_endian 1.0")?;
-        if let Some(line) = certificate {
-            writeln!(out, "comment chordal {line}")?;
-        }
+        write_comments(CERTIFICATE, certificate, out)?;
         writeln!(out, "element vertex {}", self.n_vertices)?;
         let mut property = |kind: &str, names: &[&str]| -> Result<(), WriteError> {
             Ok(names.iter().try_for_each(|name| writeln!(out, "property {kind} {name}"))?)

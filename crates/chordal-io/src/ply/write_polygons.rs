@@ -1,4 +1,6 @@
 //! Writes polygons as PLY.
+use super::CERTIFICATE;
+use crate::certificate::write_comments;
 use crate::{Polygons, WriteError};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
@@ -6,11 +8,11 @@ use std::io::{BufWriter, Write};
 /// Writes the vertices and polygons of a cage as binary little-endian PLY: positions as doubles, indices as
 /// 32-bit.
 ///
-/// PLY has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is a
-/// comment.
+/// PLY has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is in
+/// comments.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long for a header line.
+/// [`WriteError`] when the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -30,9 +32,7 @@ pub fn write_polygons(
     let cage = &polygons.cage;
     let mut out = BufWriter::new(out);
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
-    if let Some(line) = certificate.map(crate::certificate::line).transpose()? {
-        writeln!(out, "comment chordal {line}")?;
-    }
+    write_comments(CERTIFICATE, certificate, &mut out)?;
     writeln!(out, "element vertex {}", cage.positions().len())?;
     ["x", "y", "z"].iter().try_for_each(|name| writeln!(out, "property double {name}"))?;
     let most = cage.faces().map(<[u32]>::len).max().unwrap_or(0);

@@ -66,7 +66,9 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         });
     }
     let mut drawing = walker::SvgWalker::new(&tree, limits, &mut warnings).run()?;
-    drawing.certificate = tree.certificate.as_deref().and_then(|text| serde_json::from_str(text).ok());
+    let certificate = tree.certificate.as_deref();
+    drawing.certificate = certificate
+        .and_then(|text| crate::certificate::read(text.as_bytes(), FileLocation::File, &mut warnings));
     if drawing.lines.is_empty() {
         warnings
             .count("nothing-drawn", || (FileLocation::File, "the file draws no path or shape".to_owned()));

@@ -33,7 +33,7 @@ use std::io::{BufWriter, Write};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
-    let certificate = certificate.map(crate::certificate::line).transpose()?;
+    let certificate = certificate.map(crate::certificate::text).transpose()?;
     let meshes: Vec<Cow<'_, Mesh>> = scene.world_meshes()?.into_iter().map(|(_, mesh)| mesh).collect();
     let count = |n: fn(&Mesh) -> usize| meshes.iter().map(|mesh| n(mesh) as u64).sum::<u64>();
     let n_points = count(|mesh| mesh.positions().len());

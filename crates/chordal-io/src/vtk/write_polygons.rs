@@ -9,7 +9,7 @@ use std::io::{BufWriter, Write};
 /// VTK has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is longer than readers accept.
+/// [`WriteError`] when the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -27,7 +27,7 @@ pub fn write_polygons(
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let cage = &polygons.cage;
-    let certificate = certificate.map(crate::certificate::line).transpose()?;
+    let certificate = certificate.map(crate::certificate::text).transpose()?;
     let (n_points, n_polys) = (cage.positions().len() as u64, cage.n_faces() as u64);
     let n_corners: u64 = cage.faces().map(|face| face.len() as u64).sum();
     let index = index_type(if n_points > n_corners { n_points } else { n_corners });

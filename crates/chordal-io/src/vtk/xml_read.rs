@@ -268,7 +268,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
                 _ => self.decoder.bytes(array)?.into_owned(),
             };
             let end = memchr::memchr(0, &bytes).unwrap_or(bytes.len());
-            found = crate::certificate::read(&bytes[..end], self.limits, at.location(), &mut self.warnings);
+            found = crate::certificate::read(&bytes[..end], at.location(), &mut self.warnings);
         }
         Ok(found)
     }
