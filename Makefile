@@ -198,9 +198,10 @@ WHEEL := --profile dev --features as-tested
 # The notebooks as its tests have run them, with what they have shown, for docs-site.
 NOTEBOOKS := $(TARGET)/python/notebooks
 test-python: tested need-python need-node
-	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
+	@cat tests/python/requirements.txt tests/python/requirements-readers.txt | cmp -s - $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
-		&& cp tests/python/requirements.txt $(VENV)/; }
+		&& $(VENV)/bin/python -m pip install -q --no-deps -r tests/python/requirements-readers.txt \
+		&& cat tests/python/requirements.txt tests/python/requirements-readers.txt > $(VENV)/requirements.txt; }
 	rm -rf $(TARGET)/python/wheel
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation \
 		--config-settings=build-args="$(WHEEL)" -w $(TARGET)/python/wheel .
