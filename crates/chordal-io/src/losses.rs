@@ -1,7 +1,7 @@
 //! `losses`: what of a scene a format cannot hold.
 use crate::format_columns::TriangleFormat;
 use crate::instances::{PartInstance, first_rows, part_instances};
-use crate::{FileLocation, Format, MATERIAL, Polygons, Scene, Warning, WriteError};
+use crate::{FileLocation, Format, MATERIAL, Part, Polygons, Scene, Warning, WriteError};
 use chordal::Mesh;
 use chordal::budget::advice::Message;
 use chordal::explicit::subdivision::{Boundary, Scheme};
@@ -10,7 +10,8 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
 /// What writing a scene in a format leaves out, counted in parts, so that nothing is lost silently. Rounding
-/// is not counted here. For GLB the list is empty: its writer reports for itself what it cannot write.
+/// is not counted here. For GLB only points of parts without a triangle are listed: of all else its writer reports
+/// for itself what it cannot write.
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] where the writer would report the same.
@@ -27,6 +28,15 @@ use std::collections::BTreeSet;
 /// ```
 pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError> {
     let mut lost: Vec<Warning> = Vec::new();
+    if matches!(format, Format::Glb | Format::Gltf | Format::ThreeMf) {
+        for part in scene.parts.iter().filter(|part| is_points_alone(part)) {
+            let who = match &*part.name {
+                "" => "a part without a name".to_owned(),
+                name => format!("the part '{}'", name.escape_default()),
+            };
+            add(&mut lost, format!("{who} has no triangle: its points were left out").into());
+        }
+    }
     let Some(TriangleFormat {
         has_certificate,
         has_materials_beside,
@@ -85,6 +95,27 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         }
     }
     Ok(lost)
+}
+
+/// Whether a part has points, and nothing that a format shows that holds no points.
+fn is_points_alone(part: &Part) -> bool {
+    part.mesh.faces().is_empty() && !part.mesh.positions().is_empty() && part.marks.is_empty()
+}
+
+/// Refuses parts for a format that holds no points, where all of them are points: the file would show nothing. Beside
+/// others they are left out, and [`losses`] says so.
+///
+/// # Errors
+/// [`WriteError::Unsupported`] for the first of them.
+pub(crate) fn refuse_points_alone(parts: &[Part]) -> Result<(), WriteError> {
+    let shows = |part: &Part| !part.mesh.faces().is_empty() || !part.marks.is_empty();
+    match parts.iter().find(|part| is_points_alone(part)) {
+        Some(part) if !parts.iter().any(shows) => {
+            let (name, n_points) = (&part.name, part.mesh.positions().len());
+            Err(WriteError::Unsupported(format!("part \"{name}\" has {n_points} points and no triangle")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The materials that only points and lines have, as the end of a sentence.

@@ -2,7 +2,7 @@
 use super::meshes::{ModelMesh, NOTHING, index, needed_index};
 use super::namespace::{ModelElements, ModelNamespace};
 use super::package::part_name;
-use super::properties::{PropertyGroup, PropertyReader, color};
+use super::properties::{PropertyGroup, PropertyReader, WHITE, color};
 use crate::assemble::{RawMesh, mesh, too_many_rows};
 use crate::grow::{push, push_large, reserve_large};
 use crate::text::{LineTokens, finite, show};
@@ -380,11 +380,17 @@ impl<'a, 's> ModelReader<'a, 's> {
             *n = n.saturating_add(1);
             return Ok(OpenElement::Skipped);
         }
-        let text = self.elements.need(value)?;
-        let Some(color) = color(text) else {
-            let message = format!("{} is no colour as in #RRGGBB or #RRGGBBAA", show(text.as_bytes()));
-            return Err(self.elements.error("not-a-color", message));
-        };
+        let Self { elements, set, part, .. } = self;
+        let text = elements.get(value).unwrap_or_default();
+        let color = color(text).unwrap_or_else(|| {
+            set.warnings.count("not-a-color", || {
+                let text = show(text.as_bytes());
+                let message =
+                    format!("{part}: {text} is no colour as in #RRGGBB or #RRGGBBAA: white was taken");
+                (elements.place(), message)
+            });
+            WHITE
+        });
         match group {
             PropertyGroup::Materials { colors, .. } => {
                 push(&mut self.set.materials, self.elements.need("name")?.to_owned())?;

@@ -15,6 +15,9 @@ pub(super) const CHANNEL: f64 = 255.0;
 /// A colour: red, green, blue and opacity, as sRGB bytes.
 pub(super) type ColorBytes = [u8; 4];
 
+/// What is shown where no colour is known.
+pub(super) const WHITE: ColorBytes = [0xFF; 4];
+
 /// A group of properties that triangles name by its number.
 #[derive(Clone, Debug)]
 pub(super) enum PropertyGroup {
@@ -58,8 +61,11 @@ pub(super) struct PropertyReader<'a> {
 impl<'a> PropertyReader<'a> {
     /// The colours of a mesh's corners, and the materials of its faces.
     ///
+    /// A group that is not there, or a property beyond its end, is counted, and the triangle has the default of its
+    /// object: what it looks like does not keep its shape from being read.
+    ///
     /// # Errors
-    /// When a group is not there, or a property is out of its range.
+    /// When there is no memory for them.
     pub(super) fn attributes(&mut self, mesh: &ModelMesh) -> Result<Vec<Attribute>, ReadError> {
         let whole = TriangleProperties { group: mesh.group, corners: [mesh.property; 3] };
         if mesh.properties.is_empty() && whole.corners[0] == NOTHING {
@@ -77,7 +83,13 @@ impl<'a> PropertyReader<'a> {
                     ..own
                 }
             };
-            match self.resolve(mesh, properties, row)? {
+            let mut properties = properties;
+            let mut found = self.resolve(mesh, properties, row);
+            if found.is_none() && properties != whole {
+                properties = whole;
+                found = self.resolve(mesh, whole, row);
+            }
+            match found {
                 Some(PropertyGroup::Materials { first, colors: own }) => {
                     let property = properties.corners[0];
                     begin(&mut materials, mesh.faces.len(), 0.0)?;
@@ -107,15 +119,15 @@ impl<'a> PropertyReader<'a> {
         Ok(found)
     }
 
-    /// The group of a triangle, with its properties in range; `None` where it has none.
+    /// The group of a triangle, with its properties in range; `None` where it has none that can be found.
     fn resolve(
         &mut self,
         mesh: &ModelMesh,
         TriangleProperties { group, corners }: TriangleProperties,
         row: usize,
-    ) -> Result<Option<&'a PropertyGroup>, ReadError> {
+    ) -> Option<&'a PropertyGroup> {
         if corners[0] == NOTHING {
-            return Ok(None);
+            return None;
         }
         let Self { groups, part, warnings } = self;
         let place = || FileLocation::Row { list: "triangle", row: row as u64 };
@@ -123,22 +135,26 @@ impl<'a> PropertyReader<'a> {
         if group == NOTHING {
             let message = || format!("{}: properties of triangles without a group were skipped", whose());
             warnings.count("property-without-group", || (place(), message()));
-            return Ok(None);
+            return None;
         }
+        let mut missing = |what: String| {
+            warnings.count("property-missing", || {
+                let then = "such triangles have the default of their object, or none";
+                (place(), format!("{}: {what}: {then}", whose()))
+            });
+            None
+        };
         let Some(found) = groups.get(&group) else {
-            let message = format!("{}: the property group {group} is not there", whose());
-            return Err(ReadError::new("missing-resource", place(), message));
+            return missing(format!("the property group {group} is not there"));
         };
         if let Some(bad) = corners.iter().find(|corner| **corner >= found.len()) {
-            let message = format!(
-                "{}: property {} of group {group}, which has {}",
-                whose(),
+            return missing(format!(
+                "property {} of group {group}, which has {}",
                 grouped(u64::from(*bad)),
                 grouped(u64::from(found.len()))
-            );
-            return Err(ReadError::new("index-out-of-range", place(), message));
+            ));
         }
-        Ok(Some(found))
+        Some(found)
     }
 }
 

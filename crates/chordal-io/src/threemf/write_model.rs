@@ -5,6 +5,7 @@ use super::properties::ColorBytes;
 use super::write_properties::{PartProperties, SceneProperties, corner_indices};
 use crate::forest::check_forest;
 use crate::instances::first_rows;
+use crate::losses::refuse_points_alone;
 use crate::matrix::IDENTITY;
 use crate::number::{ShortestDecimal, put_count, put_shortest};
 use crate::xml_text::{CERTIFICATE_NAMESPACE, escaped};
@@ -49,14 +50,10 @@ impl<'a> ModelWriter<'a> {
         if !properties.materials.is_empty() {
             number();
         }
+        refuse_points_alone(&scene.parts)?;
         let mut parts = Vec::with_capacity(scene.parts.len());
         for (part, properties) in scene.parts.iter().zip(&properties.parts) {
-            let (n_points, n_faces) = (part.mesh.positions().len(), part.mesh.faces().len());
-            if n_faces == 0 && n_points > 0 {
-                let name = &part.name;
-                let message = format!("part \"{name}\" has {n_points} points and no triangle");
-                return Err(WriteError::Unsupported(message));
-            }
+            let n_faces = part.mesh.faces().len();
             let group = matches!(properties, PartProperties::Colors(_)).then(&mut number);
             parts.push((group, (n_faces > 0).then(&mut number)));
         }
@@ -159,14 +156,9 @@ impl<'a> ModelWriter<'a> {
         }
         write!(out, "<object id=\"{object}\" type=\"model\"")?;
         name(&part.name, out)?;
-        // Readers ask for a default as soon as a triangle has a property; one would also be that of
-        // triangles without a material.
-        match properties {
-            PartProperties::Materials { of_all: true } => {
-                write!(out, " pid=\"{BASE_MATERIALS}\" pindex=\"0\"")?
-            }
-            PartProperties::Colors(_) => write!(out, " pid=\"{}\" pindex=\"0\"", group.unwrap_or(0))?,
-            PartProperties::Materials { of_all: false } | PartProperties::Nothing => {}
+        if let Some(index) = self.default_property(part, properties) {
+            let group = group.unwrap_or(BASE_MATERIALS);
+            write!(out, " pid=\"{group}\" pindex=\"{index}\"")?;
         }
         writeln!(out, ">\n<mesh>\n<vertices>")?;
         let first_rows = first_rows(&part.mesh);
@@ -218,6 +210,25 @@ impl<'a> ModelWriter<'a> {
             writeln!(out, "/>")?;
         }
         Ok(writeln!(out, "</triangles>\n</mesh>\n</object>")?)
+    }
+
+    /// The property of an object as a whole: that of most of its triangles, the first of several, since some programs
+    /// show objects in it alone. Readers ask for one as soon as a triangle has a property; it would also be that of
+    /// triangles without a material.
+    fn default_property(&self, part: &Part, properties: &PartProperties) -> Option<u32> {
+        let property = |face| match properties {
+            PartProperties::Materials { of_all: true } => self.properties.material(self.scene, part, face),
+            PartProperties::Colors(palette) => Some(corner_indices(part, palette, face)[0]),
+            PartProperties::Materials { of_all: false } | PartProperties::Nothing => None,
+        };
+        let mut counts = BTreeMap::new();
+        (0..part.mesh.faces().len())
+            .filter_map(property)
+            .for_each(|one| *counts.entry(one).or_insert(0) += 1);
+        counts
+            .into_iter()
+            .min_by_key(|(index, n)| (std::cmp::Reverse(*n), *index))
+            .map(|(index, _): (u32, usize)| index)
     }
 
     /// Writes the object of a node: its part in its own place, and its children.

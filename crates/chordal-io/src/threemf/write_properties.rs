@@ -1,5 +1,5 @@
 //! `SceneProperties`: materials and colours of a scene, as 3MF can hold them.
-use super::properties::{CHANNEL, ColorBytes, MATERIAL};
+use super::properties::{CHANNEL, ColorBytes, MATERIAL, WHITE};
 use crate::instances::first_rows;
 use crate::{Node, Part, Scene};
 use chordal::budget::advice::{Message, Setting};
@@ -10,9 +10,6 @@ use std::collections::BTreeMap;
 
 /// The largest coordinate that lib3mf reads.
 const LIB3MF_LIMIT: f64 = 1e9; // its `NMR_MESH_MAXCOORDINATE`
-
-/// What a material is shown in where nothing says.
-const WHITE: ColorBytes = [0xFF; 4];
 
 /// What the triangles of a part have.
 #[derive(Clone, Debug, PartialEq, Eq)]

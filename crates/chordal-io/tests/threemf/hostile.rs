@@ -4,6 +4,7 @@ use super::build::{
     zip_of,
 };
 use crate::common::{count, load_scene, refuse};
+use chordal::explicit::Semantic;
 use chordal_io::{Format, Limits, ReadError, read};
 use chordal_testkit::Random;
 
@@ -228,18 +229,26 @@ fn h51_what_is_named_and_not_there_is_refused() {
         assert!(error.message.contains("object 77 is not in 3D/3dmodel.model"), "{error}");
     }
     let colors = "<m:colorgroup id=\"5\"><m:color color=\"#336699\"/></m:colorgroup>";
-    for (attributes, triangle, code) in [
-        ("", "pid=\"6\" p1=\"0\"", "missing-resource"),
-        ("pid=\"6\" pindex=\"0\"", "", "missing-resource"),
-        ("", "pid=\"5\" p1=\"1\"", "index-out-of-range"),
-        ("", "pid=\"5\" p1=\"0\" p2=\"0\" p3=\"1\"", "index-out-of-range"),
-        ("pid=\"5\" pindex=\"1\"", "", "index-out-of-range"),
+    // What a triangle looks like is no reason not to read its shape: it has the default of its object, where there is one.
+    let blue = [51.0, 102.0, 153.0, 255.0];
+    for (attributes, triangle, missing, second) in [
+        ("", "pid=\"6\" p1=\"0\"", 1, None),
+        ("pid=\"6\" pindex=\"0\"", "", 4, None),
+        ("", "pid=\"5\" p1=\"1\"", 1, None),
+        ("", "pid=\"5\" p1=\"0\" p2=\"0\" p3=\"1\"", 1, None),
+        ("pid=\"5\" pindex=\"1\"", "", 4, None),
+        ("pid=\"5\" pindex=\"0\"", "pid=\"6\" p1=\"0\"", 1, Some(blue)),
+        ("pid=\"5\" pindex=\"0\"", "p1=\"7\"", 1, Some(blue)),
     ] {
         let object =
             format!("{colors}<object id=\"2\" {attributes}>{}</object>", tetrahedron(["", triangle, "", ""]));
-        let error = fail(&package(&model(&object, "")));
-        assert_eq!(error.code, code, "{error}");
-        assert!(error.message.contains("object 2"), "{error}");
+        let (scene, warnings) =
+            load_scene(&package(&model(&object, "<item objectid=\"2\"/>")), Format::ThreeMf);
+        assert_eq!(count(&warnings, "property-missing"), missing, "{attributes} {triangle}: {warnings:?}");
+        let mesh = &scene.parts[0].mesh;
+        let colors = mesh.attribute(&Semantic::Color(0));
+        let found = colors.map(|colors| colors.row(3).iter().map(|x| x * 255.0).collect::<Vec<_>>());
+        assert_eq!((mesh.faces().len(), found.as_deref()), (4, second.as_ref().map(|row| &row[..])));
     }
 }
 

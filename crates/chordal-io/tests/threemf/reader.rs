@@ -112,8 +112,11 @@ fn colours_of_corners_are_bytes_of_255() {
     }
     assert_eq!(bytes(6), [255.0; 4]);
     for wrong in ["#12345", "336699", "#3366zz", "#33669900ff"] {
-        let bytes = package(&model(&resources.replace("#336699", wrong), ""));
-        assert_eq!(refuse(&bytes, Format::ThreeMf).code, "not-a-color");
+        let bytes = package(&model(&resources.replace("#336699", wrong), "<item objectid=\"2\"/>"));
+        let (scene, warnings) = load_scene(&bytes, Format::ThreeMf);
+        assert_eq!(count(&warnings, "not-a-color"), 1, "{wrong}");
+        let colors = scene.parts[0].mesh.attribute(&Semantic::Color(0)).unwrap();
+        assert_eq!(colors.row(0), [1.0; 4], "white where no colour is known");
     }
 }
 

@@ -333,3 +333,71 @@ fn triangles_with_a_corner_twice_are_left_out_and_named() {
     let limit = "lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000";
     assert_eq!(lost, ["3MF holds no triangles with a corner twice", limit]);
 }
+
+/// The text of the model part, which the package holds packed.
+fn model_text(scene: &Scene) -> String {
+    let bytes = written(scene, None);
+    let mut at = 0;
+    // Local headers one after another: the sizes at 18 and 22, those of name and extra field at 26 and 28.
+    while bytes[at..].starts_with(b"PK\x03\x04") {
+        let u16_at = |k: usize| usize::from(u16::from_le_bytes([bytes[at + k], bytes[at + k + 1]]));
+        let size = u16_at(18) | u16_at(20) << 16;
+        let start = at + 30 + u16_at(26) + u16_at(28);
+        let name = &bytes[at + 30..][..u16_at(26)];
+        if name.ends_with(b".model") {
+            let packed = &bytes[start..start + size];
+            if u16_at(8) == 0 {
+                return String::from_utf8(packed.to_vec()).unwrap();
+            }
+            let mut text = String::new();
+            std::io::Read::read_to_string(&mut flate2::read::DeflateDecoder::new(packed), &mut text).unwrap();
+            return text;
+        }
+        at = start + size;
+    }
+    panic!("no model")
+}
+
+#[test]
+fn each_object_has_the_default_colour_of_most_of_its_triangles() {
+    let mesh = |values: Vec<f64>| {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mesh = Mesh::new(positions, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]]).unwrap();
+        with(mesh, Semantic::Group("material".to_owned()), Domain::Face, 1, values)
+    };
+    let parts = [vec![1.0, 1.0, 1.0], vec![2.0, 2.0, 2.0], vec![1.0, 3.0, 3.0]];
+    let parts: Vec<Part> =
+        parts.into_iter().map(|values| Part { mesh: mesh(values), ..Part::default() }).collect();
+    let nodes = (0..3).map(|part| node("", IDENTITY, vec![], Some(part))).collect();
+    let names = ["", "red", "green", "blue"].map(str::to_owned).to_vec();
+    let groups = [("material".to_owned(), names)].into();
+    let scene = Scene { parts, nodes, roots: vec![0, 1, 2], groups, frame: MILLIMETRES, ..Scene::default() };
+    let text = model_text(&scene);
+    let defaults: Vec<&str> = text
+        .split("<object ")
+        .skip(1)
+        .map(|object| object.split("pindex=\"").nth(1).unwrap().split('"').next().unwrap())
+        .collect();
+    assert_eq!(defaults, ["0", "1", "2"], "{text}");
+}
+
+#[test]
+fn a_part_without_triangles_is_left_out_beside_others() {
+    let point =
+        Part { name: "dust".to_owned(), mesh: Mesh::new(vec![[1.0; 3]], vec![]).unwrap(), ..Part::default() };
+    let solid = Part { name: "solid".to_owned(), mesh: triangle(), ..Part::default() };
+    let nodes = vec![node("", IDENTITY, vec![], Some(0)), node("", IDENTITY, vec![], Some(1))];
+    let scene =
+        Scene { parts: vec![point, solid], nodes, roots: vec![0, 1], frame: MILLIMETRES, ..Scene::default() };
+    let found = back(&scene);
+    assert_eq!((found.parts.len(), &*found.parts[0].name, found.nodes.len()), (1, "solid", 1));
+    for format in [Format::ThreeMf, Format::Glb] {
+        let said: Vec<String> =
+            losses(&scene, format).unwrap().iter().map(|lost| lost.message.to_string()).collect();
+        assert_eq!(said, ["the part 'dust' has no triangle: its points were left out"], "{format}");
+    }
+    let mut bytes = Vec::new();
+    chordal_io::glb::write(&scene, None, &mut bytes).expect("written");
+    let (glb, _) = load_scene(&bytes, Format::Glb);
+    assert_eq!((glb.parts.len(), glb.world_meshes().unwrap().len()), (1, 1));
+}
