@@ -81,6 +81,12 @@ fn add_contents(lines: &mut SummaryLines, inspection: &Inspection) {
         let instances: u64 = parts.iter().map(|part| part.instances).sum();
         lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));
     }
+    let parts = inspection.parts.as_deref().unwrap_or_default();
+    let drawn: u64 = parts.iter().map(|part| part.drawn).sum();
+    let unique: u64 = parts.iter().map(|part| part.counts.triangles).sum();
+    if drawn != unique {
+        lines.add("drawn", format!("{} triangles, {} of them unique", grouped(drawn), grouped(unique)));
+    }
     lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
 }
 

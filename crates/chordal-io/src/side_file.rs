@@ -118,6 +118,14 @@ pub(crate) fn picture_type(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// The media type of a picture by the extension of its name, which may be a URI.
+pub(crate) fn picture_type_of_name(name: &str) -> Option<&'static str> {
+    let (_, extension) = name.split(['?', '#']).next()?.rsplit_once('.')?;
+    let extension = extension.to_ascii_lowercase();
+    let extension = if extension == "jpeg" { "jpg" } else { &extension };
+    PICTURES.iter().find(|(_, known)| *known == extension).map(|(mime, _)| *mime)
+}
+
 /// The extension of a picture of a media type.
 pub(crate) fn picture_extension(mime: Option<&str>) -> &'static str {
     PICTURES.iter().find(|(known, _)| Some(*known) == mime).map_or("img", |(_, extension)| extension)

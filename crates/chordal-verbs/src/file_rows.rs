@@ -4,7 +4,8 @@ use chordal::explicit::InvalidMesh;
 use chordal_io::{Format, Scene, VertexRows, WriteError, glb};
 use std::borrow::Cow;
 
-/// The scene in the rows of its file. GLB has separate vertices for corners with different attributes. STL
+/// The scene in the rows of its file. GLB has separate vertices for corners with different attributes and materials, in an
+/// order that graphics processors draw fast. STL
 /// has separate vertices for every corner, a single part and no attributes.
 ///
 /// # Errors
@@ -17,11 +18,18 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
         }
         VertexRows::Split => {
             for part in &mut scene.parts {
-                let split = match glb::split(&part.mesh).map_err(unsupported)? {
-                    Cow::Borrowed(_) => continue,
-                    Cow::Owned(split) => split,
+                let split = glb::split(&part.mesh).map_err(unsupported)?;
+                let ordered = match glb::for_vertex_caches(&split).map_err(unsupported)? {
+                    Cow::Owned(ordered) => Some(ordered),
+                    Cow::Borrowed(_) => None,
                 };
-                part.mesh = split;
+                let own = match split {
+                    Cow::Owned(split) => Some(ordered.unwrap_or(split)),
+                    Cow::Borrowed(_) => ordered,
+                };
+                if let Some(mesh) = own {
+                    part.mesh = mesh;
+                }
             }
         }
         VertexRows::Mesh | VertexRows::Positions => {}

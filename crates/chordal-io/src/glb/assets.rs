@@ -1,4 +1,5 @@
 //! Reads what a file has beside meshes and nodes into [`SceneAssets`].
+use super::INSTANCING;
 use super::accessor_rows::AccessorRows;
 use super::draco::DRACO;
 use super::face_kinds::FileFaceKinds;
@@ -11,6 +12,7 @@ use super::node_tree::NodeTree;
 use super::packed_accessor::packed_accessor;
 use super::report::GlbWarnings;
 use crate::assets::{ImageContent, SceneAssets, SceneImage, VARIANTS};
+use crate::side_file::{picture_type, picture_type_of_name};
 use crate::{FileLocation, MATERIAL, Marks, ReadError, Scene};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
@@ -31,6 +33,8 @@ pub(super) struct AssetReader<'a> {
     left: u64,
     /// What is not kept, by name, with how often and the first place.
     dropped: BTreeMap<String, (u64, String)>,
+    /// By number of a node in the scene the accessors of its instances.
+    instances: Vec<(usize, Map<String, Value>)>,
     report: GlbWarnings,
 }
 
@@ -48,7 +52,14 @@ pub(super) struct PartAssets {
 impl<'a> AssetReader<'a> {
     /// Starts on a file of which at most `left` bytes may be copied.
     pub fn new(json: &'a JsonValue, model: &'a GltfModel<'a>, left: u64) -> Self {
-        Self { json, model, left, dropped: BTreeMap::new(), report: GlbWarnings::default() }
+        Self {
+            json,
+            model,
+            left,
+            dropped: BTreeMap::new(),
+            instances: Vec::new(),
+            report: GlbWarnings::default(),
+        }
     }
 
     /// Reads all assets into the scene of a tree of nodes, without what a forgiven issue may be about.
@@ -64,6 +75,13 @@ impl<'a> AssetReader<'a> {
             }
         }
         *tree.scene.assets = self.assets(number_of, tree.has_cut_nodes)?;
+        for (at, attributes) in std::mem::take(&mut self.instances) {
+            let properties = &mut tree.scene.nodes[at].properties;
+            let mut all = (**properties).clone();
+            all.entry("extensions").or_insert_with(|| json!({}))[INSTANCING] =
+                json!({ "attributes": attributes });
+            *properties = all.into();
+        }
         let mut materials = self.values("materials");
         clamp_factors(&forgiven.factors, &mut materials);
         let FileFaceKinds { materials, kinds, groups, has_bare_faces } =
@@ -127,6 +145,7 @@ impl<'a> AssetReader<'a> {
         if !has_cut_nodes {
             self.add_skins(&mut assets, &mut packed, &number_of)?;
         }
+        self.add_instances(&mut assets, &mut packed, &number_of)?;
         let extensions = self.json.get("extensions").map_or(&[][..], JsonValue::entries);
         assets.extensions = self.kept_extensions(extensions, "/extensions");
         if let Some(asset) = self.json.get("asset") {
@@ -280,7 +299,9 @@ impl<'a> AssetReader<'a> {
         let mut image = SceneImage { properties, content: ImageContent::Uri(String::new()) };
         let Some(found) = item(&self.model.images, Some(i)) else { return Ok(image) };
         let bytes = found.data.as_deref().or_else(|| self.model.view_bytes(found.view));
-        let mime = found.mime.or(found.found);
+        // A file beside the document need not say its type: its first bytes do, or its name.
+        let beside = || bytes.and_then(picture_type).or_else(|| picture_type_of_name(found.uri?));
+        let mime = found.mime.or(found.found).or_else(beside);
         image.content = match bytes.zip(mime) {
             Some((bytes, mime)) => {
                 self.charge(bytes.len() as u64, || format!("/images/{i}"))?;
@@ -296,6 +317,10 @@ impl<'a> AssetReader<'a> {
                     let place = FileLocation::Pointer(format!("/images/{i}"));
                     let what = "pictures in other files were not opened: their names are kept";
                     self.report.add("picture-missing", place, what);
+                } else if bytes.is_some() {
+                    let place = FileLocation::Pointer(format!("/images/{i}"));
+                    let what = "pictures of an unknown type were left behind: only their names are kept";
+                    self.report.add("picture-unknown", place, what);
                 }
                 ImageContent::Uri(uri.to_owned())
             }
@@ -337,6 +362,29 @@ impl<'a> AssetReader<'a> {
             skins.push(Value::Object(object));
         }
         assets.skins = skins;
+        Ok(())
+    }
+
+    /// The attributes of nodes that show a mesh at many places; none where numbers are missing.
+    fn add_instances(
+        &mut self,
+        assets: &mut SceneAssets,
+        packed: &mut [Option<usize>],
+        number_of: &impl Fn(usize) -> Option<usize>,
+    ) -> Result<(), ReadError> {
+        for (i, node) in self.model.nodes.iter().enumerate() {
+            let found = node.as_ref().and_then(|node| Some((node.mesh?, node.instances()?)));
+            let (Some((_, found)), Some(at)) = (found, number_of(i)) else { continue };
+            let mut attributes = Map::new();
+            for (name, accessor) in found {
+                if let Some(own) = self.pack(*accessor, packed, assets)? {
+                    attributes.insert((*name).to_owned(), json!(own));
+                }
+            }
+            if !attributes.is_empty() && attributes.len() == found.len() {
+                self.instances.push((at, attributes));
+            }
+        }
         Ok(())
     }
 

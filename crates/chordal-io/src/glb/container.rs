@@ -10,8 +10,17 @@ pub(super) struct GlbChunks<'a> {
     pub json: &'a [u8],
     /// The byte of the file at which it begins.
     pub json_at: u64,
-    /// The buffer, if there is one.
-    pub bin: Option<&'a [u8]>,
+    /// What it stands in.
+    pub container: GltfContainer<'a>,
+}
+
+/// What the JSON of a glTF stands in, which says where the bytes of a buffer without a URI are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum GltfContainer<'a> {
+    /// A file of its own: nowhere.
+    Json,
+    /// A GLB: in its BIN chunk, if it has one.
+    Binary(Option<&'a [u8]>),
 }
 
 /// Splits a GLB file into chunks. What gltf-validator calls an error is one, what it calls a warning is
@@ -127,5 +136,5 @@ fn split<'a>(bytes: &'a [u8], step: usize, report: &mut GlbWarnings) -> Result<G
     let Some((json, json_at)) = json else {
         return error("GLB_UNEXPECTED_END_OF_CHUNK_HEADER", bytes.len(), "there is no JSON chunk".to_owned());
     };
-    Ok(GlbChunks { json, json_at, bin })
+    Ok(GlbChunks { json, json_at, container: GltfContainer::Binary(bin) })
 }

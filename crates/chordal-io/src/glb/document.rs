@@ -1,12 +1,14 @@
 //! `GltfDocument`: the JSON of a GLB that is being written, and the streams behind its accessors.
+// Long because what is added to a document is numbered as it is added: one struct holds all lists.
 use super::QUANTIZATION;
 use super::deformation::{has_skin, short_weights, skin_sets, targets_of};
 use super::draw_order::in_draw_order;
+use super::instanced_nodes::each_instance_accessor;
 use super::marks::{MarkAccessor, n_targets};
-use super::material_runs::material_runs;
 use super::meshopt;
 use super::node_list;
 use super::packing::GltfPacking;
+use super::primitive_mesh::PrimitiveMesh;
 use super::split::split;
 use super::stored_positions::{StoredPositions, storage_of};
 use super::streams::{AccessorStream, CompressedStream, stored_bounds};
@@ -14,7 +16,7 @@ use super::vertex_storage::VertexStorage;
 use crate::assets::{ImageContent, SceneAssets, collect_extensions, plain_material};
 use crate::{CoordinateOverflow, Frame, MATERIAL, Marks, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
-use chordal::explicit::{Domain, InvalidMesh, Semantic};
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -23,6 +25,7 @@ use std::collections::BTreeMap;
 /// A part in the form that glTF can hold.
 pub(super) struct GltfPart<'a> {
     mesh: Cow<'a, Mesh>,
+    primitives: Vec<PrimitiveMesh>,
     positions: StoredPositions,
     /// How attributes are stored, where that is in fewer bits.
     storage: Option<VertexStorage>,
@@ -37,20 +40,14 @@ impl<'a> GltfPart<'a> {
         if packing.is_compressed {
             mesh = Cow::Owned(in_draw_order(&mesh).map_err(too_large)?);
         }
-        let n_points = mesh.positions().len();
-        if mesh.faces().is_empty() && n_points > 0 && part.marks.is_empty() {
-            let name = &part.name;
-            return Err(WriteError::Unsupported(format!(
-                "part \"{name}\" has {n_points} points and no triangle"
-            )));
-        }
         let mut storage = storage_of(part, packing);
         if let Some(storage) = storage.as_mut().filter(|_| part.marks.iter().any(Marks::is_moved)) {
             // A skin or morph targets move them from where they stand, and not from where a node would put them.
             storage.lattice = None;
         }
         let positions = StoredPositions::new(&mesh, storage);
-        Ok(Self { mesh, positions, storage, turns_v: frame.turns_v(TextureOrigin::UpperLeft) })
+        let primitives = PrimitiveMesh::of(&mesh).map_err(too_large)?;
+        Ok(Self { mesh, primitives, positions, storage, turns_v: frame.turns_v(TextureOrigin::UpperLeft) })
     }
 }
 
@@ -124,8 +121,8 @@ impl<'a> GltfDocument<'a> {
         document
     }
 
-    /// Adds the animations and skins of nodes that follow `first` others in the file.
-    pub fn add_animations(&mut self, scene: &Scene, first: usize) {
+    /// Adds the animations and skins of nodes, and the places of those that show a mesh at many.
+    pub fn add_animations(&mut self, scene: &Scene, nodes: &mut node_list::NodeList) {
         let assets = self.assets;
         let mut at = Vec::with_capacity(assets.accessors.len());
         for accessor in &assets.accessors {
@@ -135,6 +132,13 @@ impl<'a> GltfDocument<'a> {
             self.accessors.push(Value::Object(object));
             at.push(self.accessors.len() - 1);
         }
+        each_instance_accessor(&mut nodes.list, &mut |accessor| {
+            *accessor = json!(accessor.as_u64().and_then(|i| at.get(usize::try_from(i).ok()?)));
+        });
+        let number = |node: &Value| {
+            let node = node.as_u64().and_then(|node| usize::try_from(node).ok());
+            json!(node.and_then(|node| nodes.number.get(node)).copied().unwrap_or_default())
+        };
         // Weights of morph targets move nothing where a mesh has none.
         let moves = |channel: &Value| {
             let target = &channel["target"];
@@ -150,8 +154,7 @@ impl<'a> GltfDocument<'a> {
         });
         for mut animation in animations {
             for channel in animation["channels"].as_array_mut().into_iter().flatten() {
-                let node = channel["target"]["node"].as_u64().unwrap_or_default();
-                channel["target"]["node"] = json!(first as u64 + node);
+                channel["target"]["node"] = number(&channel["target"]["node"]);
             }
             for sampler in animation["samplers"].as_array_mut().into_iter().flatten() {
                 for key in ["input", "output"] {
@@ -163,7 +166,7 @@ impl<'a> GltfDocument<'a> {
         }
         for skin in &assets.skins {
             let mut skin = skin.clone();
-            let moved = |node: &mut Value| *node = json!(first as u64 + node.as_u64().unwrap_or_default());
+            let moved = |node: &mut Value| *node = number(node);
             skin["joints"].as_array_mut().into_iter().flatten().for_each(moved);
             skin.get_mut("skeleton").into_iter().for_each(moved);
             if let Some(matrices) = skin.get_mut("inverseBindMatrices") {
@@ -246,7 +249,36 @@ impl<'a> GltfDocument<'a> {
         shape: &'a GltfPart<'_>,
         primitives: &mut Vec<Value>,
     ) -> Result<(), WriteError> {
-        let mesh: &Mesh = &shape.mesh;
+        for own in &shape.primitives {
+            let group = own.group.checked_sub(1).filter(|material| *material < self.assets.materials.len());
+            let kind = group.and_then(|group| self.assets.face_kinds.get(&group));
+            let material = group.map(|group| kind.map_or(group, |kind| kind.material));
+            // Looks by variant may have textures where the plain one has none.
+            let is_alone =
+                shape.primitives.len() == 1 || kind.is_some_and(|kind| !kind.properties.is_empty());
+            let material_object = material.and_then(|at| self.assets.materials.get(at));
+            let says = |attribute: &Attribute| is_alone || own.says(attribute, material_object);
+            let mut primitive = self.vertices(shape, own.mesh(&shape.mesh), says)?;
+            match material {
+                Some(material) => primitive["material"] = json!(material),
+                None if self.assets.keeps_bare_faces => {}
+                None => primitive["material"] = json!(self.material(is_open(&shape.mesh))),
+            }
+            for (key, value) in kind.into_iter().flat_map(|kind| &kind.properties) {
+                primitive[key] = value.clone();
+            }
+            primitives.push(primitive);
+        }
+        Ok(())
+    }
+
+    /// Adds the vertices and the triangles of a primitive, without its material: the attributes that say something.
+    fn vertices(
+        &mut self,
+        shape: &GltfPart<'_>,
+        mesh: &'a Mesh,
+        says: impl Fn(&Attribute) -> bool,
+    ) -> Result<Value, WriteError> {
         let bounds = stored_bounds(mesh, &shape.positions);
         if let Some(value) = bounds.as_flattened().iter().find(|x| !x.is_finite()) {
             return Err(CoordinateOverflow { value: *value }.into());
@@ -256,7 +288,7 @@ impl<'a> GltfDocument<'a> {
         self.accessors[at]["min"] = json!(bounds[0]);
         self.accessors[at]["max"] = json!(bounds[1]);
         attributes.insert("POSITION".to_owned(), json!(at));
-        for stream in streams_of(mesh)? {
+        for stream in streams_of(mesh, says)? {
             let stream = if shape.turns_v { stream.with_turned_v() } else { stream };
             let stream = shape.storage.iter().fold(stream, |stream, storage| stream.with_fewer_bits(storage));
             let name = stream.name.clone().unwrap_or_default();
@@ -274,28 +306,12 @@ impl<'a> GltfDocument<'a> {
             }
         }
         let targets = self.add_targets(mesh)?;
-        let mut first = 0;
-        for (group, n_faces) in material_runs(mesh) {
-            let faces = &mesh.faces()[first..first + n_faces];
-            first += n_faces;
-            let indices = self.add(AccessorStream::indices(faces, mesh.positions().len()))?;
-            let group = group.checked_sub(1).filter(|material| *material < self.assets.materials.len());
-            let kind = group.and_then(|group| self.assets.face_kinds.get(&group));
-            let mut primitive = json!({ "attributes": attributes, "indices": indices });
-            match group {
-                Some(group) => primitive["material"] = json!(kind.map_or(group, |kind| kind.material)),
-                None if self.assets.keeps_bare_faces => {}
-                None => primitive["material"] = json!(self.material(is_open(mesh))),
-            }
-            if !targets.is_empty() {
-                primitive["targets"] = json!(targets);
-            }
-            for (key, value) in kind.into_iter().flat_map(|kind| &kind.properties) {
-                primitive[key] = value.clone();
-            }
-            primitives.push(primitive);
+        let indices = self.add(AccessorStream::indices(mesh.faces(), mesh.positions().len()))?;
+        let mut primitive = json!({ "attributes": attributes, "indices": indices });
+        if !targets.is_empty() {
+            primitive["targets"] = json!(targets);
         }
-        Ok(())
+        Ok(primitive)
     }
 
     /// The morph targets of a mesh: for each its accessors by name.
@@ -544,7 +560,7 @@ fn group_names(scene: &Scene) -> Map<String, Value> {
 }
 
 /// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF demands.
-fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
+fn streams_of(mesh: &Mesh, says: impl Fn(&Attribute) -> bool) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     let mut sorted: Vec<_> =
         mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
     // Skins and morph targets are written by themselves.
@@ -558,12 +574,22 @@ fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     });
     let (mut texture_sets, mut colour_sets) = (0, 0);
     let mut streams = Vec::with_capacity(sorted.len());
-    for attribute in sorted {
+    let is_of_sets =
+        |attribute: &Attribute| matches!(attribute.semantic, Semantic::Color(_) | Semantic::TexCoord(_));
+    let same_kind = |a: &Attribute, b: &Attribute| {
+        matches!(a.semantic, Semantic::Color(_)) == matches!(b.semantic, Semantic::Color(_))
+    };
+    for (i, attribute) in sorted.iter().copied().enumerate() {
+        // A set is left out with all after it alone: their numbers have no gaps.
+        let mut rest = sorted[i..].iter().filter(|one| is_of_sets(one) && same_kind(one, attribute));
+        let is_written = !is_of_sets(attribute) || rest.any(|one| says(one));
         let counter = match attribute.semantic {
             Semantic::Color(_) => &mut colour_sets,
             _ => &mut texture_sets,
         };
-        streams.push(AccessorStream::attribute(attribute, *counter)?);
+        if is_written {
+            streams.push(AccessorStream::attribute(attribute, *counter)?);
+        }
         if matches!(attribute.semantic, Semantic::Color(_) | Semantic::TexCoord(_)) {
             *counter += 1;
         }

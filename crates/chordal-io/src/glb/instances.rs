@@ -8,8 +8,8 @@ use super::lint::is_unit_quaternion;
 use super::model::{GltfAttributes, GltfModel, GltfNode};
 use super::report::GlbWarnings;
 use super::trs::compose;
-use crate::{Conformance, FileLocation, Limits, Node, ReadError, Scene};
-use serde_json::json;
+use crate::{Conformance, FileLocation, Limits, Node, PackedAccessor, ReadError, Scene};
+use serde_json::{Map, Value, json};
 
 /// The most bytes that a node takes, and that its properties add where it has some. Derived: a node is about
 /// 300 bytes with its place in the list of its parent; three lists of JSON numbers are below 2,000.
@@ -104,7 +104,7 @@ impl<'m> InstanceRows<'m> {
                 "ROTATION" => &mut out.rotation,
                 "SCALE" => &mut out.scale,
                 _ => {
-                    let what = "attributes of instances beside their places were not kept";
+                    let what = "attributes of instances beside their places are kept only where instances are written as such";
                     report.add("instance-attribute-skipped", place(), what);
                     continue;
                 }
@@ -141,17 +141,15 @@ impl<'m> InstanceRows<'m> {
             let what = format!("instance {row} is placed by numbers that are not finite");
             return Err(ReadError::new("ACCESSOR_INVALID_FLOAT", place, what));
         }
-        let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
         if !is_unit_quaternion(&turned) {
             let place = FileLocation::Pointer(format!("{pointer}/ROTATION"));
             let what = format!("the quaternion of instance {row} is not normalized");
-            if limits.conformance == Conformance::Strict || length == 0.0 {
+            if limits.conformance == Conformance::Strict || turned == [0.0; 4] {
                 return Err(ReadError::new("ROTATION_NON_UNIT", place, what));
             }
             report.add("ROTATION_NON_UNIT", place, what);
         }
-        // Quantized quaternions are a little off, which would shear the mesh.
-        let rotation = turned.map(|x| x / length);
+        let rotation = unit_rotation(turned);
         let (translation, scale) = ([x, y, z], [sx, sy, sz]);
         let matrix = compose(translation, rotation, scale);
         let mut node = Node { matrix: matrix.into(), part: Some(part), ..Node::default() };
@@ -163,6 +161,60 @@ impl<'m> InstanceRows<'m> {
         }
         Ok(node)
     }
+}
+
+/// A rotation of length 1: quantized quaternions are a little off, which would shear the mesh.
+fn unit_rotation(turned: [f64; 4]) -> [f64; 4] {
+    let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
+    turned.map(|x| x / length)
+}
+
+/// The matrices of the instances whose attributes these are, by their names in `accessors`: those of the nodes that
+/// [`place`] makes of them, bit for bit. `None` where they are not all there.
+pub(super) fn places(
+    attributes: &Map<String, Value>,
+    accessors: &[PackedAccessor],
+) -> Option<Vec<[f64; 16]>> {
+    let rows = |name: &str, usual: [f64; 4]| match attributes.get(name) {
+        None => Some(Err(usual)),
+        Some(at) => packed_rows(accessors.get(usize::try_from(at.as_u64()?).ok()?)?).map(Ok),
+    };
+    let lists =
+        [rows("TRANSLATION", [0.0; 4])?, rows("ROTATION", [0.0, 0.0, 0.0, 1.0])?, rows("SCALE", [1.0; 4])?];
+    let n = lists.iter().filter_map(|list| list.as_ref().ok()).map(Vec::len).next()?;
+    if lists.iter().flatten().any(|list| list.len() != n) {
+        return None;
+    }
+    let row = |list: &Result<Vec<[f64; 4]>, [f64; 4]>, i: usize| {
+        list.as_ref().map_or_else(|usual| *usual, |list| list[i])
+    };
+    let matrix = |i: usize| {
+        let [[x, y, z, _], turned, [sx, sy, sz, _]] = lists.each_ref().map(|list| row(list, i));
+        compose([x, y, z], unit_rotation(turned), [sx, sy, sz])
+    };
+    Some((0..n).map(matrix).collect())
+}
+
+/// The rows of an accessor that was carried along, without gaps; of three numbers the fourth is 0.
+fn packed_rows(accessor: &PackedAccessor) -> Option<Vec<[f64; 4]>> {
+    let component = ComponentType::from_code(accessor.properties.get("componentType")?.as_u64()?)?;
+    let width = AccessorType::from_name(accessor.properties.get("type")?.as_str()?)?.n_components();
+    let is_normalized = accessor.properties.get("normalized").and_then(Value::as_bool).unwrap_or(false);
+    if !matches!(width, 3 | 4) {
+        return None;
+    }
+    let size = usize::try_from(component.size()).ok()?;
+    let number = |bytes: &[u8]| {
+        let x = component.number(bytes);
+        if is_normalized { component.normalize(x) } else { x }
+    };
+    let rows = accessor.bytes.chunks_exact(size * width);
+    Some(
+        rows.map(|row| {
+            std::array::from_fn(|k| if k < width { number(&row[k * size..][..size]) } else { 0.0 })
+        })
+        .collect(),
+    )
 }
 
 /// Whether an attribute may have a format.

@@ -1,4 +1,5 @@
 //! `NodeList`: the nodes of a GLB, which place its meshes.
+use super::instanced_nodes::{InstancedNodes, remove_instances};
 use super::level_hosts::{animated_nodes, is_replaceable};
 use super::stored_positions::StoredPositions;
 use super::{LOD, transform};
@@ -18,12 +19,19 @@ pub(super) struct PartMesh {
     pub n_targets: usize,
 }
 
+impl PartMesh {
+    /// Whether any node can show its mesh as it is stored.
+    fn is_plain(&self) -> bool {
+        self.mesh.is_some() && self.positions.is_plain() && !self.has_skin && self.n_targets == 0
+    }
+}
+
 /// The nodes of a file, and those of them without a parent.
 pub(super) struct NodeList {
     pub list: Vec<Value>,
     pub roots: Vec<usize>,
-    /// The number of the scene's first node in the file.
-    pub first: usize,
+    /// By node of the scene its number in the file; that of a place of an instance is not used.
+    pub number: Vec<usize>,
 }
 
 /// The coarser levels of the parts, which nodes name by `MSFT_lod`.
@@ -34,7 +42,8 @@ pub(super) struct NodeLevels<'a> {
     pub coverages: &'a [Vec<f64>],
 }
 
-/// Lists the nodes of a scene, one for each in the same order. Before them come the nodes that rotate and
+/// Lists the nodes of a scene, one for each in the same order; but what was read as one that shows its mesh at many places
+/// is one again where that can be. Before them come the nodes that rotate and
 /// scale the scene's frame, after them those that place a mesh about its origin where its node cannot, and
 /// those that show coarser levels.
 pub(super) fn nodes(
@@ -50,23 +59,37 @@ pub(super) fn nodes(
     }
     let first = frame.len();
     let is_animated = animated_nodes(scene);
+    let may_show = |part: usize| {
+        let has_one_level = levels.coarser.get(part).is_none_or(Vec::is_empty);
+        has_one_level && shown.get(part).is_some_and(PartMesh::is_plain)
+    };
+    let instanced = InstancedNodes::of(scene, may_show, &is_animated);
+    let number = instanced.numbers(first);
+    let n_written = instanced.is_place.iter().filter(|is_place| !**is_place).count();
     let mut extra = Vec::new();
     let mut hosts = Vec::new();
-    let mut list = Vec::with_capacity(scene.nodes.len());
-    for (i, node) in scene.nodes.iter().enumerate() {
-        let place = node.part.and_then(|p| shown.get(p));
+    let mut list = Vec::with_capacity(n_written);
+    for (i, node) in scene.nodes.iter().enumerate().filter(|(i, _)| !instanced.is_place[*i]) {
+        let place = node.part.or(instanced.part[i]).and_then(|p| shown.get(p));
         let coarser = node.part.and_then(|p| levels.coarser.get(p)).map_or(&[][..], |coarser| coarser);
         let is_moved = is_animated[i];
-        let NodeChain { links, has_transform } = chain(node, place, coarser, is_moved)
+        let mut properties = (*node.properties).clone();
+        if instanced.part[i].is_none() {
+            remove_instances(&mut properties);
+        }
+        let children = node.children.iter().filter(|child| !instanced.is_place[**child]);
+        let children: Vec<usize> = children.map(|child| number[*child]).collect();
+        let described = DescribedNode { node, properties, children };
+        let NodeChain { links, has_transform } = chain(described, place, coarser, is_moved)
             .ok_or_else(|| WriteError::Unsupported(format!("glTF cannot hold the transform of node {i}")))?;
-        let next = first + scene.nodes.len() + extra.len();
-        let mut links = links.into_iter().enumerate().map(|(k, link)| link.object(k + next, first));
+        let next = first + n_written + extra.len();
+        let mut links = links.into_iter().enumerate().map(|(k, link)| link.object(k + next));
         list.extend(links.next().map(|object| with_name(&node.name, object)));
         let n_before = extra.len();
         extra.extend(links);
         if !coarser.is_empty() {
             // The last link shows the mesh.
-            let host = if extra.len() == n_before { i } else { scene.nodes.len() + extra.len() - 1 };
+            let host = if extra.len() == n_before { number[i] - first } else { n_written + extra.len() - 1 };
             hosts.push(LevelHost { node: i, host, has_transform, coarser });
         }
     }
@@ -75,11 +98,11 @@ pub(super) fn nodes(
         let coverages = levels.coverages.get(host.node).map_or(&[][..], |coverages| coverages);
         host.add_levels(&scene.nodes[host.node].name, coverages, first, &mut list);
     }
-    let mut roots = scene.roots.iter().map(|r| first + r).collect();
+    let mut roots = scene.roots.iter().map(|root| number[*root]).collect();
     for (i, node) in frame.iter_mut().enumerate().rev() {
         node["children"] = json!(std::mem::replace(&mut roots, vec![i]));
     }
-    Ok(NodeList { list: [frame, list].concat(), roots, first })
+    Ok(NodeList { list: [frame, list].concat(), roots, number })
 }
 
 /// A node of the file whose mesh has coarser levels.
@@ -138,17 +161,17 @@ fn frame_nodes(frame: Frame) -> Result<Vec<Value>, WriteError> {
 }
 
 /// One of the glTF nodes that a node of the scene becomes.
-struct NodeLink<'a> {
+struct NodeLink {
     properties: Map<String, Value>,
-    /// The children that the scene gives it.
-    children: &'a [usize],
+    /// The children that the scene gives it, by their numbers in the file.
+    children: Vec<usize>,
     /// Whether the next link is a child too.
     goes_on: bool,
 }
 
-impl NodeLink<'_> {
-    fn object(mut self, next: usize, first: usize) -> Value {
-        let mut children: Vec<usize> = self.children.iter().map(|c| first + c).collect();
+impl NodeLink {
+    fn object(mut self, next: usize) -> Value {
+        let mut children = self.children;
         children.extend(self.goes_on.then_some(next));
         if !children.is_empty() {
             self.properties.insert("children".to_owned(), json!(children));
@@ -158,30 +181,38 @@ impl NodeLink<'_> {
 }
 
 /// The glTF nodes for a node of the scene, outermost first.
-struct NodeChain<'a> {
-    links: Vec<NodeLink<'a>>,
+struct NodeChain {
+    links: Vec<NodeLink>,
     /// Whether the last one has a transform of the node, and not just the origin of its mesh.
     has_transform: bool,
 }
 
-/// The glTF nodes for a node; `None` when its transform has shear.
-fn chain<'a>(
+/// A node with what the file says of it.
+struct DescribedNode<'a> {
     node: &'a Node,
+    properties: Map<String, Value>,
+    /// The numbers of its children in the file.
+    children: Vec<usize>,
+}
+
+/// The glTF nodes for a node; `None` when its transform has shear.
+fn chain(
+    described: DescribedNode<'_>,
     place: Option<&PartMesh>,
     coarser: &[PartMesh],
     is_moved: bool,
-) -> Option<NodeChain<'a>> {
-    let mut properties = (*node.properties).clone();
+) -> Option<NodeChain> {
+    let DescribedNode { node, mut properties, children } = described;
     let transform = match transform::own_properties(&mut properties, &node.matrix) {
         Some(transform) => vec![transform],
         None => transform::node_properties(&node.matrix)?,
     };
     let mut links: Vec<_> = transform
         .into_iter()
-        .map(|properties| NodeLink { properties, children: &[], goes_on: false })
+        .map(|properties| NodeLink { properties, children: Vec::new(), goes_on: false })
         .collect();
     let inner = links.last_mut()?;
-    inner.children = &node.children;
+    inner.children = children;
     inner.properties.extend(properties);
     let has_skin = place.is_some_and(|place| place.mesh.is_some() && place.has_skin);
     if !has_skin {
@@ -201,7 +232,7 @@ fn chain<'a>(
             let moved = of_mesh.map(|key| (key.to_owned(), inner.properties.shift_remove(key)));
             let moved = moved.into_iter().filter_map(|(key, value)| Some((key, value?)));
             let properties = Map::from_iter(moved);
-            links.push(NodeLink { properties, children: &[], goes_on: false });
+            links.push(NodeLink { properties, children: Vec::new(), goes_on: false });
             has_transform = false;
         }
         let properties = &mut links.last_mut()?.properties;

@@ -3,6 +3,7 @@ use super::document::{GltfDocument, GltfPart, plain_for};
 use super::level_set::GlbLevels;
 use super::node_list::NodeLevels;
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
+use crate::losses::refuse_points_alone;
 use crate::side_file::{side_stem, uri_of};
 use crate::{CoordinateOverflow, FileSet, Part, Scene, SceneAssets, SideFile, WriteError};
 use serde_json::{Map, Value};
@@ -39,6 +40,7 @@ fn with_assets<T>(
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<T, WriteError>,
 ) -> Result<T, WriteError> {
     let GlbLevels { scene, coarser, coverages, certificate } = levels;
+    refuse_points_alone(&scene.parts)?;
     let shapes = gltf_parts(&scene.parts, scene)?;
     let coarser_shapes = coarser.iter().map(|parts| gltf_parts(parts, scene));
     let coarser_shapes = coarser_shapes.collect::<Result<Vec<_>, _>>()?;
@@ -54,8 +56,8 @@ fn with_assets<T>(
         let meshes = parts.iter().zip(shapes).map(|(part, shape)| document.part_mesh(part, shape));
         added.push(meshes.collect::<Result<Vec<_>, _>>()?);
     }
-    let nodes = document.nodes(scene, &NodeLevels { coarser: added, coverages })?;
-    document.add_animations(scene, nodes.first);
+    let mut nodes = document.nodes(scene, &NodeLevels { coarser: added, coverages })?;
+    document.add_animations(scene, &mut nodes);
     let json = document.json(scene, &nodes, *certificate);
     write(&document, json)
 }

@@ -99,7 +99,7 @@ pub(crate) fn read_with(
         return Err(ReadError::new("too-large", FileLocation::File, what));
     }
     let chunks = if is_json(bytes) {
-        container::GlbChunks { json: bytes, json_at: 0, bin: None }
+        container::GlbChunks { json: bytes, json_at: 0, container: container::GltfContainer::Json }
     } else {
         container::chunks(bytes, limits, &mut report)?
     };
@@ -107,7 +107,7 @@ pub(crate) fn read_with(
     check_rows(&json, limits)?;
     let mut quota = decode_quota(bytes.len(), limits);
     let mut lint = GltfLint::new(&json, quota);
-    let Some(mut model) = lint::parse(&mut lint, &json, chunks.bin) else {
+    let Some(mut model) = lint::parse(&mut lint, &json, chunks.container) else {
         let issue = lint.issues.swap_remove(0);
         return Err(ReadError::new(issue.code, issue.place, issue.message));
     };

@@ -17,13 +17,13 @@ use std::io::Write;
 /// glTF is y-up and in metres, and v of its texture coordinates runs down: it is written as 1 - v where
 /// [`crate::Frame::texture_origin`] says that it runs up. A z-up scene gets a root node with the exact matrix
 /// (x, y, z) → (x, z, −y), and a known unit other than the metre a node that scales. An unknown frame is left
-/// alone. A part without vertices leaves its node without a mesh.
+/// alone. A part without triangles leaves its node without a mesh.
 ///
 /// Beside the scene, only split meshes take memory.
 ///
 /// # Errors
 /// [`WriteError::Io`] when the sink fails. [`WriteError::Unsupported`] when coordinates overflow single
-/// precision, a part has vertices and no triangles, an attribute has values or a width that glTF lacks, nodes
+/// precision, no part has a triangle and some have points, an attribute has values or a width that glTF lacks, nodes
 /// are no forest, a transform has shear, or the file would exceed 4 GiB.
 ///
 /// ```

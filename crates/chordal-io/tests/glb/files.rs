@@ -236,3 +236,55 @@ fn names_without_looks_are_left_out_too_and_a_scene_that_uses_all_is_borrowed() 
     assert_eq!(groups.values, [2.0, 2.0, 1.0, 2.0]);
     assert!(matches!(pruned.with_used_materials(), Ok(std::borrow::Cow::Borrowed(_))));
 }
+
+#[test]
+fn a_picture_beside_a_gltf_need_not_say_its_type() {
+    let ktx2 = b"\xABKTX 20\xBB\r\n\x1A\n and the rest".to_vec();
+    let unknown = b"no picture that is known".to_vec();
+    for (name, bytes, mime) in [
+        ("n.ktx2", &ktx2, Some("image/ktx2")),
+        ("n.bin", &ktx2, Some("image/ktx2")),
+        ("n.DDS", &unknown, Some("image/vnd-ms.dds")),
+        ("n.tga", &unknown, None),
+    ] {
+        let (mut json, bin) = super::build::triangle();
+        super::build::put(&mut json, "/images", json!([{ "uri": name }]));
+        super::build::put(&mut json, "/buffers/0/uri", json!("b.bin"));
+        let mut open = |path: &str| Ok(if path == "b.bin" { bin.clone() } else { bytes.clone() });
+        let text = json.to_string();
+        let found = read_with(text.as_bytes(), Format::Gltf, &mut open, &Limits::default()).expect("read");
+        let (scene, warnings) = scene_of(found);
+        let image = &scene.assets.images[0];
+        match mime {
+            Some(mime) => {
+                assert_eq!(image.content, ImageContent::Bytes(bytes[..].into()), "{name}");
+                assert_eq!((image.properties["mimeType"].as_str(), &warnings[..]), (Some(mime), &[][..]));
+            }
+            None => assert_eq!(warnings, ["picture-unknown"]),
+        }
+    }
+}
+
+#[test]
+fn a_buffer_without_a_uri_is_missed_where_it_is_needed_alone() {
+    let (mut json, bin) = super::build::triangle();
+    // The bytes are those of a second buffer.
+    super::build::put(
+        &mut json,
+        "/buffers",
+        json!([{ "byteLength": 4 }, { "byteLength": 44, "uri": "b.bin" }]),
+    );
+    for view in ["/bufferViews/0/buffer", "/bufferViews/1/buffer"] {
+        super::build::put(&mut json, view, json!(1));
+    }
+    let mut open = |_: &str| Ok(bin.clone());
+    let read = |json: &Value, open: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>| {
+        read_with(json.to_string().as_bytes(), Format::Gltf, &mut |path: &str| open(path), &Limits::default())
+    };
+    let (scene, warnings) = scene_of(read(&json, &mut open).expect("read"));
+    assert_eq!((scene.parts[0].mesh.faces().len(), warnings), (1, vec![]));
+    super::build::put(&mut json, "/bufferViews/0/buffer", json!(0));
+    super::build::put(&mut json, "/buffers/0/byteLength", json!(44));
+    let error = read(&json, &mut open).expect_err("read");
+    assert!(error.to_string().contains("buffer 0 has no data"), "{error}");
+}

@@ -227,3 +227,63 @@ fn instances_without_bytes_are_limited() {
     let error = glb::read(&glb_of(&json.to_string(), &bin), &few).map(|_| ()).expect_err("accepted");
     assert_eq!(error.code, "too-many-rows");
 }
+
+/// The JSON of a scene that is written.
+fn written(scene: &Scene) -> (Value, Vec<u8>) {
+    let mut out = Vec::new();
+    glb::write(scene, None, &mut out).expect("written");
+    let n = u32::from_le_bytes([out[12], out[13], out[14], out[15]]) as usize;
+    (serde_json::from_slice(&out[20..20 + n]).expect("JSON"), out)
+}
+
+#[test]
+fn instances_are_written_as_instances() {
+    let half = (32767.0 * FRAC_1_SQRT_2).round();
+    let (mut json, bin) = placed(&[
+        ("TRANSLATION", Rows(F32, false, 3, &[1.0, 2.0, 3.0, -4.0, 0.1, 6.0])),
+        ("ROTATION", Rows(I16, true, 4, &[0.0, 0.0, half, half, 0.0, 0.0, 0.0, 32767.0])),
+        ("_ID", Rows(F32, false, 1, &[7.0, 8.0])),
+    ]);
+    // A child that is none of the instances, and an animation and a root after them in the list of nodes.
+    put(&mut json, "/nodes/1", json!({ "name": "child", "translation": [0, 1, 0] }));
+    put(&mut json, "/nodes/2", json!({ "name": "other", "mesh": 0 }));
+    put(&mut json, "/nodes/0/children", json!([1]));
+    put(&mut json, "/scenes/0/nodes", json!([0, 2]));
+    let (scene, _) = loaded(&json, &bin);
+    assert_eq!(scene.nodes.len(), 5);
+    let (text, out) = written(&scene);
+    assert_eq!(text["nodes"].as_array().expect("nodes").len(), 3);
+    assert_eq!(text["extensionsRequired"], json!([NAME]));
+    let attributes = &text["nodes"][0]["extensions"][NAME]["attributes"];
+    assert_eq!(attributes.as_object().expect("attributes").len(), 3);
+    assert_eq!(text["nodes"][0]["mesh"], text["nodes"][2]["mesh"]);
+    let id = &text["accessors"][attributes["_ID"].as_u64().expect("an accessor") as usize];
+    assert_eq!((&id["count"], &id["type"]), (&json!(2), &json!("SCALAR")));
+    let (again, _) = scene_of(glb::read(&out, &Limits::default()).expect("read"));
+    assert_eq!(again, scene);
+    assert_eq!(written(&again).1, out, "the same bytes again");
+}
+
+#[test]
+fn instances_that_were_changed_are_written_as_nodes() {
+    let (json, bin) = placed(&[("TRANSLATION", Rows(F32, false, 3, &[1.0, 2.0, 3.0, -4.0, 5.0, 6.0]))]);
+    let (scene, _) = loaded(&json, &bin);
+    let moved = |change: fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        let (text, out) = written(&scene);
+        assert!(text.get("extensionsUsed").is_none() && text.get("extensionsRequired").is_none(), "{text}");
+        let again = scene_of(glb::read(&out, &Limits::default()).expect("read")).0;
+        assert_eq!(shown(&again), shown(&scene));
+    };
+    moved(|scene| scene.nodes[2].matrix[12] += 1.0);
+    moved(|scene| scene.nodes[1].name = "first".to_owned());
+    moved(|scene| scene.nodes[2].part = None);
+    moved(|scene| drop(scene.nodes[0].children.pop()));
+    moved(|scene| scene.assets.accessors.clear());
+    moved(|scene| {
+        // Its positions are stored about an origin that a node has to add.
+        let far = scene.parts[0].mesh.positions().iter().map(|p| p.map(|x| x + 1e6)).collect();
+        scene.parts[0].mesh = scene.parts[0].mesh.with_positions(far).expect("finite");
+    });
+}

@@ -21,9 +21,9 @@ use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
-use chordal_io::Format;
 use chordal_io::glb::GltfPacking;
 use chordal_io::tiles::GeoPlace;
+use chordal_io::{Format, Warning, losses};
 use level_finisher::LevelFinisher;
 use outcome::LodLayout;
 use scene_levels::SceneLevels;
@@ -123,6 +123,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     if let Shape::Scene(scene) = &input.shape {
         let form = OutputForm { format: Format::Glb, packing: spec.packing };
         certificate.notes.extend(packing_note(scene.stored, form));
+        certificate.notes.extend(losses(scene, Format::Glb)?.iter().map(Warning::counted));
     }
     let source = LevelSource { spec, finest, job };
     let made = source.levels(input.shape, &mut certificate.notes)?;

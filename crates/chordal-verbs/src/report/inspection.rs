@@ -64,6 +64,8 @@ pub struct PartFacts {
     pub counts: TriangleFacts,
     /// The number of its placements in the scene.
     pub instances: u64,
+    /// The triangles that are drawn of it: all of them at each placement.
+    pub drawn: u64,
 }
 
 /// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices
@@ -189,6 +191,7 @@ impl PartFacts {
         let mut instances = vec![0; scene.parts.len()];
         scene.nodes.iter().filter_map(|node| node.part).for_each(|part| instances[part] += 1);
         let facts = |(part, instances): (&chordal_io::Part, u64)| Self {
+            drawn: part.mesh.faces().len() as u64 * instances,
             name: part.name.clone(),
             // A mesh whose rows cannot be merged has too many of them in any case.
             counts: rows_of(&part.mesh, format).map_or_else(

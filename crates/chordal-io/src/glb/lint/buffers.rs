@@ -1,6 +1,7 @@
 //! Rules for buffers and their views.
 use super::extensions::ExtensionHost;
 use super::{GltfLint, IntegerRule, uri};
+use crate::glb::container::GltfContainer;
 use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfBuffer, GltfBufferView, GltfModel, item};
 use std::borrow::Cow;
@@ -103,17 +104,18 @@ impl<'a> GltfLint<'a> {
         GltfBuffer { byte_length, uri, data, is_fallback }
     }
 
-    /// The first buffer of a GLB file is its BIN chunk, unless it has a URI.
-    pub(super) fn glb_buffer(&mut self, buffer: &mut GltfBuffer<'a>, bin: Option<&'a [u8]>) {
+    /// The first buffer of a GLB file is its BIN chunk, unless it has a URI. In a file of JSON it is one whose bytes
+    /// are not given, which is an error where something needs them.
+    pub(super) fn glb_buffer(&mut self, buffer: &mut GltfBuffer<'a>, container: GltfContainer<'a>) {
         if buffer.uri.is_some() || buffer.byte_length.is_none() {
             return;
         }
-        match bin {
-            Some(bin) => buffer.data = Some(Cow::Borrowed(bin)),
-            None if buffer.is_fallback => {}
-            None => {
+        match container {
+            GltfContainer::Binary(Some(bin)) => buffer.data = Some(Cow::Borrowed(bin)),
+            GltfContainer::Binary(None) if !buffer.is_fallback => {
                 self.issue_here("BUFFER_MISSING_GLB_DATA", "the buffer means a BIN chunk, and there is none")
             }
+            GltfContainer::Binary(None) | GltfContainer::Json => {}
         }
     }
 

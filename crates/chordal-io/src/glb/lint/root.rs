@@ -1,14 +1,15 @@
 //! The entry points: parses the lists of a document in the validator's order, then checks links and data.
 use super::GltfLint;
 use super::extensions::ExtensionHost;
+use crate::glb::container::GltfContainer;
 use crate::glb::json::JsonValue;
 use crate::glb::model::GltfModel;
 
-/// Parses a document; `bin` is the BIN chunk. `None` when it is no glTF 2.x whose content can be checked.
+/// Parses a document. `None` when it is no glTF 2.x whose content can be checked.
 pub(in crate::glb) fn parse<'a>(
     lint: &mut GltfLint<'a>,
     root: &'a JsonValue,
-    bin: Option<&'a [u8]>,
+    container: GltfContainer<'a>,
 ) -> Option<GltfModel<'a>> {
     let required = lint.texts(root, "extensionsRequired");
     if root.get("extensionsRequired").is_some() && root.get("extensionsUsed").is_none() {
@@ -24,7 +25,7 @@ pub(in crate::glb) fn parse<'a>(
     model.animations = lint.each_object(root, "animations", GltfLint::animation);
     model.buffers = lint.each_object(root, "buffers", GltfLint::buffer);
     if let Some(Some(first)) = model.buffers.first_mut() {
-        lint.within("buffers", |lint| lint.within(0, |lint| lint.glb_buffer(first, bin)));
+        lint.within("buffers", |lint| lint.within(0, |lint| lint.glb_buffer(first, container)));
     }
     model.views = lint.each_object(root, "bufferViews", GltfLint::view);
     lint.each_object(root, "cameras", GltfLint::camera);

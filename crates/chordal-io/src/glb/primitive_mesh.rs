@@ -1,0 +1,153 @@
+//! `PrimitiveMesh`: the triangles of one material of a part, with vertices and attributes of their own.
+use super::material_runs::material_runs;
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
+use serde_json::Value;
+
+/// What becomes a primitive of a glTF.
+pub(super) struct PrimitiveMesh {
+    /// Its triangles, where they are not all of the part.
+    own: Option<Mesh>,
+    /// The group of its faces, 0 for none.
+    pub group: usize,
+}
+
+impl PrimitiveMesh {
+    /// The primitives of a mesh as [`split`](super::split) makes it, in their order. Vertices that no triangle uses
+    /// are those of the first.
+    ///
+    /// # Errors
+    /// None for a mesh: that it refuses a part of what it had is the error of the type.
+    pub fn of(mesh: &Mesh) -> Result<Vec<Self>, InvalidMesh> {
+        let runs = material_runs(mesh);
+        if let [(group, _)] = runs[..] {
+            return Ok(vec![Self { own: None, group }]);
+        }
+        let mut run_of = vec![0; mesh.positions().len()];
+        let mut first = 0;
+        for (run, (_, n)) in runs.iter().enumerate() {
+            let faces = &mesh.faces()[first..first + n];
+            faces.as_flattened().iter().for_each(|vertex| run_of[*vertex as usize] = run);
+            first += n;
+        }
+        let mut rows = vec![Vec::new(); runs.len()];
+        let mut number = vec![0; run_of.len()];
+        for (vertex, run) in (0..).zip(&run_of) {
+            number[vertex as usize] = rows[*run].len() as u32;
+            rows[*run].push(vertex);
+        }
+        let mut first = 0;
+        let mut primitives = Vec::with_capacity(runs.len());
+        for ((group, n), rows) in runs.into_iter().zip(&rows) {
+            let faces = &mesh.faces()[first..first + n];
+            first += n;
+            let faces = faces.iter().map(|face| face.map(|vertex| number[vertex as usize])).collect();
+            primitives.push(Self { own: Some(with_rows(mesh, rows, faces)?), group });
+        }
+        Ok(primitives)
+    }
+
+    /// Its triangles, which are all of its part's where that has one material.
+    pub fn mesh<'m>(&'m self, of_part: &'m Mesh) -> &'m Mesh {
+        self.own.as_ref().unwrap_or(of_part)
+    }
+
+    /// Whether an attribute says something of these vertices: where others of the part have a colour or texture
+    /// coordinates, white and zeros were put for those that have none.
+    pub fn says(&self, attribute: &Attribute, material: Option<&Value>) -> bool {
+        match attribute.semantic {
+            Semantic::Color(_) => attribute.values.iter().any(|x| *x != 1.0),
+            Semantic::TexCoord(_) => {
+                attribute.values.iter().any(|x| *x != 0.0) || material.is_some_and(names_textures)
+            }
+            _ => true,
+        }
+    }
+}
+
+/// These rows of the vertices of a mesh, with these faces over them. Vertices are tied where they were.
+fn with_rows(mesh: &Mesh, rows: &[u32], faces: Vec<[u32; 3]>) -> Result<Mesh, InvalidMesh> {
+    let positions = rows.iter().map(|vertex| mesh.positions()[*vertex as usize]).collect();
+    let mut out = Mesh::new(positions, faces)?;
+    for attribute in mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex) {
+        let values = rows.iter().flat_map(|vertex| attribute.row(*vertex as usize)).copied().collect();
+        out = out.with_attribute(Attribute { values, ..attribute.clone() })?;
+    }
+    Ok(out)
+}
+
+/// Whether a material has a texture: a member called `…Texture`, of its own or of its extensions.
+fn names_textures(material: &Value) -> bool {
+    match material {
+        Value::Object(members) => members
+            .iter()
+            .any(|(key, value)| key.ends_with("Texture") || key != "extras" && names_textures(value)),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::split;
+    use super::*;
+    use crate::MATERIAL;
+    use serde_json::json;
+
+    /// A strip of four triangles over six vertices, in two materials.
+    fn strip() -> Mesh {
+        let positions = (0..6).map(|i| [f64::from(i / 2), f64::from(i % 2), 0.0]).collect();
+        let groups = Attribute {
+            semantic: Semantic::Group(MATERIAL.to_owned()),
+            domain: Domain::Face,
+            width: 1,
+            values: vec![1.0, 2.0, 1.0, 2.0],
+        };
+        let colors = Attribute {
+            semantic: Semantic::Color(0),
+            domain: Domain::Face,
+            width: 3,
+            values: [[1.0; 3], [0.5; 3], [1.0; 3], [0.25; 3]].concat(),
+        };
+        let mesh = Mesh::new(positions, vec![[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]]).unwrap();
+        mesh.with_attribute(groups).and_then(|mesh| mesh.with_attribute(colors)).unwrap()
+    }
+
+    #[test]
+    fn each_material_has_vertices_of_its_own() {
+        let mesh = split(&strip()).unwrap().into_owned();
+        let primitives = PrimitiveMesh::of(&mesh).unwrap();
+        let sizes: Vec<_> = primitives
+            .iter()
+            .map(|p| (p.group, p.mesh(&mesh).positions().len(), p.mesh(&mesh).faces().len()))
+            .collect();
+        assert_eq!(sizes, [(1, 5, 2), (2, 6, 2)]);
+        assert_eq!(mesh.positions().len(), 11);
+        let corners = |mesh: &Mesh, face: usize| mesh.faces()[face].map(|i| mesh.positions()[i as usize]);
+        let strip = strip();
+        for (primitive, faces) in primitives.iter().zip([[0, 2], [1, 3]]) {
+            for (i, face) in faces.into_iter().enumerate() {
+                assert_eq!(corners(primitive.mesh(&mesh), i), corners(&strip, face));
+            }
+        }
+    }
+
+    #[test]
+    fn colours_and_texture_coordinates_are_not_invented() {
+        let mesh = split(&strip()).unwrap().into_owned();
+        let primitives = PrimitiveMesh::of(&mesh).unwrap();
+        let says: Vec<bool> = primitives
+            .iter()
+            .map(|p| p.says(p.mesh(&mesh).attribute(&Semantic::Color(0)).unwrap(), None))
+            .collect();
+        assert_eq!(says, [false, true]);
+        let zeros = Attribute {
+            semantic: Semantic::TexCoord(0),
+            domain: Domain::Vertex,
+            width: 2,
+            values: vec![0.0; 2],
+        };
+        let textured = json!({ "extensions": { "KHR_x": { "sheenColorTexture": { "index": 0 } } } });
+        assert!(!primitives[0].says(&zeros, Some(&json!({ "extras": { "aTexture": 1 } }))));
+        assert!(primitives[0].says(&zeros, Some(&textured)));
+    }
+}
