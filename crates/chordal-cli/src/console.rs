@@ -1,12 +1,11 @@
 //! What is said while working and afterwards: messages and progress on stderr, reports on stdout.
 use crate::args::ConsoleArgs;
 use crate::fault::{Fault, plainly};
-use crate::signal;
+use crate::{signal, stdout_at_start};
 use serde::Serialize;
 use serde_json::json;
 use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
 
 /// How much is said, and in which form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,21 +141,18 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Fails where the process was started with stdout closed. Rust's runtime opens `/dev/null` in its place, to
-/// be read and written, as hardly anybody does; elsewhere than on Linux nothing shows it.
+/// Fails where the process was started with stdout closed, or open only for reading. What goes to `/dev/null` was
+/// written.
 ///
 /// # Errors
 /// Then.
 pub fn check_stdout() -> Result<(), Fault> {
-    let is_null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|file| file == Path::new("/dev/null"));
-    let flags = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
-    let mode =
-        flags.lines().find_map(|line| u32::from_str_radix(line.strip_prefix("flags:")?.trim(), 8).ok());
-    // O_RDWR by Linux.
-    if is_null && mode.is_some_and(|mode| mode & 3 == 2) {
-        return Err(Fault::output("unwritable", "stdout: it is closed".to_owned()));
+    let fault = |why: &str| Err(Fault::output("unwritable", format!("stdout: {why}")));
+    match (stdout_at_start::was_closed(), stdout_at_start::cannot_be_written()) {
+        (true, _) => fault("it is closed"),
+        (_, true) => fault("it is not open for writing"),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 #[cfg(test)]

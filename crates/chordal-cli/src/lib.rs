@@ -48,6 +48,7 @@ mod signal;
 #[path = "no_signal.rs"]
 mod signal;
 pub mod spelling;
+mod stdout_at_start;
 #[cfg(not(target_family = "wasm"))]
 mod studio;
 mod summary;
@@ -67,6 +68,7 @@ use fault::{Exit, Fault};
 pub use program::Program;
 use std::ffi::OsString;
 use std::io::Write;
+pub use stdout_at_start::look_at_stdout;
 
 /// Runs the command with these arguments, of which the first is the program's own name, and returns the exit
 /// code.
@@ -80,7 +82,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
 /// The same, where other words than the path of this program start the command again, as `batch` does.
 #[cfg_attr(target_family = "wasm", expect(unused_variables, reason = "there is no batch"))]
 pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Program) -> u8 {
-    // First of all: parsing allocates too.
+    // First of all: a file that is opened before could take the number of a closed stdout.
+    look_at_stdout();
+    // Before parsing, which allocates too.
     signal::end_aborts_with_a_code();
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,

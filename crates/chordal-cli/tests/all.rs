@@ -28,6 +28,7 @@ mod report;
 mod script;
 mod script_meshes;
 mod signals;
+mod stdout;
 mod studio;
 mod surfaces;
 mod verify;
