@@ -25,9 +25,9 @@ File = str | os.PathLike[str] | bytes | bytearray | memoryview | _files.Readable
 if TYPE_CHECKING:
     # The names of formats by what `load` makes of them.
     _TriangleFormat = Literal[
-        "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "vtk"
+        "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "gii", "drc", "b3dm", "tileset"
     ]
-    _VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "mha", "mhd", "vti", "slc"]
+    _VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "hdr", "mha", "mhd", "vti", "slc"]
     _FieldFormat = Literal["star", "vm"]
 
 Kind = TypeVar("Kind", bound=Shape)
@@ -134,8 +134,7 @@ def load(
     their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
     Catmull–Clark cage where the file has subdivision tags, else triangles. `text` is what a font sets, as a drawing;
     `em` is the length of its em, 1 unless said, and `axes` says where axes of a variable font are, as in
-    `{"wght": 700}`. `index` is the volume or array to read of a file that holds several (.nii, .nrrd, .npz, .vti), counted
-    from 0.
+    `{"wght": 700}`. `index` is the volume, array or font to read of a file that holds several, counted from 0.
 
     Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
 
@@ -153,7 +152,10 @@ def load(
     elif isinstance(source, (str, os.PathLike)):
         if os.path.isdir(source) and any(os.path.exists(os.path.join(source, mark)) for mark in _ARRAY_MARKS):
             raise TypeError(f"source: {_files.shown(source)} is a volume on disk: chordal.block_volume reads it block by block")
-        if os.path.isdir(source):
+        listed = os.path.join(source, "tileset.json")
+        if os.path.isdir(source) and os.path.isfile(listed):
+            name, content = _files.shown(listed), _files.read(listed)
+        elif os.path.isdir(source):
             name, content = _files.slices_of(source)
             format = format or "dicom"
         else:

@@ -34,7 +34,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
-    /// For a file of several volumes or arrays (.nii, .nrrd, .npz, .vti): the one to read, counted from 0
+    /// For a file of several volumes, arrays or fonts: the one to read, counted from 0
     #[arg(long, value_name = "N")]
     pub index: Option<u64>,
 

@@ -1,8 +1,8 @@
-//! Folders as inputs: those that hold a series of slices.
+//! Folders as inputs: those that hold a series of slices, or the tiles of a tileset.
 use chordal_io::{Format, dicom};
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The list of the files in a folder, if one of them is a slice of DICOM.
 pub fn list_slices(folder: &Path) -> Option<Vec<u8>> {
@@ -18,6 +18,12 @@ pub fn list_slices(folder: &Path) -> Option<Vec<u8>> {
     names.sort();
     let has_slice = names.iter().any(|name| is_slice(&folder.join(name)));
     has_slice.then(|| dicom::slice_list(names.iter().map(String::as_str)))
+}
+
+/// The list of the tiles in a folder, as `lod` writes one.
+pub fn tileset_in(folder: &Path) -> Option<PathBuf> {
+    let list = folder.join("tileset.json");
+    (folder.is_dir() && list.is_file()).then_some(list)
 }
 
 fn is_slice(path: &Path) -> bool {

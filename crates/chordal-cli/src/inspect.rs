@@ -11,10 +11,12 @@ use crate::require::{Requirement, failures};
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::volume::VolumeArgs;
+use chordal::Job;
 use chordal::budget::JobError;
-use chordal::budget::advice::Spell;
+use chordal::budget::advice::{Message, Spell};
+use chordal_io::font::fonts_in;
 use chordal_verbs::report::{RunFacts, ValidityFacts};
-use chordal_verbs::{Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
+use chordal_verbs::{Input, Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 use clap::Args;
 
 /// `chordal inspect`
@@ -50,7 +52,12 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
     let job = execution::job(&args.input, None, &console);
-    let mut input = load::read(&args.input, &job, &console)?;
+    let (mut input, choices) = match load::read(&args.input, &job, &console) {
+        Err(fault) if matches!(fault.code, "several-volumes" | "several-fonts" | "no-text") => {
+            read_first(&args.input, fault, &job, &console)?
+        }
+        read => (read?, Vec::new()),
+    };
     args.volume.apply(&mut input.shape)?;
     let source = InputSource::from_arg(&args.input.input);
     let name = source.name();
@@ -72,11 +79,50 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     } else {
         inspect(&input).spelled(&CommandLine)
     };
+    choices.iter().for_each(|choice| console.say(&format!("{name}: {choice}")));
+    report.certificate.notes.extend(choices.into_iter().map(Message::from));
     let input_triangles = input.shape.n_triangles();
     let run = RunFacts { input: Some(name.clone()), input_triangles, ..report.run };
     report.run = clock.fill(run, &job);
     console.result(&report, &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
     check(&name, report.certificate.valid.as_ref(), &args.require)
+}
+
+/// Reads the first of the volumes, or the fonts, of a file that holds several, a font as its own name. Returns it with
+/// sentences that say what else there is.
+fn read_first(
+    args: &InputArgs,
+    fault: Fault,
+    job: &Job,
+    console: &Console,
+) -> Result<(Input, Vec<String>), Fault> {
+    let mut first = InputArgs { index: args.index.or(Some(0)), ..args.clone() };
+    let mut choices = Vec::new();
+    if fault.code == "several-volumes" {
+        let line = fault.lines.first().cloned().unwrap_or_default();
+        let name = InputSource::from_arg(&args.input).name();
+        choices.push(line.strip_prefix(&format!("{name}: ")).unwrap_or(&line).to_owned());
+        choices.push("this is the first".to_owned());
+    } else {
+        let limits = load::limits(args);
+        let bytes = InputSource::from_arg(&args.input).read(limits.bytes)?;
+        let Ok(fonts) = fonts_in(&bytes, &limits) else { return Err(fault) };
+        let shown =
+            first.index.and_then(|index| usize::try_from(index).ok()).and_then(|index| fonts.get(index));
+        let Some(name) = shown.and_then(|font| font.split(", ").next()) else { return Err(fault) };
+        first.text = Some(name.to_owned());
+        choices.extend(fonts.iter().enumerate().map(|(i, font)| format!("font {i}: {font}")));
+        choices.push("this is its name as it sets it; --text sets another text".to_owned());
+    }
+    match load::read(&first, job, console) {
+        Ok(input) => Ok((input, choices)),
+        Err(_) if first.text.is_none() => Err(fault),
+        // A font of symbols has no letters for its name: then there is the list alone.
+        Err(_) => {
+            choices.pop();
+            Err(Fault { lines: fault.lines.into_iter().chain(choices).collect(), ..fault })
+        }
+    }
 }
 
 fn fault(name: &str, stopped: &JobError) -> Fault {

@@ -5,9 +5,9 @@ use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EdgeMaximumFacts, EmbeddedCertificate, FieldFacts,
-    FindingFacts, GeometricEdgeCounts, Inspection, NurbsEdgeFacts, NurbsJoinFacts, ParametricEdgeCounts,
-    PathJoinFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts, ValidityFacts, WitnessFacts,
-    cures_of_all,
+    FindingFacts, GeometricEdgeCounts, Inspection, NurbsEdgeFacts, NurbsJoinFacts, Output,
+    ParametricEdgeCounts, PathJoinFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts,
+    ValidityFacts, WitnessFacts, cures_of_all,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -43,7 +43,9 @@ pub fn inspect(report: &Report, argument: &str) -> String {
     }
     let findings = report.inspection.as_ref().and_then(|inspection| inspection.findings.as_ref());
     if valid.is_some() && !has_triangles {
-        lines.add("surface", "no triangles: points only");
+        let is_empty = matches!(&certificate.output, Some(Output::Triangles(output)) if output.vertices == 0);
+        let what = if is_empty { "none: 0 triangles, and no points" } else { "no triangles: points only" };
+        lines.add("surface", what);
     } else if let (Some(valid), Some(findings)) = (valid, findings) {
         surface(&mut lines, valid);
         add_diagnosis(&mut lines, valid, findings);

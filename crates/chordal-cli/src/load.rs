@@ -3,7 +3,7 @@ use crate::args::{InputArgs, PolygonSurfaceArg};
 use crate::beside::{read_allowed, read_beside};
 use crate::console::Console;
 use crate::fault::{Exit, Fault};
-use crate::folder::list_slices;
+use crate::folder::{list_slices, tileset_in};
 use crate::input::InputSource;
 use crate::memory;
 use crate::overwrite::{is_same_file, parent};
@@ -144,7 +144,12 @@ struct RawInput {
 
 impl RawInput {
     fn read(args: &InputArgs, job: &Job) -> Result<Self, Fault> {
-        let source = InputSource::from_arg(&args.input);
+        let mut source = InputSource::from_arg(&args.input);
+        if let InputSource::File(path) = &mut source
+            && let Some(list) = tileset_in(path)
+        {
+            *path = list;
+        }
         let list = match &source {
             InputSource::File(path) => list_slices(path),
             InputSource::Stdin => None,
@@ -225,7 +230,7 @@ impl RawInput {
     }
 }
 
-fn limits(args: &InputArgs) -> Limits {
+pub fn limits(args: &InputArgs) -> Limits {
     let mut limits = Limits::default();
     limits.bytes = args.memory_limit().map_or(limits.bytes, |most| most.min(limits.bytes));
     limits.conformance = match (args.strict, args.lenient) {

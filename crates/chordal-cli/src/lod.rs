@@ -19,6 +19,7 @@ use chordal::budget::advice::Spell;
 use chordal::budget::{Length, Pixels};
 use chordal_io::tiles::GeoPlace;
 use chordal_io::{Format, picture_extensions};
+use chordal_verbs::formats::extensions_where;
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
 use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
@@ -197,9 +198,10 @@ impl LodForm {
             _ if name == "-" => Ok(Self::OneFile(Format::Glb)),
             None => Ok(Self::Tiles),
             Some(extension) => match Format::from_extension(extension) {
-                Some(format @ (Format::Glb | Format::Gltf)) => Ok(Self::OneFile(format)),
+                Some(format) if format.is_gltf() => Ok(Self::OneFile(format)),
                 _ => Err(Fault::usage(format!(
-                    "{name}: levels of detail are written as .glb or .gltf, or into a folder as 3D Tiles: end its name with /"
+                    "{name}: levels of detail are written as {}, or into a folder as 3D Tiles: end its name with /",
+                    extensions_where(Format::is_gltf, "or")
                 ))),
             },
         }

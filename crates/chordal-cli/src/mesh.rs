@@ -151,9 +151,9 @@ pub struct ResultArgs {
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub within: Option<Duration>,
 
-    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none and is from
-    /// no .glb or .gltf (auto); keep, none are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups,
-    /// by the smoothing groups of an .obj
+    /// Normals of triangles: what the shape has and, for .obj, .glb, .gltf, .usda and .usdz, crease=30deg where it
+    /// has none and is from no .glb or .gltf (auto); keep, none are added; flat; smooth; crease=ANGLE, smooth up to
+    /// that angle; groups, by the smoothing groups of an .obj
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
 

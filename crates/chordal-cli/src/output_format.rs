@@ -1,7 +1,8 @@
 //! The format of an output, by what is said or by its name.
 use crate::fault::Fault;
 use chordal_io::{ForeignFormat, Format};
-use chordal_verbs::{extension, formats};
+use chordal_verbs::extension;
+use chordal_verbs::formats::{self, in_words, names_where};
 use std::path::Path;
 
 /// The format to write: `--to`, else what the name says.
@@ -43,11 +44,15 @@ pub fn volume_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     refuse_other_name(path, to)?;
     let format = to.or_else(|| extension(&name).and_then(Format::from_extension));
+    let held = || names_where(Format::holds_volumes);
     match format {
         Some(format) if format.holds_volumes() => Ok(format),
-        Some(other) => Err(Fault::usage(format!("{other} holds no lattice; npy and nrrd do"))),
-        None => Err(refuse_foreign(&name, "npy, nrrd").unwrap_or_else(|| {
-            Fault::usage(format!("{name}: the name does not say the format; --to does, with npy or nrrd"))
+        Some(other) => {
+            Err(Fault::usage(format!("{other} holds no lattice; {} do", in_words(&held(), "and"))))
+        }
+        None => Err(refuse_foreign(&name, &held().join(", ")).unwrap_or_else(|| {
+            let names = in_words(&held(), "or");
+            Fault::usage(format!("{name}: the name does not say the format; --to does, with {names}"))
         })),
     }
 }

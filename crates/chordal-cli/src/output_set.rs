@@ -5,6 +5,7 @@ use crate::overwrite::refuse_occupied;
 use chordal_io::Format;
 use chordal_io::glb::GltfPacking;
 use chordal_verbs::OutputForm;
+use chordal_verbs::formats::extensions_where;
 use clap::{Args, ValueEnum};
 
 /// Arguments of verbs whose output may be several files.
@@ -52,11 +53,10 @@ impl OutputSetArgs {
         let packs = [(self.compress.is_some(), "--compress"), (self.quantize, "--quantize")];
         let asked = packs.iter().find(|(is_asked, _)| *is_asked);
         if let Some((_, option)) = asked
-            && !matches!(format, Format::Glb | Format::Gltf)
+            && !format.is_gltf()
         {
-            return Err(Fault::usage(format!(
-                "{option} is for .glb and .gltf; {format} holds plain numbers"
-            )));
+            let names = extensions_where(Format::is_gltf, "and");
+            return Err(Fault::usage(format!("{option} is for {names}; {format} holds plain numbers")));
         }
         if !self.separate {
             return Ok(());

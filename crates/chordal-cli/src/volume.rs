@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 
 /// Arguments for volumes.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Volumes (.npy, .npz, .nrrd, .nii, .mha, .mhd, .vti, .slc)")]
+#[command(next_help_heading = "Volumes")]
 pub struct VolumeArgs {
     /// The level of the surface; unless said, 0.5 for masks and occupancies, 0 for signed distances
     #[arg(long, value_name = "LEVEL", value_parser = level, allow_hyphen_values = true, conflicts_with = "labels")]

@@ -23,6 +23,7 @@ mod mend;
 mod normals;
 mod output;
 mod patches;
+mod readers;
 mod render;
 mod report;
 mod script;

@@ -253,7 +253,7 @@ fn what_makes_no_sense_is_refused_in_one_sentence() {
     fails(
         &["mesh", &patch, "--level", "1"],
         2,
-        &["--level is for polygon cages (.obj, .usda), and the input holds patches"],
+        &["--level is for polygon cages (.obj, .usda, .usdc or .usdz), and the input holds patches"],
     );
     fails(&["mesh", &cage], 2, &["within a budget (--tol, --px or --triangles), or polygons with --level N"]);
     fails(

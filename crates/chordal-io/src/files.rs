@@ -1,10 +1,33 @@
 //! Files beside the one that is read: resolves their relative URIs to paths below its folder, and refuses all
 //! others.
+use std::borrow::Cow;
 
 /// Returns the bytes of a file by its path below the folder of the file that is read, or says why not. Such a
 /// path has no `..`, no scheme and no leading `/`. The opener must handle symbolic links that leave the
 /// folder.
+///
+/// A path that begins with `*.` stands for the file of the same name with that extension in the place of its own, since
+/// readers do not know the name: [`crate::with_stem`] puts it in.
 pub type FileOpener<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// The start of the path of a file that has the name of the first, with another extension.
+pub(crate) const SAME_STEM: &str = "*.";
+
+/// The path that an opener was asked for, with the name of the first file, up to its extension, in the place of a `*`.
+///
+/// ```
+/// use chordal_io::with_stem;
+/// assert_eq!(with_stem("*.img", Some("scans/brain.hdr")).as_deref(), Some("brain.img"));
+/// assert_eq!(with_stem("a.bin", None).as_deref(), Some("a.bin"));
+/// assert_eq!(with_stem("*.img", None), None);
+/// ```
+#[must_use]
+pub fn with_stem<'p>(path: &'p str, name: Option<&str>) -> Option<Cow<'p, str>> {
+    let Some(extension) = path.strip_prefix(SAME_STEM) else { return Some(Cow::Borrowed(path)) };
+    let file = name?.rsplit(['/', '\\']).next()?;
+    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    Some(Cow::Owned(format!("{stem}.{extension}")))
+}
 
 /// Why a URI names no file below the folder.
 pub(crate) enum UriError {

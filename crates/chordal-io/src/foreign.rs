@@ -28,6 +28,8 @@ const RHINO: &str = "examples/rhino_to_surfaces.py writes its surfaces as JSON (
                      from Rhino, as 3MF, STL or glTF at the tolerance that you need";
 const SCENE: &str = "export it as glTF (.glb) or USD from the program that it is of, or from Blender";
 const PICTURE: &str = "a picture is no shape";
+const OPENSCAD: &str = "docs/shape-scripts-openscad.md shows how its words are written in a shape script (.star), or export \
+                        its part from OpenSCAD as 3MF or STL";
 const UNPACK: &str = "fonttools unpacks it: TTFont(name), flavor = None, save as .ttf";
 const POINTS: &str =
     "points have no surface: a program such as MeshLab or CloudCompare makes triangles of them (PLY)";
@@ -42,7 +44,8 @@ const fn row(
 }
 
 /// The table. Only beginnings that no text or number of a known format could have stand in it.
-static TABLE: [ForeignFormat; 37] = [
+static TABLE: [ForeignFormat; 39] = [
+    row("a script of OpenSCAD", &["scad", "csg"], &[], OPENSCAD),
     row("FBX", &["fbx"], &[b"Kaydara FBX Binary", b"; FBX "], SCENE),
     row("STEP", &["step", "stp", "p21"], &[b"ISO-10303-21"], CAD_SCRIPT),
     row("IFC", &["ifc"], &[], "IfcConvert or FreeCAD exports its shapes as glTF"),
@@ -83,6 +86,7 @@ static TABLE: [ForeignFormat; 37] = [
         &[b"\x89HDF\r\n\x1a\n"],
         "save the array as .npy, or the volume as NRRD or NIfTI",
     ),
+    row("the samples of a pair of files", &["img"], &[], "the header beside it (.hdr) is what is opened"),
     row("an E57 point cloud", &["e57"], &[b"ASTM-E57"], POINTS),
     row("a LAS point cloud", &["las", "laz"], &[b"LASF"], POINTS),
     row("a point cloud", &["xyz", "pts", "ptx", "pcd", "asc"], &[b"# .PCD "], POINTS),

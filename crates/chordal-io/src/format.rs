@@ -11,8 +11,8 @@ use crate::unpack_cap::UnpackCap;
 use crate::volume::inflate::{MAGIC, peek};
 use crate::{Limits, SceneAssets};
 use crate::{
-    amf, bez, bpt, collada, dicom, font, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc, stl, svg,
-    teaset, threemf, usd, vm, vti, vtk,
+    amf, bez, bpt, collada, dicom, drc, font, gii, glb, mha, nii, npy, nrrd, obj, off, ply, shape_json, slc,
+    stl, svg, teaset, threemf, tiles, usd, vm, vti, vtk,
 };
 use chordal::explicit::Topology;
 use std::fmt;
@@ -47,6 +47,12 @@ pub enum Format {
     Glb,
     /// glTF 2.0 as JSON, with buffers and pictures in it or beside it.
     Gltf,
+    /// A tile of 3D Tiles 1.0, with a GLB in it.
+    B3dm,
+    /// The list of the tiles of 3D Tiles, of which the finest are read.
+    Tileset,
+    /// Draco's compressed triangles.
+    Drc,
     /// Geomview's OFF, text or binary.
     Off,
     /// 3MF, the format of 3D printing.
@@ -59,8 +65,10 @@ pub enum Format {
     Vtp,
     /// VTK UnstructuredGrid in XML, of which the surface is read.
     Vtu,
-    /// VTK's legacy form of both.
+    /// VTK's legacy form of both, and of volumes.
     Vtk,
+    /// GIFTI, surfaces of brains in XML.
+    Gii,
     /// USD as text, or a `.usd` file in either form.
     Usda,
     /// USD in its binary form.
@@ -154,6 +162,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     has_nodes: true,
     wants_normals: true,
     has_certificate: true,
+    holds_points: false,
     keeps: None,
     changes: None,
 };
@@ -174,12 +183,13 @@ const USD_TRIANGLES: TriangleFormat = TriangleFormat {
     has_nodes: true,
     wants_normals: true,
     has_certificate: true,
+    holds_points: true,
     keeps: Some(usd::keeps),
     changes: Some(usd::changes),
 };
 
 /// The table of formats, in the order of the enum.
-static TABLE: [FormatRow; 31] = [
+static TABLE: [FormatRow; 35] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     FormatRow {
         extensions: &["bbp"],
@@ -207,6 +217,7 @@ static TABLE: [FormatRow; 31] = [
             has_nodes: false,
             wants_normals: true,
             has_certificate: true,
+            holds_points: true,
             keeps: Some(obj::keeps),
             changes: Some(obj::lost_looks),
         }),
@@ -224,6 +235,7 @@ static TABLE: [FormatRow; 31] = [
             has_nodes: false,
             wants_normals: false,
             has_certificate: true,
+            holds_points: true,
             keeps: Some(|attribute, _| ply::keeps(attribute)),
             changes: None,
         }),
@@ -241,6 +253,7 @@ static TABLE: [FormatRow; 31] = [
             has_nodes: false,
             wants_normals: false,
             has_certificate: false,
+            holds_points: false,
             keeps: Some(|_, _| false),
             changes: None,
         }),
@@ -261,6 +274,20 @@ static TABLE: [FormatRow; 31] = [
         ..only_read(Format::Gltf, "gltf", |bytes| glb::looks_like_json(text_start(bytes)), glb::read)
     },
     FormatRow {
+        extensions: &["i3dm", "cmpt"],
+        ..only_read(Format::B3dm, "b3dm", tiles::old_tile::looks_like, tiles::old_tile::read)
+    },
+    FormatRow {
+        read: Some(FormatReader::WithOthers(tiles::scene::read_scene)),
+        ..only_read(
+            Format::Tileset,
+            "tileset",
+            |bytes| tiles::scene::looks_like(text_start(bytes)),
+            |bytes, limits| tiles::scene::read_scene(bytes, None, limits),
+        )
+    },
+    only_read(Format::Drc, "drc", |bytes| bytes.starts_with(drc::MAGIC), drc::read),
+    FormatRow {
         triangles: Some(TriangleFormat {
             write: off::write,
             write_files: None,
@@ -272,6 +299,7 @@ static TABLE: [FormatRow; 31] = [
             has_nodes: false,
             wants_normals: false,
             has_certificate: true,
+            holds_points: true,
             keeps: Some(off::keeps),
             changes: None,
         }),
@@ -289,6 +317,7 @@ static TABLE: [FormatRow; 31] = [
             has_nodes: true,
             wants_normals: false,
             has_certificate: true,
+            holds_points: false,
             keeps: Some(threemf::keeps),
             changes: Some(threemf::changes),
         }),
@@ -308,6 +337,7 @@ static TABLE: [FormatRow; 31] = [
             has_nodes: false,
             wants_normals: false,
             has_certificate: true,
+            holds_points: true,
             keeps: Some(|attribute, _| vtk::keeps(attribute)),
             changes: None,
         }),
@@ -320,6 +350,10 @@ static TABLE: [FormatRow; 31] = [
         vtk::read_xml,
     ),
     only_read(Format::Vtk, "vtk", vtk::looks_legacy, vtk::read),
+    FormatRow {
+        read: Some(FormatReader::WithOthers(gii::read_with)),
+        ..only_read(Format::Gii, "gii", |bytes| gii::looks_like(text_start(bytes)), gii::read)
+    },
     FormatRow {
         read: Some(FormatReader::WithOthers(usd::read_with)),
         extensions: &["usd"],
@@ -366,7 +400,11 @@ static TABLE: [FormatRow; 31] = [
         volumes: Some(nrrd::write),
         ..volume_row(Format::Nrrd, "nrrd", |bytes| bytes.starts_with(nrrd::MAGIC), nrrd::read)
     },
-    FormatRow { extensions: &["nii.gz"], ..volume_row(Format::Nii, "nii", nii::looks_like, nii::read) },
+    FormatRow {
+        extensions: &["nii.gz", "hdr"],
+        read: Some(FormatReader::WithOthers(nii::read_with)),
+        ..volume_row(Format::Nii, "nii", nii::looks_like, nii::read)
+    },
     volume_row(Format::Npz, "npz", npy::looks_like_npz, npy::read_npz),
     FormatRow {
         extensions: &["mhd"],
@@ -395,8 +433,10 @@ static TABLE: [FormatRow; 31] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-const BY_CONTENT: [Format; 30] = [
+const BY_CONTENT: [Format; 34] = [
     Format::Glb,
+    Format::B3dm,
+    Format::Drc,
     Format::Usdc,
     Format::Usdz,
     Format::ThreeMf,
@@ -413,11 +453,13 @@ const BY_CONTENT: [Format; 30] = [
     Format::Vtp,
     Format::Vtu,
     Format::Vtk,
+    Format::Gii,
     Format::Ply,
     Format::Off,
     Format::Bez,
     Format::Stl,
     Format::Usda,
+    Format::Tileset,
     Format::Gltf,
     Format::Json,
     Format::Vti,
@@ -545,6 +587,24 @@ impl Format {
         self.row().triangles.as_ref().is_some_and(|format| format.wants_normals)
     }
 
+    /// Whether a file of it may hold points and no triangle.
+    #[must_use]
+    pub fn holds_points(self) -> bool {
+        self.row().triangles.as_ref().is_some_and(|format| format.holds_points)
+    }
+
+    /// Whether triangles lose no digit: every bit of their positions is kept.
+    #[must_use]
+    pub fn keeps_every_digit(self) -> bool {
+        self.holds_triangles() && self.precision() == PositionPrecision::Double
+    }
+
+    /// Whether it is glTF, in either container: its numbers can be packed, and it holds levels of detail.
+    #[must_use]
+    pub fn is_gltf(self) -> bool {
+        matches!(self, Self::Glb | Self::Gltf)
+    }
+
     /// How vertices lie in a file of it.
     #[must_use]
     pub fn vertex_rows(self) -> VertexRows {
@@ -601,7 +661,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, bez, teaset, json, obj, ply, stl, glb, gltf, off, 3mf, amf, dae, vtp, vtu, vtk, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
+            "'dwg' is no format; they are bpt, bez, teaset, json, obj, ply, stl, glb, gltf, b3dm, tileset, drc, off, 3mf, amf, dae, vtp, vtu, vtk, gii, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

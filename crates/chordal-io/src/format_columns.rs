@@ -61,6 +61,8 @@ pub(crate) struct TriangleFormat {
     /// Whether readers of it want normals rather than compute their own.
     pub wants_normals: bool,
     pub has_certificate: bool,
+    /// Whether a file may hold points and no triangle.
+    pub holds_points: bool,
     /// Whether an attribute is kept, with the first of all rows that are the same vertex; none where the writer
     /// itself reports what it leaves out.
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,

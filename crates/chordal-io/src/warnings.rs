@@ -42,6 +42,11 @@ impl Warnings {
     }
 
     /// Adds what others have counted, after all before.
+    /// Whether anything of a kind was counted.
+    pub(crate) fn has(&self, code: &str) -> bool {
+        self.list.iter().any(|warning| warning.code == code)
+    }
+
     pub(crate) fn append(&mut self, others: Self) {
         for Warning { code, count, place, message } in others.list {
             self.count_many(code, count, || (place, message));

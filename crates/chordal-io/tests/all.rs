@@ -9,6 +9,8 @@ mod common;
 mod corpus;
 mod font;
 mod font_glyphs;
+mod format_table;
+mod gifti;
 mod glb;
 mod hostile_obj;
 mod hostile_off;

@@ -11,6 +11,7 @@ use chordal::budget::advice::Spell;
 use chordal_cli::spelling::CommandLine;
 use chordal_io::glb::GltfPacking;
 use chordal_io::{FileSet, Format, Scene};
+use chordal_verbs::formats::{in_words, names_where};
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
     BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
@@ -240,9 +241,10 @@ pub(crate) fn form_of(format: &str, quantize: bool, compress: Option<&str>) -> P
         return Err(failure::argument("compress", "'meshopt' is the one codec"));
     }
     let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: quantize };
-    if packing != GltfPacking::default() && !matches!(to, Format::Glb | Format::Gltf) {
+    if packing != GltfPacking::default() && !to.is_gltf() {
         let name = if quantize { "quantize" } else { "compress" };
-        return Err(failure::argument(name, format!("it is for glb and gltf; {to} holds plain numbers")));
+        let names = in_words(&names_where(Format::is_gltf), "and");
+        return Err(failure::argument(name, format!("it is for {names}; {to} holds plain numbers")));
     }
     Ok(OutputForm { format: to, packing })
 }

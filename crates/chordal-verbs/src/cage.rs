@@ -1,6 +1,7 @@
 //! Cages: their limit surface within a budget, and their refined control meshes.
 use crate::file_rows::to_file_rows;
 use crate::format_rounding::{RoundingTarget, single_precision_note};
+use crate::formats::extensions_where;
 use crate::geometry_digest::{written_digest, written_polygons_digest};
 use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::request::MeshRequest;
@@ -221,9 +222,10 @@ fn not_a_cage_message(shape: &Shape, format: Format) -> Message {
             .value(Setting::Surface, "catmull-clark")
             .words(" makes them one")
     } else {
+        let names = extensions_where(Format::may_hold_cages, "or");
         Message::default()
             .setting(Setting::Level)
-            .words(format_args!(" is for polygon cages (.obj, .usda), and the input holds {}", shape.kind()))
+            .words(format_args!(" is for polygon cages ({names}), and the input holds {}", shape.kind()))
     }
 }
 

@@ -1,6 +1,7 @@
 //! `convert`: the same shape in another format, with a note for everything that it does not hold.
 use crate::cubic_paths::cubic_paths;
 use crate::finish::finish_triangles;
+use crate::formats::{in_words, names_where};
 use crate::geometry_digest::{polylines_digest, volume_digest, written_digest, written_polygons_digest};
 use crate::pass_through::pass_through;
 use crate::report::{BoundFacts, Certificate, Output, PolygonFacts, PolylineFacts};
@@ -239,8 +240,9 @@ fn refuse_points_alone(scene: &Scene, to: Format) -> Result<(), MeshFailure> {
         return Ok(());
     }
     let message = format!(
-        "nothing was written: there are {n_points} points and no triangle, and {to} holds triangles alone; OBJ, OFF, \
-         PLY, USDA and VTP hold points"
+        "nothing was written: there are {n_points} points and no triangle, and {to} holds triangles alone; {} hold \
+         points",
+        in_words(&names_where(Format::holds_points), "and")
     );
     Err(MeshFailure::refused(RefusalCode::Empty, message))
 }

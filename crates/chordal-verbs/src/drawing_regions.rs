@@ -1,10 +1,11 @@
 //! `FilledRegions`: the outlines of what a drawing fills.
+use crate::formats::extensions_where;
 use chordal::budget::advice::Message;
 use chordal::budget::{Refusal, RefusalCode};
 use chordal::explicit::parametric::AffineMap;
 use chordal::explicit::{Curve, Outline};
 use chordal::math::Box3;
-use chordal_io::{Axis, Drawing, Frame};
+use chordal_io::{Axis, Drawing, Format, Frame};
 
 const TURNED: &str = "y grows downwards in the drawing and upwards in space: every y is negated";
 const MEANING: &str = "the bound is that of each outline and its polyline; a point that is inside on one side only, the \
@@ -24,8 +25,10 @@ impl FilledRegions {
     pub fn from_drawing(drawing: &Drawing, notes: &mut Vec<Message>) -> Result<Self, Refusal> {
         let mut outlines: Vec<Outline> = drawing.filled().collect();
         if outlines.iter().all(|outline| outline.contours.is_empty()) {
-            let message =
-                "the drawing fills nothing: its lines can be written as polylines, to .json or .svg";
+            let message = format!(
+                "the drawing fills nothing: its lines can be written as polylines, to {}",
+                extensions_where(Format::holds_polylines, "or")
+            );
             return Err(Refusal::new(RefusalCode::Empty, message));
         }
         let mut frame = drawing.frame;

@@ -66,7 +66,7 @@ impl MeshFailure {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Length(_) | Self::Usage(_) => 2,
+            Self::Length(_) | Self::Usage(_) | Self::Refused(Refusal { code: RefusalCode::Usage, .. }) => 2,
             Self::Refused(Refusal {
                 code: RefusalCode::NotFinite | RefusalCode::Empty | RefusalCode::Unsupported,
                 ..

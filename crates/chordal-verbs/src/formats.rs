@@ -6,30 +6,56 @@ use chordal_io::Format;
 /// The names of the formats that hold triangles, as in "obj, ply, stl, glb".
 #[must_use]
 pub fn mesh_names() -> String {
-    let names: Vec<_> =
-        Format::all().filter(|format| format.holds_triangles()).map(|f| f.to_string()).collect();
-    names.join(", ")
+    names_where(Format::holds_triangles).join(", ")
+}
+
+/// The names of the formats of which something is so, in the order of the table. What a sentence says of formats
+/// comes from here, so that it stays true as formats are added.
+#[must_use]
+pub fn names_where(is_so: impl Fn(Format) -> bool) -> Vec<String> {
+    Format::all().filter(|format| is_so(*format)).map(|format| format.to_string()).collect()
+}
+
+/// A list in a sentence, the last two joined by `word`.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::formats::{in_words, names_where};
+/// assert_eq!(in_words(&names_where(Format::holds_volumes), "and"), "npy and nrrd");
+/// ```
+#[must_use]
+pub fn in_words(names: &[String], word: &str) -> String {
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} {word} {last}", others.join(", ")),
+        Some((only, _)) => only.clone(),
+        None => String::new(),
+    }
+}
+
+/// The same for extensions with their dots, as in ".json or .svg".
+#[must_use]
+pub fn extensions_where(is_so: impl Fn(Format) -> bool, word: &str) -> String {
+    let dotted: Vec<String> = names_where(is_so).iter().map(|name| format!(".{name}")).collect();
+    in_words(&dotted, word)
 }
 
 /// The names of the formats that `mesh` can write.
 #[must_use]
 pub fn output_names() -> String {
-    let written = |format: &Format| format.holds_triangles() || format.holds_polylines();
-    Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
+    names_where(|format| format.holds_triangles() || format.holds_polylines()).join(", ")
 }
 
 /// The names of all formats that can be written.
 #[must_use]
 pub fn writable_names() -> String {
-    let written =
-        |format: &Format| format.holds_triangles() || format.holds_polylines() || format.holds_volumes();
-    Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
+    names_where(|format| format.holds_triangles() || format.holds_polylines() || format.holds_volumes())
+        .join(", ")
 }
 
 /// The names of all formats: each is read.
 #[must_use]
 pub fn readable_names() -> String {
-    Format::all().map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
+    names_where(|_| true).join(", ")
 }
 
 /// Refuses a format that cannot hold the shape, in a sentence with an alternative.

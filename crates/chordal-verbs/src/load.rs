@@ -35,8 +35,16 @@ impl FormatHint<'_> {
     #[must_use]
     pub fn format_of(self, bytes: &[u8]) -> Option<Format> {
         let extension = self.name.and_then(extension);
-        let by_name = || extension.and_then(Format::from_packed_extension);
-        self.format.or_else(by_name).or_else(|| Format::sniff(bytes))
+        // The list of a tileset is JSON, and its name says no more.
+        let is_named =
+            |format: &Format| *format != Format::Json || Format::sniff(bytes) != Some(Format::Tileset);
+        let by_name = || extension.and_then(Format::from_packed_extension).filter(is_named);
+        // Texts of other languages may begin like one of these, which have no mark.
+        let has_mark = |format: &Format| {
+            !matches!(format, Format::Obj | Format::Vm | Format::Teaset | Format::Bpt)
+                || extension.and_then(ForeignFormat::from_extension).is_none()
+        };
+        self.format.or_else(by_name).or_else(|| Format::sniff(bytes).filter(has_mark))
     }
 }
 
@@ -189,7 +197,10 @@ fn load_from(
     }
     let mut files: Vec<InputFile> = Vec::new();
     let mut open = open.map(|open| {
-        |path: &str| {
+        |asked: &str| {
+            let path =
+                chordal_io::with_stem(asked, hint.name).ok_or("the name of the first file is not known")?;
+            let path = &*path;
             let bytes = open(path)?;
             if files.iter().all(|file| file.path != path) {
                 let n_bytes = bytes.len() as u64;

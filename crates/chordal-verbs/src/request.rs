@@ -1,5 +1,6 @@
 //! `MeshRequest`: a budget for one shape and one format, and how a conversion runs within it.
 use crate::format_rounding::{RoundingTarget, lattice_within, length_for_lattice};
+use crate::formats::{in_words, names_where};
 use crate::rounded_mesh::snap_with_bound;
 use crate::{MeshFailure, OutputForm};
 use chordal::budget::{Bound, Bounded, Budget, Failure, PixelBudget, Pixels, RefusalCode, Tolerance};
@@ -108,7 +109,8 @@ impl MeshRequest {
         let too_small = |asked: String, lost: String| {
             let message = format!(
                 "{asked} is less than what rounding to the single precision of {to} may cost here, {lost}; \
-                 obj, ply and off keep every digit"
+                 {} keep every digit",
+                in_words(&names_where(Format::keeps_every_digit), "and")
             );
             MeshFailure::refused(RefusalCode::BelowPrecision, message)
         };

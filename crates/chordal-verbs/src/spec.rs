@@ -1,10 +1,12 @@
 //! `BudgetSpec`: a budget as a user requests it, before the shape is known.
+use crate::formats::extensions_where;
 use crate::{MeshFailure, Normals, Shape};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence, digits};
 use chordal::convert::Spacing;
 use chordal::lod::count::Effort;
+use chordal_io::Format;
 
 /// A budget whose length can be a percentage or have a unit.
 ///
@@ -94,7 +96,9 @@ impl BudgetSpec {
             }
             (false, _, Some(n)) => {
                 let what = Message::from("triangles have no segments: ");
-                what.value(Setting::Triangles, n).words(" limits them; for polylines write .json or .svg")
+                let names = extensions_where(Format::holds_polylines, "or");
+                what.value(Setting::Triangles, n)
+                    .words(format_args!(" limits them; for polylines write {names}"))
             }
             _ => return Ok(()),
         };

@@ -65,6 +65,10 @@ pub(crate) fn tessellate_scene(
     made.map_err(|failure| match failure {
         MeshFailure::Cancelled => JobError::Cancelled,
         MeshFailure::Refused(refusal) => JobError::Refused(refusal),
+        // The same code whichever verb asks.
+        MeshFailure::Length(_) | MeshFailure::Usage(_) => {
+            JobError::Refused(Refusal::new(RefusalCode::Usage, failure.message()))
+        }
         other => JobError::Refused(Refusal::new(RefusalCode::Unsupported, other.message())),
     })
 }

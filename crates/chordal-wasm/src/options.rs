@@ -2,7 +2,8 @@
 use chordal::budget::{Length, PixelBudget, Pixels, RequiredEvidence, Unit, View};
 use chordal_io::glb::GltfPacking;
 use chordal_io::{Axis, Format};
-use chordal_verbs::{BudgetSpec, Normals, OutputForm, formats};
+use chordal_verbs::formats::{self, in_words, names_where};
+use chordal_verbs::{BudgetSpec, Normals, OutputForm};
 use serde_json::{Map, Value};
 use std::str::FromStr;
 
@@ -74,8 +75,9 @@ impl MeshOptions {
             return Err(format!("compress is \"meshopt\", not {codec}"));
         }
         let packing = GltfPacking { is_compressed: compress.is_some(), is_quantized: all.flag("quantize")? };
-        if packing != GltfPacking::default() && !matches!(to, Format::Glb | Format::Gltf) {
-            return Err(format!("compress and quantize are for glb and gltf; {to} holds plain numbers"));
+        if packing != GltfPacking::default() && !to.is_gltf() {
+            let names = in_words(&names_where(Format::is_gltf), "and");
+            return Err(format!("compress and quantize are for {names}; {to} holds plain numbers"));
         }
         Ok(Self {
             name: all.text("name")?,

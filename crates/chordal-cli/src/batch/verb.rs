@@ -2,6 +2,7 @@
 use crate::fault::Fault;
 use chordal_io::{Format, PictureFormat};
 use chordal_verbs::extension;
+use chordal_verbs::formats::{in_words, names_where};
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -79,12 +80,12 @@ impl BatchVerb {
             }
             Self::Inspect => return if lower == "json" { Ok(lower) } else { refuse("json") },
             Self::Lod => return if lower == "glb" { Ok(lower) } else { refuse("glb") },
-            Self::Bake => (is_held(&mesh[2..]), "npy and nrrd"),
-            Self::Mesh => (is_held(&mesh[..2]), "formats of triangles and of polylines"),
-            Self::Mend => (is_held(&mesh[..1]), "formats of triangles"),
-            Self::Convert => (is_held(&mesh), "formats that are not only read"),
+            Self::Bake => (is_held(&mesh[2..]), in_words(&names_where(Format::holds_volumes), "and")),
+            Self::Mesh => (is_held(&mesh[..2]), "formats of triangles and of polylines".to_owned()),
+            Self::Mend => (is_held(&mesh[..1]), "formats of triangles".to_owned()),
+            Self::Convert => (is_held(&mesh), "formats that are not only read".to_owned()),
         };
-        found.map_or_else(|| refuse(which), Ok)
+        found.map_or_else(|| refuse(&which), Ok)
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! The baseline of the first line is y = 0, and x = 0 is where it starts; y grows upwards.
 mod font_file;
+mod font_list;
 mod glyph_pen;
 mod placed_glyph;
 mod typesetter;
@@ -13,6 +14,7 @@ use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::budget::advice::{Message, Setting};
 use chordal::explicit::FillRule;
 use font_file::FontFile;
+pub use font_list::fonts_in;
 use glyph_pen::GlyphPen;
 use typesetter::Typesetter;
 

@@ -1,36 +1,22 @@
 //! Unpacks the primitives that are compressed by `KHR_draco_mesh_compression`.
 //!
-//! The streams are decoded by `draco-core`, a port of Google's library to safe Rust; here is what glTF says
-//! about them: which attribute of a stream is which accessor. A stream declares how much it decodes to in a
-//! few bytes, so the decoder gets limits.
+//! Here is what glTF says about the streams: which attribute of a stream is which accessor.
 //!
 //! Source: F. Emelianenko and others, *KHR_draco_mesh_compression*, Khronos Group, 2018.
 use super::format::ComponentType;
 use super::lint::GltfLint;
 use super::model::{GltfAccessor, GltfModel, GltfPrimitive, item};
+use crate::draco_stream::{self, BROKEN_STREAM, Refusal};
 use crate::{FileLocation, Limits, ReadError};
 use chordal::math::{greater, lesser};
 use draco_core::draco_types::DataType;
-use draco_core::geometry_attribute::PointAttribute;
-use draco_core::geometry_indices::{FaceIndex, PointIndex};
-use draco_core::{DecodeLimits, DecoderBuffer, ErrorKind, MeshDecoder};
 use std::collections::BTreeMap;
 
 /// The name of the extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// The code of a stream that cannot be decoded, or is not what its primitive says.
-pub(super) const BROKEN_STREAM: &str = "draco-stream";
-
-/// Room for the tables of the decoder: up to a dozen arrays of four bytes over the three corners of a triangle and
-/// the seams of its attributes.
-const BYTES_PER_FACE: u64 = 200;
-
 /// The accessors that streams have filled, each with the stream's view and the attribute in it.
 type FilledAccessors = BTreeMap<usize, (usize, Option<u32>)>;
-
-/// Why a stream is refused: a code, and a sentence.
-type Refusal = (&'static str, String);
 
 /// Whether what a primitive draws is in the file without its stream, too.
 pub(super) fn has_plain_copy(model: &GltfModel<'_>, primitive: &GltfPrimitive<'_>) -> bool {
@@ -142,26 +128,8 @@ fn decode(
     if let Some((accessor, _)) = other {
         return Err(broken(format!("accessor {accessor} has its rows from another stream")));
     }
-    let ceilings = DecodeLimits::default()
-        .with_max_points(limits.rows)
-        .with_max_faces(lesser_of(limits.rows, left / BYTES_PER_FACE))
-        .with_max_decoded_bytes(left);
-    let mut mesh = draco_core::Mesh::new();
-    let mut buffer = DecoderBuffer::new(stream).with_limits(ceilings);
-    MeshDecoder::new().decode(&mut buffer, &mut mesh).map_err(|error| {
-        let code = match error.kind() {
-            ErrorKind::LimitExceeded => "too-large",
-            ErrorKind::UnsupportedFeature
-            | ErrorKind::UnsupportedVersion
-            | ErrorKind::BitstreamVersionUnsupported => "unsupported-extension",
-            _ => BROKEN_STREAM,
-        };
-        (code, format!("the stream of Draco cannot be decoded: {}", error.message()))
-    })?;
+    let mesh = draco_stream::decode(stream, limits, left)?;
     let n_points = mesh.num_points();
-    if n_points == 0 || mesh.num_faces() == 0 {
-        return Err(broken("the stream holds no triangles".to_owned()));
-    }
     let row_bytes = |accessor: &GltfAccessor| accessor.format().map_or(0, |format| format.row_length());
     let all = wanted.iter().filter_map(|(accessor, _)| item(&model.accessors, Some(*accessor)));
     let n_bytes = all.map(row_bytes).fold(0, u64::saturating_add).saturating_mul(n_points as u64);
@@ -187,7 +155,7 @@ fn decode(
                     let kind = attribute.data_type();
                     broken(format!("attribute {unique} is of {kind:?}, which its accessor is not"))
                 })?;
-                (component, n_points as u64, value_bytes(attribute, n_points, unique)?)
+                (component, n_points as u64, draco_stream::value_bytes(attribute, n_points)?)
             }
         };
         rows.push(DracoRows { accessor: *accessor, id: *id, component, count, bytes });
@@ -198,30 +166,8 @@ fn decode(
 /// The corners of the triangles, four bytes each.
 fn index_bytes(mesh: &draco_core::Mesh) -> Result<Vec<u8>, Refusal> {
     let mut bytes = Vec::with_capacity(12 * mesh.num_faces());
-    for i in 0..mesh.num_faces() {
-        for corner in mesh.face(FaceIndex(i as u32)) {
-            if corner.0 as usize >= mesh.num_points() {
-                return Err((BROKEN_STREAM, format!("triangle {i} has a corner that is no point")));
-            }
-            bytes.extend_from_slice(&corner.0.to_le_bytes());
-        }
-    }
-    Ok(bytes)
-}
-
-/// The values of an attribute by point.
-fn value_bytes(attribute: &PointAttribute, n_points: usize, unique: &u32) -> Result<Vec<u8>, Refusal> {
-    let n_row = attribute.data_type().byte_length() * usize::from(attribute.num_components());
-    let stride = usize::try_from(attribute.byte_stride()).unwrap_or(0);
-    let data = attribute.buffer().data();
-    let mut bytes = Vec::with_capacity(n_row * n_points);
-    for i in 0..n_points {
-        let value = attribute.mapped_index(PointIndex(i as u32)).0 as usize;
-        let start = value.checked_mul(stride).filter(|_| value < attribute.size());
-        let row = start.and_then(|start| data.get(start..start.checked_add(n_row)?));
-        let row =
-            row.ok_or_else(|| (BROKEN_STREAM, format!("attribute {unique} has no value for point {i}")))?;
-        bytes.extend_from_slice(row);
+    for face in draco_stream::faces(mesh) {
+        face?.iter().for_each(|corner| bytes.extend_from_slice(&corner.to_le_bytes()));
     }
     Ok(bytes)
 }

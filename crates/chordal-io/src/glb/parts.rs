@@ -9,6 +9,7 @@ use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
 use super::report::GlbWarnings;
 use super::skin_plan::SkinPlan;
 use super::triangles::{PrimitiveIndices, triangles};
+use crate::draco_stream::BROKEN_STREAM;
 use crate::{FileLocation, Limits, MATERIAL, Part, ReadError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, position_id_by_bits};
@@ -179,7 +180,7 @@ impl<'m> PartReader<'m> {
                 );
             } else if item(&self.model.accessors, Some(position)).is_none_or(|rows| rows.unpacked.is_none()) {
                 let what = "the stream of Draco that holds the triangles could not be decoded";
-                return Err(ReadError::new(draco::BROKEN_STREAM, place(), what));
+                return Err(ReadError::new(BROKEN_STREAM, place(), what));
             }
         }
         let key = (&primitive.attributes, primitive.targets.as_deref());

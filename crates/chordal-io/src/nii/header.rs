@@ -27,7 +27,9 @@ pub(super) struct NiftiHeader {
     /// `pixdim`: the handedness of the quaternion, then the steps along the axes.
     pub pixdim: [f64; 8],
     pub pixdim_at: usize,
-    /// The byte at which samples start, in the unpacked file.
+    /// Whether the samples are in a file of their own, of the same name with the extension `.img`.
+    pub is_pair: bool,
+    /// The byte at which samples start, in the unpacked file that holds them.
     pub offset: u64,
     pub slope: f64,
     pub inter: f64,
@@ -75,6 +77,7 @@ struct NiftiFields<'a> {
     endian: Endian,
     /// Whether it is version 2, whose fields are wider.
     is_wide: bool,
+    is_pair: bool,
 }
 
 impl NiftiFields<'_> {
@@ -99,6 +102,11 @@ impl NiftiFields<'_> {
         }
     }
 
+    /// The first byte at which samples may start: after the header, where they are in its file.
+    fn least_offset(&self, version: usize) -> usize {
+        if self.is_pair { 0 } else { SIZES[version] + EXTENDER }
+    }
+
     fn reals<const N: usize>(&self, at: usize) -> [f64; N] {
         std::array::from_fn(|k| self.real(at, k))
     }
@@ -108,7 +116,7 @@ impl NiftiHeader {
     /// Parses the header in the first bytes of an unpacked file.
     ///
     /// # Errors
-    /// When it is no header, belongs to a pair of files, or has a sample type that is not read.
+    /// When it is no header, or has a sample type that is not read.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let Some((version, endian)) = kind(bytes) else {
             let message = "a NIfTI file starts with the size of its header, 348 or 540, in either byte order";
@@ -119,8 +127,8 @@ impl NiftiHeader {
             let message = format!("the file ends in its header: {} bytes of {size}", bytes.len());
             return Err(ReadError::new("truncated", FileLocation::Byte(bytes.len() as u64), message));
         }
-        check_magic(bytes, version)?;
-        let f = NiftiFields { bytes, endian, is_wide: version == 1 };
+        let is_pair = check_magic(bytes, version)?;
+        let f = NiftiFields { bytes, endian, is_wide: version == 1, is_pair };
         let header = if f.is_wide { Self::second(&f)? } else { Self::first(&f)? };
         Ok(header)
     }
@@ -135,7 +143,8 @@ impl NiftiHeader {
             bits_at: 72,
             pixdim: f.reals(76),
             pixdim_at: 76,
-            offset: offset(f.real(108, 0), 108, SIZES[0])?,
+            is_pair: f.is_pair,
+            offset: offset(f.real(108, 0), 108, f.least_offset(0))?,
             slope: f.real(112, 0),
             inter: f.real(116, 0),
             slope_at: 112,
@@ -163,7 +172,8 @@ impl NiftiHeader {
             bits_at: 14,
             pixdim: f.reals(104),
             pixdim_at: 104,
-            offset: offset(start, 168, SIZES[1])?,
+            is_pair: f.is_pair,
+            offset: offset(start, 168, f.least_offset(1))?,
             slope: f.real(176, 0),
             inter: f.real(184, 0),
             slope_at: 176,
@@ -180,16 +190,12 @@ impl NiftiHeader {
     }
 }
 
-fn check_magic(bytes: &[u8], version: usize) -> Result<(), ReadError> {
+/// Whether the samples are in another file.
+fn check_magic(bytes: &[u8], version: usize) -> Result<bool, ReadError> {
     let (at, magic) = if version == 0 { (344, &bytes[344..348]) } else { (4, &bytes[4..12]) };
     match (version, magic) {
-        (0, b"n+1\0") | (1, b"n+2\0\r\n\x1a\n") => Ok(()),
-        (0, b"ni1\0") | (1, [b'n', b'i', b'2', ..]) => Err(header_error(
-            "detached",
-            at,
-            "the samples are in an .img file beside this header, and no reader opens a second file; save both as one \
-             .nii",
-        )),
+        (0, b"n+1\0") | (1, b"n+2\0\r\n\x1a\n") => Ok(false),
+        (0, b"ni1\0") | (1, [b'n', b'i', b'2', ..]) => Ok(true),
         (1, [b'n', b'+', b'2', ..]) => Err(header_error(
             "bad-magic",
             at,
@@ -204,8 +210,7 @@ fn check_magic(bytes: &[u8], version: usize) -> Result<(), ReadError> {
 }
 
 /// The byte at which samples start.
-fn offset(start: f64, at: usize, size: usize) -> Result<u64, ReadError> {
-    let least = size + EXTENDER;
+fn offset(start: f64, at: usize, least: usize) -> Result<u64, ReadError> {
     // 0 stands for the earliest possible offset.
     if start == 0.0 {
         return Ok(least as u64);

@@ -2,7 +2,9 @@
 use super::header::{self, NiftiHeader, header_error};
 use super::label_table::{MOST_BYTES, label_table};
 use super::orientation::affine;
+use crate::files::{FileOpener, SAME_STEM};
 use crate::volume::count::{along, size_of};
+use crate::volume::data_files::DataFiles;
 use crate::volume::inflate::{InflateReader, MAGIC, check_ratio};
 use crate::volume::samples::{self, SampleLayout};
 use crate::volume::stream::SampleStream;
@@ -21,6 +23,16 @@ use chordal::implicit::{Grid, Samples};
 /// # Errors
 /// [`ReadError`] at the byte: of the unpacked file for header errors, of the packed file for sample errors.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    read_with(bytes, None, limits)
+}
+
+/// As [`read`], also for the header of a pair of files (`.hdr`), whose samples are in the file of the same name with the
+/// extension `.img`, packed or not.
+pub(crate) fn read_with(
+    bytes: &[u8],
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let mut stream = if bytes.starts_with(&MAGIC) {
         SampleStream::Packed(InflateReader::gzip(bytes, 0))
@@ -40,22 +52,32 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let n = if is_wide(&first) && n == 348 { n + stream.fill(&mut first[348..])? } else { n };
     let header = NiftiHeader::read(&first[..n])?;
     let (size, layout) = layout(&header, limits)?;
-    if let SampleStream::Packed(_) = stream {
-        check_ratio(layout.bytes(), bytes.len() as u64, &FileLocation::Byte(header.dim_at as u64))?;
-    }
     let affine = affine(&header, &mut warnings)?;
-    let read = if let SampleStream::Plain { .. } = stream { 0 } else { n as u64 };
-    let gap = header.offset - read;
-    let mut after = vec![0; gap.min(MOST_BYTES) as usize];
-    let n_after = stream.fill(&mut after)?;
-    after.truncate(n_after);
-    let skipped = n_after as u64 + stream.skip(gap - n_after as u64)?;
-    if skipped < gap {
-        let message = format!("the file ends after {} bytes, before its samples", read + skipped);
-        return Err(ReadError::new("truncated", stream.place(), message));
+    let header_end = if is_wide(&first) { header::MOST } else { 348 };
+    let beside = header.is_pair.then(|| samples_beside(bytes.len() as u64, open, limits)).transpose()?;
+    let (read, after) = match &beside {
+        None => {
+            let read = if let SampleStream::Plain { .. } = stream { 0 } else { n as u64 };
+            (read, skip_to_samples(&mut stream, read, &header)?)
+        }
+        Some(samples) => {
+            // What follows the header in its own file, which is plain: a packed one is unpacked before.
+            let after = bytes.iter().copied().take(MOST_BYTES as usize).collect();
+            stream = if samples.starts_with(&MAGIC) {
+                SampleStream::Packed(InflateReader::gzip(samples, 0))
+            } else {
+                SampleStream::plain(samples, 0)
+            };
+            skip_to_samples(&mut stream, 0, &header)?;
+            (0, after)
+        }
+    };
+    if let SampleStream::Packed(_) = stream {
+        let n_packed = beside.as_ref().map_or(bytes.len(), Vec::len) as u64;
+        check_ratio(layout.bytes(), n_packed, &FileLocation::Byte(header.dim_at as u64))?;
     }
     // Of a plain file the header itself was read again.
-    let beyond = (if is_wide(&first) { header::MOST } else { 348 }) - read as usize;
+    let beyond = header_end - read as usize;
     let (labels, unread) = label_table(after.get(beyond..).unwrap_or(&[]), header.endian, limits);
     if let Some(error) = unread {
         warnings.count("labels-skipped", || {
@@ -77,6 +99,46 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         ..Volume::from_grid(grid)
     };
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
+}
+
+/// The file beside a header that has its samples.
+fn samples_beside(
+    n_bytes: u64,
+    open: Option<&mut FileOpener<'_>>,
+    limits: &Limits,
+) -> Result<Vec<u8>, ReadError> {
+    let place = FileLocation::File;
+    let Some(open) = open else {
+        let message =
+            "the samples are in the .img beside this header, which is not at hand: only the header was given";
+        return Err(ReadError::new("detached", place, message));
+    };
+    let mut fetch = |extension: &str| {
+        let name = format!("{SAME_STEM}{extension}");
+        DataFiles::new(Some(&mut *open), n_bytes, limits.bytes).fetch(&name, &place)
+    };
+    match fetch("img") {
+        Err(error) if error.code == "missing-file" => fetch("img.gz").map_err(|error| {
+            let message =
+                "the samples are in the .img or the .img.gz beside this header, and neither can be read";
+            if error.code == "missing-file" { ReadError { message: message.into(), ..error } } else { error }
+        }),
+        read => read,
+    }
+}
+
+/// Skips what stands before the samples, and returns the start of it.
+fn skip_to_samples(stream: &mut SampleStream, read: u64, header: &NiftiHeader) -> Result<Vec<u8>, ReadError> {
+    let gap = header.offset - read;
+    let mut after = vec![0; gap.min(MOST_BYTES) as usize];
+    let n_after = stream.fill(&mut after)?;
+    after.truncate(n_after);
+    let skipped = n_after as u64 + stream.skip(gap - n_after as u64)?;
+    if skipped < gap {
+        let message = format!("the file ends after {} bytes, before its samples", read + skipped);
+        return Err(ReadError::new("truncated", stream.place(), message));
+    }
+    Ok(after)
 }
 
 fn is_wide(first: &[u8; header::MOST]) -> bool {

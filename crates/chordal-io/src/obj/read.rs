@@ -449,6 +449,12 @@ impl<'a> ObjReader<'a> {
             let message = "not Wavefront OBJ: there is no v, f or any other of its statements";
             return Err(ReadError::new("not-wavefront", FileLocation::File, message));
         }
+        // Another language has words of one letter, too.
+        if self.positions.is_empty() && self.warnings.has("unknown-statement") {
+            let message =
+                "not Wavefront OBJ: there is no vertex (v), and lines that start with no known statement";
+            return Err(ReadError::new("not-wavefront", FileLocation::File, message));
+        }
         if let Some(cage) = self.cage.take() {
             return self.finish_cage(cage);
         }

@@ -1,14 +1,9 @@
-//! Contents of tiles: GLB is read; other tile formats are named and refused.
+//! Contents of tiles: GLB is read, as it is and in the tiles of 1.0; points and vectors are named and refused.
+use super::old_tile;
 use crate::{FileLocation, Limits, ReadError, ReadOutcome, glb};
 
 /// Formats by their first four bytes, from 3D Tiles 1.0; 1.1 still allows them.
-const OLD: [(&[u8; 4], &str); 5] = [
-    (b"b3dm", "b3dm (Batched 3D Model)"),
-    (b"i3dm", "i3dm (Instanced 3D Model)"),
-    (b"pnts", "pnts (Point Cloud)"),
-    (b"cmpt", "cmpt (Composite)"),
-    (b"vctr", "vctr (Vector Data)"),
-];
+const OLD: [(&[u8; 4], &str); 2] = [(b"pnts", "pnts (Point Cloud)"), (b"vctr", "vctr (Vector Data)")];
 
 /// The first two bytes of a gzip stream.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -21,7 +16,7 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 ///
 /// ```
 /// use chordal_io::{Limits, tiles};
-/// let error = tiles::content(b"b3dm\x01\0\0\0", &Limits::default()).unwrap_err();
+/// let error = tiles::content(b"pnts\x01\0\0\0", &Limits::default()).unwrap_err();
 /// assert_eq!(error.code, "unsupported");
 /// ```
 pub fn content(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
@@ -29,6 +24,9 @@ pub fn content(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> 
     let error = |what: String| ReadError::new("unsupported", FileLocation::File, what);
     if let Some((_, name)) = OLD.iter().find(|(magic, _)| bytes.starts_with(*magic)) {
         return Err(error(format!("tiles in the format {name} are not read, only GLB is")));
+    }
+    if old_tile::looks_like(bytes) {
+        return old_tile::read(bytes, limits);
     }
     if bytes.iter().find(|b| !crate::text::is_space(**b)) == Some(&b'{') {
         return Err(error(

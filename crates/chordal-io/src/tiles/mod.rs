@@ -3,8 +3,11 @@
 mod bounds;
 mod content;
 mod geo_place;
+mod merge;
+pub(crate) mod old_tile;
 mod parse;
 mod read;
+pub(crate) mod scene;
 mod subtree;
 mod tileset;
 mod write;

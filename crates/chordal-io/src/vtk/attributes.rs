@@ -6,6 +6,7 @@ use crate::ReadError;
 use crate::assemble::checked_position_ids;
 use crate::grow::with_room;
 use crate::text::{grouped, show};
+use crate::volume::element::SampleType;
 use crate::warnings::Warnings;
 use chordal::explicit::{Attribute, Domain, Semantic};
 
@@ -25,6 +26,8 @@ pub(super) struct NamedArray<'a> {
     pub name: &'a str,
     pub role: ArrayRole,
     pub width: usize,
+    /// The type that the file gives its numbers.
+    pub kind: SampleType,
     /// What colours are divided by.
     pub divisor: f64,
     pub numbers: NumberArray<'a>,

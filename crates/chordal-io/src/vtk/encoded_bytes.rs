@@ -94,6 +94,22 @@ impl<'a> EncodedBytes<'a> {
         }
     }
 
+    /// All bytes up to the end, of base64.
+    ///
+    /// # Errors
+    /// `bad-base64`, and `truncated` where it ends inside a group of characters.
+    pub(crate) fn rest(&mut self) -> Result<Vec<u8>, ReadError> {
+        let mut all = with_room(self.n_left() as usize)?;
+        while !self.is_blank() {
+            if self.n_spare == 0 {
+                self.quartet(1)?;
+            }
+            all.extend_from_slice(&self.spare[..self.n_spare]);
+            self.n_spare = 0;
+        }
+        Ok(all)
+    }
+
     fn cut_off(&self, n: u64) -> ReadError {
         let message = format!(
             "the data array is cut off: {} bytes were to follow, and {} at most do",

@@ -13,6 +13,8 @@ type ArraySink<'s> = dyn FnMut(&NamedArray<'_>, u64, &mut Warnings) -> Result<()
 pub(super) struct LegacyArrays<'r, 'a> {
     pub reader: &'r mut LegacyReader<'a>,
     pub warnings: &'r mut Warnings,
+    /// The name of the first array that the file calls scalars.
+    pub first_scalars: Option<String>,
 }
 
 /// An array as its line says.
@@ -24,7 +26,11 @@ struct ArrayLine {
     width: u64,
 }
 
-impl LegacyArrays<'_, '_> {
+impl<'r, 'a> LegacyArrays<'r, 'a> {
+    pub(super) fn new(reader: &'r mut LegacyReader<'a>, warnings: &'r mut Warnings) -> Self {
+        Self { reader, warnings, first_scalars: None }
+    }
+
     /// Reads the arrays of these rows.
     ///
     /// # Errors
@@ -88,6 +94,7 @@ impl LegacyArrays<'_, '_> {
 
     fn scalars(&mut self, n: u64) -> Result<ArrayLine, ReadError> {
         let name = self.reader.name("the name of an array")?;
+        self.first_scalars.get_or_insert_with(|| name.clone());
         let kind = self.reader.kind()?;
         let width =
             if self.reader.line_goes_on() { self.reader.count("the number of components")? } else { 1 };
@@ -130,7 +137,7 @@ impl LegacyArrays<'_, '_> {
         let is_color = line.role == ArrayRole::Unknown && is_bytes && matches!(width, 3 | 4);
         let role = if is_color { ArrayRole::Colors } else { line.role };
         let divisor = if is_bytes { 255.0 } else { 1.0 };
-        let array = NamedArray { name: &line.name, role, width, divisor, numbers, place };
+        let array = NamedArray { name: &line.name, role, width, kind, divisor, numbers, place };
         sink(&array, most_spread, self.warnings)
     }
 

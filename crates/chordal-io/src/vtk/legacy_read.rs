@@ -1,7 +1,8 @@
-//! Reads legacy VTK files of surfaces.
+//! Reads legacy VTK files: surfaces here, volumes in `legacy_image`.
 use super::attributes::{ArrayRows, FREE_VALUES, VtkAttributes};
 use super::cell_list::{CellEnds, CellList};
 use super::legacy_arrays::LegacyArrays;
+use super::legacy_image;
 use super::legacy_reader::{LegacyReader, LegacyType, lower};
 use super::number_array::NumberArray;
 use super::scene::{PieceMesh, Positions, scene_of};
@@ -13,7 +14,7 @@ use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 
 /// Reads the surface of a legacy VTK file: PolyData, or the surface cells of an UnstructuredGrid, as text or
-/// big-endian binary, of the versions 1.0 to 5.1.
+/// big-endian binary, of the versions 1.0 to 5.1; of STRUCTURED_POINTS the volume.
 ///
 /// Cells become faces, and arrays attributes, as in [`super::read_xml`]; `COLOR_SCALARS` are colours. Lookup tables
 /// and fields that belong to no point and no cell are left out with a warning.
@@ -42,9 +43,12 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let kind = match &*lower(name) {
         "polydata" => DataSetKind::PolyData,
         "unstructured_grid" => DataSetKind::UnstructuredGrid,
+        "structured_points" => return legacy_image::read(reader, limits),
         _ => {
-            let message =
-                format!("the data set is {}: POLYDATA and UNSTRUCTURED_GRID are read here", show(name));
+            let message = format!(
+                "the data set is {}: POLYDATA, UNSTRUCTURED_GRID and STRUCTURED_POINTS are read here",
+                show(name)
+            );
             return Err(reader.error("unsupported-data-set", message));
         }
     };
@@ -64,7 +68,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let n_cells = scope.cell;
     surface.count_strips(&mut warnings);
     let mut attributes = VtkAttributes::default();
-    let mut arrays = LegacyArrays { reader: &mut reader, warnings: &mut warnings };
+    let mut arrays = LegacyArrays::new(&mut reader, &mut warnings);
     while let Some(word) = arrays.reader.next() {
         let rows = match &*lower(word) {
             "point_data" => ArrayRows::Points(positions.len()),
@@ -157,11 +161,11 @@ impl<'a> LegacyGeometry<'a> {
                     continue;
                 }
                 "field" => {
-                    LegacyArrays { reader, warnings }.skip_field()?;
+                    LegacyArrays::new(reader, warnings).skip_field()?;
                     continue;
                 }
                 "metadata" => {
-                    LegacyArrays { reader, warnings }.skip_metadata()?;
+                    LegacyArrays::new(reader, warnings).skip_metadata()?;
                     continue;
                 }
                 _ => {

@@ -1,20 +1,21 @@
 //! The files of VTK: surfaces as XML (PolyData `.vtp`, UnstructuredGrid `.vtu`) and in the legacy form (`.vtk`), and
 //! volumes as XML (ImageData `.vti`).
-mod array_place;
+pub(crate) mod array_place;
 mod attributes;
 mod cell_list;
 mod cell_types;
 mod data_array;
-mod encoded_bytes;
+pub(crate) mod encoded_bytes;
 mod image_extent;
 mod image_pieces;
 pub(crate) mod image_read;
 mod legacy_arrays;
+mod legacy_image;
 mod legacy_read;
 mod legacy_reader;
 mod lz4;
 mod names;
-mod number_array;
+pub(crate) mod number_array;
 mod scene;
 mod surface;
 mod vtp_layout;

@@ -251,7 +251,15 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
         // Bytes of colours are fractions of 255.
         let divisor = if is_bytes { 255.0 } else { 1.0 };
         let (name, width) = (&*array.name, array.n_components);
-        Ok(NamedArray { name, role, width, divisor, numbers, place: at })
+        Ok(NamedArray {
+            name,
+            role,
+            width,
+            kind: array.kind.unwrap_or(SampleType::F64),
+            divisor,
+            numbers,
+            place: at,
+        })
     }
 
     /// The certificate among the arrays of the data set; others are counted.

@@ -222,3 +222,48 @@ fn a_box_of_khronos_is_the_same_with_and_without() {
     assert_eq!(corners(&packed), corners(&plain));
     assert_eq!(packed.nodes.len(), plain.nodes.len());
 }
+
+#[test]
+fn a_file_of_draco_is_what_its_stream_holds() {
+    for known in known_streams() {
+        let Ok(ReadOutcome { content: Content::Scene(scene), .. }) =
+            chordal_io::read(&known.stream, chordal_io::Format::Drc, &Limits::default())
+        else {
+            panic!("{}", known.name)
+        };
+        assert_eq!(chordal_io::Format::sniff(&known.stream), Some(chordal_io::Format::Drc));
+        let mesh = &scene.parts[0].mesh;
+        assert_eq!(mesh.faces(), known.faces, "{}", known.name);
+        assert_eq!(mesh.positions().as_flattened(), known.values[0], "{}", known.name);
+        let of = |semantic: &Semantic| mesh.attributes().iter().find(|one| one.semantic == *semantic);
+        let all = [Semantic::Normal, Semantic::TexCoord(0), Semantic::Color(0)];
+        for (semantic, values) in all.iter().zip(&known.values[1..]).skip(1) {
+            assert_eq!(of(semantic).map(|one| &one.values), Some(values), "{} {semantic:?}", known.name);
+        }
+        assert!(of(&Semantic::Normal).is_some(), "{}", known.name);
+    }
+}
+
+#[test]
+fn a_damaged_file_of_draco_is_an_error() {
+    let known = known_streams().swap_remove(0);
+    let code = |bytes: &[u8]| {
+        chordal_io::read(bytes, chordal_io::Format::Drc, &Limits::default()).err().map(|error| error.code)
+    };
+    assert!(code(b"DRACO").is_some() && code(&known.stream[..known.stream.len() / 2]).is_some());
+    assert_eq!(code(b"v 0 0 0"), Some("bad-magic"));
+    let mut points = known.stream.clone();
+    points[7] = 0;
+    assert_eq!(code(&points), Some("no-triangles"));
+    let small = Limits { bytes: known.stream.len() as u64, ..Limits::default() };
+    let error = chordal_io::read(&known.stream, chordal_io::Format::Drc, &small).unwrap_err();
+    assert_eq!(error.code, "too-large");
+    // No change of a byte is more than an error.
+    let mut random = Random::new(66);
+    for _ in 0..300 {
+        let mut bytes = known.stream.clone();
+        let at = random.below(bytes.len());
+        bytes[at] ^= 1 << random.below(8);
+        let _ = chordal_io::read(&bytes, chordal_io::Format::Drc, &Limits::default());
+    }
+}

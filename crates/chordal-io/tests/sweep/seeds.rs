@@ -208,6 +208,25 @@ pub(super) fn all() -> Vec<(Format, Vec<u8>)> {
              LOOKUP_TABLE default\n1 2 3 4\nCOLOR_SCALARS c 3\n{points}\n"
         ),
     );
+    add(
+        Format::Vtk,
+        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nSPACING 1 2 3\nORIGIN 0 0 1\n\
+         POINT_DATA 8\nSCALARS s short 1\nLOOKUP_TABLE default\n1 2 3 4 -5 6 7 8\nFIELD f 1\nq 1 8 float\n1 2 3 4 5 6 7 8.5\n",
+    );
+    let gifti = |intent: &str, kind: &str, data: &str, encoding: &str| {
+        format!(
+            "<DataArray Intent=\"NIFTI_INTENT_{intent}\" DataType=\"NIFTI_TYPE_{kind}\" Dimensionality=\"2\" Dim0=\"3\" \
+             Dim1=\"3\" Encoding=\"{encoding}\" Endian=\"LittleEndian\"><Data>{data}</Data></DataArray>\n"
+        )
+    };
+    let corners = gifti("TRIANGLE", "UINT8", "AAECAgEAAAIB", "Base64Binary");
+    add(
+        Format::Gii,
+        &format!(
+            "<?xml version=\"1.0\"?>\n<!DOCTYPE GIFTI SYSTEM \"x.dtd\">\n<GIFTI>{}{corners}</GIFTI>",
+            gifti("POINTSET", "FLOAT32", "0 0 0 1 0 0 0 1.5 0", "ASCII")
+        ),
+    );
     let vertex = "<vertex><coordinates><x>1</x><y>2</y><z>0</z></coordinates></vertex>\n";
     add(
         Format::Amf,
@@ -232,8 +251,29 @@ pub(super) fn all() -> Vec<(Format, Vec<u8>)> {
         ),
     );
     seeds.extend(volumes());
+    seeds.push((Format::B3dm, old_tile()));
     seeds.push((Format::Usdc, usd_build::grid(1)));
     seeds
+}
+
+/// A tile of two instances, in a composite.
+fn old_tile() -> Vec<u8> {
+    let word = |n: usize| (n as u32).to_le_bytes();
+    let json = concat!(
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primi",
+        "tives\":[{\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"b",
+        "yteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0",
+        ",0],\"max\":[1,1,0]}]}",
+    );
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    let chunks = [&word(json.len())[..], b"JSON", json.as_bytes(), &word(36), b"BIN\0", &corners].concat();
+    let model = [&b"glTF"[..], &word(2), &word(12 + chunks.len()), &chunks].concat();
+    let table = b"{\"INSTANCES_LENGTH\":2,\"POSITION\":{\"byteOffset\":0},\"RTC_CENTER\":[1,2,3]}";
+    let body = [&word(1)[..], table, &[0; 24], &model].concat();
+    let head =
+        [&b"i3dm"[..], &word(1), &word(28 + body.len()), &word(table.len()), &word(24), &[0; 8]].concat();
+    let tile = [head, body].concat();
+    [&b"cmpt"[..], &word(1), &word(16 + tile.len()), &word(1), &tile].concat()
 }
 
 /// Small volumes by hand.

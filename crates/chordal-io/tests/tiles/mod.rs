@@ -4,4 +4,5 @@ mod build;
 mod data;
 mod hostile;
 mod implicit;
+mod old_tiles;
 mod write;

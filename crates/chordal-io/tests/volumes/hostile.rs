@@ -2,7 +2,7 @@
 use super::build::{Nii, npy, npy_of, nrrd, pack};
 use super::{load, load_with, values};
 use crate::common::{count, refuse};
-use chordal_io::{Conformance, FileLocation, Format, Limits, read};
+use chordal_io::{Conformance, FileLocation, Format, Limits, read, read_with};
 
 fn nii(dim: [i64; 8]) -> Nii {
     Nii { dim, ..Nii::default() }
@@ -269,6 +269,16 @@ fn headers_that_are_none_are_refused() {
     let mut pair = Nii::default().bytes();
     pair[344..348].copy_from_slice(b"ni1\0");
     assert_eq!(refuse(&pair, Format::Nii).code, "detached");
+    for (samples, code) in
+        [(&[][..], "truncated"), (&[1; 5][..], "truncated"), (&[1; 500][..], "trailing-bytes")]
+    {
+        let mut open = |_: &str| Ok(samples.to_vec());
+        let error = read_with(&pair, Format::Nii, &mut open, &Limits::default()).unwrap_err();
+        assert_eq!(error.code, code, "{} bytes: {error}", samples.len());
+    }
+    let mut open = |path: &str| Err(format!("no {path}"));
+    let error = read_with(&pair, Format::Nii, &mut open, &Limits::default()).unwrap_err();
+    assert!(error.code == "missing-file" && error.message.contains(".img"), "{error}");
     assert_eq!(refuse(b"not a volume", Format::Nii).code, "bad-magic");
     for datatype in [0, 1, 32, 128, 1536, 1792, 2304, 7] {
         let error = refuse(&Nii { datatype, ..Nii::default() }.bytes(), Format::Nii);

@@ -3,7 +3,7 @@ use super::build::{Nii, pack};
 use super::{load, load_with, values};
 use crate::common::count;
 use chordal::implicit::Samples;
-use chordal_io::{Axis, Format, LabelLook, Limits};
+use chordal_io::{Axis, Content, Format, LabelLook, Limits, read_with};
 use std::collections::BTreeMap;
 
 /// Sheared, and mirrored: the first axis runs to the left.
@@ -190,5 +190,39 @@ fn what_stands_between_header_and_samples_is_passed_over() {
     let nii = Nii { offset: 384.0, data, ..Nii::default() };
     for bytes in [nii.bytes(), nii.packed()] {
         assert_eq!(values(&load(&bytes, Format::Nii).0)[..3], [0.0, 1.0, 2.0]);
+    }
+}
+
+#[test]
+fn the_header_and_the_samples_of_a_pair_are_one_volume() {
+    for version in [1, 2] {
+        for (start, is_packed) in [(0.0, false), (0.0, true), (16.0, false)] {
+            let size = if version == 1 { 352.0 } else { 544.0 };
+            let whole = Nii { version, offset: size, rows: SHEARED, ..Nii::default() };
+            let mut header = whole.bytes();
+            if version == 1 {
+                header[108..112].copy_from_slice(&(start as f32).to_le_bytes());
+                header[344..348].copy_from_slice(b"ni1\0");
+            } else {
+                header[168..176].copy_from_slice(&(start as i64).to_le_bytes());
+                header[4..7].copy_from_slice(b"ni2");
+            }
+            let samples = [&vec![9; start as usize][..], &whole.bytes()[size as usize..]].concat();
+            header.truncate(if version == 1 { 348 } else { 540 });
+            let (expected, _) = load(&whole.bytes(), Format::Nii);
+            let mut asked = Vec::new();
+            let mut open = |path: &str| {
+                asked.push(path.to_owned());
+                match (path, is_packed) {
+                    ("*.img", false) => Ok(samples.clone()),
+                    ("*.img.gz", true) => Ok(pack(&samples)),
+                    _ => Err("no such file".to_owned()),
+                }
+            };
+            let outcome = read_with(&header, Format::Nii, &mut open, &Limits::default()).unwrap();
+            let Content::Volume(volume) = outcome.content else { panic!("no volume") };
+            assert_eq!(volume, expected, "{version} {start} {is_packed}");
+            assert_eq!(asked[0], "*.img");
+        }
     }
 }

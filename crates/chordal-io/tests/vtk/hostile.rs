@@ -165,7 +165,7 @@ fn legacy_files_that_lie_are_one_error_at_their_line() {
     for (from, to, code) in [
         ("# vtk", "# vkt", "not-vtk"),
         ("ASCII", "TEXT", "not-vtk"),
-        ("POLYDATA", "STRUCTURED_POINTS", "unsupported-data-set"),
+        ("POLYDATA", "STRUCTURED_GRID", "unsupported-data-set"),
         ("POINTS 3", "POINTS 1000000000000", "truncated"),
         ("POINTS 3", "POINTS 99999999999999999999", "count-out-of-range"),
         ("POINTS 3", "POINTS -3", "count-out-of-range"),

@@ -3,6 +3,7 @@ mod samples;
 mod source;
 mod spec;
 
+use crate::formats::{in_words, names_where};
 use crate::geometry_digest::samples_digest;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, DistanceGridFacts, InterpolantFacts, SolidFacts};
 use crate::zero_set::zero_set_distance;
@@ -95,7 +96,8 @@ impl BakeOutcome {
 /// ```
 pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<BakeOutcome, MeshFailure> {
     if !to.holds_volumes() {
-        return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do").into()));
+        let names = in_words(&names_where(Format::holds_volumes), "and");
+        return Err(MeshFailure::Usage(format!("{to} holds no lattice; {names} do").into()));
     }
     if spec.is_sparse && spec.band.is_none() {
         return Err(MeshFailure::Usage("samples are sparse beyond a band, and none was given".into()));

@@ -75,6 +75,8 @@ pub enum RefusalCode {
     Unsupported,
     /// A function supplied by the user failed.
     LeafFailed,
+    /// What was asked for has no meaning for this shape, or does not say enough.
+    Usage,
 }
 
 impl RefusalCode {
@@ -92,6 +94,7 @@ impl RefusalCode {
             Self::TooClose => "too-close",
             Self::Unsupported => "unsupported",
             Self::LeafFailed => "leaf-failed",
+            Self::Usage => "usage",
         }
     }
 }

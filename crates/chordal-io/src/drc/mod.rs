@@ -1,0 +1,7 @@
+//! Draco, `.drc`: compressed triangles, as Google's `draco_encoder` writes them.
+mod read;
+
+pub use read::read;
+
+/// What a stream begins with.
+pub(crate) const MAGIC: &[u8] = b"DRACO";
