@@ -2,7 +2,8 @@
 use crate::grow::{push, push_many};
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
-use chordal::explicit::triangulate::Triangulator;
+use chordal::explicit::triangulate::{Triangulator, other_cut_within};
+use chordal::math::greater;
 
 /// The message for faces of no area.
 pub(crate) const SHORT_FACES: &str = "faces of fewer than 3 corners were skipped";
@@ -10,6 +11,33 @@ pub(crate) const SHORT_FACES: &str = "faces of fewer than 3 corners were skipped
 /// A polygon with more corners than this, and far fewer vertices than corners, is not triangulated. It visits
 /// its vertices again and again, and finding out how would take memory out of all proportion to its bytes.
 const LONG: usize = 1 << 16;
+
+/// What single precision may take corners off their plane, by the size of their coordinates: polygons are flat within it.
+/// Derived: 2⁻²⁴ of a coordinate for each of three, and the same at each of the corners that span the plane.
+const SINGLE_PRECISION: f64 = 8.0 / (1 << 24) as f64;
+
+/// The code of the warning that says how far cut polygons may be from those that are cut otherwise.
+pub const BENT_POLYGONS: &str = "polygons-bent";
+
+/// Polygons that are not flat: how many, the first of them, and how far the ways to cut any of them are apart at most.
+#[derive(Debug, Default)]
+struct BentPolygons {
+    n: u64,
+    first: u64,
+    at_most: f64,
+}
+
+impl BentPolygons {
+    fn add(&mut self, points: &[[f64; 3]], at: u64) {
+        let apart = other_cut_within(points);
+        let size = points.iter().flatten().fold(0.0, |most, x| greater(most, x.abs()));
+        self.at_most = greater(self.at_most, apart);
+        if apart > SINGLE_PRECISION * size {
+            self.first = if self.n == 0 { at } else { self.first };
+            self.n += 1;
+        }
+    }
+}
 
 /// A face with more than three corners. Its triangles are reserved, and are filled in once all positions are
 /// known.
@@ -73,6 +101,7 @@ impl Faces {
     ) -> Vec<[u32; 3]> {
         let mut triangulator = Triangulator::default();
         let (mut points, mut cut) = (Vec::new(), Vec::new());
+        let mut bent = BentPolygons::default();
         for polygon in &self.polygons {
             let corners = &self.corners[polygon.first_corner..][..polygon.corners as usize];
             if corners.len() > LONG && corners.len() > positions.len() + positions.len() / 2 {
@@ -95,6 +124,7 @@ impl Faces {
             points.extend(corners.iter().map(|i| positions[*i as usize]));
             // Faces with a corner that is not finite are dropped later, so their shape is irrelevant.
             points.iter_mut().flatten().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
+            bent.add(&points, polygon.at);
             cut.clear();
             let folded = triangulator.polygon(&points, &mut cut);
             for (triangle, local) in self.triangles[polygon.first_triangle..].iter_mut().zip(&cut) {
@@ -114,6 +144,15 @@ impl Faces {
         warnings.count_many("polygons-cut", self.polygons.len() as u64, || {
             let first = self.polygons.first().map_or(0, |p| p.at);
             (place(first), "faces of more than 3 corners were cut into triangles".to_owned())
+        });
+        warnings.count_many(BENT_POLYGONS, bent.n, || {
+            let message = format!(
+                "polygons are not flat: another program may cut them otherwise, up to {:.3e} (proved) from the triangles that \
+                 are read here, and what is bounded is the distance from these",
+                // Four digits are rounded by less than a two-thousandth, so that none of them is below the bound.
+                bent.at_most * 1.001
+            );
+            (place(bent.first), message)
         });
         self.triangles
     }

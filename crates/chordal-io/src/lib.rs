@@ -84,6 +84,7 @@ pub use assets::{FaceKind, ImageContent, MATERIAL, PackedAccessor, SceneAssets, 
 pub use certificate_room::most_certificate_bytes;
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
+pub use faces::BENT_POLYGONS;
 pub use files::{FileOpener, with_stem};
 pub use foreign::ForeignFormat;
 pub use format::Format;

@@ -10,7 +10,7 @@ use crate::origin::InputOrigin;
 use crate::seal::seal_of;
 use crate::{Input, Shape};
 use chordal::budget::advice::{Cure, Message, Setting};
-use chordal_io::{Format, most_certificate_bytes};
+use chordal_io::{BENT_POLYGONS, Format, most_certificate_bytes};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -99,7 +99,7 @@ impl Certificate {
             levels: None,
             overshade: None,
             history: None,
-            notes: assumed_region(input).into_iter().collect(),
+            notes: assumed_region(input).into_iter().chain(bent_polygons(input)).collect(),
         }
     }
 
@@ -209,6 +209,15 @@ struct Sealed<'a> {
     #[serde(flatten)]
     plain: Unsealed<'a>,
     seal: String,
+}
+
+/// What is said of polygons that another program may cut otherwise: whoever reads the bound has to know what it is against.
+fn bent_polygons(input: &Input) -> impl Iterator<Item = Message> {
+    input.warnings.iter().filter(|warning| warning.code == BENT_POLYGONS).map(|warning| {
+        let n = warning.count;
+        Message::from(format!("{n} {}", if n == 1 { "polygon: " } else { "polygons: " }))
+            .words(&warning.message)
+    })
 }
 
 /// The note on the assumed region, where a format does not state the region of its field.

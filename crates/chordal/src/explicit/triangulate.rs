@@ -8,6 +8,7 @@
 mod blockers;
 mod ears;
 mod holes;
+mod other_cut;
 
 use crate::explicit::{Diagonal, Quad};
 use crate::math::{cross, greater, lesser};
@@ -15,6 +16,7 @@ use ears::EarClipper;
 use robust::{Coord, orient2d};
 
 pub use holes::{ContourCorner, ContourRepair, InvalidPolygon, PolygonTriangles, polygon_with_holes};
+pub use other_cut::other_cut_within;
 
 /// The triangles of one polygon.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
