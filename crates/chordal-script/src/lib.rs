@@ -24,6 +24,7 @@ mod limits;
 mod meter;
 mod nesting;
 mod operators;
+mod other_tools;
 mod parameter;
 mod parentheses;
 mod script;

@@ -1,5 +1,6 @@
 //! `ScriptSource`: the text of a script, what is parsed in its place, and the way back from there.
 use crate::error::position;
+use crate::other_tools::here_instead;
 use crate::parentheses::Parentheses;
 use crate::{ScriptError, nesting};
 use starlark::codemap::Span;
@@ -162,10 +163,23 @@ impl ScriptSource {
     pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
         let message = error.without_diagnostic().to_string();
         let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
+        let message = with_name_of_here(message);
         match error.span() {
             Some(span) => self.error(code, message, span.span),
             None => ScriptError::new(code, message),
         }
+    }
+}
+
+/// The message of a name that is not known, with what does the same here where other tools have the name: the
+/// interpreter offers what is spelled alike.
+fn with_name_of_here(message: String) -> String {
+    let name = message.strip_prefix("Variable `").and_then(|rest| rest.split('`').next());
+    match name.and_then(|name| Some((name, here_instead(name)?))) {
+        Some((name, here)) if message.contains("not found") => {
+            format!("Variable `{name}` not found: here it is {here}")
+        }
+        _ => message,
     }
 }
 

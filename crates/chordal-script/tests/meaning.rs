@@ -475,3 +475,30 @@ fn every_script_on_the_page_for_users_of_openscad_is_a_shape() {
         assert!(made.field.bounds().diagonal().is_finite(), "{text}");
     }
 }
+
+#[test]
+fn names_of_other_tools_lead_to_those_of_the_language() {
+    for (text, expected) in [
+        ("ball(1)", "Variable `ball` not found: here it is sphere(radius)"),
+        ("cuboid(1, 2, 3)", "here it is box(x, y, z)"),
+        ("linear_extrude(circle(1), 2)", "here it is extrude(shape, height)"),
+        ("rotate_extrude(circle(1))", "here it is revolve(shape)"),
+        (
+            "x = 1\nhull_3d([[0, 0, 0]])",
+            "line 2, column 1: Variable `hull_3d` not found: here it is hull(points",
+        ),
+        ("polyhedron([])", "mesh(name) for the triangles of a file"),
+        ("offset2d(circle(1), 1)", "here it is offset(shape, by)"),
+        // What is spelled alike is offered where nothing better is known.
+        ("spere(1)", "did you mean `sphere`?"),
+        (
+            "rotate(cylinder(1, 2), 90, axis='x')",
+            "rotate() has 'axis' twice: it is called as rotate(shape, axis, degrees)",
+        ),
+        ("cylinder(1)", "cylinder() needs 'height': it is called as cylinder(radius, height)"),
+        ("circle(1, 2)", "circle() takes 1 argument, and 2 are given: it is called as circle(radius)"),
+    ] {
+        let error = chordal_script::run(text, &Default::default(), &Default::default()).unwrap_err();
+        assert!(error.to_string().contains(expected), "{text}: {error}");
+    }
+}

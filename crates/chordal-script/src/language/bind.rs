@@ -177,7 +177,8 @@ impl Function {
         args.resize(self.single().count(), None);
         if !rest.is_empty() && !takes_rest {
             let plural = if places == 1 { "" } else { "s" };
-            return Err(self.fault(format!("takes {places} argument{plural}, and {n_given} are given")));
+            let message = format!("takes {places} argument{plural}, and {n_given} are given");
+            return Err(self.fault(message + &self.called_as()));
         }
         for (name, arg) in by_name {
             let Some(k) = self.single().position(|p| p.name == name) else {
@@ -185,15 +186,20 @@ impl Function {
                 return Err(self.fault(format!("has no argument '{shown}'")));
             };
             if args[k].replace(arg).is_some() {
-                return Err(self.fault(format!("has '{name}' twice")));
+                return Err(self.fault(format!("has '{name}' twice{}", self.called_as())));
             }
         }
         let found = args.into_iter().zip(self.single()).map(|(arg, p)| {
             arg.or(p.default.map(ParameterDefault::arg))
-                .ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
+                .ok_or_else(|| self.fault(format!("needs '{}'{}", p.name, self.called_as())))
         });
         let (args, job, notes) = (found.collect::<Result<_, _>>()?, Job::default(), RefCell::default());
         Ok(BoundArgs { function: self, args, rest, job, notes })
+    }
+
+    /// `: it is called as rotate(shape, axis, degrees)`
+    fn called_as(&self) -> String {
+        format!(": it is called as {}", usage(self.name, self.parameters))
     }
 
     /// The parameters that take one argument.

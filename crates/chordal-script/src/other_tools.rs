@@ -1,0 +1,121 @@
+//! Names of other tools (OpenSCAD, CadQuery, build123d, ManifoldCAD, SDF libraries), and what does the same here.
+
+/// What stands here for a name that a script does not know: calls as they are written here, in half a sentence.
+pub(crate) fn here_instead(name: &str) -> Option<&'static str> {
+    NAMES.iter().find(|(names, _)| names.contains(&name)).map(|(_, here)| *here)
+}
+
+/// Names by what does the same. Signatures and names are those of the language, which a test holds them to.
+const NAMES: &[(&[&str], &str)] = &[
+    (&["ball", "Sphere", "sdSphere", "geodesic_sphere"], "sphere(radius)"),
+    (
+        &["cube", "cuboid", "Box", "brick", "block", "sdBox", "makeBox", "make_box"],
+        "box(x, y, z), of full sizes around the origin",
+    ),
+    (&["rounded_cube", "roundedcube", "round_box", "rounded_cuboid"], "rounded_box(x, y, z, radius)"),
+    (
+        &["cyl", "Cylinder", "rod", "disk3d", "makeCylinder"],
+        "cylinder(radius, height), along z around the origin",
+    ),
+    (&["capped_cone", "Cone", "frustum", "truncated_cone"], "cone(bottom, top, height)"),
+    (&["pill", "sdCapsule", "stadium"], "capsule(a, b, radius)"),
+    (&["donut", "doughnut", "ring", "Torus"], "torus(major, minor)"),
+    (&["translate", "moved", "Pos", "Location", "shift", "trans"], "move(shape, x, y, z)"),
+    (
+        &["rotated", "Rot", "rot", "turn", "orient"],
+        "rotate(shape, axis, degrees), or rotate_z(shape, degrees)",
+    ),
+    (&["xrot", "rotateX", "rotx"], "rotate_x(shape, degrees)"),
+    (&["yrot", "rotateY", "roty"], "rotate_y(shape, degrees)"),
+    (&["zrot", "rotateZ", "rotz"], "rotate_z(shape, degrees)"),
+    (&["resize", "scaled", "scale_xyz"], "stretch(shape, x, y, z), or scale(shape, factor)"),
+    (&["mirror_x", "reflect", "flip"], "mirror(shape, x, y, z), by the normal of the plane"),
+    (&["linear_extrude", "linearExtrude", "extruded", "extrude_linear", "pad"], "extrude(shape, height)"),
+    (&["rotate_extrude", "rotateExtrude", "revolved", "lathe", "extrude_rotate"], "revolve(shape)"),
+    (&["sweep_extrude", "path_extrude", "path_sweep", "pipe", "tube"], "sweep(path, profile)"),
+    (&["hull_3d", "hull3d", "convex_hull", "chain_hull"], "hull(points, radius)"),
+    (&["hull_2d", "hull2d", "convexHull"], "planar_hull(points)"),
+    (&["subtract", "cut", "minus", "subtraction", "Difference"], "difference(shape, other), or a - b"),
+    (&["intersect", "common", "Intersection"], "intersection(a, b), or a & b"),
+    (&["fuse", "add", "combine", "join", "unite", "Union", "assembly", "group"], "union(a, b), or a | b"),
+    (&["smooth_min", "smin", "blend", "smoothUnion", "opSmoothUnion"], "smooth_union(a, b, radius)"),
+    (&["invert", "negate", "inverse"], "complement(shape)"),
+    (
+        &["polyhedron", "Polyhedron", "of_mesh", "manifold"],
+        "hull(points) where it is convex, or mesh(name) for the triangles of a file",
+    ),
+    (
+        &["import", "import_stl", "import_mesh", "importStep", "load_mesh", "stl"],
+        "mesh(name), for a file beside the script",
+    ),
+    (&["import_svg", "surface_svg"], "svg(name, tolerance)"),
+    (&["square", "rect", "Rectangle", "Rect"], "rectangle(x, y), of full sizes around the origin"),
+    (&["rounded_rect", "RectangleRounded", "rounded_square", "slot2D"], "rounded_rectangle(x, y, radius)"),
+    (&["disc", "disk", "Circle"], "circle(radius)"),
+    (&["ngon", "RegularPolygon", "hexagon", "regular_ngon"], "regular_polygon(sides, radius)"),
+    (&["Polygon", "polyline", "Polyline"], "polygon(points)"),
+    (&["offset2d", "offset2D", "offset_2d", "offset3d", "inflate", "dilate", "grow"], "offset(shape, by)"),
+    (
+        &["round", "rounded", "round_edges", "round2d"],
+        "minkowski(shape, radius), or fillet= of union and difference",
+    ),
+    (
+        &["fillet", "chamfer"],
+        "fillet= and chamfer= of union, difference and intersection, or rounded_box(x, y, z, radius)",
+    ),
+    (&["minkowski_sum", "minkowskiSum"], "minkowski(shape, radius)"),
+    (&["thicken", "hollow", "onion", "shelled"], "shell(shape, thickness)"),
+    (&["projection", "slice", "cross_section", "cut_plane"], "section(shape, z)"),
+    (
+        &["array", "linear_array", "grid", "rarray", "GridLocations", "tile", "instances"],
+        "repeat(shape, x, y, z, nx, ny, nz), or linear(shape, count, x)",
+    ),
+    (&["circular_array", "polar_array", "polarArray", "PolarLocations", "radial"], "polar(shape, count)"),
+    (&["colour", "set_color", "paint"], "color(shape, color)"),
+    (&["Text", "text3d", "write"], "text(text, font, tolerance)"),
+    (&["wedge"], "extrude(polygon(points), height)"),
+    (&["half_space", "halfspace", "Plane"], "plane(normal, offset)"),
+    (&["helix", "spiral", "Thread", "IsoThread"], "thread(name, height), or sweep(path, profile)"),
+    (&["echo", "log_message", "debug", "console"], "print(values)"),
+    (&["assert", "require"], "check(condition, message)"),
+    (&["norm", "length"], "sqrt(value), of a sum of squares"),
+    (&["fabs", "absolute"], "abs(value)"),
+    (&["arcsin"], "asin(value)"),
+    (&["arccos"], "acos(value)"),
+    (&["arctan"], "atan(value)"),
+    (&["fmin", "clamp_max"], "minimum(a, b)"),
+    (&["fmax", "clamp_min"], "maximum(a, b)"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::BUILT_INS;
+    use std::collections::BTreeSet;
+
+    /// The words before an opening parenthesis.
+    fn called(text: &str) -> Vec<&str> {
+        let starts = text.match_indices('(').map(|(at, _)| &text[..at]);
+        let word =
+            |before: &'_ str| before.rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
+        starts.map(|before| &before[word(before)..]).filter(|word| !word.is_empty()).collect()
+    }
+
+    #[test]
+    fn every_answer_is_a_function_of_the_language_and_no_name_is_one() {
+        let known: BTreeSet<&str> = crate::language::functions()
+            .map(|function| function.name)
+            .chain(BUILT_INS.iter().map(|function| function.name))
+            .collect();
+        let mut seen = BTreeSet::new();
+        for (names, here) in NAMES {
+            let words = called(here);
+            assert!(!words.is_empty() || here.contains("fillet="), "{here}");
+            words.iter().for_each(|word| assert!(known.contains(word), "{word} in '{here}'"));
+            for name in *names {
+                assert!(seen.insert(*name), "{name} twice");
+                assert!(!known.contains(name), "{name} is a function of the language");
+            }
+        }
+    }
+}
