@@ -9,7 +9,8 @@ use std::borrow::Cow;
 /// A part as a node shows it.
 #[derive(Clone, Debug)]
 pub(crate) struct PartInstance<'a> {
-    pub(crate) part: &'a Part,
+    /// As the file has it, or posed where a skin or morph targets move it at rest.
+    pub(crate) part: Cow<'a, Part>,
     /// The node's name, or else the part's.
     pub(crate) name: &'a str,
     transform: Option<InstanceTransform>,
@@ -32,7 +33,8 @@ impl Scene {
     ///
     /// Positions are rounded once for each transform. Normals and tangents are transformed and stay of unit
     /// length. Mirrored parts are wound the other way round, so that the front stays the front. Parts without
-    /// a transform are borrowed and cost nothing.
+    /// a transform are borrowed and cost nothing. What a skin or morph targets move stands in its
+    /// [rest pose](crate::RestPose), without the attributes that pose it.
     ///
     /// # Errors
     /// [`WriteError::Unsupported`] for nodes that are no tree, matrices that are not affine, and positions
@@ -66,6 +68,7 @@ pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, Wri
     let mut open: Vec<(usize, [f64; 16])> = scene.roots.iter().rev().map(|root| (*root, IDENTITY)).collect();
     let mut found = Vec::new();
     let mut rows = 0_usize;
+    let poses = scene.rest_poses();
     while let Some((index, parent)) = open.pop() {
         let unsupported = |what: &str| WriteError::Unsupported(format!("node {index} {what}"));
         let node = scene.nodes.get(index).ok_or_else(|| unsupported("is not there"))?;
@@ -85,7 +88,16 @@ pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, Wri
                 ));
             }
             let name = if node.name.is_empty() { &part.name } else { &node.name };
-            found.push(PartInstance { part, name, transform: InstanceTransform::from_matrix(&matrix) });
+            found.push(match poses.pose(index)? {
+                Some(pose) => {
+                    let part = Cow::Owned(Part { mesh: pose.posed(&part.mesh)?, ..part.clone() });
+                    PartInstance { part, name, transform: None }
+                }
+                None => {
+                    let transform = InstanceTransform::from_matrix(&matrix);
+                    PartInstance { part: Cow::Borrowed(part), name, transform }
+                }
+            });
         }
         open.extend(node.children.iter().rev().map(|child| (*child, matrix)));
     }
@@ -120,7 +132,12 @@ impl<'a> PartInstance<'a> {
     /// The mesh in scene coordinates.
     fn mesh(&self) -> Result<Cow<'a, Mesh>, WriteError> {
         let mesh = &self.part.mesh;
-        let Some(transform) = &self.transform else { return Ok(Cow::Borrowed(mesh)) };
+        let Some(transform) = &self.transform else {
+            return Ok(match &self.part {
+                Cow::Borrowed(part) => Cow::Borrowed(&part.mesh),
+                Cow::Owned(part) => Cow::Owned(part.mesh.clone()),
+            });
+        };
         let positions = (0..mesh.positions().len()).map(|i| self.position(i)).collect::<Result<_, _>>()?;
         let order = self.order();
         let faces = mesh.faces().iter().map(|face| order.map(|corner| face[corner])).collect();

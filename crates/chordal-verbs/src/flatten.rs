@@ -2,7 +2,7 @@
 use crate::placements::part_placements;
 use chordal::budget::advice::Message;
 use chordal::math::greater;
-use chordal_io::{Node, Part, Scene, WriteError};
+use chordal_io::{Format, Node, Part, Scene, WriteError};
 use serde_json::{Map, Value};
 
 /// A scene with its transforms applied, and a bound of the rounding.
@@ -29,6 +29,23 @@ impl TransformedScene {
     }
 }
 
+/// Whether a skin or morph targets pose a part of the scene at rest.
+pub(crate) fn is_posed(scene: &Scene) -> bool {
+    let poses = scene.rest_poses();
+    (0..scene.nodes.len()).any(|node| poses.is_posed(node))
+}
+
+/// The scene as a format can hold it: as it is, or with its transforms applied where the format has no nodes, or no skins
+/// for a scene that has some.
+///
+/// # Errors
+/// As [`flatten`].
+pub(crate) fn flatten_for(scene: Scene, to: Format) -> Result<TransformedScene, WriteError> {
+    let holds_skins = matches!(to, Format::Glb | Format::Gltf);
+    let stays = to.has_nodes() && (holds_skins || !is_posed(&scene));
+    if stays { Ok(TransformedScene::unchanged(scene)) } else { flatten(scene) }
+}
+
 /// The scene for formats without nodes: one part for each placement, in world coordinates.
 ///
 /// A scene without transforms, in which every part has one placement, is left as it is.
@@ -47,6 +64,7 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         greater(moved, most)
     });
     let indexed = scene.parts.iter().all(|part| part.indexed);
+    let poses = scene.rest_poses();
     let mut flat = Scene {
         frame: scene.frame,
         groups: scene.groups.clone(),
@@ -57,14 +75,21 @@ pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
         let (part, node) = (&scene.parts[place.part], &scene.nodes[place.node]);
         let at = flat.parts.len();
         let mesh = mesh.into_owned();
-        let properties = part.properties.clone();
+        let is_posed = poses.is_posed(place.node);
+        let mut properties = part.properties.clone();
+        let mut of_node = properties_beside_transform(node);
+        if is_posed {
+            // It stands in its pose.
+            ["skin", "weights"].iter().for_each(|key| drop(of_node.shift_remove(*key)));
+            properties.iter_mut().for_each(|own| drop(own.shift_remove("weights")));
+        }
         // Points and lines are not moved: what is written of this is a format without them, or without nodes.
         let (name_of_part, marks) = (part.name.clone(), part.marks.clone());
         flat.parts.push(Part { mesh, indexed, name: name_of_part, properties, marks, ..Part::default() });
         flat.nodes.push(Node {
             name: name.to_owned(),
             part: Some(at),
-            properties: properties_beside_transform(node).into(),
+            properties: of_node.into(),
             ..Node::default()
         });
         flat.roots.push(at);

@@ -76,6 +76,7 @@ mod script;
 mod script_files;
 mod seal;
 mod shape;
+mod shown_parts;
 mod simplified_isosurface;
 mod simplify;
 mod smoothing;

@@ -5,10 +5,23 @@ use chordal::lod::ReductionStats;
 use chordal_io::glb::GltfPacking;
 use chordal_io::{Format, Part, Scene};
 
-/// What a bound of meshes that skins or morph targets deform does not cover.
-pub(crate) fn deformation_note(scene: &Scene) -> Option<Message> {
-    let note = "the bound is of meshes at rest: skins and morph targets move them afterwards";
-    scene.parts.iter().any(Part::is_deformed).then(|| note.into())
+/// What a bound of parts that a skin or morph targets move is of, and which skins could not be applied.
+pub(crate) fn deformation_notes(scene: &Scene) -> Vec<Message> {
+    if !scene.parts.iter().any(Part::is_deformed) {
+        return Vec::new();
+    }
+    let mut notes: Vec<Message> = vec![
+        "the bound is of the rest pose, in which joints and default weights show the parts: animations move them \
+         afterwards"
+            .into(),
+    ];
+    let poses = scene.rest_poses();
+    let n_lacking = (0..scene.nodes.len()).filter(|node| poses.lacks_skin(*node)).count();
+    if n_lacking > 0 {
+        let what = "a skin lacks joints or matrices: what it moves stands where its node places it";
+        notes.push(format!("{what} ({n_lacking}x)").into());
+    }
+    notes
 }
 
 /// What is said where the input is compressed or quantized and the output is not, though it could be.

@@ -1,14 +1,18 @@
 //! Passes triangles through unchanged, at the precision of a format.
+use crate::file_rows::unsupported;
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::RoundingTarget;
+use crate::notes::deformation_notes;
 use crate::placements;
+use crate::shown_parts::ShownParts;
 use crate::{MeshFailure, OutputForm};
-use chordal::Mesh;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
+use chordal::explicit::Semantic;
 use chordal::math::{add_up, greater};
-use chordal_io::Scene;
-use chordal_io::glb::VertexStorage;
+use chordal::{Job, Mesh};
+use chordal_io::glb::{VertexStorage, round_deformation};
+use chordal_io::{Format, Scene, WriteError};
 
 /// Rounds the parts of a scene to the format, or to the lattices that fewer bits ask for, and applies the transforms where the format has no nodes.
 ///
@@ -19,14 +23,16 @@ pub(crate) fn pass_through(
     to: OutputForm,
     notes: &mut Vec<Message>,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let placed =
-        if to.format.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    notes.extend(deformation_notes(&scene));
+    let placed = flatten::flatten_for(scene, to.format)?;
     notes.extend(placed.note());
     let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
     let stretch = placements::part_scales(&scene);
     let mut moved = 0.0;
     let mut n_collapsed = 0;
-    for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
+    let before = flatten::is_posed(&scene).then(|| scene.clone());
+    let shown = before.as_ref().map(ShownParts::new);
+    for (number, (part, stretch)) in scene.parts.iter_mut().zip(stretch).enumerate() {
         if to.is_quantized() {
             part.storage = Some(Box::new(VertexStorage::of(&part.mesh)));
         }
@@ -35,9 +41,16 @@ pub(crate) fn pass_through(
         if lattice.is_some() {
             n_collapsed += n_new_collapsed(&part.mesh, &snapped.mesh);
         }
-        let part_moved = placements::scaled_up(snapped.moved_at_most, stretch);
+        let after = rounded_deformation(snapped.mesh, part.storage.as_deref(), to.format)?;
+        let part_moved = match shown.as_ref().filter(|shown| shown.is_posed(number)) {
+            Some(shown) => {
+                let both = [&part.mesh, &after];
+                shown.moved(number, both, snapped.moved_at_most, (None, &Job::default()))?
+            }
+            None => placements::scaled_up(snapped.moved_at_most, stretch),
+        };
         moved = greater(part_moved, moved);
-        part.mesh = snapped.mesh;
+        part.mesh = after;
     }
     if n_collapsed > 0 {
         let what = "triangles that are smaller than a step of 16 bits have two corners at one place now";
@@ -51,6 +64,19 @@ pub(crate) fn pass_through(
         ));
     }
     Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
+}
+
+/// A mesh with its joints and morph targets as glTF holds them in that storage.
+pub(crate) fn rounded_deformation(
+    mesh: Mesh,
+    storage: Option<&VertexStorage>,
+    to: Format,
+) -> Result<Mesh, WriteError> {
+    let is_deformed = mesh.attributes().iter().any(|own| matches!(own.semantic, Semantic::Blended(_)));
+    if !is_deformed || !matches!(to, Format::Glb | Format::Gltf) {
+        return Ok(mesh);
+    }
+    round_deformation(&mesh, storage).map_err(unsupported)
 }
 
 /// Triangles that have two corners at one place after rounding, and had not before.

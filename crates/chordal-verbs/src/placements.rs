@@ -1,9 +1,9 @@
 //! Where the nodes of a scene show its parts: how far their transforms stretch lengths, and what rounding costs them.
 use chordal::budget::Tolerance;
 use chordal::math::{
-    Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_down, sqrt_up, sub_down,
+    Box3, Interval, add_up, div_down, greater, lesser, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };
-use chordal_io::{Part, Scene, WriteError};
+use chordal_io::{Part, RestPoses, Scene, WriteError};
 
 /// A column-major 4 × 4 matrix.
 pub(crate) type Matrix4 = [f64; 16];
@@ -29,8 +29,8 @@ pub(crate) fn length_in_part(length: f64, stretch: f64) -> Option<Tolerance> {
     own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok())
 }
 
-/// By part: the largest factor by which its transforms lengthen, over all placements; 0 for a part without
-/// any.
+/// By part: the largest factor by which its transforms, or the joints of a skin, lengthen, over all placements; 0 for a
+/// part without any. Of a posed part it is that of a vertex whose joints stay.
 pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
     let mut stretch = vec![0.0; scene.parts.len()];
     for place in part_placements(scene) {
@@ -58,6 +58,15 @@ pub(crate) struct PartPlacement {
     magnitude: Matrix4,
     /// The largest factor by which the transforms together lengthen, rounded up.
     stretch: f64,
+    /// Where a skin or morph targets pose it: nothing of the transforms counts then, and `stretch` is that of the pose.
+    posed: Option<PosedPlace>,
+}
+
+/// What is known of a part in its rest pose.
+#[derive(Clone, Copy)]
+struct PosedPlace {
+    rounding: f64,
+    bounds: Box3,
 }
 
 impl PartPlacement {
@@ -70,6 +79,7 @@ impl PartPlacement {
         matrix: IDENTITY,
         magnitude: IDENTITY,
         stretch: 1.0,
+        posed: None,
     };
 
     /// Composes this placement with a node's matrix.
@@ -85,11 +95,34 @@ impl PartPlacement {
             matrix: product(&self.matrix, matrix),
             magnitude: product(&self.magnitude, &matrix.map(f64::abs)),
             stretch: scaled_up(largest_stretch(matrix), self.stretch),
+            posed: None,
         }
+    }
+
+    /// The same in the pose that a skin or morph targets give it, if they do. What leads out of range has no stretch that
+    /// is finite.
+    fn in_rest_pose(self, poses: &RestPoses<'_>) -> Self {
+        match poses.pose(self.node) {
+            Ok(None) => self,
+            Ok(Some(pose)) => {
+                let bounds = Box3::from_points(&pose.positions);
+                let posed = Some(PosedPlace { rounding: pose.rounding, bounds });
+                Self { is_identity: false, stretch: pose.stretch, posed, ..self }
+            }
+            Err(_) => Self { is_identity: false, stretch: f64::INFINITY, ..self },
+        }
+    }
+
+    /// The largest factor by which it lengthens, rounded up.
+    pub fn stretch(&self) -> f64 {
+        self.stretch
     }
 
     /// How far the rounding of its transforms can move a vertex of the part.
     pub fn rounding(&self, part: &Part) -> f64 {
+        if let Some(posed) = &self.posed {
+            return posed.rounding;
+        }
         let bounds = part.mesh.bounds();
         if bounds.is_empty() { 0.0 } else { self.rounding_within(largest_reach(&bounds)) }
     }
@@ -110,6 +143,16 @@ impl PartPlacement {
         });
         sqrt_up(squares)
     }
+}
+
+/// The distance of two points, rounded up.
+pub(crate) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
+    let sides: [f64; 3] = std::array::from_fn(|k| {
+        let (low, high) = (sub_down(p[k], q[k]), sub_up(p[k], q[k]));
+        greater(low.abs(), high.abs())
+    });
+    let squares = sides.map(|side| mul_up(side, side));
+    sqrt_up(add_up(add_up(squares[0], squares[1]), squares[2]))
 }
 
 /// The largest absolute values of coordinates in a box; of none, 0.
@@ -151,12 +194,13 @@ pub(crate) fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
     let mut found = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
     let outside = std::rc::Rc::new(PartPlacement::OUTSIDE);
+    let poses = scene.rest_poses();
     open.extend(scene.roots.iter().rev().map(|root| (*root, outside.clone())));
     while let Some((index, parent)) = open.pop() {
         let node = &scene.nodes[index];
         let here = std::rc::Rc::new(parent.compose(index, &node.matrix, 0));
         if let Some(part) = node.part {
-            found.push(PartPlacement { part, ..*here });
+            found.push(PartPlacement { part, ..*here }.in_rest_pose(&poses));
         }
         open.extend(node.children.iter().rev().map(|child| (*child, here.clone())));
     }
@@ -222,7 +266,11 @@ pub(crate) struct NodePlacement {
 /// By node: where it shows a part; `None` for other nodes, and for those that no scene shows.
 pub(crate) fn node_placements(scene: &Scene) -> Vec<Option<NodePlacement>> {
     let mut found = vec![None; scene.nodes.len()];
-    for PartPlacement { node, part, matrix, stretch, .. } in part_placements(scene) {
+    for PartPlacement { node, part, matrix, stretch, posed, .. } in part_placements(scene) {
+        if let Some(PosedPlace { bounds, .. }) = posed {
+            found[node] = Some(NodePlacement { stretch, size: bounds.diagonal() });
+            continue;
+        }
         let bounds = scene.parts[part].mesh.bounds();
         let extent: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
         let diagonal = |signs: [f64; 2]| {

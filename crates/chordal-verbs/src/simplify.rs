@@ -4,10 +4,12 @@ use crate::file_rows::unsupported;
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget, length_for_lattice, limits_left, storage_within};
 use crate::merged_parts::MergedParts;
-use crate::notes::{deformation_note, reduction_notes};
+use crate::notes::{deformation_notes, reduction_notes};
+use crate::pass_through::rounded_deformation;
 use crate::placements;
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
+use crate::shown_parts::ShownParts;
 use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
@@ -30,7 +32,8 @@ pub(crate) fn simplify_scene(
 ) -> Result<(Scene, Bound), MeshFailure> {
     let Certificate { notes, attributes, .. } = certificate;
     let MeshRequest { budget, to, .. } = request;
-    let placed = if to.has_nodes() { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    notes.extend(deformation_notes(&scene));
+    let placed = flatten::flatten_for(scene, *to)?;
     notes.extend(placed.note());
     let TransformedScene { mut scene, moved_at_most: placed, .. } = placed;
     if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
@@ -44,7 +47,6 @@ pub(crate) fn simplify_scene(
             return Err(MeshFailure::TooWide(CoordinateOverflow { value }));
         }
     }
-    notes.extend(deformation_note(&scene));
     let stretch = placements::part_scales(&scene);
     // 1. The budget of each part, in its own coordinates: what transforms and rounding leave of the whole.
     let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
@@ -72,18 +74,29 @@ pub(crate) fn simplify_scene(
     let mut worst: Option<Bound> = None;
     let mut pixels = eye.map(|_| 0.0);
     let rounded = stretch.iter().zip(&targets);
-    for ((part, (stretch, target)), share) in scene.parts.iter_mut().zip(rounded).zip(&shares) {
-        let Some(made) = simplify_part(part, (&share.budget, request.effort), job)? else { continue };
+    let posed = flatten::is_posed(&scene).then(|| scene.clone());
+    let shown = posed.as_ref().map(ShownParts::new);
+    for (number, ((part, (stretch, target)), share)) in
+        scene.parts.iter_mut().zip(rounded).zip(&shares).enumerate()
+    {
+        let shown = shown.as_ref().filter(|shown| shown.is_posed(number));
+        let fitting = PartToFit { number, shown, length: lengths[number], target, effort: request.effort };
+        let Some(FittedPart { made, rounded, step, moved }) =
+            fitting.fit(part, &share.budget, (&budget.attributes, job))?
+        else {
+            continue;
+        };
         all += made.shape.stats;
-        let (rounded, step) = stored(part, &made, target, (&budget.attributes, job))?;
         let before = std::mem::replace(&mut part.mesh, rounded);
         let snapped = placements::scaled_up(step.at_most().unwrap_or(f64::INFINITY), *stretch);
-        let seen = eye.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
+        let seen = eye.filter(|_| shown.is_none());
+        let seen = seen.and_then(|eye| share.pixels_of(&made, snapped, placed, &eye.view));
         let bound = made.bound.then(&step);
         if is_quantized || part.mesh.faces().len() < before.faces().len() {
             notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
         }
-        let most = placements::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
+        let own = bound.at_most().unwrap_or(f64::INFINITY);
+        let most = moved.unwrap_or_else(|| placements::scaled_up(own, *stretch));
         let most = if placed == 0.0 { most } else { add_up(most, placed) };
         if !most.is_finite() {
             let message = "the transforms of the scene take its coordinates out of range";
@@ -93,7 +106,7 @@ pub(crate) fn simplify_scene(
         pixels = pixels.zip(seen).map(|(most, seen)| greater(seen, most));
         if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
             // Another part may compensate for the error of one, so that only a single part has a lower bound.
-            let alone = is_alone && *stretch == 1.0 && placed == 0.0;
+            let alone = is_alone && *stretch == 1.0 && placed == 0.0 && shown.is_none();
             let least = if alone { bound.at_least() } else { 0.0 };
             let mut of_all = Bound::proved(lesser(least, most), most, Reference::InputTriangles);
             of_all.at = bound.at.filter(|_| alone);
@@ -126,6 +139,61 @@ fn with_room(bound: Bound, length: Option<Tolerance>) -> Bound {
     }
 }
 
+/// A part that is to be simplified so that it keeps its length where the scene shows it.
+struct PartToFit<'a> {
+    number: usize,
+    /// Where a skin or morph targets pose it.
+    shown: Option<&'a ShownParts<'a>>,
+    /// How far a point of it may be off in the scene; 0 where nothing says so.
+    length: f64,
+    target: &'a RoundingTarget,
+    effort: Effort,
+}
+
+/// A part that was simplified.
+struct FittedPart {
+    made: Bounded<SimplifiedMesh>,
+    /// As its file stores it.
+    rounded: Mesh,
+    /// How far that moved it, in its own coordinates.
+    step: Bound,
+    /// Where it is posed: how far it moved at most in the scene.
+    moved: Option<f64>,
+}
+
+impl PartToFit<'_> {
+    /// Simplifies it; where the poses are too far apart, by shorter lengths, and in the end not at all.
+    fn fit(
+        &self,
+        part: &mut Part,
+        budget: &Budget,
+        (attributes, job): (&AttributeLimits, &Job),
+    ) -> Result<Option<FittedPart>, MeshFailure> {
+        /// Chosen: each takes as long as the first, and lengths are down to a thousandth by then.
+        const MOST_TRIES: usize = 8;
+        /// The most that a length keeps from one try to the next; chosen.
+        const SHORTER: f64 = 0.7;
+        let limit = budget.length.is_some().then_some(self.length);
+        let mut budget = *budget;
+        for left in (0..=MOST_TRIES).rev() {
+            let Some(made) = simplify_part(part, (&budget, self.effort), job)? else { return Ok(None) };
+            let (rounded, step) = stored(part, &made, self.target, (attributes, job))?;
+            let Some(shown) = self.shown else {
+                return Ok(Some(FittedPart { made, rounded, step, moved: None }));
+            };
+            let own = made.bound.then(&step).at_most().unwrap_or(f64::INFINITY);
+            let moved = shown.moved(self.number, [&part.mesh, &rounded], own, (limit, job))?;
+            let Some(over) = limit.filter(|limit| moved > *limit && left > 0) else {
+                return Ok(Some(FittedPart { made, rounded, step, moved: Some(moved) }));
+            };
+            let share = lesser(SHORTER, over / moved);
+            let shorter = budget.length.and_then(|length| Tolerance::new(share * length.get()).ok());
+            budget.length = shorter.filter(|_| left > 1);
+        }
+        Ok(None)
+    }
+}
+
 /// A part that was simplified as its file stores it, and how far that moved it. Where rounding to a lattice slides
 /// attributes past their limits, positions stay in single precision.
 fn stored(
@@ -141,7 +209,8 @@ fn stored(
         };
         mesh.map(|mesh| (mesh, step)).map_err(unsupported)
     };
-    let fewest = with_attributes(part.storage.as_deref(), round(&made.shape.mesh, target, job)?)?;
+    let (mesh, step) = with_attributes(part.storage.as_deref(), round(&made.shape.mesh, target, job)?)?;
+    let fewest = (rounded_deformation(mesh, part.storage.as_deref(), target.format)?, step);
     if target.lattice.is_none() || !limits.is_set() {
         return Ok(fewest);
     }

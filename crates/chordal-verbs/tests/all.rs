@@ -15,3 +15,4 @@ mod mesh;
 mod open_scan;
 mod prescribed;
 mod quantized;
+mod skins;

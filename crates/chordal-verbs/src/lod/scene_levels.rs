@@ -2,17 +2,20 @@
 use super::level_finisher::{LatticeFit, LevelFinisher};
 use super::level_mesh::LevelMesh;
 use crate::MeshFailure;
+use crate::flatten;
+use crate::pass_through::rounded_deformation;
 use crate::placements;
 use crate::report::AttributeFacts;
+use crate::shown_parts::ShownParts;
 use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Reference, RefusalCode};
 use chordal::check::findings::AttributeDeviation;
 use chordal::explicit::Semantic;
-use chordal::lod::LodLevel;
-use chordal::math::greater;
-use chordal::{Bounded, Job};
+use chordal::lod::{LodLevel, ReductionStats};
+use chordal::math::{div_up, greater};
+use chordal::{Bounded, Job, Mesh};
 use chordal_io::glb::{PositionLattice, VertexStorage};
-use chordal_io::{Part, Scene};
+use chordal_io::{Format, Part, Scene};
 use std::borrow::Cow;
 
 /// The parts of a scene in levels as they will be written.
@@ -78,7 +81,23 @@ impl SceneLevels {
             source;
         let moved = Bound::proved(0.0, moved_at_most, Reference::InputTriangles);
         let (mut coarser, mut bounds, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
-        for ((part, chain), lattice) in finest.parts.iter_mut().zip(chains).zip(lattices) {
+        let posed = flatten::is_posed(&finest).then(|| finest.clone());
+        let shown = posed.as_ref().map(ShownParts::new);
+        for (number, ((part, mut chain), lattice)) in
+            finest.parts.iter_mut().zip(chains).zip(lattices).enumerate()
+        {
+            let shown = shown.as_ref().filter(|shown| shown.is_posed(number));
+            let original = shown.map(|_| part.mesh.clone());
+            let pose = shown.zip(original.as_ref()).map(|(shown, before)| PosedLevels {
+                shown,
+                part: number,
+                before,
+                stretch: stretch[number],
+            });
+            if let Some(pose) = &pose {
+                // Of levels that keep no length where they are shown, the mesh itself is the finest.
+                chain.insert(0, unchanged_level(pose.before));
+            }
             let (lattice, measured) = match finisher.fit(&part.mesh, &chain, lattice, job)? {
                 LatticeFit::Free => (lattice, Vec::new()),
                 LatticeFit::Within(measured) => (lattice, measured),
@@ -103,13 +122,21 @@ impl SceneLevels {
                     storage: storage.map(Box::new),
                     marks: part.marks.clone(),
                 };
-                let level = finisher.finish(own, bound, notes, job)?;
+                let mut level = finisher.finish(own, bound, notes, job)?;
+                if let Some(pose) = &pose {
+                    level.bound = pose.bound(&mut level.shape, &level.bound, job)?;
+                }
                 // Rounding may leave two levels alike.
                 let is_coarser = |finer: &Bounded<Part>| level.bound.at_most() > finer.bound.at_most();
                 if levels.last().is_none_or(is_coarser) {
                     levels.push(level);
                     off.push(level_attributes);
                 }
+            }
+            let is_fine = |level: &Bounded<Part>| error_in(&level.bound, stretch[number]) <= tolerance;
+            if pose.is_some() && levels.get(1).is_some_and(is_fine) {
+                levels.remove(0);
+                off.remove(0);
             }
             let mut meshes = Vec::with_capacity(levels.len());
             let mut own = Vec::with_capacity(levels.len());
@@ -214,6 +241,40 @@ impl SceneLevels {
             packing: *packing,
             stored: *stored,
         }))
+    }
+}
+
+/// The levels of a part that a skin poses.
+struct PosedLevels<'a> {
+    shown: &'a ShownParts<'a>,
+    part: usize,
+    before: &'a Mesh,
+    stretch: f64,
+}
+
+impl PosedLevels<'_> {
+    /// The bound of a level where the scene shows it, as one in the part's own coordinates that its largest stretch makes as
+    /// large; its joints are rounded to what glTF holds.
+    fn bound(&self, level: &mut Part, own: &Bound, job: &Job) -> Result<Bound, MeshFailure> {
+        let mesh = std::mem::take(&mut level.mesh);
+        level.mesh = rounded_deformation(mesh, level.storage.as_deref(), Format::Glb)?;
+        let most = own.at_most().unwrap_or(f64::INFINITY);
+        let moved = self.shown.moved(self.part, [self.before, &level.mesh], most, (None, job))?;
+        let in_part = if self.stretch > 0.0 { div_up(moved, self.stretch) } else { moved };
+        Ok(if in_part.is_finite() {
+            Bound::proved(0.0, in_part, Reference::InputTriangles)
+        } else {
+            Bound::with_evidence(0.0, None, own.evidence().clone(), Reference::InputTriangles)
+        })
+    }
+}
+
+fn unchanged_level(mesh: &Mesh) -> LodLevel {
+    LodLevel {
+        mesh: mesh.clone(),
+        bound: Bound::proved(0.0, 0.0, Reference::InputTriangles),
+        stats: ReductionStats::default(),
+        attributes: Vec::new(),
     }
 }
 

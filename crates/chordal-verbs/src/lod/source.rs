@@ -6,7 +6,7 @@ use crate::drop_attributes::{drop_attributes, drop_normals};
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget};
 use crate::merge::{MergedMesh, merge};
-use crate::notes::{deformation_note, reduction_notes};
+use crate::notes::{deformation_notes, reduction_notes};
 use crate::placements;
 use crate::request::MeshRequest;
 use crate::tessellate::tessellate;
@@ -15,7 +15,7 @@ use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Budget, Reference, RefusalCode, Tolerance};
 use chordal::explicit::{Semantic, Topology};
 use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
-use chordal::math::Box3;
+use chordal::math::{Box3, add_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::glb::PositionLattice;
 use chordal_io::{Format, Part, Scene, SceneAssets, glb};
@@ -90,19 +90,22 @@ impl LevelSource<'_> {
             // Existing normals are to preserve no edge.
             drop_normals(&mut scene, notes)?;
         }
+        notes.extend(deformation_notes(&scene));
         let stretch = placements::part_scales(&scene);
         let is_empty = |(part, stretch): (&Part, &f64)| part.mesh.faces().is_empty() || *stretch == 0.0;
         if scene.parts.iter().zip(&stretch).all(is_empty) {
             return Err(MeshFailure::refused(RefusalCode::Empty, "there is no triangle to make levels of"));
         }
         if self.spec.parts == LodParts::Separate && !self.is_too_large(&scene, &stretch, bounds)? {
+            let (mut stretch, mut moved) = (stretch, 0.0);
             if self.spec.tile_triangles.is_some() {
-                still(&mut scene, notes)?;
+                (scene, moved) = still(scene, notes)?;
+                stretch = placements::part_scales(&scene);
             }
-            return self.of_parts(scene, stretch, bounds, notes);
+            return self.of_parts(PlacedScene { scene, stretch, moved }, bounds, notes);
         }
-        still(&mut scene, notes)?;
-        self.of_merged_parts(scene, bounds, notes)
+        let (scene, moved) = still(scene, notes)?;
+        self.of_merged_parts(scene, moved, bounds, notes)
     }
 
     /// Whether the finest level is to be cut in space.
@@ -162,12 +165,10 @@ impl LevelSource<'_> {
     /// Levels of each part, placed by the nodes of the scene.
     fn of_parts(
         &self,
-        scene: Scene,
-        stretch: Vec<f64>,
+        PlacedScene { scene, stretch, moved }: PlacedScene,
         bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
-        notes.extend(deformation_note(&scene));
         let n_fixed = glb::takes_levels(&scene).iter().filter(|takes| !**takes).count();
         if n_fixed > 0 {
             let note =
@@ -201,7 +202,7 @@ impl LevelSource<'_> {
         notes.extend(reduction_notes(&stats));
         let finest = self.finest.get();
         let lattices = self.targets(&scene, &stretch).iter().map(|target| target.lattice).collect();
-        let chains = LevelChains { scene, stretch, chains, lattices, moved_at_most: 0.0, finest };
+        let chains = LevelChains { scene, stretch, chains, lattices, moved_at_most: moved, finest };
         Ok(SourceLevels::Chains(Box::new(chains)))
     }
 
@@ -209,12 +210,14 @@ impl LevelSource<'_> {
     fn of_merged_parts(
         &self,
         scene: Scene,
+        moved: f64,
         bounds: Box3,
         notes: &mut Vec<Message>,
     ) -> Result<SourceLevels, MeshFailure> {
         let placed = flatten::flatten(scene)?;
         notes.extend(placed.note());
         let TransformedScene { scene, moved_at_most, .. } = placed;
+        let moved_at_most = if moved == 0.0 { moved_at_most } else { add_up(moved, moved_at_most) };
         let Scene { frame, assets, .. } = &scene;
         let template = Scene { assets: assets.clone(), ..Scene::from_mesh(NAME, Mesh::default(), *frame) };
         let (mesh, topology) = merged_mesh(scene, notes)?;
@@ -284,8 +287,25 @@ impl LevelSource<'_> {
     }
 }
 
-/// Leaves out what moves a scene, and what it has beside its materials: tiles and merged meshes hold none of it.
-fn still(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
+/// A scene of which levels are made.
+struct PlacedScene {
+    scene: Scene,
+    /// By part: the largest factor by which its nodes lengthen.
+    stretch: Vec<f64>,
+    /// How far transforms that were applied have moved a vertex.
+    moved: f64,
+}
+
+/// Leaves out what moves a scene, and what it has beside its materials: tiles and merged meshes hold none of it. What a
+/// skin or morph targets pose stays in that pose. Returns as well how far that rounded a vertex.
+fn still(scene: Scene, notes: &mut Vec<Message>) -> Result<(Scene, f64), MeshFailure> {
+    let TransformedScene { mut scene, moved_at_most, .. } =
+        if flatten::is_posed(&scene) { flatten::flatten(scene)? } else { TransformedScene::unchanged(scene) };
+    leave_out_motion(&mut scene, notes)?;
+    Ok((scene, moved_at_most))
+}
+
+fn leave_out_motion(scene: &mut Scene, notes: &mut Vec<Message>) -> Result<(), MeshFailure> {
     let mut dropped: Vec<String> = scene.assets.beside_materials().into_iter().map(str::to_owned).collect();
     dropped.extend(properties_of_nodes(scene));
     let n_marks: usize = scene.parts.iter().map(|part| part.marks.len()).sum();

@@ -2,6 +2,7 @@
 use super::claims::ClaimList;
 use crate::bake::{interpolant_off, off_at_most};
 use crate::frame_nodes::without_frame_nodes;
+use crate::placements::distance_up;
 use crate::seal::seal_of;
 use crate::volume::{ValueRange, VolumeShape};
 use crate::zero_set::level_field;
@@ -282,15 +283,6 @@ fn corners_moved(a: &Mesh, b: &Mesh) -> Option<f64> {
         }
     }
     Some(most)
-}
-
-fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
-    let sides: [f64; 3] = std::array::from_fn(|k| {
-        let (low, high) = (chordal::math::sub_down(p[k], q[k]), chordal::math::sub_up(p[k], q[k]));
-        greater(low.abs(), high.abs())
-    });
-    let squares = sides.map(|side| chordal::math::mul_up(side, side));
-    chordal::math::sqrt_up(add_up(add_up(squares[0], squares[1]), squares[2]))
 }
 
 /// The claims about distances to triangles: those of samples, and those between them, which follow.

@@ -1,0 +1,117 @@
+//! `ShownParts`: how far parts that change are from what they were, where the scene shows them.
+use crate::MeshFailure;
+use crate::placements::{
+    IDENTITY, Matrix4, distance_up, largest_reach, largest_stretch, map_rounding, scaled_up,
+};
+use chordal::budget::{JobError, Tolerance};
+use chordal::check::{self, Goal};
+use chordal::math::{add_up, greater, lesser, sub_down};
+use chordal::{Job, Mesh};
+use chordal_io::{RestPose, RestPoses, Scene};
+
+/// Where a scene shows its parts. The scene is that from before they change.
+///
+/// A transform stretches a bound by a factor. A skin poses each vertex by a map of its own, so that a bound between
+/// meshes says little of their poses: these are compared.
+pub(crate) struct ShownParts<'a> {
+    poses: RestPoses<'a>,
+    /// By part: the nodes that show it in a pose, and the largest factor by which others lengthen it; 0 without any.
+    places: Vec<(Vec<usize>, f64)>,
+}
+
+impl<'a> ShownParts<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        let poses = scene.rest_poses();
+        let mut places = vec![(Vec::new(), 0.0); scene.parts.len()];
+        for place in crate::placements::part_placements(scene) {
+            let (posed, plain): &mut (Vec<usize>, f64) = &mut places[place.part];
+            match poses.is_posed(place.node) {
+                true => posed.push(place.node),
+                false => *plain = greater(place.stretch(), *plain),
+            }
+        }
+        Self { poses, places }
+    }
+
+    /// Whether a skin or morph targets pose a part somewhere.
+    pub fn is_posed(&self, part: usize) -> bool {
+        self.places.get(part).is_some_and(|(posed, _)| !posed.is_empty())
+    }
+
+    /// How far a part is at most from what it was before, wherever the scene shows it, given how far it is at most in its
+    /// own coordinates. `limit` is the length that decides on something, if any: more than it may be rough.
+    ///
+    /// Cost: where all joints together move a part as one map does, linear in its vertices; else that of
+    /// [`check::deviation`] for each node.
+    pub fn moved(
+        &self,
+        part: usize,
+        [before, after]: [&Mesh; 2],
+        own: f64,
+        (limit, job): (Option<f64>, &Job),
+    ) -> Result<f64, MeshFailure> {
+        let (posed, plain) = &self.places[part];
+        let mut most = scaled_up(own, *plain);
+        for node in posed {
+            let poses = self.poses.pose_of(*node, before)?.zip(self.poses.pose_of(*node, after)?);
+            let Some((was, is)) = poses else { return Ok(f64::INFINITY) };
+            let moved = moved_in_pose([(before, &was), (after, &is)], own, (limit, job))?;
+            most = greater(moved, most);
+        }
+        Ok(most)
+    }
+}
+
+/// How far two meshes are apart in their poses, at most.
+fn moved_in_pose(
+    [(before, was), (after, is)]: [(&Mesh, &RestPose); 2],
+    own: f64,
+    (limit, job): (Option<f64>, &Job),
+) -> Result<f64, MeshFailure> {
+    let rounding = add_up(was.rounding, is.rounding);
+    let by_vertex = moved_by_vertex([(before, was), (after, is)]).map(|moved| add_up(moved, rounding));
+    // 1. All joints together may move it nearly as one map does.
+    let map = was.first_map();
+    let off = add_up(off_one_map(before, was, &map), off_one_map(after, is, &map));
+    let by_map = add_up(scaled_up(own, largest_stretch(&map)), off);
+    let quick = by_vertex.map_or(by_map, |moved| lesser(moved, by_map));
+    let suffices = match limit {
+        Some(limit) => quick <= limit,
+        // Chosen: what the map leaves open is then an eighth of it at most.
+        None => off <= 0.125 * quick,
+    };
+    if suffices || by_vertex.is_some() {
+        return Ok(quick);
+    }
+    // 2. Else the poses are judged as any two meshes are.
+    let max = limit.map(|limit| sub_down(limit, rounding)).and_then(|limit| Tolerance::new(limit).ok());
+    let meshes = [is.posed(after)?, was.posed(before)?];
+    match check::deviation(&meshes[0], &meshes[1], &Goal { max, ..Goal::default() }, job) {
+        Ok(found) => {
+            let judged = found.bound.at_most().map_or(f64::INFINITY, |most| add_up(most, rounding));
+            Ok(lesser(judged, quick))
+        }
+        Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
+        Err(JobError::Refused(_)) => Ok(quick),
+    }
+}
+
+/// The farthest that a vertex moved, where no face changed: then no point of a face moved farther.
+fn moved_by_vertex([(before, was), (after, is)]: [(&Mesh, &RestPose); 2]) -> Option<f64> {
+    let is_same = before.faces() == after.faces() && was.positions.len() == is.positions.len();
+    let moved = || was.positions.iter().zip(&is.positions).map(|(p, q)| distance_up(*p, *q));
+    is_same.then(|| moved().fold(0.0, greater))
+}
+
+/// How far a pose is at most from one map of all vertices.
+fn off_one_map(mesh: &Mesh, pose: &RestPose, map: &Matrix4) -> f64 {
+    let moved = |p: [f64; 3]| {
+        let row = |k: usize| map[k] * p[0] + map[4 + k] * p[1] + map[8 + k] * p[2] + map[12 + k];
+        [row(0), row(1), row(2)]
+    };
+    let pairs = mesh.positions().iter().zip(&pose.positions);
+    let off =
+        pairs.map(|(p, q)| if *map == IDENTITY { distance_up(*p, *q) } else { distance_up(moved(*p), *q) });
+    let rounded = map_rounding(map, largest_reach(&mesh.bounds()));
+    add_up(add_up(off.fold(0.0, greater), rounded), pose.rounding)
+}
