@@ -8,6 +8,7 @@ mod composed;
 mod corpus;
 mod deviation;
 mod drawing;
+mod drawing_referee;
 mod lod_files;
 mod looks;
 mod mend;

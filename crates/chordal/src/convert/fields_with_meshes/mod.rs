@@ -174,9 +174,12 @@ fn on_lattice(field: &Field, step: f64, enough: f64, job: &Job) -> MeshResult {
     let most = add_up(most, mul_up(2.0, lattice.rounding()));
     let mut evidence = field.evidence();
     if cover.n_walls > 0 {
+        // What the proof needs is that the boxes hold no surface. Whoever made the mesh knows of films and gaps, and of boxes
+        // nothing.
         let sentence = format!(
-            "the boxes around {} places where a mesh that is not a solid has triangles, and all samples are on one side, \
-             hold no surface",
+            "nothing of the shape that lies along the triangles of a mesh which is open or crosses itself is thinner than \
+             {:.1e}: no film, no gap and no bump that all samples around miss ({} places look as if there could be one)",
+            lattice.cell_diagonal(),
             cover.n_walls
         );
         evidence = evidence.weaker(&Evidence::ProvedIf(vec![sentence]));
