@@ -21,6 +21,10 @@ pub struct InputArgs {
     #[arg(long, value_name = "FORMAT")]
     pub from: Option<Format>,
 
+    /// Which level of detail of a glTF, of which the finest is 0; `verify` alone reads others.
+    #[arg(skip)]
+    pub level: usize,
+
     /// The unit of the input's coordinates: um, mm, cm, m, km, in or ft
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<Unit>,

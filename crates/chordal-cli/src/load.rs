@@ -240,6 +240,7 @@ pub fn limits(args: &InputArgs) -> Limits {
     };
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
+    limits.level = args.level;
     limits.surface = args.surface.map(Into::into);
     limits
 }

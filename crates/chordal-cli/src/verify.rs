@@ -11,7 +11,9 @@ use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use crate::volume::VolumeArgs;
 use chordal::budget::advice::Spell;
-use chordal_verbs::{ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, verify};
+use chordal_verbs::{
+    ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, n_coarser_levels, verify_levels,
+};
 use clap::Args;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -57,6 +59,10 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     // What polygons stand for is said of inputs that were read as cages, and of nothing that was made of them.
     let plain = InputArgs { surface: None, ..args.input.clone() };
     let mut out = load::read_other(&plain, &job, &console)?;
+    let mut coarser = Vec::new();
+    for level in 1..=n_coarser_levels(&out) {
+        coarser.push(load::read_other(&InputArgs { level, ..plain.clone() }, &job, &console)?);
+    }
     let named = inputs_to_verify(&out, given.as_ref());
     let is_cage =
         |sha256: &str| named.iter().any(|of| of.sha256.as_deref() == Some(sha256) && of.kind == "cage");
@@ -66,7 +72,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
         against.push(load::read_of_digest(&own, is_cage, &job, &console)?);
     }
     args.volume.apply_to_all(std::iter::once(&mut out).chain(&mut against).map(|input| &mut input.shape))?;
-    let report = verify(&out, given.as_ref(), &against, &job)
+    let report = verify_levels((&out, &coarser), given.as_ref(), &against, &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     console.result(&report, &summary_text(&name, &report), StdoutUse::Free)?;
@@ -109,6 +115,9 @@ fn summary_text(name: &str, report: &VerifyReport) -> String {
         ClaimVerdict::Open => "not every claim was re-proved",
         ClaimVerdict::Refuted => "a claim is wrong",
     };
+    if !report.unchecked.is_empty() {
+        lines.add("not checked", report.unchecked.join(", "));
+    }
     lines.add("verdict", all);
     lines.finish()
 }

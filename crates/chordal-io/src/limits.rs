@@ -19,6 +19,8 @@ pub struct Limits {
     pub drop_nonfinite: bool,
     /// Which volume of a file that holds several, counted from 0; `None` where there is only one.
     pub index: Option<u64>,
+    /// Which level of detail of a glTF, counted from 0, the finest. Of nodes with fewer levels it is the coarsest.
+    pub level: usize,
     /// How the polygons of an OBJ are interpreted. `None`: as a Catmull–Clark cage if the file has
     /// subdivision tags, else as triangles.
     pub surface: Option<PolygonSurface>,
@@ -54,6 +56,7 @@ impl Default for Limits {
             conformance: Conformance::default(),
             drop_nonfinite: false,
             index: None,
+            level: 0,
             surface: None,
             threads: 0,
         }

@@ -66,6 +66,8 @@ pub struct Scene {
     pub frame: Frame,
     /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
+    /// How many coarser levels of detail a glTF has beside those that were read; writers ignore it.
+    pub coarser_levels: usize,
     /// The names of the values of a face attribute `Semantic::Group(kind)`: `groups[kind][value]`, for the
     /// kinds that have names ([`MATERIAL`], "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a
     /// group.

@@ -96,6 +96,7 @@ pub(crate) fn scene_of(facts: &Value, blocks: &[impl Deref<Target = [u8]>]) -> R
         assets: Box::new(assets_of(&facts["assets"], bytes)?),
         packing: packing_of(&facts["packing"]),
         stored: packing_of(&facts["stored"]),
+        ..Scene::default()
     })
 }
 

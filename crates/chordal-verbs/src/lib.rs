@@ -127,7 +127,10 @@ pub use shape::Shape;
 pub use smoothing_width::SmoothingWidth;
 pub use spec::BudgetSpec;
 pub use transform::{MovedScene, Stretch, composed_bound, transform};
-pub use verify::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, verify};
+pub use verify::{
+    ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, n_coarser_levels, verify,
+    verify_levels,
+};
 pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 
 /// Runs the example of the page in `docs/` with the tests.

@@ -17,3 +17,4 @@ mod open_scan;
 mod prescribed;
 mod quantized;
 mod skins;
+mod verify_edits;

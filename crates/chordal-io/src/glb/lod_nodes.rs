@@ -87,6 +87,18 @@ impl LodNodes {
         (0..self.is_named.len()).filter(left).find(|node| self.ids.contains_key(node))
     }
 
+    /// The most lower levels that a node names.
+    pub fn most(&self) -> usize {
+        self.ids.values().map(Vec::len).max().unwrap_or(0)
+    }
+
+    /// By node with lower levels: the one that stands for it in a level, counted from 0, the finest.
+    pub fn at_level(&self, level: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let lower =
+            move |ids: &Vec<usize>| level.min(ids.len()).checked_sub(1).and_then(|k| ids.get(k).copied());
+        self.ids.iter().filter_map(move |(node, ids)| Some((*node, lower(ids)?)))
+    }
+
     /// Whether a node is a lower level of another one.
     pub fn is_named(&self, node: usize) -> bool {
         self.is_named[node]

@@ -17,8 +17,8 @@ pub(super) struct NodeTree {
     pub number_of: Vec<Option<usize>>,
     /// Whether nodes were taken from their parents, so that joints may have no root in common.
     pub has_cut_nodes: bool,
-    /// Whether nodes name lower levels of detail.
-    pub has_levels: bool,
+    /// The most lower levels of detail that a node names.
+    pub n_lower: usize,
     /// Bytes that may still be taken.
     pub left: u64,
     pub report: GlbWarnings,
@@ -55,6 +55,14 @@ impl NodeTree {
                 ..Node::default()
             };
         }
+        // What another level stands for is shown nowhere then.
+        let mut replaced = vec![false; model.meshes.len()];
+        for (node, level) in lower.at_level(limits.level) {
+            let Some(own) = item(&model.nodes, Some(level)) else { continue };
+            nodes[node].part.iter().for_each(|mesh| replaced[*mesh] = true);
+            nodes[node].matrix = own.more.as_deref().map(matrix_of).unwrap_or_default();
+            nodes[node].part = own.mesh.filter(|mesh| *mesh < model.meshes.len());
+        }
         let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
         let mut roots = match item(&model.scenes, shown) {
             Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
@@ -67,11 +75,11 @@ impl NodeTree {
             report.add_many("lower-levels-skipped", lower.n_levels, place, what);
         }
         let mut scene = Scene { nodes, roots, ..Scene::default() };
-        let (meshes, number_of) = keep_first_levels(&mut scene, model, &lower);
+        let (meshes, number_of) = keep_first_levels(&mut scene, model, (&lower, replaced));
         let left = instances::place(&mut scene, model, &number_of, (limits, left), &mut report)?;
         count_unseen(&scene, &meshes, &mut report);
-        let has_levels = lower.first.is_some();
-        Ok(Self { scene, meshes, number_of, has_cut_nodes, has_levels, left, report })
+        let n_lower = lower.most();
+        Ok(Self { scene, meshes, number_of, has_cut_nodes, n_lower, left, report })
     }
 }
 
@@ -87,14 +95,14 @@ fn matrix_of(more: &GltfNodeMore<'_>) -> RareValue<[f64; 16]> {
 fn keep_first_levels(
     scene: &mut Scene,
     model: &GltfModel<'_>,
-    lower: &LodNodes,
+    (lower, replaced): (&LodNodes, Vec<bool>),
 ) -> (Vec<usize>, Vec<Option<usize>>) {
     let n_meshes = model.meshes.len();
     if lower.first.is_none() {
         return ((0..n_meshes).collect(), (0..scene.nodes.len()).map(Some).collect());
     }
     let hidden = lower.hidden_nodes(model, &scene.roots);
-    let (mut is_lower, mut is_seen) = (vec![false; n_meshes], vec![false; n_meshes]);
+    let (mut is_lower, mut is_seen) = (replaced, vec![false; n_meshes]);
     for (node, hidden) in scene.nodes.iter().zip(&hidden) {
         if let Some(mesh) = node.part {
             let list = if *hidden { &mut is_lower } else { &mut is_seen };

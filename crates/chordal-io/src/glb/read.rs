@@ -57,8 +57,8 @@ const HARMLESS: [&str; 18] = [
 /// skins and extras of nodes go to [`Scene::assets`] and the nodes, as they are. Weights of joints and morph
 /// targets become attributes of vertices that can be blended; positions are those at rest. The
 /// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of
-/// detail by `MSFT_lod` the first is read, and the others are counted. The certificate is that of the first,
-/// where [`super::write_levels`] wrote one for each.
+/// detail by `MSFT_lod` that of [`Limits::level`] is read, usually the first, and the others are counted. The certificate is
+/// that of the level, where [`super::write_levels`] wrote one for each.
 ///
 /// Views that are compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are unpacked. A node
 /// with `EXT_mesh_gpu_instancing` gets a child for each instance, without a name, which shows the node's part;
@@ -124,7 +124,7 @@ pub(crate) fn read_with(
     let mut tree = NodeTree::new(&json, &model, limits, quota)?;
     let assets = AssetReader::new(&json, &model, quota).read(&mut tree, &forgiven)?;
     report.append(assets.report);
-    let NodeTree { mut scene, meshes, has_levels, left, report: placing, .. } = tree;
+    let NodeTree { mut scene, meshes, n_lower, left, report: placing, .. } = tree;
     let mut parts = PartReader::new(&model, &assets.groups, limits, left);
     scene.parts = meshes.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     for (part, properties) in scene.parts.iter_mut().zip(assets.properties) {
@@ -141,7 +141,9 @@ pub(crate) fn read_with(
         metres_per_unit: Some(1.0),
         texture_origin: Some(TextureOrigin::UpperLeft),
     };
-    scene.certificate = certificate(&json, has_levels);
+    let n_listed;
+    (scene.certificate, n_listed) = certificate(&json, (n_lower > 0).then_some(limits.level));
+    scene.coarser_levels = if n_lower == 0 { 0 } else { n_lower.max(n_listed.saturating_sub(1)) };
     scene.stored = stored(&model);
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: report.warnings })
 }
@@ -256,10 +258,11 @@ fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(
 }
 
 /// The certificate in a file: that of the first level, if there are several.
-fn certificate(json: &JsonValue, has_levels: bool) -> Option<Value> {
+fn certificate(json: &JsonValue, level: Option<usize>) -> (Option<Value>, usize) {
     let extras = json.get("asset").and_then(|asset| asset.get("extras"));
-    let found = extras.and_then(|extras| extras.get("chordal"))?;
-    let levels = found.get("levels").and_then(JsonValue::items).filter(|_| has_levels);
-    let found = levels.map_or(Some(found), <[_]>::first)?;
-    (*found != JsonValue::Null).then(|| found.to_value())
+    let Some(found) = extras.and_then(|extras| extras.get("chordal")) else { return (None, 0) };
+    let levels = found.get("levels").and_then(JsonValue::items).filter(|_| level.is_some());
+    let found = levels.map_or(Some(found), |levels| levels.get(level.unwrap_or(0)));
+    let found = found.filter(|found| **found != JsonValue::Null).map(JsonValue::to_value);
+    (found, levels.map_or(0, <[_]>::len))
 }

@@ -240,6 +240,7 @@ impl SceneLevels {
             assets: assets.clone(),
             packing: *packing,
             stored: *stored,
+            ..Scene::default()
         }))
     }
 }

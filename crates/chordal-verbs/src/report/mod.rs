@@ -44,6 +44,7 @@ pub use distance_grid::{DistanceGridFacts, InterpolantFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, PathJoinFacts, PieceCounts};
 pub use field::FieldFacts;
 pub use findings::{FindingFacts, cures_of_all};
+pub(crate) use history::gap;
 pub use history::{
     ComposedFacts, HistoryFacts, HistoryStart, PlaceFacts, StepBound, StepFacts, StepInput, StepOutput,
 };

@@ -1,9 +1,6 @@
 //! How far a result is from what it was made of, by judges that know nothing of how it was made.
-use super::claims::ClaimList;
-use crate::bake::{interpolant_off, off_at_most};
 use crate::frame_nodes::without_frame_nodes;
 use crate::placements::distance_up;
-use crate::seal::seal_of;
 use crate::volume::{ValueRange, VolumeShape};
 use crate::zero_set::level_field;
 use crate::{Input, MeshFailure, Shape, field, flatten, merged_parts};
@@ -13,12 +10,9 @@ use chordal::convert::has_meshes;
 use chordal::convert::{self, Inside};
 use chordal::explicit::Cage;
 use chordal::explicit::nurbs::{NurbsSurface, TrimmedSurface};
-use chordal::explicit::query::{Bvh, Enclosure};
-use chordal::implicit::Grid;
 use chordal::math::{add_up, greater, sub_down};
 use chordal::{Budget, Job, Mesh};
 use chordal_io::{Frame, Scene};
-use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// A result and its reference.
@@ -28,6 +22,8 @@ pub(super) struct BoundJudge<'a> {
     /// The frame of the lengths in the certificate of the result.
     pub frame: &'a Frame,
     pub job: &'a Job,
+    /// How near both ends are to be; `None` where it only matters whether the claim holds.
+    relative: Option<f64>,
 }
 
 /// What a judge found.
@@ -52,7 +48,34 @@ impl JudgedMesh {
     }
 }
 
-impl BoundJudge<'_> {
+impl JudgedBound {
+    /// The lower end, where there is one.
+    pub fn at_least(&self) -> Option<f64> {
+        match self {
+            Self::Between(bound) => Some(bound.at_least()),
+            Self::Unable(_) => None,
+        }
+    }
+}
+
+impl<'a> BoundJudge<'a> {
+    pub fn new([reference, result]: [&'a Input; 2], frame: &'a Frame, job: &'a Job) -> Self {
+        Self { reference, result, frame, job, relative: None }
+    }
+
+    /// The same, until both ends differ by no more than this share.
+    pub fn closely(&self, relative: f64) -> Self {
+        Self { relative: Some(relative), ..*self }
+    }
+
+    /// How closely to look where a claim is at most that.
+    fn goal(&self, max: Option<Tolerance>) -> Goal {
+        match self.relative {
+            Some(relative) => Goal { relative, ..Goal::default() },
+            None => Goal { max, ..Goal::default() },
+        }
+    }
+
     /// The distance between the two, looked at closely enough to decide on a claim if possible.
     pub fn judge(&self, said: &Bound) -> Result<JudgedBound, MeshFailure> {
         let max = said.at_most().and_then(|most| Tolerance::new(most).ok());
@@ -64,7 +87,7 @@ impl BoundJudge<'_> {
         }
         if let (Shape::Scene(read), Shape::Volume(written)) = (&self.reference.shape, &self.result.shape) {
             let mesh = JudgedMesh::new(read.clone())?;
-            return self.against_volume((&mesh, written), &Goal { max, ..Goal::default() }, said);
+            return self.against_volume((&mesh, written), &self.goal(max), said);
         }
         let Shape::Scene(written) = &self.result.shape else {
             return unable(&format!(
@@ -74,7 +97,7 @@ impl BoundJudge<'_> {
             ));
         };
         let mesh = self.result_triangles(written)?;
-        let goal = Goal { max, ..Goal::default() };
+        let goal = self.goal(max);
         match &self.reference.shape {
             Shape::Scene(read) => self.against_triangles(&mesh, read, said, &goal),
             Shape::Patches { patches, .. } => {
@@ -134,7 +157,7 @@ impl BoundJudge<'_> {
             let moved = add_up(mesh.moved, lost);
             let left = said.at_most().map(|most| sub_down(most, moved));
             let max = left.and_then(|left| Tolerance::new(left).ok());
-            let found = check::deviation(&mesh.mesh, &made.shape, &Goal { max, ..Goal::default() }, self.job);
+            let found = check::deviation(&mesh.mesh, &made.shape, &self.goal(max), self.job);
             return conclude(found.map(|found| (found.bound, found.backward)), moved, said);
         }
         let surfaces: Vec<NurbsSurface> = faces.iter().map(|face| face.surface().clone()).collect();
@@ -145,8 +168,7 @@ impl BoundJudge<'_> {
         let lost = fitted.bound.at_most().unwrap_or(f64::INFINITY);
         let left = said.at_most().map(|most| sub_down(most, add_up(lost, mesh.moved)));
         let max = left.and_then(|left| Tolerance::new(left).ok());
-        let found =
-            check::patch_deviation(&mesh.mesh, &fitted.shape, &Goal { max, ..Goal::default() }, self.job);
+        let found = check::patch_deviation(&mesh.mesh, &fitted.shape, &self.goal(max), self.job);
         conclude(found.map(|found| (found.bound, found.backward)), add_up(mesh.moved, lost), said)
     }
 
@@ -166,8 +188,9 @@ impl BoundJudge<'_> {
         }
         // Faces that correspond: no point moves farther than the corners of its face.
         let by_corners = corners_moved(&mesh.mesh, &reference.mesh);
-        if let Some(most) =
-            by_corners.map(|most| add_up(most, moved)).filter(|most| Some(*most) <= said.at_most())
+        if let Some(most) = by_corners
+            .map(|most| add_up(most, moved))
+            .filter(|most| self.relative.is_none() && Some(*most) <= said.at_most())
         {
             return Ok(JudgedBound::Between(Bound::proved(0.0, most, Reference::InputTriangles)));
         }
@@ -283,76 +306,4 @@ fn corners_moved(a: &Mesh, b: &Mesh) -> Option<f64> {
         }
     }
     Some(most)
-}
-
-/// The claims about distances to triangles: those of samples, and those between them, which follow.
-fn check_distances(
-    baked: &Value,
-    (scene, grid): (&Scene, &Grid),
-    [rounding, again]: [f64; 2],
-    claims: &mut ClaimList,
-    job: &Job,
-) -> Result<(), MeshFailure> {
-    let placed = flatten::flatten(scene.clone())?;
-    let mesh = merged_parts::one_mesh(&placed.scene)?;
-    let band = baked.get("band").and_then(Value::as_f64).unwrap_or(f64::INFINITY);
-    let said = baked.get("off_at_most").and_then(Value::as_f64);
-    let found = off_at_most(&mesh, (grid, band), job)?;
-    let moved = placed.moved_at_most;
-    let moved = if again == 0.0 { moved } else { add_up(moved, again) };
-    let off = if moved == 0.0 { found } else { add_up(found, moved) };
-    // What was put together and rounded is what was baked.
-    let off = if rounding == 0.0 { off } else { greater(sub_down(off, rounding), 0.0) };
-    claims.decide(
-        "baked/off_at_most",
-        said.is_some_and(|said| off <= said),
-        "a sample is farther from the distance to the triangles than is claimed",
-    );
-    if let Some(said) = baked.pointer("/interpolant/at_most").and_then(Value::as_f64) {
-        let is_closed = Enclosure::new(&mesh, &Bvh::build(&mesh, job)?).is_closed();
-        claims.decide(
-            "baked/interpolant",
-            is_closed && interpolant_off(grid, off) <= said,
-            "the interpolant may be farther from the distance to the triangles than is claimed",
-        );
-    }
-    Ok(())
-}
-
-/// Compares what a certificate says of a baked grid with its samples and with the triangles.
-pub(super) fn check_baked(
-    baked: &Value,
-    (read, written): (&Input, &Input),
-    rounding: [f64; 2],
-    claims: &mut ClaimList,
-    job: &Job,
-) -> Result<(), MeshFailure> {
-    let Shape::Volume(sampled) = &written.shape else {
-        claims.refute(
-            "baked",
-            "the certificate speaks of a baked grid, and the file or its input is something else",
-        );
-        return Ok(());
-    };
-    if let Shape::Scene(scene) = &read.shape {
-        check_distances(baked, (scene, &sampled.volume.grid), rounding, claims, job)?;
-    } else {
-        let reason = format!("there is no judge of distances to a {}", read.shape.kind());
-        claims.open("baked/off_at_most", reason);
-    }
-    let grid = &sampled.volume.grid;
-    let facts = [
-        ("size", serde_json::to_value(grid.size()).unwrap_or_default()),
-        ("origin", serde_json::to_value(grid.affine().at([0.0; 3])).unwrap_or_default()),
-        ("spacing", grid.affine().rows()[0][0].into()),
-    ];
-    for (key, found) in facts {
-        let claim = format!("baked/{key}");
-        claims.decide(
-            &claim,
-            baked.get(key).is_some_and(|said| seal_of(said) == seal_of(&found)),
-            "the lattice of the file is another one",
-        );
-    }
-    Ok(())
 }

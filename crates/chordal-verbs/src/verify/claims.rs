@@ -45,12 +45,14 @@ pub struct VerifyReport {
     pub verdict: ClaimVerdict,
     /// All claims, in the order in which they were looked at.
     pub claims: Vec<ClaimFacts>,
+    /// What the certificate says beside and nobody looked at, as paths in it: how it came about, words, what was asked for.
+    pub unchecked: Vec<String>,
 }
 
 impl VerifyReport {
-    pub(super) fn new(ClaimList(claims): ClaimList) -> Self {
+    pub(super) fn new(ClaimList(claims): ClaimList, unchecked: Vec<String>) -> Self {
         let verdict = claims.iter().map(|claim| claim.verdict).max().unwrap_or(ClaimVerdict::Open);
-        Self { schema: VERIFY_SCHEMA, verdict, claims }
+        Self { schema: VERIFY_SCHEMA, verdict, claims, unchecked }
     }
 
     /// The first of the worst claims: the one to tell of.
@@ -84,6 +86,13 @@ impl ClaimList {
     /// A claim that is right or wrong.
     pub fn decide(&mut self, claim: &str, holds: bool, reason: &str) {
         if holds { self.prove(claim) } else { self.refute(claim, reason) }
+    }
+
+    /// Adds the claims of a part, under its name.
+    pub fn extend_as(&mut self, name: &str, ClaimList(claims): Self) {
+        self.0.extend(
+            claims.into_iter().map(|own| ClaimFacts { claim: format!("{name}/{}", own.claim), ..own }),
+        );
     }
 
     fn say(&mut self, claim: &str, verdict: ClaimVerdict, reason: Option<String>) {

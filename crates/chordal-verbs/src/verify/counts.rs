@@ -29,26 +29,51 @@ pub(super) fn check(out: &Input, certificate: &Value, claims: &mut ClaimList) ->
     Ok(())
 }
 
-/// Compares one group of counts: each plain value that is claimed has to be what was counted.
+/// Compares one group of counts, with the groups in it: each value that is claimed has to be what was counted.
 fn compare(certificate: &Value, (group, counted): (&str, &Value), claims: &mut ClaimList) {
-    let Some(said) = certificate.get(group).and_then(Value::as_object) else { return };
-    let mut all_hold = true;
-    for (key, value) in said.iter().filter(|(_, value)| !value.is_object() && !value.is_array()) {
-        match counted.get(key) {
-            Some(found) if found == value => {}
+    compare_with(certificate, (group, counted), (group, claims));
+}
+
+/// The same, with a name for the claim.
+pub(super) fn compare_with(
+    certificate: &Value,
+    (group, counted): (&str, &Value),
+    (name, claims): (&str, &mut ClaimList),
+) {
+    let Some(said) = certificate.get(group).filter(|said| !said.is_null()) else { return };
+    let mut wrong = Vec::new();
+    differences(name, said, Some(counted), &mut wrong);
+    if wrong.is_empty() {
+        claims.prove(name);
+    }
+    for CountDifference { claim, said, found } in wrong {
+        match found {
             Some(found) => {
-                all_hold = false;
-                let claim = format!("{group}/{key}");
-                claims.refute(&claim, format!("the certificate says {value}, and the file has {found}"));
+                claims.refute(&claim, format!("the certificate says {said}, and the file has {found}"));
             }
-            None => {
-                all_hold = false;
-                let claim = format!("{group}/{key}");
-                claims.open(&claim, "nothing of the kind was counted in the file");
-            }
+            None => claims.open(&claim, "nothing of the kind was counted in the file"),
         }
     }
-    if all_hold {
-        claims.prove(group);
+}
+
+/// A count that is not what was counted.
+struct CountDifference<'a> {
+    claim: String,
+    said: &'a Value,
+    found: Option<&'a Value>,
+}
+
+fn differences<'a>(
+    path: &str,
+    said: &'a Value,
+    counted: Option<&'a Value>,
+    wrong: &mut Vec<CountDifference<'a>>,
+) {
+    if let Some(members) = said.as_object() {
+        for (key, value) in members {
+            differences(&format!("{path}/{key}"), value, counted.and_then(|all| all.get(key)), wrong);
+        }
+    } else if counted != Some(said) {
+        wrong.push(CountDifference { claim: path.to_owned(), said, found: counted });
     }
 }

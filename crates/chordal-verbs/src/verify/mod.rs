@@ -1,9 +1,12 @@
 //! `verify`: re-proves the certificate of a written file, without what made the file.
+mod baked;
 mod bound_judge;
 mod claims;
 mod composed_reference;
 mod counts;
+mod levels;
 mod steps;
+mod unchecked;
 
 pub use claims::{ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport};
 
@@ -51,6 +54,21 @@ pub fn verify(
     against: &[Input],
     job: &Job,
 ) -> Result<VerifyReport, MeshFailure> {
+    verify_levels((out, &[]), given, against, job)
+}
+
+/// As [`verify`], of a glTF whose coarser levels of detail were read as well: the first of them by
+/// [`Limits::level`](chordal_io::Limits::level) 1, and so on for all of [`n_coarser_levels`]. What each level claims is
+/// re-proved; without them it stays open.
+///
+/// # Errors
+/// As for [`verify`].
+pub fn verify_levels(
+    (out, coarser): (&Input, &[Input]),
+    given: Option<&Value>,
+    against: &[Input],
+    job: &Job,
+) -> Result<VerifyReport, MeshFailure> {
     let mut claims = ClaimList::default();
     let embedded = embedded_certificate(&out.shape);
     let given = given.map(in_report);
@@ -58,7 +76,6 @@ pub fn verify(
         let message = "there is no certificate to verify: the file carries none, and no report was given";
         return Err(MeshFailure::Usage(message.into()));
     };
-    check_seal(certificate, &mut claims);
     if let (Some(given), Some(embedded)) = (given, embedded) {
         // Levels of detail in one file carry less than the report, and the same history.
         let [given, embedded] = [given, embedded].map(|of| of.get("history").map(seal_of));
@@ -68,22 +85,49 @@ pub fn verify(
             claims.open("certificate", "the file carries another certificate than the one that was given");
         }
     }
-    counts::check(out, certificate, &mut claims)?;
-    check_frame(out, certificate, &mut claims);
+    let against: Vec<GivenFile<'_>> = against.iter().map(GivenFile::new).collect();
+    check_file(&CertifiedFile { file: out, certificate, against: &against }, &mut claims, job)?;
+    levels::check((out, coarser), &against, &mut claims, job)?;
+    Ok(VerifyReport::new(claims, unchecked::unchecked(certificate)))
+}
+
+/// A file, what it claims, and the files that it was made of.
+struct CertifiedFile<'a> {
+    file: &'a Input,
+    certificate: &'a Value,
+    against: &'a [GivenFile<'a>],
+}
+
+fn check_file(
+    CertifiedFile { file: out, certificate, against }: &CertifiedFile<'_>,
+    claims: &mut ClaimList,
+    job: &Job,
+) -> Result<(), MeshFailure> {
+    check_seal(certificate, claims);
+    unchecked::check_known(certificate, claims);
+    counts::check(out, certificate, claims)?;
+    check_frame(out, certificate, claims);
     match history(certificate) {
         Ok(history) => {
-            check_geometry(out, certificate, &history, &mut claims)?;
-            check_last_step(certificate, &history, &mut claims);
+            check_geometry(out, certificate, &history, claims)?;
+            check_last_step(certificate, &history, claims);
             let frame = stated_frame(certificate);
             let baked = certificate.get("baked").filter(|baked| !baked.is_null());
             let history = &history;
-            let against: Vec<GivenFile<'_>> = against.iter().map(GivenFile::new).collect();
-            let against = &against;
-            ProvedSteps { name: "history", out, frame, baked, history, against, job }.check(&mut claims)?;
+            ProvedSteps { name: "history", out, frame, baked, history, against, job }.check(claims)?;
         }
         Err(why) => claims.open("history", why),
     }
-    Ok(VerifyReport::new(claims))
+    Ok(())
+}
+
+/// How many coarser levels of detail a file has beside the one that was read.
+#[must_use]
+pub fn n_coarser_levels(file: &Input) -> usize {
+    match &file.shape {
+        Shape::Scene(scene) => scene.coarser_levels,
+        _ => 0,
+    }
 }
 
 /// The inputs that the certificate of `out`, or the report that is `given` in its place, names: which files to verify

@@ -3,8 +3,8 @@ use super::bound_judge::{BoundJudge, JudgedBound};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
 use super::composed_reference::ComposedReference;
 use crate::geometry_digest::{digest_in_frame, geometry_digest};
-use crate::origin::{embedded_certificate, stated_frame};
-use crate::report::{ComposedFacts, HistoryFacts, StepBound, StepFacts, StepInput};
+use crate::origin::{InputOrigin, embedded_certificate, stated_frame};
+use crate::report::{ComposedFacts, HistoryFacts, HistoryStart, StepBound, StepFacts, StepInput, gap};
 use crate::{Input, MeshFailure};
 use chordal::Job;
 use chordal::budget::{Bound, Evidence};
@@ -66,9 +66,31 @@ impl<'a> ProvedSteps<'a> {
         let holds_together = flaw.is_none();
         claims.decide("history/total", holds_together, &flaw.unwrap_or_default());
         self.check_files(claims);
+        self.check_start(claims)?;
         if holds_together {
             self.check_steps(claims)?;
             self.check_total(claims)?;
+        }
+        Ok(())
+    }
+
+    /// The history goes back as far as the certificate of its first input does.
+    fn check_start(&self, claims: &mut ClaimList) -> Result<(), MeshFailure> {
+        let HistoryFacts { steps, begins, .. } = self.history;
+        let claim = format!("{}/begins", self.name);
+        match steps.first() {
+            Some(first) if first.composed.is_some() => {
+                let reason = "its first step read what was put together, and the history says otherwise";
+                claims.decide(&claim, begins.code == "composed", reason);
+            }
+            Some(first) => {
+                if let [input] = &first.inputs[..]
+                    && let Some(read) = self.find_input(input)
+                {
+                    check_beginning(&claim, begins, (read, Some(first)), claims);
+                }
+            }
+            None => {}
         }
         Ok(())
     }
@@ -125,13 +147,7 @@ impl<'a> ProvedSteps<'a> {
             let frame = self.frame_of(written, next.is_none());
             self.check_bound(&name, step, &ends, &frame, claims)?;
             if let Some(baked) = self.baked.filter(|_| next.is_none()) {
-                super::bound_judge::check_baked(
-                    baked,
-                    (ends.read, written),
-                    ends.rounding,
-                    claims,
-                    self.job,
-                )?;
+                super::baked::check_baked(baked, (ends.read, written), ends.rounding, claims, self.job)?;
             }
         }
         Ok(())
@@ -152,11 +168,15 @@ impl<'a> ProvedSteps<'a> {
                 continue;
             };
             parts.push(part);
-            let Some(last) = origin.steps.last() else { continue };
             let own = format!("{name}/origins/{k}");
+            let Some(last) = origin.steps.last() else {
+                check_beginning(&format!("{own}/begins"), &origin.begins, (part, None), claims);
+                continue;
+            };
             self.check_link(&own, last, part, claims)?;
             let frame = self.frame_of(part, false);
             let own = ProvedSteps { name: &own, out: part, frame, baked: None, history: origin, ..*self };
+            own.check_start(claims)?;
             own.check_steps(claims)?;
         }
         Ok((parts.len() == step.inputs.len()).then_some(parts))
@@ -244,10 +264,11 @@ impl<'a> ProvedSteps<'a> {
         }
         // Of what was put together and rounded, from what is put together and rounded now.
         let bound = widened(&bound, ends.rounding);
-        let judge = BoundJudge { reference: ends.read, result: ends.written, frame, job: self.job };
+        let judge = BoundJudge::new([ends.read, ends.written], frame, self.job);
         let found = judge.judge(&bound)?;
-        claims.add(verdict_on(claim, said, &bound, found));
-        Ok(())
+        let least = found.at_least();
+        claims.add(verdict_on(claim.clone(), said, &bound, found));
+        check_least(&format!("{claim}/at_least"), &bound, (least, judge), claims)
     }
 
     /// The distance between the ends of a chain is no more than the sum of its steps.
@@ -262,7 +283,7 @@ impl<'a> ProvedSteps<'a> {
             return Ok(());
         };
         let Some(bound) = total.bound() else { return Ok(()) };
-        let judge = BoundJudge { reference: read, result: self.out, frame: &self.frame, job: self.job };
+        let judge = BoundJudge::new([read, self.out], &self.frame, self.job);
         let found = judge.judge(&bound)?;
         let facts = verdict_on("history/total/direct".to_owned(), total, &bound, found);
         // Steps that were proved one by one prove the sum; that the ends are no farther apart is a second look,
@@ -274,6 +295,45 @@ impl<'a> ProvedSteps<'a> {
     }
 }
 
+/// What is claimed at least, looked at more and more closely. A judge that only decides on the upper end stops long before.
+fn check_least(
+    claim: &str,
+    said: &Bound,
+    (known, judge): (Option<f64>, BoundJudge<'_>),
+    claims: &mut ClaimList,
+) -> Result<(), MeshFailure> {
+    /// The shares by which both ends may differ, one after another; chosen: claims are made from single points, and are
+    /// seldom nearer to the truth.
+    const CLOSER: [f64; 3] = [0.1, 0.01, 0.001];
+    /// Judges of the same points round otherwise, see `with_room` of simplified triangles.
+    const ROOM: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
+    let Some(mut known) = known.filter(|_| said.at_least() > 0.0) else { return Ok(()) };
+    for relative in CLOSER {
+        if known >= ROOM * said.at_least() {
+            break;
+        }
+        match judge.closely(relative).judge(said)? {
+            JudgedBound::Between(judged) => {
+                if let Some(most) = judged.at_most().filter(|most| *most < said.at_least()) {
+                    let reason =
+                        format!("the shapes are no more than {most:?} apart, less than is claimed at least");
+                    claims.refute(claim, reason);
+                    return Ok(());
+                }
+                known = greater(judged.at_least(), known);
+            }
+            JudgedBound::Unable(_) => break,
+        }
+    }
+    if known >= ROOM * said.at_least() {
+        claims.prove(claim);
+    } else {
+        let reason = format!("the judge could only prove that the shapes are at least {known:?} apart");
+        claims.open(claim, reason);
+    }
+    Ok(())
+}
+
 /// So many times what one rounding of the map costs may have been rounded on the way: at each move, and it is looked at from both
 /// sides. Chosen: some twenty moves; still far below what anybody sees.
 const MOST_ROUNDED: f64 = 64.0;
@@ -283,6 +343,35 @@ fn short(sha256: Option<&str>) -> String {
     /// Digits that are shown; chosen.
     const SHORT: usize = 12;
     sha256.map_or("no digest".to_owned(), |all| format!("SHA-256 {}…", all.get(..SHORT).unwrap_or(all)))
+}
+
+/// Why a history has no step before that of an input: what its certificate says is looked at again.
+fn check_beginning(
+    claim: &str,
+    begins: &HistoryStart,
+    (read, next): (&Input, Option<&StepFacts>),
+    claims: &mut ClaimList,
+) {
+    /// What depends on how the input was read as well, or on how much a file holds: nothing of that is in the files.
+    const BY_READING: [&str; 9] =
+        ["seal", "unreadable", "geometry", "unit", "kind", "surface", "bound", "several-inputs", "long"];
+    let origin = InputOrigin::from_input(read);
+    let broken = origin.steps.last().zip(next).and_then(|(before, next)| gap(before, next));
+    let found = if origin.steps.is_empty() { Some(origin.begins.code) } else { broken.map(|gap| gap.code) };
+    if found.as_deref() == Some(&begins.code[..]) {
+        claims.prove(claim);
+    } else if BY_READING.contains(&&begins.code[..]) {
+        let reason = format!("that it begins there because of '{}' was not seen in the input", begins.code);
+        claims.open(claim, reason);
+    } else if let Some(found) = found {
+        let reason =
+            format!("the history begins there by another reason: '{found}' and not '{}'", begins.code);
+        claims.refute(claim, reason);
+    } else {
+        let n = origin.steps.len();
+        claims
+            .refute(claim, format!("the certificate of the input has {n} steps before, which are left out"));
+    }
 }
 
 /// The files are of the kinds that the step names, and its bound is against a shape of such a kind.
@@ -299,13 +388,24 @@ fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), 
         claims
             .refute(&format!("{name}/output"), format!("the step wrote {said}, and the file holds {found}"));
     }
-    let reference = match kind {
-        "triangles" => "input triangles",
-        "patches" => "bezier patches",
-        "field" => "field",
+    let reference = match (kind, written.shape.kind()) {
+        ("triangles", _) => "input triangles",
+        ("patches", _) => "bezier patches",
+        ("surfaces", _) => "nurbs surfaces",
+        ("field", _) => "field",
+        ("volume", _) => "trilinear interpolant",
+        ("drawing" | "curves", _) => "curves",
+        // Polygons that stay polygons are those that were read, and else they stand for their limit surface.
+        ("cage", "cage") => "input triangles",
+        ("cage", _) => "limit surface",
         _ => return,
     };
-    if step.bound.as_ref().is_some_and(|bound| bound.reference != reference) {
+    let kept_polygons = kind == "cage" && step.output.kind == "cage";
+    let is_right = |bound: &StepBound| {
+        bound.reference == reference
+            || kept_polygons && ["input triangles", "limit surface"].contains(&&bound.reference[..])
+    };
+    if step.bound.as_ref().is_some_and(|bound| !is_right(bound)) {
         let reason = format!("its bound is not against the {kind} that it read");
         claims.refute(&format!("{name}/reference"), reason);
     }

@@ -1,0 +1,173 @@
+//! What a certificate says of a baked grid, looked at again: its samples, their sides, its lattice, the solid.
+use super::claims::ClaimList;
+use super::counts::compare_with;
+use crate::bake::{interpolant_off, off_at_most};
+use crate::report::{SolidFacts, to_value};
+use crate::seal::seal_of;
+use crate::{Input, MeshFailure, Shape, flatten, merged_parts};
+use chordal::convert::SolidReport;
+use chordal::explicit::query::{Bvh, Containment, Enclosure};
+use chordal::implicit::Grid;
+use chordal::math::{add_up, greater, sub_down};
+use chordal::{Job, Mesh};
+use chordal_io::Scene;
+use serde_json::Value;
+
+/// Compares what a certificate says of a baked grid with its samples and with the triangles.
+pub(super) fn check_baked(
+    baked: &Value,
+    (read, written): (&Input, &Input),
+    rounding: [f64; 2],
+    claims: &mut ClaimList,
+    job: &Job,
+) -> Result<(), MeshFailure> {
+    let Shape::Volume(sampled) = &written.shape else {
+        claims.refute(
+            "baked",
+            "the certificate speaks of a baked grid, and the file or its input is something else",
+        );
+        return Ok(());
+    };
+    let grid = &sampled.volume.grid;
+    if let Shape::Scene(scene) = &read.shape {
+        check_distances(baked, (scene, grid), rounding, claims, job)?;
+    } else {
+        let reason = format!("there is no judge of distances to a {}", read.shape.kind());
+        claims.open("baked/off_at_most", reason);
+    }
+    let band = band_of(baked);
+    let [nx, ny, nz] = grid.size();
+    let places = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+    let distances = places.filter(|at| grid.sample(*at).abs() < band).count();
+    let facts = [
+        ("size", serde_json::to_value(grid.size()).unwrap_or_default()),
+        ("origin", serde_json::to_value(grid.affine().at([0.0; 3])).unwrap_or_default()),
+        ("spacing", grid.affine().rows()[0][0].into()),
+        ("distances", distances.into()),
+    ];
+    for (key, found) in facts {
+        let claim = format!("baked/{key}");
+        claims.decide(
+            &claim,
+            baked.get(key).is_some_and(|said| seal_of(said) == seal_of(&found)),
+            "the lattice of the file is another one, or its samples are",
+        );
+    }
+    Ok(())
+}
+
+fn band_of(baked: &Value) -> f64 {
+    baked.get("band").and_then(Value::as_f64).unwrap_or(f64::INFINITY)
+}
+
+/// The claims about distances to triangles: those of samples, and those between them, which follow.
+fn check_distances(
+    baked: &Value,
+    (scene, grid): (&Scene, &Grid),
+    [rounding, again]: [f64; 2],
+    claims: &mut ClaimList,
+    job: &Job,
+) -> Result<(), MeshFailure> {
+    let placed = flatten::flatten(scene.clone())?;
+    let mesh = merged_parts::one_mesh(&placed.scene)?;
+    let said = baked.get("off_at_most").and_then(Value::as_f64);
+    let found = off_at_most(&mesh, (grid, band_of(baked)), job)?;
+    let moved = placed.moved_at_most;
+    let moved = if again == 0.0 { moved } else { add_up(moved, again) };
+    let off = if moved == 0.0 { found } else { add_up(found, moved) };
+    // What was put together and rounded is what was baked.
+    let least = if rounding == 0.0 { off } else { greater(sub_down(off, rounding), 0.0) };
+    claims.decide(
+        "baked/off_at_most",
+        said.is_some_and(|said| least <= said),
+        "a sample is farther from the distance to the triangles than is claimed",
+    );
+    let bvh = Bvh::build(&mesh, job)?;
+    let enclosure = Enclosure::new(&mesh, &bvh);
+    let has_sides = check_sides(&enclosure, (grid, add_up(off, rounding)), claims);
+    if let Some(said) = baked.pointer("/interpolant/at_most").and_then(Value::as_f64) {
+        let of = baked.pointer("/interpolant/of").and_then(Value::as_str);
+        let is_true = of == Some("distance") || of == Some("signed distance") && has_sides;
+        claims.decide(
+            "baked/interpolant",
+            enclosure.is_closed() && is_true && interpolant_off(grid, least) <= said,
+            "the interpolant may be farther from the distance to the triangles than is claimed",
+        );
+    }
+    for at in ["/evidence", "/interpolant/evidence", "/route"] {
+        let expected = if at == "/route" { "triangles" } else { "proved" };
+        if let Some(said) = baked.pointer(at).filter(|said| !said.is_null()) {
+            let reason = "samples of triangles are distances to these, and proved";
+            claims.decide(&format!("baked{at}"), said == expected, reason);
+        }
+    }
+    check_solid(baked, (&mesh, enclosure.is_closed()), claims, job)
+}
+
+/// Every sample is on the side that its sign says: below 0 where the triangles enclose it. Whether that is so.
+///
+/// A sample of a closed mesh that is farther from the triangles than the next one along its row is on the same side as
+/// that, since no triangle is between them. So only those near the triangles are looked at.
+fn check_sides(enclosure: &Enclosure<'_>, (grid, off): (&Grid, f64), claims: &mut ClaimList) -> bool {
+    let [nx, ny, nz] = grid.size();
+    let rows = grid.affine().rows();
+    let step = (0..3).fold(0.0, |sum, k| add_up(sum, rows[k][0].abs()));
+    let (mut wrong, mut unknown) = (0_u64, 0_u64);
+    for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
+        let mut before: Option<(Option<bool>, f64)> = None;
+        for i in 0..nx {
+            let value = grid.sample([i, j, k]);
+            let size = value.abs();
+            if size <= off {
+                // So near to a triangle, either side may be right.
+                before = None;
+                continue;
+            }
+            let is_clear = |size: f64| enclosure.is_closed() && sub_down(size, off) > step;
+            let same = before.filter(|(_, size)| is_clear(*size)).map(|(side, _)| side);
+            let at = || grid.affine().at([i as f64, j as f64, k as f64]);
+            let is_inside = same.unwrap_or_else(|| side_of(enclosure.inside(at())));
+            match is_inside {
+                Some(is_inside) => wrong += u64::from(is_inside != (value < 0.0)),
+                None => unknown += 1,
+            }
+            before = Some((is_inside, size));
+        }
+    }
+    if wrong > 0 {
+        let reason = format!("{wrong} samples are on the other side of the triangles than their signs say");
+        claims.refute("baked/sides", reason);
+    } else if unknown > 0 {
+        claims.open("baked/sides", format!("of {unknown} samples nothing says on which side they are"));
+    } else {
+        claims.prove("baked/sides");
+    }
+    wrong == 0 && unknown == 0
+}
+
+/// Whether a point is inside, as `bake` has it: the winding number around it is above a half.
+fn side_of(Containment { winding, .. }: Containment) -> Option<bool> {
+    let (low, high) = (winding.value - winding.off_at_most, winding.value + winding.off_at_most);
+    // A number that is none is on neither side.
+    if low > 0.5 {
+        Some(true)
+    } else if high < 0.5 {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// What is said of the triangles that were sampled: whether they are closed and a solid.
+fn check_solid(
+    baked: &Value,
+    (mesh, is_closed): (&Mesh, bool),
+    claims: &mut ClaimList,
+    job: &Job,
+) -> Result<(), MeshFailure> {
+    if baked.get("solid").is_some_and(|said| !said.is_null()) {
+        let found = SolidFacts::new(&SolidReport::from_mesh(mesh, is_closed, job)?);
+        compare_with(baked, ("solid", &to_value(&found)), ("baked/solid", claims));
+    }
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! What a certificate says that is not looked at.
+use super::claims::ClaimList;
+use serde_json::Value;
+
+/// The facts of a certificate of which something is proved or counted again, or which is a claim that stays open.
+const CHECKED: [&str; 8] = ["input", "frame", "bound", "output", "valid", "baked", "history", "seal"];
+
+/// Facts that say how a result came about, and not what it is: nothing is proved of them.
+const TOLD: [&str; 11] = [
+    "version",
+    "budget",
+    "notes",
+    "attributes",
+    "mended",
+    "valid_before",
+    "boolean",
+    "smoothed",
+    "refined",
+    "overshade",
+    "levels",
+];
+
+/// Parts of the others that are not looked at.
+const PARTS: [&str; 5] =
+    ["/input/warnings", "/bound/pixels", "/bound/angle_deg", "/bound/at", "/baked/bricks"];
+
+/// Words in a history, wherever they stand in it.
+const WORDS: [&str; 3] = ["verb", "version", "reason"];
+
+/// A fact that nobody knows may claim anything.
+pub(super) fn check_known(certificate: &Value, claims: &mut ClaimList) {
+    let members = certificate.as_object().into_iter().flatten();
+    for (key, _) in members.filter(|(key, _)| !CHECKED.contains(&&key[..]) && !TOLD.contains(&&key[..])) {
+        claims.open(key, "a certificate of this version has no such fact");
+    }
+}
+
+/// What a certificate says and nobody looked at, as paths in it.
+pub(super) fn unchecked(certificate: &Value) -> Vec<String> {
+    let says = |value: &Value| match value {
+        Value::Null => false,
+        Value::Array(items) => !items.is_empty(),
+        Value::Object(members) => !members.is_empty(),
+        _ => true,
+    };
+    let of_all = TOLD.iter().map(|key| format!("/{key}")).chain(PARTS.iter().map(|at| (*at).to_owned()));
+    let mut words = Vec::new();
+    if let Some(history) = certificate.get("history") {
+        collect_words(history, "/history", &mut words);
+    }
+    let present = of_all.filter(|at| certificate.pointer(at).is_some_and(says)).chain(words);
+    present.map(|at| at.trim_start_matches('/').to_owned()).collect()
+}
+
+/// The paths of words in a history and of the formats of what was written.
+fn collect_words(value: &Value, path: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(members) => {
+            for (key, own) in members {
+                let is_format = key == "format" && path.ends_with("/output");
+                if is_format || WORDS.contains(&&key[..]) {
+                    found.push(format!("{path}/{key}"));
+                } else {
+                    collect_words(own, &format!("{path}/{key}"), found);
+                }
+            }
+        }
+        Value::Array(items) => {
+            let items = items.iter().enumerate();
+            items.for_each(|(k, own)| collect_words(own, &format!("{path}/{k}"), found));
+        }
+        _ => {}
+    }
+}
