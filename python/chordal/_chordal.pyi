@@ -86,6 +86,7 @@ class MendArguments(TypedDict):
     resolve_t_junctions: str | None
     split_nonmanifold: bool
     orient: bool
+    nested: str
     fill_holes: int | None
     drop_unused: bool
 
@@ -248,6 +249,8 @@ class Conversion:
 class Levels:
     @property
     def report(self) -> str: ...
+    @property
+    def unmet(self) -> str | None: ...
     def level(self, number: int) -> tuple[Source, str] | None: ...
     def write(self, format: str) -> bytes: ...
     def tileset(self) -> tuple[bytes, list[tuple[str, bytes]]]: ...

@@ -32,6 +32,7 @@ class Mendable(Sourced):
         resolve_t_junctions: bool | Length = False,
         split_nonmanifold: bool = False,
         orient: bool = False,
+        nested: Literal["keep", "cavity"] = "keep",
         fill_holes: bool | SupportsIndex = False,
         drop_unused: bool = False,
         progress: Progress | None = None,
@@ -41,7 +42,8 @@ class Mendable(Sourced):
         `all` is every one, exactly, with all holes: what a print needs. `weld` makes vertices with equal coordinates one,
         or those within a length of each other. `drop_duplicates` drops faces that repeat an earlier one, whichever way they
         are wound ("any"), or only those wound "alike". `resolve_t_junctions` cuts faces where a vertex lies in the middle
-        of their edge, exactly or within a length. `fill_holes` fills all, or those with at most so many edges.
+        of their edge, exactly or within a length. `orient` turns closed pieces outwards; one within another that faces the
+        same way stays solid (`nested` is "keep") or becomes a "cavity". `fill_holes` fills all, or those with at most so many edges.
 
         A `UserWarning` says how many holes are left where they were to be filled.
 
@@ -67,10 +69,12 @@ class Mendable(Sourced):
             "resolve_t_junctions": _closeness("resolve_t_junctions", resolve_t_junctions),
             "split_nonmanifold": bool(split_nonmanifold),
             "orient": bool(orient),
+            "nested": str(nested),
             "fill_holes": holes,
             "drop_unused": bool(drop_unused),
         }
-        if not [value for value in arguments.values() if value is not None and value is not False]:
+        repairs = [value for name, value in arguments.items() if name != "nested"]
+        if not [value for value in repairs if value is not None and value is not False]:
             raise ValueError("name a repair: all=True, weld=True, orient=True, fill_holes=True, …")
         made = Mesh._of(_chordal.mend(self._source, arguments, "ply", function("progress", progress)))
         if arguments["all"] or holes is not None:

@@ -18,13 +18,14 @@ use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
 use chordal_verbs::report::{FindingFacts, RepairFacts, Report, RunFacts, ValidityFacts};
-use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance, mend};
+use chordal_verbs::{Duplicates, HoleSelection, MendSpec, NestedShells, WeldTolerance, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
 use std::io;
 
 /// `chordal mend`
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("orients").multiple(true).args(["all", "orient"]))]
 #[command(group = ArgGroup::new("cures").required(true).multiple(true).args([
     "all", "weld", "drop_duplicates", "drop_degenerate", "resolve_t_junctions", "split_nonmanifold", "orient", "fill_holes",
     "drop_unused",
@@ -68,9 +69,14 @@ pub struct MendArgs {
     #[arg(long)]
     pub split_nonmanifold: bool,
 
-    /// Wind faces alike, closed pieces outwards and cavities inwards
+    /// Wind faces alike and closed pieces outwards; pieces within others turn along with them, unless --nested says more
     #[arg(long)]
     pub orient: bool,
+
+    /// What a closed piece within another is that faces the same way as that one: left solid, as its winding says, or
+    /// turned into a cavity
+    #[arg(long, value_name = "WHICH", default_value = "keep", requires = "orients")]
+    pub nested: NestedArg,
 
     /// Fill holes: all, or those with at most so many edges
     #[arg(long, value_name = "EDGES", num_args = 0..=1, require_equals = true)]
@@ -100,6 +106,24 @@ pub enum DuplicatesArg {
     Any,
     /// Only those that are wound like the earlier one
     Alike,
+}
+
+/// Which way closed pieces within others face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NestedArg {
+    /// As they are wound, compared to the piece around them
+    Keep,
+    /// Inwards within an odd number of others, outwards within an even number
+    Cavity,
+}
+
+impl NestedArg {
+    fn shells(self) -> NestedShells {
+        match self {
+            Self::Keep => NestedShells::Keep,
+            Self::Cavity => NestedShells::Cavity,
+        }
+    }
 }
 
 /// Reads, mends, writes, reports.
@@ -145,6 +169,7 @@ impl MendArgs {
             resolve_t_junctions: self.resolve_t_junctions.map(closeness).or(usual.resolve_t_junctions),
             split_non_manifold: self.split_nonmanifold || usual.split_non_manifold,
             orient: self.orient || usual.orient,
+            nested: self.nested.shells(),
             fill_holes: self
                 .fill_holes
                 .map(|most| most.map_or(HoleSelection::All, HoleSelection::UpTo))
@@ -201,6 +226,8 @@ fn change_text(what: &str, count: u64) -> String {
         "left_unorientable" => ("left", "piece of one side only"),
         "left_t_junctions" => ("left", "T-junction"),
         "resolved_t_junctions" => ("resolved", "T-junction"),
+        "left_nested_shells" => ("left", "shell within another"),
+        "turned_nested_shells" => ("turned", "shell within another"),
         _ => what.split_once('_').unwrap_or(("", what)),
     };
     let one = match noun {

@@ -195,8 +195,8 @@ fn no(why: &[(u64, &str)]) -> String {
 
 /// `1 edge of this`, `2 edges of this`, `2 vertices of that`.
 pub(crate) fn plural(count: u64, what: &str) -> String {
-    let (noun, rest) =
-        what.split_once(" of ").map_or((what, String::new()), |(n, rest)| (n, format!(" of {rest}")));
+    let tail = [" of ", " within "].iter().find_map(|word| what.find(word)).unwrap_or(what.len());
+    let (noun, rest) = what.split_at(tail);
     let noun = match (count, noun.strip_suffix("ex")) {
         (1, _) => noun.to_owned(),
         (_, Some(stem)) => format!("{stem}ices"),

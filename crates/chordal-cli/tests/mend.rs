@@ -15,6 +15,49 @@ fn follows_the_schema(report: &Value) {
 /// A tetrahedron without its floor: one face turned, one repeated, a vertex apart.
 const SICK_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 4\nf 2 3 4\nf 3 4 1\nf 1 2 4\n";
 
+/// Cubes of these sizes in each other, all outward.
+fn nested_obj(sizes: &[f64]) -> String {
+    let mut obj = String::new();
+    for (n, size) in sizes.iter().enumerate() {
+        for corner in 0..8 {
+            let at = [0, 1, 2].map(|k| if corner >> k & 1 == 1 { size / 2.0 } else { -size / 2.0 });
+            obj += &format!("v {} {} {}\n", at[0], at[1], at[2]);
+        }
+        for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            let [a, b, c, d] = quad.map(|corner| 8 * n + corner + 1);
+            obj += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+        }
+    }
+    obj
+}
+
+#[test]
+fn a_body_within_another_stays_solid_and_cavities_are_asked_for() {
+    let folder = Folder::new("mend-nested");
+    let (input, out) = (folder.file("nested.obj", nested_obj(&[2.0, 1.0])), folder.text("out.obj"));
+    for (more, volume, change, words) in [
+        (&[][..], 9.0, "left_nested_shells", "--nested cavity"),
+        (&["--nested", "keep"], 9.0, "left_nested_shells", "taken as solid"),
+        (&["--nested", "cavity"], 7.0, "turned_nested_shells", "--nested keep"),
+    ] {
+        let made = run(&[&["mend", &input, "-o", &out, "--force", "--all", "--json"], more].concat());
+        assert_eq!(made.code, 0, "{made:?}");
+        let report = made.report();
+        follows_the_schema(&report);
+        let certificate = &report["certificate"];
+        let mended = certificate["mended"].to_string();
+        assert!(mended.contains(change), "{more:?}: {mended}");
+        assert!(certificate["notes"].to_string().contains(words), "{more:?}: {}", certificate["notes"]);
+        let inspected = run(&["inspect", &out, "--json"]).report();
+        let found = inspected.pointer("/certificate/valid/volume").and_then(Value::as_f64);
+        let found = found.unwrap_or_else(|| panic!("a volume: {inspected:#}"));
+        assert!((found - volume).abs() < 1e-9, "{more:?}: {found}");
+    }
+    // It is about what is turned.
+    run(&["mend", &input, "-o", &out, "--force", "--weld", "--nested", "cavity"])
+        .fails_with(2, &["--nested"]);
+}
+
 #[test]
 fn a_hole_is_filled_and_the_report_says_so() {
     let folder = Folder::new("mend-fill");

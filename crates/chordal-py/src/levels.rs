@@ -111,6 +111,12 @@ impl Levels {
         Report::new(self.made.certificate.clone(), run).to_value().to_string()
     }
 
+    /// Why the finest level does not hold the budget, where it does not.
+    #[getter]
+    fn unmet(&self) -> Option<String> {
+        self.made.unmet.as_ref().map(ToString::to_string)
+    }
+
     /// A level as a shape of its own, and its bound as JSON; nothing where the finest level is cut in space.
     fn level(&self, py: Python<'_>, number: usize) -> PyResult<Option<(Source, String)>> {
         let made = Arc::clone(&self.made);

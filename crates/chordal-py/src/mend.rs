@@ -4,7 +4,7 @@ use crate::outcome::{MeshTask, Outcome};
 use crate::source::Source;
 use chordal::budget::Length;
 use chordal_io::{Format, UnknownFormat};
-use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance};
+use chordal_verbs::{Duplicates, HoleSelection, MendSpec, NestedShells, WeldTolerance};
 use pyo3::prelude::*;
 
 /// The cures that are asked for, in Python's words.
@@ -21,6 +21,8 @@ pub(crate) struct MendArguments {
     resolve_t_junctions: Option<String>,
     split_nonmanifold: bool,
     orient: bool,
+    /// "keep" or "cavity".
+    nested: String,
     /// 0 for all holes.
     fill_holes: Option<usize>,
     drop_unused: bool,
@@ -43,6 +45,11 @@ impl MendArguments {
             "alike" => Ok(Duplicates::SameWay),
             _ => Err(failure::argument("drop_duplicates", format!("'any' or 'alike', not '{which}'"))),
         });
+        let nested = match self.nested.as_str() {
+            "keep" => NestedShells::Keep,
+            "cavity" => NestedShells::Cavity,
+            which => return Err(failure::argument("nested", format!("'keep' or 'cavity', not '{which}'"))),
+        };
         let holes = self.fill_holes.map(|most| match most {
             0 => HoleSelection::All,
             most => HoleSelection::UpTo(most),
@@ -54,6 +61,7 @@ impl MendArguments {
             resolve_t_junctions: resolved.transpose()?.or(usual.resolve_t_junctions),
             split_non_manifold: self.split_nonmanifold || usual.split_non_manifold,
             orient: self.orient || usual.orient,
+            nested,
             fill_holes: holes.or(usual.fill_holes),
             drop_unused: self.drop_unused || usual.drop_unused,
         })

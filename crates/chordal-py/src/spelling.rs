@@ -25,6 +25,7 @@ impl Spelling for Keywords {
             Setting::Quantize => "quantize=True".to_owned(),
             // How much work a proof is worth is part of what is required here.
             Setting::Effort => "require=\"proved\"".to_owned(),
+            Setting::Nested => text("nested"),
             Setting::Cure(cure) => {
                 let named = cure.name().replace('-', "_");
                 let value = value.map_or_else(|| "True".to_owned(), |length| format!("\"{length}\""));

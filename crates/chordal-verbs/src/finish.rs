@@ -11,7 +11,7 @@ use chordal::budget::{Bound, Evidence, PixelBudget, RequiredEvidence, Tolerance}
 use chordal::math::lesser;
 use chordal_io::{Format, Polylines, Scene, Warning, losses};
 
-const NOT_MET: &str = "the budget was not met: this is the best that was reached";
+pub(crate) const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
 /// Checks triangles as the format holds them, as the last step of a verb.
 ///

@@ -97,7 +97,7 @@ pub use boolean::{BooleanOperand, mesh_boolean};
 pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::lod::count::Effort;
-pub use chordal::mend::{Duplicates, HoleSelection};
+pub use chordal::mend::{Duplicates, HoleSelection, NestedShells};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
 pub use compose::{compose_input, history_of, join_input, made_of, transform_input};
 pub use composed::Composed;

@@ -7,13 +7,13 @@ use crate::placements::part_scales;
 use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::request::MeshRequest;
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, Shape, formats};
-use chordal::budget::advice::Cure;
+use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
 use chordal::math::div_down;
 use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
-    orient, resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, NestedShells, Weld, drop_degenerate, drop_duplicates, drop_unused,
+    fill_holes, orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 use chordal_io::Scene;
@@ -33,6 +33,8 @@ pub struct MendSpec {
     pub split_non_manifold: bool,
     /// Orient faces consistently, and outwards where they enclose a volume.
     pub orient: bool,
+    /// Which way closed pieces within others face after that.
+    pub nested: NestedShells,
     /// Fill boundary loops.
     pub fill_holes: Option<HoleSelection>,
     /// Drop vertices that no face uses.
@@ -56,7 +58,7 @@ pub(crate) enum RepairStep {
     DropDegenerate,
     ResolveTJunctions(Option<Tolerance>),
     SplitNonManifold,
-    Orient,
+    Orient(NestedShells),
     FillHoles(HoleSelection),
     DropUnused,
 }
@@ -113,6 +115,7 @@ pub fn mend(
         bound = bound.then(&cured);
         certificate.mended.push(facts);
     }
+    certificate.notes.extend(nesting_note(&certificate.mended));
     if certificate.was_split() && to.topology() == Topology::Positions {
         certificate.notes.push(
             format!("{to} has no indices of positions: copies on each other are one there again").into(),
@@ -129,6 +132,33 @@ pub fn mend(
     finish_triangles(scene, bound.then(&rounded), &request, certificate)
 }
 
+/// What was taken for granted about closed pieces within others whose winding is not that of a cavity.
+fn nesting_note(mended: &[RepairFacts]) -> Option<Message> {
+    let of_last = |what: &str| {
+        let changes = mended.iter().rev().flat_map(|facts| &facts.changes);
+        changes.filter(|change| change.what == what).map(|change| change.count).next().unwrap_or(0)
+    };
+    let (kept, turned) = (of_last("left_nested_shells"), of_last("turned_nested_shells"));
+    let pieces = |n: u64| if n == 1 { "a closed piece".to_owned() } else { format!("{n} closed pieces") };
+    if kept > 0 {
+        let start = format!(
+            "{} within another faces the same way as that one: taken as solid in there; ",
+            pieces(kept)
+        );
+        return Some(
+            Message::from(start).value(Setting::Nested, "cavity").words(" takes it out of the solid"),
+        );
+    }
+    if turned > 0 {
+        let start = format!(
+            "{} within another faced the same way as that one: turned into a cavity; ",
+            pieces(turned)
+        );
+        return Some(Message::from(start).value(Setting::Nested, "keep").words(" leaves it solid"));
+    }
+    None
+}
+
 impl MendSpec {
     /// Every repair, by equal positions and of all holes.
     pub const ALL: Self = Self {
@@ -138,6 +168,7 @@ impl MendSpec {
         resolve_t_junctions: Some(WeldTolerance::Exact),
         split_non_manifold: true,
         orient: true,
+        nested: NestedShells::Keep,
         fill_holes: Some(HoleSelection::All),
         drop_unused: true,
     };
@@ -169,9 +200,9 @@ impl MendSpec {
             asked(self.drop_degenerate, RepairStep::DropDegenerate),
             resolve_t_junctions.map(RepairStep::ResolveTJunctions),
             asked(self.split_non_manifold, RepairStep::SplitNonManifold),
-            asked(self.orient, RepairStep::Orient),
+            asked(self.orient, RepairStep::Orient(self.nested)),
             self.fill_holes.map(RepairStep::FillHoles),
-            asked(self.orient && self.fill_holes.is_some(), RepairStep::Orient),
+            asked(self.orient && self.fill_holes.is_some(), RepairStep::Orient(self.nested)),
             asked(self.drop_unused, RepairStep::DropUnused),
         ];
         all.into_iter().flatten().collect()
@@ -192,7 +223,7 @@ impl RepairStep {
             Self::DropDegenerate => Cure::DropDegenerate,
             Self::ResolveTJunctions(_) => Cure::ResolveTJunctions,
             Self::SplitNonManifold => Cure::SplitNonManifold,
-            Self::Orient => Cure::Orient,
+            Self::Orient(_) => Cure::Orient,
             Self::FillHoles(_) => Cure::FillHoles,
             Self::DropUnused => Cure::DropUnused,
         }
@@ -246,7 +277,7 @@ impl RepairStep {
             Self::DropDegenerate => drop_degenerate(mesh, topology, job),
             Self::ResolveTJunctions(within) => resolve_t_junctions(mesh, topology, own(within)?, job),
             Self::SplitNonManifold => split_non_manifold(mesh, topology, job),
-            Self::Orient => orient(mesh, topology, job),
+            Self::Orient(nested) => orient(mesh, topology, nested, job),
             Self::FillHoles(holes) => fill_holes(mesh, topology, holes, job),
             Self::DropUnused => drop_unused(mesh, job),
         };

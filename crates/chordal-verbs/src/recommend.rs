@@ -75,7 +75,7 @@ fn may_expose(cure: RepairStep, defect: Defect) -> bool {
     match defect {
         // Copies of a three-face edge become boundaries; a face that is dropped, or cut, leaves its edges.
         Defect::BoundaryEdges => {
-            !matches!(cure, RepairStep::Weld(_) | RepairStep::Orient | RepairStep::FillHoles(_))
+            !matches!(cure, RepairStep::Weld(_) | RepairStep::Orient(_) | RepairStep::FillHoles(_))
         }
         // At an edge with three faces consistency is undefined.
         Defect::InconsistentEdges => {

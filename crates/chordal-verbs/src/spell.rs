@@ -24,16 +24,23 @@ macro_rules! by_certificate {
     )*};
 }
 
-by_certificate! { ConvertOutcome LodOutcome MeshOutcome RefineOutcome RenderOutcome }
+by_certificate! { ConvertOutcome MeshOutcome RefineOutcome RenderOutcome }
 
-impl Spell for BakeOutcome {
-    fn spell(&mut self, spelling: &dyn Spelling) {
-        self.certificate.spell(spelling);
-        if let Some(why) = &mut self.unmet {
-            why.spell(spelling);
+/// Implements it for outcomes that may be unmet.
+macro_rules! by_certificate_and_reason {
+    ($($outcome:ident)*) => {$(
+        impl Spell for $outcome {
+            fn spell(&mut self, spelling: &dyn Spelling) {
+                self.certificate.spell(spelling);
+                if let Some(why) = &mut self.unmet {
+                    why.spell(spelling);
+                }
+            }
         }
-    }
+    )*};
 }
+
+by_certificate_and_reason! { BakeOutcome LodOutcome }
 
 /// It advises no setting.
 impl Spell for VerifyReport {

@@ -27,6 +27,7 @@ const ALL: MendSpec = MendSpec {
     resolve_t_junctions: Some(WeldTolerance::Exact),
     split_non_manifold: true,
     orient: true,
+    nested: chordal_verbs::NestedShells::Keep,
     fill_holes: Some(HoleSelection::All),
     drop_unused: true,
 };

@@ -11,7 +11,7 @@ use chordal::check::{Facing, components};
 use chordal::convert::mesh_to_field;
 use chordal::explicit::{Semantic, Topology};
 use chordal::math::greater;
-use chordal::mend::orient;
+use chordal::mend::{NestedShells, orient};
 use chordal::{Job, Mesh};
 use chordal_io::{Frame, Scene, SceneAssets};
 use std::collections::BTreeMap;
@@ -146,5 +146,5 @@ fn turned_outward(
         return Ok(mesh);
     }
     notes.push(format!("{name}: its triangles are wound inside out and were turned").into());
-    Ok(orient(&mesh, Topology::Positions, job)?.mesh)
+    Ok(orient(&mesh, Topology::Positions, NestedShells::Keep, job)?.mesh)
 }

@@ -10,6 +10,7 @@ mod source;
 mod tile_hierarchy;
 mod tileset;
 
+use crate::finish::NOT_MET;
 use crate::format_rounding::single_precision_note;
 use crate::geometry_digest::written_digest;
 use crate::notes::packing_note;
@@ -17,9 +18,10 @@ use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Outp
 use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, OutputForm, Shape};
 use chordal::Job;
+use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::camera::MinDistanceView;
-use chordal::budget::{Budget, Length, Pixels, RefusalCode, Tolerance, View};
+use chordal::budget::{Bound, Budget, Length, Pixels, RefusalCode, Tolerance, View};
 use chordal::lod::selection::SwitchDistances;
 use chordal_io::glb::GltfPacking;
 use chordal_io::tiles::GeoPlace;
@@ -89,8 +91,8 @@ pub enum TileErrors {
 /// Makes levels of detail of a surface: see [`chordal::lod::chain`].
 ///
 /// The finest level is within `spec.length`, or loses at most `spec.pixels` at `spec.nearest`. Where neither
-/// is given, it loses at most that where the box fills the height of the screen. A note says where rounding to
-/// single precision leaves it farther off. Each level is proved against
+/// is given, it loses at most that where the box fills the height of the screen. [`LodOutcome::unmet`] says where it is
+/// farther off, as by rounding to single precision. Each level is proved against
 /// the shape itself, as it will be written: positions in single precision, or on one lattice for all levels and
 /// tiles of a part where `spec.packing` asks for it.
 ///
@@ -142,9 +144,10 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let bound =
         bound.ok_or_else(|| MeshFailure::refused(RefusalCode::Empty, "there is no triangle to show"))?;
     certificate.bound = Some(BoundFacts::new(bound));
-    if bound.at_most().is_none_or(|most| most > finest.get()) {
-        let note = "the finest level is off by more than was asked: this is the best that was reached";
-        certificate.notes.push(note.into());
+    let is_met = bound.at_most().is_some_and(|most| most <= finest.get());
+    let unmet = (!is_met).then(|| unmet(bound, finest));
+    if !is_met {
+        certificate.notes.push(NOT_MET.into());
     }
     let shown = made.finest_scene();
     let counted = CountedTriangles::from_scene(shown, Format::Glb)?;
@@ -164,7 +167,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         certificate.notes.extend(single_precision_note(&shown.parts));
     }
     certificate.notes.dedup();
-    let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
+    let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, unmet, certificate };
     outcome.pack(spec.packing);
     let mut levels = levels;
     for (k, level) in levels.iter_mut().enumerate() {
@@ -175,6 +178,11 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     outcome.certificate.levels = Some(outcome.facts(levels));
     outcome.certificate.conclude(("triangles", Format::Glb), geometry);
     Ok(outcome)
+}
+
+/// What is said where the finest level is off by more than was asked.
+fn unmet(bound: &Bound, finest: Tolerance) -> Message {
+    format!("the budget of the finest level, {finest}, was not met; the best reached is {bound}").into()
 }
 
 /// The tolerance of the finest level.

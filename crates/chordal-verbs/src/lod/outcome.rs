@@ -3,6 +3,7 @@ use super::LodSpec;
 use super::scene_levels::{SceneLevel, SceneLevels};
 use super::tile_hierarchy::TileHierarchy;
 use crate::report::{Certificate, LevelChoiceFacts, LevelFacts, LevelsFacts, ViewFacts};
+use chordal::budget::advice::Message;
 use chordal::budget::camera::MinDistanceView;
 use chordal::budget::{Bound, View};
 use chordal::lod::selection::{HYSTERESIS, SwitchDistances};
@@ -17,6 +18,8 @@ pub struct LodOutcome {
     pub(super) switches: SwitchDistances,
     pub(super) spec: LodSpec,
     pub(super) diagonal: f64,
+    /// Why the finest level does not hold the budget, where it does not.
+    pub unmet: Option<Message>,
     /// For the report, and for the file.
     pub certificate: Certificate,
 }

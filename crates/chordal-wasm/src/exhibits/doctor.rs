@@ -9,8 +9,8 @@ use chordal::check::{
 };
 use chordal::explicit::Topology;
 use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
-    orient, resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, NestedShells, Weld, drop_degenerate, drop_duplicates, drop_unused,
+    fill_holes, orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 use serde_json::{Value, json};
@@ -141,7 +141,7 @@ fn applied(cure: Cure, mesh: &Mesh) -> Result<MendedMesh, String> {
         Cure::DropDegenerate => drop_degenerate(mesh, ROWS, &job),
         Cure::ResolveTJunctions => resolve_t_junctions(mesh, ROWS, None, &job),
         Cure::SplitNonManifold => split_non_manifold(mesh, ROWS, &job),
-        Cure::Orient => orient(mesh, ROWS, &job),
+        Cure::Orient => orient(mesh, ROWS, NestedShells::Cavity, &job),
         Cure::FillHoles => fill_holes(mesh, ROWS, HoleSelection::All, &job),
         Cure::DropUnused => drop_unused(mesh, &job),
     };

@@ -44,13 +44,15 @@ pub enum Setting {
     Effort,
     /// Whether an inspection looks for triangles that cross.
     SelfIntersections,
+    /// Which way closed pieces within others face.
+    Nested,
     /// A repair of a mesh.
     Cure(Cure),
 }
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 20] = [
+    pub const PLAIN: [Self; 21] = [
         Self::Unit,
         Self::From,
         Self::Surface,
@@ -71,6 +73,7 @@ impl Setting {
         Self::Quantize,
         Self::Effort,
         Self::SelfIntersections,
+        Self::Nested,
     ];
 
     /// Its words, joined by hyphens.
@@ -102,6 +105,7 @@ impl Setting {
             Self::Compress => "compress",
             Self::Quantize => "quantize",
             Self::Effort => "effort",
+            Self::Nested => "nested",
             Self::SelfIntersections => "self-intersections",
             Self::Cure(cure) => cure.name(),
         }

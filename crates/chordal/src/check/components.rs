@@ -74,6 +74,8 @@ pub struct Component {
     /// The number of other components with an inside that enclose it; `None` where it has no inside or this
     /// is undecided.
     pub depth: Option<u32>,
+    /// The number of the component around it that no other one encloses; `None` where there is none, or no single one.
+    pub outermost: Option<u32>,
     /// Which way its front faces.
     pub facing: Facing,
 }
@@ -195,12 +197,18 @@ impl ComponentSet {
 
     /// Decides the facing of each component with an inside from the sign of its volume.
     fn with_facings(mut self, depths: Vec<NestingDepth>) -> Vec<Component> {
+        let is_outermost: Vec<bool> = depths
+            .iter()
+            .zip(&self.signs)
+            .map(|(nested, sign)| sign.is_some() && *nested == NestingDepth::Within(Vec::new()))
+            .collect();
         for ((component, sign), nested) in self.found.iter_mut().zip(self.signs).zip(depths) {
             let Some(sign) = sign else { continue };
-            component.depth = match nested {
-                NestingDepth::Within(depth) => Some(depth),
-                NestingDepth::Touching => None,
-            };
+            if let NestingDepth::Within(around) = nested {
+                component.depth = Some(around.len() as u32);
+                let mut outermost = around.into_iter().filter(|other| is_outermost[*other as usize]);
+                component.outermost = outermost.next().filter(|_| outermost.next().is_none());
+            }
             component.facing = match (sign, component.depth) {
                 (0, _) | (_, None) => Facing::Undecided,
                 (sign, Some(depth)) if (sign > 0) == (depth % 2 == 0) => Facing::Outward,
@@ -251,6 +259,7 @@ fn empty(first_face: u32) -> Component {
         bounds: Box3::EMPTY,
         measure: Measure { area: 0.0, signed_volume: 0.0 },
         depth: None,
+        outermost: None,
         facing: Facing::NoInside,
     }
 }

@@ -5,11 +5,11 @@ use crate::budget::{Job, JobError, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::Box3;
 
-/// The number of other components that enclose a component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The other components that enclose a component.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum NestingDepth {
-    /// That many.
-    Within(u32),
+    /// These, ascending.
+    Within(Vec<u32>),
     /// All tested vertices lie on the surface of another component, or none was tested.
     Touching,
 }
@@ -17,7 +17,7 @@ pub(super) enum NestingDepth {
 /// Up to so many pairs of components, their boxes are compared one by one.
 const FEW_PAIRS: usize = 1 << 16;
 
-/// Counts how many components with an inside enclose each component; only those with an inside are tested.
+/// Finds the components with an inside that enclose each component; only those with an inside are tested.
 ///
 /// # Errors
 /// Those of [`Bvh::build`], and [`JobError::Cancelled`] when the job was.
@@ -28,7 +28,7 @@ pub(super) fn nesting_depths(
 ) -> Result<Vec<NestingDepth>, JobError> {
     let ComponentSet { found: components, labels, signs } = shapes;
     let has_inside = |i: usize| signs[i].is_some();
-    let mut nested = vec![NestingDepth::Within(0); components.len()];
+    let mut nested = vec![NestingDepth::Within(Vec::new()); components.len()];
     let solid: Vec<usize> = (0..components.len()).filter(|i| has_inside(*i)).collect();
     let encloses = |outer: usize, inner: usize| {
         outer != inner && is_within(&components[inner].bounds, &components[outer].bounds)
@@ -119,7 +119,7 @@ impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
         if outer.iter().any(|(_, side)| *side == BoundedSide::On) {
             return NestingDepth::Touching;
         }
-        NestingDepth::Within(outer.len() as u32)
+        NestingDepth::Within(outer.into_iter().map(|(label, _)| label).collect())
     }
 
     /// The position of a vertex relative to each component above it that may enclose `inner`, by component

@@ -34,7 +34,7 @@ pub use drop_duplicates::{Duplicates, drop_duplicates};
 pub use drop_unused::drop_unused;
 pub use fill_holes::{HoleSelection, fill_holes};
 pub use mended_mesh::{MendChange, MendedMesh};
-pub use orient::orient;
+pub use orient::{NestedShells, orient};
 pub use resolve_t_junctions::resolve_t_junctions;
 pub use split_non_manifold::split_non_manifold;
 pub use weld::{Weld, weld};

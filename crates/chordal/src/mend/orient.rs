@@ -4,20 +4,33 @@ use super::mend_builder::{MendBuilder, MendFace};
 use super::mended_mesh::MendedMesh;
 use crate::Mesh;
 use crate::budget::{Job, JobError, RefusalCode};
-use crate::check::{Facing, Finding, MeshConnectivity, Witness};
+use crate::check::{Component, Facing, Finding, MeshConnectivity, Witness};
 use crate::explicit::{DisjointSets, Topology, Twin, Twins};
+
+/// Which way closed components within others are to face.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NestedShells {
+    /// As they are wound, compared to the component around them: one that faces the same way is a body of its own in there,
+    /// one that faces the other way is a cavity. What is solid stays solid.
+    #[default]
+    Keep,
+    /// By their depth: within an odd number of others they are cavities, within an even number bodies.
+    Cavity,
+}
 
 /// Turns faces, component by component. Here a *component* is connected by edges with exactly two faces.
 ///
 /// - In each component neighbours are made consistent. The orientation of the majority of its faces is kept;
 ///   with equal numbers, that of its first face.
-/// - Then components that [`check::components`](crate::check::components) finds inside out are turned: closed
-///   components face outwards, cavities, which lie within an odd number of others, inwards. What is undecided
-///   there stays as it is.
+/// - Then closed components that no other one encloses are turned where [`check::components`](crate::check::components)
+///   finds them inside out, and those within them along with them ([`NestedShells::Keep`]). With [`NestedShells::Cavity`]
+///   all that are found inside out are turned: cavities, which lie within an odd number of others, face inwards, whatever
+///   they were. What is undecided there stays as it is.
 /// - A non-orientable component, such as a Möbius strip, stays as it is and is reported.
 ///
-/// The surface does not change: bound 0. The changes are `turned_faces`, and `left_unorientable` with the
-/// first face of such a component. Attributes stay with their corners; normals are not turned, since they say
+/// The surface does not change: bound 0. The changes are `turned_faces`, `left_unorientable` with the first face of such a
+/// component, and with the first face of each component whose depth says otherwise than its winding `left_nested_shells` or
+/// `turned_nested_shells`. Attributes stay with their corners; normals are not turned, since they say
 /// how the file is to be shaded.
 ///
 /// Linear; with several closed components that enclose each other, a bounding volume hierarchy and some
@@ -27,15 +40,20 @@ use crate::explicit::{DisjointSets, Topology, Twin, Twins};
 /// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
-/// use chordal::{Job, Mesh, check, explicit::Topology, mend};
+/// use chordal::{Job, Mesh, check, explicit::Topology, mend, mend::NestedShells};
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let inside_out = Mesh::new(corners, vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 3, 2]])?;
-/// let mended = mend::orient(&inside_out, Topology::Indices, &Job::default())?;
+/// let mended = mend::orient(&inside_out, Topology::Indices, NestedShells::Keep, &Job::default())?;
 /// assert_eq!(mended.count("turned_faces"), 3);
 /// assert!(check::findings::measure(&mended.mesh).signed_volume > 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, JobError> {
+pub fn orient(
+    mesh: &Mesh,
+    topology: Topology,
+    nested: NestedShells,
+    job: &Job,
+) -> Result<MendedMesh, JobError> {
     check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let twins = Twins::with_ids(mesh, ids.as_deref());
@@ -44,7 +62,16 @@ pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, 
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    sides.face_outwards(mesh, topology, &twins, job)?;
+    let agreed = sides.agreed(mesh)?;
+    let found = MeshConnectivity::new(&agreed, topology).components_under(job)?;
+    let ShellTurns { wrong, at_odds } = ShellTurns::new(&found, nested);
+    sides.turn(&wrong, &twins);
+    let mut shells = Finding::default();
+    at_odds.into_iter().for_each(|face| shells.add(|| Witness::face(mesh, face)));
+    let name = match nested {
+        NestedShells::Keep => "left_nested_shells",
+        NestedShells::Cavity => "turned_nested_shells",
+    };
     let mut unorientable = Finding::default();
     for piece in sides.components.iter().filter(|piece| !piece.is_orientable) {
         unorientable.add(|| Witness::face(mesh, piece.faces[0]));
@@ -53,8 +80,8 @@ pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, 
     for (face, _) in (0..).zip(&sides.flipped).filter(|(_, turned)| **turned) {
         turned.add(|| Witness::face(mesh, face));
     }
-    let changes = [("left_unorientable", unorientable), ("turned_faces", turned)];
-    if changes[1].1.is_none() {
+    let changes = [("left_unorientable", unorientable), (name, shells), ("turned_faces", turned)];
+    if changes[2].1.is_none() {
         return Ok(MendedMesh::exact(mesh.clone(), changes));
     }
     let mut draft = MendBuilder::without_faces(mesh);
@@ -124,14 +151,8 @@ impl FaceFlips {
         piece
     }
 
-    /// Turns the components that are found inside out, once all neighbours are consistent.
-    fn face_outwards(
-        &mut self,
-        mesh: &Mesh,
-        topology: Topology,
-        twins: &Twins,
-        job: &Job,
-    ) -> Result<(), JobError> {
+    /// The mesh with its faces turned.
+    fn agreed(&self, mesh: &Mesh) -> Result<Mesh, JobError> {
         let side =
             |(face, turned): (&[u32; 3], &bool)| if *turned { [face[0], face[2], face[1]] } else { *face };
         let faces = mesh.faces().iter().zip(&self.flipped).map(side).collect();
@@ -140,12 +161,13 @@ impl FaceFlips {
             agreed = agreed.and_then(|agreed| agreed.with_position_id(ids.to_vec()));
         }
         // The rows of a valid mesh, and as many faces.
-        let agreed = agreed.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))?;
-        let seen = MeshConnectivity::new(&agreed, topology).components_under(job)?;
-        let wrong = seen.into_iter().filter(|c| c.facing == Facing::InsideOut);
-        let wrong: Vec<u32> = wrong.map(|component| component.first_face).collect();
+        agreed.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
+    }
+
+    /// Turns components by their first faces, in their order.
+    fn turn(&mut self, wrong: &[u32], twins: &Twins) {
         if wrong.is_empty() {
-            return Ok(());
+            return;
         }
         // A component of [`MeshConnectivity`] may contain several of these, which meet at edges with more
         // than two faces.
@@ -162,6 +184,32 @@ impl FaceFlips {
             // Components are listed in the order of their first faces.
             *turned ^= wrong.binary_search(&sets.find(face)).is_ok();
         }
-        Ok(())
+    }
+}
+
+/// Which components are to be turned, all of them by their first faces.
+struct ShellTurns {
+    wrong: Vec<u32>,
+    /// Nested ones whose depth says otherwise than their winding.
+    at_odds: Vec<u32>,
+}
+
+impl ShellTurns {
+    fn new(found: &[Component], nested: NestedShells) -> Self {
+        let is_wrong = |component: &Component| component.facing == Facing::InsideOut;
+        let (mut wrong, mut at_odds) = (Vec::new(), Vec::new());
+        for component in found.iter().filter(|component| component.depth.is_some()) {
+            let around = component.outermost.and_then(|number| found.get(number as usize));
+            // Along with what is around it.
+            let along = around.map_or(component.depth == Some(0) && is_wrong(component), is_wrong);
+            let is_at_odds = component.depth != Some(0) && along != is_wrong(component);
+            at_odds.extend(is_at_odds.then_some(component.first_face));
+            let turns = match nested {
+                NestedShells::Keep => along,
+                NestedShells::Cavity => is_wrong(component),
+            };
+            wrong.extend(turns.then_some(component.first_face));
+        }
+        Self { wrong, at_odds }
     }
 }

@@ -119,7 +119,7 @@ fn a_cancelled_job_and_a_small_limit_end_before_the_work() {
     for (job, code) in [(job, None), (small, Some("too-much-memory"))] {
         let stopped = [
             weld(&cube(), Weld::Exact, &job),
-            orient(&cube(), Topology::Indices, &job),
+            orient(&cube(), Topology::Indices, NestedShells::Keep, &job),
             fill_holes(&cube(), Topology::Indices, HoleSelection::All, &job),
             split_non_manifold(&cube(), Topology::Indices, &job),
             drop_degenerate(&cube(), Topology::Indices, &job),

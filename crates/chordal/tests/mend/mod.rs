@@ -10,8 +10,8 @@ mod welding;
 use chordal::check::{Validity, t_junctions, validity};
 use chordal::explicit::Topology;
 use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
-    orient, resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, NestedShells, Weld, drop_degenerate, drop_duplicates, drop_unused,
+    fill_holes, orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 
@@ -28,7 +28,7 @@ pub const CURES: [(&str, Cure); 9] = [
         resolve_t_junctions(mesh, Topology::Indices, None, &Job::default()).unwrap()
     }),
     ("split_non_manifold", |mesh| split_non_manifold(mesh, Topology::Indices, &Job::default()).unwrap()),
-    ("orient", |mesh| orient(mesh, Topology::Indices, &Job::default()).unwrap()),
+    ("orient", |mesh| orient(mesh, Topology::Indices, NestedShells::Cavity, &Job::default()).unwrap()),
     ("fill_holes", |mesh| fill_holes(mesh, Topology::Indices, HoleSelection::All, &Job::default()).unwrap()),
     ("drop_unused", |mesh| drop_unused(mesh, &Job::default()).unwrap()),
 ];

@@ -188,6 +188,63 @@ fn shells_inside_each_other_face_in_turn_out_and_in() {
     assert!((volume - (512.0 + 64.0 + 8.0 + 1.0)).abs() < 1e-9, "{volume}");
 }
 
+/// Cubes of these sizes around one point; those of a negative size are wound the other way.
+fn nested_cubes(sizes: &[f64]) -> Mesh {
+    let one = cube();
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for (n, size) in sizes.iter().enumerate() {
+        positions.extend(one.positions().iter().map(|p| p.map(|x| (x - 0.5) * size.abs())));
+        faces.extend(one.faces().iter().map(|f| {
+            let [a, b, c] = f.map(|i| i + 8 * n as u32);
+            if *size > 0.0 { [a, b, c] } else { [a, c, b] }
+        }));
+    }
+    mesh_of(&positions, &faces)
+}
+
+#[test]
+fn what_is_solid_within_another_stays_solid_unless_cavities_are_asked_for() {
+    let volume = |mesh: &Mesh, nested: NestedShells| {
+        let mended = orient(mesh, Topology::Indices, nested, &Job::default()).unwrap();
+        let said = ["left_nested_shells", "turned_nested_shells"].map(|what| mended.count(what));
+        (chordal::check::findings::measure(&mended.mesh).signed_volume, said)
+    };
+    let close = |(found, said): (f64, [u64; 2]), wanted: f64, counts: [u64; 2]| {
+        assert!((found - wanted).abs() < 1e-9 && said == counts, "{found} {said:?} for {wanted} {counts:?}");
+    };
+    let (keep, cavity) = (NestedShells::Keep, NestedShells::Cavity);
+    // A body within another, both outward; and the same with both inside out.
+    for sizes in [[2.0, 1.0], [1.0, 2.0], [-2.0, -1.0]] {
+        let mesh = nested_cubes(&sizes);
+        close(volume(&mesh, keep), 8.0 + 1.0, [1, 0]);
+        close(volume(&mesh, cavity), 8.0 - 1.0, [0, 1]);
+    }
+    // A cavity is one either way, also where all of the solid is inside out.
+    for sizes in [[2.0, -1.0], [-2.0, 1.0]] {
+        close(volume(&nested_cubes(&sizes), keep), 8.0 - 1.0, [0, 0]);
+        close(volume(&nested_cubes(&sizes), cavity), 8.0 - 1.0, [0, 0]);
+    }
+    // A body in a cavity; and two cavities in each other, of which the inner one is at odds with its depth.
+    close(volume(&nested_cubes(&[4.0, -2.0, 1.0]), keep), 64.0 - 8.0 + 1.0, [0, 0]);
+    close(volume(&nested_cubes(&[4.0, -2.0, -1.0]), keep), 64.0 - 8.0 - 1.0, [1, 0]);
+    close(volume(&nested_cubes(&[4.0, -2.0, -1.0]), cavity), 64.0 - 8.0 + 1.0, [0, 1]);
+}
+
+#[test]
+fn a_segment_counts_with_its_distance_from_the_rest() {
+    let plate = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]];
+    for (height, tilt) in [(0.0, 0.0), (3.0, 0.0), (0.5, 2.0)] {
+        // A face without area over the plate, away from all edges.
+        let line = [[2.0, 1.0, height], [6.0, 1.0, height + tilt], [4.0, 1.0, height + 0.5 * tilt]];
+        let mesh = mesh_of(&[plate.as_slice(), &line].concat(), &[[0, 1, 2], [0, 2, 3], [4, 5, 6]]);
+        let mended = cure("drop_degenerate", &mesh);
+        let most = mended.bound.at_most().expect("something is left");
+        let truth = height + tilt;
+        assert_eq!(mended.mesh.faces().len(), 2);
+        assert!(most >= truth && most <= truth * 1.1 + 1e-11, "{most} for {truth}");
+    }
+}
+
 #[test]
 fn a_solid_that_reaches_into_another_is_no_cavity() {
     let one = cube();
