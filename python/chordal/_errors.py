@@ -85,7 +85,7 @@ class BudgetUnmet(Error):
     True proved
     """
 
-    #: The best that was reached, as the call would have returned it: a `Mesh`, `Polylines` or `Volume`.
+    #: The best that was reached, as the call would have returned it: a `Mesh`, `Polylines`, `Volume` or `Levels`.
     best: Any
 
     def __init__(self, message: str, best: Any) -> None:

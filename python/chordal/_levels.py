@@ -12,6 +12,7 @@ from chordal import _chordal, _files
 from chordal._arguments import function, number, text, whole
 from chordal._bound import Bound, bound_of
 from chordal._budget import Length, Share, budget_arguments
+from chordal._errors import BudgetUnmet
 from chordal._hints import Guessed, keywords_hinted
 from chordal._recipe import Recipe, Remakeable
 from chordal._report import Report
@@ -195,7 +196,7 @@ class Levelled(Sourced):
         "47.37,8.54,400", and `errors` what they say of theirs: "scaled", so that the formula of viewers keeps the pixels
         everywhere on the screen, or "plain". `quantize` and `compress` are as for `Mesh.export`.
 
-        Raises as `Shape.mesh`. Docs: `docs/lod.md`.
+        Raises as `Shape.mesh`: `BudgetUnmet` with the levels where the finest is not within its length. Docs: `docs/lod.md`.
 
         >>> import chordal
         >>> ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve()
@@ -224,7 +225,11 @@ class Levelled(Sourced):
             "quantize": bool(quantize),
             "compress": compress is not None,
         }
-        return _levels_of(self, arguments, function("progress", progress))
+        levels = _levels_of(self, arguments, function("progress", progress))
+        unmet = levels._levels.unmet
+        if unmet is not None:
+            raise BudgetUnmet(unmet, levels)
+        return levels
 
 
 def _levels_of(

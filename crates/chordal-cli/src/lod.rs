@@ -3,7 +3,7 @@ use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
-use crate::fault::Fault;
+use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
@@ -62,6 +62,11 @@ pub struct LodArgs {
     /// of the box
     #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
     pub tol: Option<Length>,
+
+    /// Write the best levels that were reached even where the finest is not within the budget; the exit code says so all
+    /// the same
+    #[arg(long, help_heading = "Budget")]
+    pub keep_best: bool,
 
     #[command(flatten)]
     pub attributes: AttributeArgs,
@@ -168,12 +173,20 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
+    let unmet = outcome.unmet.as_ref().map(|why| {
+        let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
+        Fault::new(Exit::Budget, "unmet", format!("{name}: {why}{hint}"))
+    });
+    if let Some(fault) = unmet.clone().filter(|_| !args.keep_best) {
+        return Err(fault);
+    }
     let written = output.name();
     let bytes = output.write(args, &outcome, &name)?;
     let run = RunFacts { input_triangles, ..run_outcome::facts("lod", name, written, bytes) };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| console.detail(note));
-    console.result(&report, &summary_text(&report), stdout)
+    console.result(&report, &summary_text(&report), stdout)?;
+    unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
 /// The file of a tileset that names all others.

@@ -1,6 +1,6 @@
 //! Notes of a report that several verbs make.
 use crate::OutputForm;
-use chordal::budget::advice::{Message, Setting};
+use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::lod::ReductionStats;
 use chordal_io::glb::GltfPacking;
 use chordal_io::{Format, Part, Scene};
@@ -62,7 +62,27 @@ pub(crate) fn reduction_notes(stats: &ReductionStats) -> Vec<Message> {
     }
     if stats.degenerate_faces > 0 {
         let n = stats.degenerate_faces;
-        notes.push(format!("triangles with two corners at one position were left out ({n}x)").into());
+        notes.push(format!("triangles without area were left out, and the bound counts it ({n}x)").into());
+    }
+    if stats.kept_degenerate_faces > 0 {
+        let n = stats.kept_degenerate_faces;
+        notes.push(
+            Message::from(format!("triangles without area stay, far from all others ({n}x); "))
+                .setting(Setting::Cure(Cure::DropDegenerate))
+                .words(" of mend leaves them out"),
+        );
+    }
+    if stats.unsettled_faces > 0 {
+        let n = stats.unsettled_faces;
+        let start = format!(
+            "triangles stay as they are, since no attempt was proved to be within the length: {n} in the last one were not; "
+        );
+        notes.push(
+            Message::from(start)
+                .words("where triangles cross, as ")
+                .setting(Setting::SelfIntersections)
+                .words(" of inspect tells, another length or a boolean union of the pieces helps"),
+        );
     }
     if stats.dropped_components > 0 {
         let n = stats.dropped_components;

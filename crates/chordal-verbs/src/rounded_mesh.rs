@@ -9,7 +9,7 @@ use chordal::{Job, Mesh, mend};
 ///
 /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
 /// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
-/// surface closed.
+/// surface closed. Where one covers what nothing else is near, all of them stay.
 pub(crate) fn snap_with_bound(
     mesh: &Mesh,
     bound: Bound,
@@ -21,7 +21,12 @@ pub(crate) fn snap_with_bound(
     if snapped.moved_at_most == 0.0 {
         return Ok(Bounded { shape: snapped.mesh, bound });
     }
-    let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+    let mut whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+    // What rounding flattened is no farther from its neighbours than it moved: a face that is had no area before.
+    if whole.bound.at_most().is_none_or(|most| most > snapped.moved_at_most) {
+        whole.bound = Bound::exact(Reference::InputTriangles);
+        whole.mesh = snapped.mesh;
+    }
     let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
     let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
     let moved_px = pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));

@@ -249,8 +249,9 @@ fn round(mesh: &Mesh, target: &RoundingTarget, job: &Job) -> Result<(Mesh, Bound
     }
     let kept = mend::drop_collapsed(&snapped.mesh, Topology::Positions, job)?;
     let both = step.then(&kept.bound);
-    // Where nothing would remain there is no bound, and all of it stays.
-    Ok(if both.at_most().is_some() { (kept.mesh, both) } else { (snapped.mesh, step) })
+    // What rounding collapsed is no farther from its neighbours than it moved. Where more would go, all of it stays.
+    let is_covered = kept.bound.at_most().is_some_and(|most| most <= snapped.moved_at_most);
+    Ok(if is_covered { (kept.mesh, both) } else { (snapped.mesh, step) })
 }
 
 /// How the parts of a scene are placed and rounded.

@@ -1,13 +1,14 @@
 //! `chain`: a shape as levels with growing errors and fewer triangles, each with its own bound.
 use super::reduction::ReductionStats;
 use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
+use super::zero_area::ZeroAreaFaces;
 use crate::budget::{
     AttributeLimits, Bound, Bounded, ErrorLimit, Job, JobError, Message, Reference, Refusal, RefusalCode,
     Tolerance,
 };
 use crate::check::findings::AttributeDeviation;
 use crate::explicit::{Mesh, Topology};
-use crate::math::sub_down;
+use crate::math::{greater, sub_down};
 use std::borrow::Cow;
 
 /// One level of detail.
@@ -84,7 +85,8 @@ const MOST_STEPS: u32 = 48;
 /// A smooth shape is tessellated once, within a fraction of the finest error, and its triangles are
 /// simplified; the two proofs are added. Simplification continues from level to level, so all levels together
 /// take little longer than the coarsest alone. The error of each level is measured and proved against the
-/// initial triangles, never against the previous level. The first level is within `steps.finest`. The chain
+/// initial triangles, never against the previous level. The first level is within `steps.finest`; where a source does not
+/// reach that, it is what the source made. The chain
 /// ends where `steps.stop_at_triangles` triangles are left, or where the error is the extent of the shape: at a distance
 /// where that error is one pixel, the shape is one pixel, too.
 ///
@@ -94,7 +96,7 @@ const MOST_STEPS: u32 = 48;
 /// # Errors
 /// As for [`simplify`](super::simplify()), and those of the source; [`RefusalCode::Budget`] for a factor that
 /// is not larger than 1 and for an invalid share; [`RefusalCode::Unsupported`] where a source gives triangles
-/// without an upper bound; [`RefusalCode::BelowPrecision`] where a source does not reach `steps.finest`.
+/// without an upper bound.
 ///
 /// ```
 /// use chordal::{Job, Mesh, Tolerance, explicit::Topology, lod::{LodSource, LodSteps, chain}};
@@ -142,21 +144,15 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
         );
     }
     let used = made.bound.at_most().unwrap_or(f64::INFINITY);
-    if used > steps.finest.get() {
-        let message = format!(
-            "the finest level is to be within {}, and the triangles that could be made are only proved to be within {used}",
-            steps.finest.get()
-        );
-        return refuse(RefusalCode::BelowPrecision, message);
-    }
     let mesh: &Mesh = &made.shape;
     let is_smooth = matches!(source, LodSource::Smooth(_));
     if mesh.faces().is_empty() {
         return refuse(RefusalCode::Empty, "there is no triangle to simplify");
     }
     job.run(|| {
+        let aside = ZeroAreaFaces::set_aside(mesh, topology);
         let asked = SimplifyInput {
-            mesh,
+            mesh: aside.as_ref().map_or(mesh, |faces| &faces.rest),
             topology,
             fixed_rows: &[],
             limit: ErrorLimit::uniform(steps.finest.get()),
@@ -174,6 +170,13 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
                 if left > 0.0 { progress.simplify_within(&ErrorLimit::uniform(left), job)? } else { None };
             // The finest level exists even if nothing could be collapsed.
             let fewer = fewer.or_else(|| levels.is_empty().then(|| progress.unchanged()));
+            let fewer = match (fewer, &aside) {
+                (Some(fewer), Some(faces)) => {
+                    let within = ErrorLimit::uniform(greater(left, 0.0));
+                    Some(faces.restore(fewer, Some(&within), job)?)
+                }
+                (fewer, _) => fewer,
+            };
             let level = fewer.map(|fewer| level_of(fewer, is_smooth.then_some(&made.bound)));
             let is_new = |level: &LodLevel| {
                 levels.last().is_none_or(|finer| {

@@ -20,6 +20,7 @@ mod surface;
 mod surface_part;
 mod tree;
 mod wedges;
+mod zero_area;
 
 pub use chain::{LodLevel, LodSource, LodSteps, chain};
 pub use conforming::simplify_conforming;

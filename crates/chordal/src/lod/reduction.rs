@@ -62,8 +62,13 @@ impl ReductionFrame {
 pub struct ReductionStats {
     /// Fixed vertices, because edges with three faces, inconsistently wound faces or several fans meet there.
     pub locked_vertices: u64,
-    /// Faces with two corners at one position, which are left out.
+    /// Faces without area that were left out: the rest of the surface is where they were, within the length.
     pub degenerate_faces: u64,
+    /// Faces without area that stay as they were, because nothing else is near enough to stand for them.
+    pub kept_degenerate_faces: u64,
+    /// Faces of either mesh that the last attempt left too far from the other, or not proved to be near, where all
+    /// attempts failed and the mesh stays as it was for that length.
+    pub unsettled_faces: u64,
     /// Separate components that were removed, so small or so close to others that the budget covers their
     /// absence.
     pub dropped_components: u64,
@@ -73,6 +78,8 @@ impl AddAssign for ReductionStats {
     fn add_assign(&mut self, other: Self) {
         self.locked_vertices += other.locked_vertices;
         self.degenerate_faces += other.degenerate_faces;
+        self.kept_degenerate_faces += other.kept_degenerate_faces;
+        self.unsettled_faces += other.unsettled_faces;
         self.dropped_components += other.dropped_components;
     }
 }

@@ -4,6 +4,7 @@ use super::local_tolerance::LocalTolerance;
 use super::reduction::{AttemptStart, FailedAttempt, MeshReduction, ReductionStats, SlightCollapses};
 use super::simplify_to_count::{Effort, simplify_to_count};
 use super::wedges::is_carried;
+use super::zero_area::ZeroAreaFaces;
 use crate::budget::{
     AttributeLimits, Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference,
     RefusalCode, Tolerance,
@@ -60,7 +61,8 @@ pub(super) type SimplifyFailure = Failure<SimplifiedMesh>;
 /// move along them, with the values on either side. Normals of flat shading are recomputed from the new
 /// faces. Where the mesh is non-manifold or inconsistently wound it stays as it is, and [`ReductionStats`]
 /// says how many vertices that locks. A separate component is removed only where a length covers its absence,
-/// never for a count.
+/// never for a count. A face without area that joins no two others is left out where the length covers its absence, and
+/// stays as it is elsewhere; where there are such faces the bound starts at 0.
 ///
 /// *Attributes.* With [`AttributeLimits`] beside a length or pixels, texture coordinates and normals are within them as
 /// [`attribute_deviation`] measures it, at four samples a face of either mesh; where no attempt is, the mesh stays
@@ -134,7 +136,11 @@ pub fn simplify(
         }
     } else {
         let attributes = budget.attributes;
-        simplify_within(&SimplifyInput { mesh, topology, fixed_rows: &[], limit: allowed, attributes, job })?
+        let input = |mesh| SimplifyInput { mesh, topology, fixed_rows: &[], limit: allowed, attributes, job };
+        match ZeroAreaFaces::set_aside(mesh, topology) {
+            Some(faces) => faces.restore(simplify_within(&input(&faces.rest))?, Some(&allowed), job)?,
+            None => simplify_within(&input(mesh))?,
+        }
     };
     if let Some(PixelBudget { view, .. }) = &budget.pixels {
         // Both are proved: the largest over the pieces, each in its place, and that of the largest distance
@@ -245,6 +251,7 @@ impl<'a> ProgressiveSimplifier<'a> {
             return Ok(None);
         }
         let mesh = self.mesh;
+        self.proved.stats.unsettled_faces = 0;
         let room = self.proved.local_tolerance(allowed, SHARE);
         let mut tried: Option<(FailedAttempt, ViolationReport, [Vec<u32>; 2])> = None;
         // After a level, few collapses are slight for the next one.
@@ -327,6 +334,8 @@ impl<'a> ProgressiveSimplifier<'a> {
             }
             tried = Some((FailedAttempt::new(reduction), places, Default::default()));
         }
+        let left = tried.map_or(0, |(_, places, _)| places.count());
+        self.proved.stats.unsettled_faces = left as u64;
         Ok(None)
     }
 

@@ -3,7 +3,8 @@ use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
 use super::reduction::{AttemptStart, FailedAttempt, MEAN_DISTANCE_ROUNDING, MeshReduction};
 use super::simplify::{CLOSE, ROUNDINGS, SHARE, SimplifiedMesh, SimplifyFailure, bounded, unchanged};
-use crate::budget::{Bounded, Failure, Job, JobError, RefusalCode, Tolerance};
+use super::zero_area::ZeroAreaFaces;
+use crate::budget::{Bounded, ErrorLimit, Failure, Job, JobError, RefusalCode, Tolerance};
 use crate::check::{Goal, MappedPair, NearFaces};
 use crate::explicit::{Mesh, Topology};
 use crate::math::{greater, lesser};
@@ -91,24 +92,63 @@ pub fn simplify_to_count(
     if mesh.faces().is_empty() {
         return Err(Failure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
     }
-    let start = MeshReduction::new(mesh, topology);
-    if start.is_empty() {
-        return Ok(unchanged(mesh, start.stats));
-    }
     let count = usize::try_from(most).unwrap_or(usize::MAX);
-    let target = CountTarget { mesh, topology, count, diagonal: start.diagonal(), job };
-    let is_whole = start.n_faces() == mesh.faces().len();
-    if is_whole && start.n_faces() <= count && target.diagonal.is_finite() {
-        return Ok(unchanged(mesh, start.stats));
-    }
-    let made = match effort {
-        Effort::Best if start.n_faces() > count => target.by_length(start)?,
-        _ => target.by_cost(start)?.0,
+    let made = match ZeroAreaFaces::set_aside(mesh, topology).filter(|_| mesh.faces().len() > count) {
+        Some(faces) => beside_zero_areas(&faces, (count, effort), topology, job)?,
+        None => faces_to_count(mesh, (count, effort), topology, job)?,
     };
     if made.shape.mesh.faces().len() as u64 > most {
         return Err(Failure::Unmet(Box::new(made)));
     }
     Ok(made)
+}
+
+/// A count of faces, those without area among them: these are put back where they are farther than the rest is off, unless
+/// they would be most of what is left.
+fn beside_zero_areas(
+    faces: &ZeroAreaFaces<'_>,
+    (count, effort): (usize, Effort),
+    topology: Topology,
+    job: &Job,
+) -> Result<Bounded<SimplifiedMesh>, JobError> {
+    let tiny = ROUNDINGS * faces.rest.bounds().diagonal();
+    let mut left = count;
+    // A second time with room for those that are put back.
+    for is_last in [false, true] {
+        let made = faces_to_count(&faces.rest, (left, effort), topology, job)?;
+        let length = greater(made.bound.at_most().unwrap_or(0.0), tiny);
+        let whole = faces.restore(made.clone(), Some(&ErrorLimit::uniform(length)), job)?;
+        let n_back = whole.shape.stats.kept_degenerate_faces as usize;
+        if whole.shape.mesh.faces().len() <= count || (is_last && n_back <= count / 2) {
+            return Ok(whole);
+        }
+        if n_back > count / 2 {
+            return faces.restore(made, None, job);
+        }
+        left = count - n_back;
+    }
+    faces.restore(faces_to_count(&faces.rest, (count, effort), topology, job)?, None, job)
+}
+
+fn faces_to_count(
+    mesh: &Mesh,
+    (count, effort): (usize, Effort),
+    topology: Topology,
+    job: &Job,
+) -> Result<Bounded<SimplifiedMesh>, JobError> {
+    let start = MeshReduction::new(mesh, topology);
+    if start.is_empty() {
+        return Ok(unchanged(mesh, start.stats));
+    }
+    let target = CountTarget { mesh, topology, count, diagonal: start.diagonal(), job };
+    let is_whole = start.n_faces() == mesh.faces().len();
+    if is_whole && start.n_faces() <= count && target.diagonal.is_finite() {
+        return Ok(unchanged(mesh, start.stats));
+    }
+    match effort {
+        Effort::Best if start.n_faces() > count => target.by_length(start),
+        _ => target.by_cost(start).map(|made| made.0),
+    }
 }
 
 /// A mesh, and how many triangles are to be left of it.

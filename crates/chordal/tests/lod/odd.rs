@@ -122,6 +122,59 @@ fn doubles_zero_areas_and_unused_rows_survive() {
 }
 
 #[test]
+fn a_face_without_area_is_measured_and_stops_nothing() {
+    let ball = shapes::sphere(3);
+    let budget = length(0.02);
+    let plain = n_faces(&made(&ball, &budget));
+    assert!(plain < ball.faces().len() / 2);
+    let [a, b, _] = ball.faces()[0];
+    let opposite = |p: [f64; 3]| {
+        let sum = |q: &[f64; 3]| (0..3).map(|k| (p[k] + q[k]).powi(2)).sum::<f64>();
+        (0..ball.positions().len())
+            .min_by(|i, j| sum(&ball.positions()[*i]).total_cmp(&sum(&ball.positions()[*j])))
+    };
+    let far = opposite(ball.positions()[a as usize]).expect("vertices") as u32;
+    // An edge of the ball, a line through its middle, and a point of it.
+    for (face, back) in [([a, b, a], 0), ([a, far, a], 1), ([a, a, a], 0)] {
+        let mesh = mesh(ball.positions(), &[ball.faces(), &[face]].concat());
+        let found = made(&mesh, &budget);
+        assert_eq!(n_faces(&found), plain + back, "{face:?}");
+        let stats = found.shape.stats;
+        assert_eq!((stats.degenerate_faces, stats.kept_degenerate_faces), (1 - back as u64, back as u64));
+        assert!(found.bound.at_most().expect("proved") <= 0.02);
+        // Points of the line have one of the result.
+        let tree = triangles(&found.shape.mesh);
+        for i in 0..=64 {
+            let t = f64::from(i) / 64.0;
+            let [p, q] = [face[0], face[1]].map(|row| ball.positions()[row as usize]);
+            let at = std::array::from_fn(|k| p[k] + t * (q[k] - p[k]));
+            assert!(tree.distance(at) <= 0.02, "{face:?} at {t}");
+        }
+        let counted = made(&mesh, &Budget::triangles(200));
+        assert!(n_faces(&counted) <= 200 && n_faces(&counted) >= 196, "{face:?}: {}", n_faces(&counted));
+        assert!(counted.bound.at_most().expect("proved") < 0.1, "{face:?}: {:?}", counted.bound);
+        survives("a line", &mesh);
+    }
+}
+
+#[test]
+fn a_line_on_a_flat_side_costs_nothing() {
+    let ticks = [0.0, 0.25, 0.5, 0.75, 1.0];
+    let block = shapes::blocks([&ticks; 3], |_| true);
+    let row = |at: [f64; 3]| {
+        block.positions().iter().position(|p| *p == at).expect("a vertex of the lattice") as u32
+    };
+    let on_top = [0.25, 0.5, 0.75].map(|x| row([x, 0.5, 1.0]));
+    let across = [[0.0, 0.0, 1.0], [0.25, 0.25, 1.0], [0.5, 0.5, 1.0]].map(row);
+    for line in [on_top, across] {
+        let mesh = mesh(block.positions(), &[block.faces(), &[line]].concat());
+        let found = made(&mesh, &length(0.01));
+        assert_eq!((n_faces(&found), found.shape.stats.degenerate_faces), (12, 1));
+        assert!(found.bound.at_most().expect("proved") < 1e-12, "{:?}", found.bound);
+    }
+}
+
+#[test]
 fn zeros_of_either_sign_are_one_position() {
     let ball = shapes::sphere(2);
     // Every face with rows of its own, every other face with the other zero.
