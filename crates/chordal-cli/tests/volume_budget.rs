@@ -72,3 +72,21 @@ fn a_count_is_reached_with_the_bound_that_it_costs() {
     run(&["mesh", &input, "-o", &output, "--force", "--tol", "0.3mm", "--triangles", "20"])
         .fails_with(5, &["budget"]);
 }
+
+#[test]
+fn levels_that_memory_does_not_allow_are_told_and_kept_where_asked() {
+    let folder = Folder::new("volume-memory");
+    let input = folder.file("ball.nrrd", ball_mask(12));
+    let output = folder.text("ball.glb");
+    let asked = ["lod", &input, "-o", &output, "--force", "--tol", "0.02mm", "--max-memory", "8M"];
+    run(&asked).fails_with(5, &["was not met", "--keep-best"]);
+    assert!(!std::path::Path::new(&output).exists());
+    let kept = run(&[&asked[..], &["--keep-best", "--json"]].concat());
+    assert_eq!(kept.code, 5, "{kept:?}");
+    let report = kept.report();
+    let most = number(&report, "/certificate/bound/at_most");
+    assert!(most > 0.02 && most < 1.8, "{most}: a cell has a diagonal of 1.74");
+    assert!(std::path::Path::new(&output).exists());
+    // With memory it is met.
+    run(&["lod", &input, "-o", &output, "--force", "--tol", "0.2mm", "-q"]).succeeds();
+}

@@ -13,6 +13,7 @@ mod lod_files;
 mod looks;
 mod mend;
 mod mesh;
+mod monotone;
 mod open_scan;
 mod prescribed;
 mod quantized;

@@ -9,10 +9,11 @@ use crate::merge::{MergedMesh, merge};
 use crate::notes::{deformation_notes, reduction_notes};
 use crate::placements;
 use crate::request::MeshRequest;
+use crate::simplified_isosurface::room_to_simplify;
 use crate::tessellate::tessellate;
 use crate::{MeshFailure, Normals, OutputForm, Shape};
 use chordal::budget::advice::Message;
-use chordal::budget::{Bound, Budget, Reference, RefusalCode, Tolerance};
+use chordal::budget::{Bound, Budget, JobError, Reference, RefusalCode, Tolerance};
 use chordal::explicit::{Semantic, Topology};
 use chordal::lod::{self, LodLevel, LodSource, LodSteps, ReductionStats};
 use chordal::math::{Box3, add_up};
@@ -244,7 +245,21 @@ impl LevelSource<'_> {
         if matches!(shape, Shape::Field(_) | Shape::Volume(_)) {
             steps.tessellation_share = SHARE_OF_FIELDS;
         }
-        let mut make = |length: Tolerance| tessellate(shape, length, bounds, notes, self.job);
+        // As many triangles as can be simplified, and where the lattice's own are more, these.
+        let room = room_to_simplify(self.job);
+        let mut make = |length: Tolerance| {
+            if !matches!(shape, Shape::Volume(_)) {
+                return tessellate(shape, length, bounds, notes, self.job);
+            }
+            let before = notes.len();
+            match tessellate(shape, length, bounds, notes, &room) {
+                Err(JobError::Refused(why)) if why.code == RefusalCode::TooManyTriangles => {
+                    notes.truncate(before);
+                    tessellate(shape, length, bounds, notes, self.job)
+                }
+                made => made,
+            }
+        };
         let chain = lod::chain(LodSource::Smooth(&mut make), &steps, self.job)?;
         self.as_source(template, chain, (0.0, request.lattice), notes)
     }

@@ -3,6 +3,7 @@ use super::cubes::bound::{IsosurfaceDistance, IsosurfaceProof};
 use super::cubes::marching_cubes::{Coordinate, Isosurface, MarchingPlan, march, refusal};
 use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
+use super::cubes::sign_bits::SignBits;
 use super::cubes::source::{BrickSamples, DenseSamples, SampleSource};
 use super::cubes::upsample::UpsampledSource;
 use super::length_from_pixels::length_from_pixels;
@@ -125,7 +126,8 @@ fn bounds(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Box3 {
     })
 }
 
-/// Halves cells until the bound is within the budget's length.
+/// Halves cells until the bound is within the budget's length: at the latest where their diagonal is. A halving may not
+/// improve the bound, and the next one does all the same.
 fn refine_to_budget<S: SampleSource>(
     source: &S,
     coarse: &Affine3,
@@ -135,8 +137,8 @@ fn refine_to_budget<S: SampleSource>(
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     let GridMeshGoal { length, most, sample_precision: numbers } = *wanted;
     let mut best = mesh_isosurface(source, coarse, rule, length, job)?;
+    let mut triangles = best.shape.faces().len() as u64;
     for halvings in 1..=MOST_HALVINGS {
-        let triangles = best.shape.faces().len() as u64;
         if triangles > most || upper_bound(&best) <= length {
             break;
         }
@@ -146,20 +148,33 @@ fn refine_to_budget<S: SampleSource>(
         }
         let finer = UpsampledSource::new(source, rule, halvings, numbers);
         let Some(affine) = finer.affine(coarse) else { break };
+        if SignBits::bytes(finer.size()).saturating_add(4 * triangles * BYTES_OF_TRIANGLE) > job.memory_limit
+        {
+            break;
+        }
         let rule = Polygonize { offset: rule.offset.map(|i| i << halvings), ..*rule };
         if check(finer.size(), &affine, &rule).is_err() {
             break;
         }
         match upsampled_mesh(&finer, &affine, &rule, length, job) {
             // A cell without a steady slope counts with its diagonal, which halves with it.
-            Ok(next) if upper_bound(&next) < upper_bound(&best) => best = next,
-            Ok(_) | Err(JobError::Refused(_)) => break,
+            Ok(next) => {
+                triangles = next.shape.faces().len() as u64;
+                if upper_bound(&next) < upper_bound(&best) {
+                    best = next;
+                }
+            }
+            Err(JobError::Refused(_)) => break,
             Err(JobError::Cancelled) => return Err(Failure::Cancelled),
         }
     }
     let fits = best.shape.faces().len() as u64 <= most && upper_bound(&best) <= length;
     if fits { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
 }
+
+/// What a triangle takes while its mesh is made and proved: 12 bytes of indices and half a vertex of 24 to 48 bytes, twice
+/// where arrays grow, and the bound of its cell. Derived, and rounded up to a power of two.
+const BYTES_OF_TRIANGLE: u64 = 128;
 
 /// The most halvings of a cell: 4,096 parts along each edge.
 const MOST_HALVINGS: u32 = 12;

@@ -9,7 +9,7 @@ pub(crate) mod marching_squares;
 pub(crate) mod mask_cells;
 pub(crate) mod normals;
 pub(crate) mod rule;
-mod sign_bits;
+pub(crate) mod sign_bits;
 mod slopes;
 pub(crate) mod source;
 pub(crate) mod upsample;

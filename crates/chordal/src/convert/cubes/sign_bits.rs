@@ -4,7 +4,7 @@ use super::source::SampleSource;
 use crate::budget::{Job, par_map_owned};
 
 /// One bit a sample, in rows along the first index.
-pub(super) struct SignBits {
+pub(crate) struct SignBits {
     pub size: [usize; 3],
     /// Words in a row.
     width: usize,
