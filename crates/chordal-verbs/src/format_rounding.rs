@@ -6,7 +6,7 @@ use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::math::{Box3, greater, lesser};
 use chordal_io::glb::{DirectionBits, PositionLattice, VertexStorage};
-use chordal_io::{CoordinateOverflow, Format, Part, Scene, SnappedMesh, snap, worst_snap};
+use chordal_io::{CoordinateOverflow, Format, Part, Scene, SnappedMesh, snap, snap_apart, worst_snap};
 
 /// What the positions of a part are rounded to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +36,11 @@ impl RoundingTarget {
             None if self.is_deformed && self.format.has_nodes() => worst_snap(bounds, Format::Stl),
             None => worst_snap(bounds, self.format),
         }
+    }
+
+    /// The same, but sheets that only rounding would tie together stay apart, unless on a lattice.
+    pub fn snap_apart(&self, mesh: &Mesh) -> Result<SnappedMesh, CoordinateOverflow> {
+        self.lattice.map_or_else(|| snap_apart(mesh, self.format), |lattice| Ok(lattice.snap(mesh)))
     }
 
     /// The mesh with its positions rounded.

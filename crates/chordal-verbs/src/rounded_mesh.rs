@@ -9,7 +9,8 @@ use chordal::{Job, Mesh, mend};
 ///
 /// Pixels add as lengths do: a point of the true shape moves on the screen to its point of the mesh, and from
 /// there to the rounded one. Faces that rounding left without area are dropped; their neighbours keep the
-/// surface closed. Where one covers what nothing else is near, all of them stay.
+/// surface closed; where one covers what nothing else is near, all of them stay. Sheets that come nearer to each other than the
+/// format's digits tell apart are kept apart by the last of them, so that a manifold stays one.
 pub(crate) fn snap_with_bound(
     mesh: &Mesh,
     bound: Bound,
@@ -17,7 +18,7 @@ pub(crate) fn snap_with_bound(
     pixels: Option<PixelBudget>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
-    let snapped = to.snap(mesh)?;
+    let snapped = to.snap_apart(mesh)?;
     if snapped.moved_at_most == 0.0 {
         return Ok(Bounded { shape: snapped.mesh, bound });
     }
