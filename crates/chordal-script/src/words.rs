@@ -48,14 +48,14 @@ pub const BUILT_INS: &[BuiltIn] = &[
         parameters: &[required("name"), required("tolerance")],
         about: "What a drawing in a file beside the script fills, as a shape of the plane; its curves are polygons within \
                 the tolerance.",
-        distance: "exact; lower bound where outlines cross",
+        distance: "exact; where outlines cross, of what they fill",
     },
     BuiltIn {
         name: "text",
         parameters: &[required("text"), required("font"), required("tolerance"), optional("em", 1.0)],
         about: "The letters of a text in a font beside the script, as a shape of the plane; their curves are polygons \
                 within the tolerance. Axes of the font go by their tags, as wght=700.",
-        distance: "exact; lower bound where outlines cross",
+        distance: "exact; where outlines cross, of what they fill",
     },
     plain(
         "check",

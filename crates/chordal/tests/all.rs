@@ -11,6 +11,7 @@ mod budget_laws;
 mod bvh;
 mod cages;
 mod components;
+mod crossing_contours;
 mod curve_attack;
 mod curve_cutter;
 mod curve_laws;

@@ -3,11 +3,11 @@ use super::bind::{BoundArgs, Function, ParameterDefault, counted_result, default
 use super::{Arg, CallError, ScriptPath};
 use chordal::budget::{Bounded, Failure};
 use chordal::convert::splines::{Corners, SplineFit, points_to_spline};
-use chordal::convert::{curve_to_polyline, outline_to_field};
+use chordal::convert::{contours_to_field, curve_to_polyline, outline_to_field};
 use chordal::explicit::nurbs::{KnotVector, NurbsCurve};
 use chordal::explicit::spline::{self, Knots, SplineEnds};
 use chordal::explicit::{Arc, Curve, CurveEnds, CurveSegment, FillRule, Outline, Polyline};
-use chordal::implicit::shapes;
+use chordal::implicit::{Distance, shapes};
 use chordal::math::greater;
 use chordal::{Bezier, Budget, Tolerance};
 
@@ -244,7 +244,19 @@ pub(super) fn polygon(given: &BoundArgs) -> Result<Arg, CallError> {
         if given.given(1).is_some() {
             return Err(given.fault("of corners is exact, and has no tolerance"));
         }
-        return given.shape_result(shapes::polygon(&given.points(0)?), &[]);
+        let corners = given.points(0)?;
+        let plain = shapes::polygon(&corners);
+        if !plain.as_ref().is_ok_and(|field| field.distance() != Distance::EXACT) {
+            return given.shape_result(plain, &[]);
+        }
+        // Its sides cross or touch.
+        let made = contours_to_field(&[corners], FillRule::EvenOdd, given.job());
+        let Bounded { shape, bound } = made.map_err(|failure| failed(given, &failure))?;
+        given.note(&format!(
+            "its sides cross or touch, and it is taken as cut there, which moved it by {:.1e} at most",
+            bound.at_most().unwrap_or(f64::INFINITY)
+        ));
+        return counted_result(given, Ok(shape), &[]);
     }
     let path = given.path(0)?;
     let ScriptPath::Plane(curve) = &*path else {

@@ -2,6 +2,7 @@
 mod bevel;
 mod cage_to_mesh;
 mod contours;
+mod contours_to_field;
 mod cubes;
 mod curve_to_cubics;
 mod curve_to_field;
@@ -45,6 +46,7 @@ mod view_dependent_mesher;
 
 pub use bevel::outlines_to_bevelled_solid;
 pub use cage_to_mesh::cage_to_mesh;
+pub use contours_to_field::contours_to_field;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_cubics::curve_to_cubics;
 pub use curve_to_field::curve_to_field;

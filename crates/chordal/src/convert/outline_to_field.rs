@@ -1,10 +1,9 @@
 //! The arrow from an outline to a field of the plane.
 use super::curves::flatten::Spacing;
-use super::curves_to_polylines;
-use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
-use crate::explicit::{FillRule, Outline, Polyline};
+use super::{contours_to_field, curves_to_polylines};
+use crate::budget::{Bounded, Budget, Failure, Job};
+use crate::explicit::{Outline, Polyline};
 use crate::implicit::Field;
-use crate::implicit::shapes::{ContourFill, Contours};
 
 /// Makes a field of the plane from what an outline encloses, endless along z: [`Field::extruded`] gives it a
 /// height, [`Field::revolved`] turns it.
@@ -13,9 +12,9 @@ use crate::implicit::shapes::{ContourFill, Contours};
 /// *proved*, rounding included. So the field's shape and the outline's differ only at points no farther than
 /// the bound from a contour. Contours of straight lines alone have the bound 0.
 ///
-/// **Value.** The exact distance to the polygons where they meet nowhere; those that bound nothing (one in
-/// another of the same direction) are left out. Otherwise a bound. The side of a point is exact for the
-/// polygons.
+/// **Value.** The exact distance to the polygons; those that bound nothing (one in another of the same direction) are left
+/// out. Where polygons cross or overlap, what they fill is found first, and the bound counts what that costs: see
+/// [`contours_to_field`](super::contours_to_field).
 ///
 /// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polylines, and O(n log n);
 /// O(log n) a point.
@@ -41,20 +40,20 @@ pub fn outline_to_field(
     job: &Job,
 ) -> Result<Bounded<Field>, Failure<Field>> {
     match curves_to_polylines(&outline.contours, budget, job, Spacing::Fewest) {
-        Ok(made) => field(made, outline.rule),
-        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(field(*best, outline.rule)?))),
+        Ok(made) => field(made, outline, job),
+        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(field(*best, outline, job)?))),
         Err(Failure::Refused(refusal)) => Err(Failure::Refused(refusal)),
         Err(Failure::Cancelled) => Err(Failure::Cancelled),
     }
 }
 
-fn field(made: Bounded<Vec<Polyline<2>>>, rule: FillRule) -> Result<Bounded<Field>, Failure<Field>> {
-    let fill = match rule {
-        FillRule::EvenOdd => ContourFill::EvenOdd,
-        FillRule::NonZero => ContourFill::NonZero,
-    };
+fn field(
+    made: Bounded<Vec<Polyline<2>>>,
+    outline: &Outline,
+    job: &Job,
+) -> Result<Bounded<Field>, Failure<Field>> {
     let points: Vec<Vec<[f64; 2]>> = made.shape.iter().map(|polyline| polyline.points.clone()).collect();
-    let contours = Contours::new(&points, fill)
-        .map_err(|error| Failure::refused(RefusalCode::Empty, error.to_string()))?;
-    Ok(made.map(|_| contours.into_field()))
+    let resolved = contours_to_field(&points, outline.rule, job)?;
+    let bound = made.bound.then(&resolved.bound);
+    Ok(Bounded { shape: resolved.shape, bound })
 }

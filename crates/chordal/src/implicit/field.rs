@@ -107,6 +107,11 @@ impl Field {
         self.known_bounds(bounds)
     }
 
+    /// Whether ranges show that nothing outside of a box is inside.
+    pub(crate) fn is_within(&self, bounds: &Box3) -> bool {
+        is_empty_outside(&Tape::new(self.sign()), bounds)
+    }
+
     /// The same, with the caller's promise that `sign` is negative exactly where the value is, and positive
     /// exactly where that is. [`Field::evidence`] lists the promise.
     ///
@@ -133,6 +138,12 @@ impl Field {
     /// Adds a promise.
     pub(super) fn promise(&mut self, sentence: String) {
         self.promises.add(sentence.into());
+    }
+
+    /// The same, which stands for another shape: what is proved of it, is under this promise.
+    pub(crate) fn standing_for(mut self, sentence: String) -> Self {
+        self.promise(sentence);
+        self
     }
 
     /// The same, for an operation that uses the distance: from now on proofs depend on promises about it too.

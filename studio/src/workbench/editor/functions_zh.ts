@@ -130,7 +130,7 @@ export const WORTHS: Record<string, string> = {
   "as it was, where the shape keeps off the axis": "图形不碰到轴时，与原来相同",
   "a lower bound, if it is bounded around the axis; else a sign": "在轴的周围有界时为下界，否则只有符号",
   "exact; a sign where they are not closed": "精确；不封闭时只有符号",
-  "exact; lower bound where outlines cross": "精确；轮廓相交处为下界",
+  "exact; where outlines cross, of what they fill": "精确；轮廓相交处以所填充的区域为准",
 };
 
 /** The table in Chinese; what is not known here stays as it is. */
