@@ -16,10 +16,31 @@ fn a_mesh_minus_a_ball_is_a_closed_solid_in_one_command() {
     made.succeeds();
     let certificate = &made.report()["certificate"];
     assert_eq!(certificate["input"]["files"][0]["path"], "part.obj");
-    assert_eq!(certificate["bound"]["evidence"], "proved");
+    // The triangles of the file are cut along those of the ball: a promise of sides.
+    assert_eq!(certificate["bound"]["evidence"], "proved-if");
+    assert_eq!(certificate["bound"]["metric"], "solid");
+    assert!(made.stdout.contains("were cut as they are"), "{}", made.stdout);
     let looked = run(&["inspect", out.to_str().unwrap(), "--json"]);
     looked.succeeds();
     assert_eq!(looked.report()["certificate"]["valid"]["closed"], true, "{}", looked.stdout);
+}
+
+#[test]
+fn a_mesh_that_is_cut_by_solids_takes_the_triangles_of_both() {
+    let folder = Folder::new("script-mesh-cut");
+    folder.file("part.obj", CLOSED_OBJ);
+    // Two meshes, a solid that ends nowhere, and a union below a difference.
+    let text = "part = mesh('part.obj')\n\
+                (part | move(part, 0.3, 0.1, 0)) - (cylinder(0.2, 100) | move(box(0.1, 0.1, 9), 0.4, 0.4, 0))\n";
+    let script = folder.file("cut.star", text);
+    let out = folder.path("cut.ply");
+    let made = run(&["mesh", &script, "--tol", "0.001", "-o", out.to_str().unwrap(), "--json"]);
+    made.succeeds();
+    let report = made.report();
+    // As a field on a lattice it has tens of thousands.
+    assert!(report["certificate"]["output"]["triangles"].as_u64().unwrap() < 2_000, "{}", made.stdout);
+    assert!(report["certificate"]["bound"]["at_most"].as_f64().unwrap() <= 0.001);
+    assert_eq!(report["certificate"]["valid"]["closed"], true);
 }
 
 #[test]

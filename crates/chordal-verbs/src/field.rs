@@ -1,4 +1,5 @@
 //! Fields: meshed within a budget, and measured against triangles.
+use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 use crate::field_looks::{renumber, with_materials};
 use crate::file_rows::unsupported;
 use crate::request::MeshRequest;
@@ -7,9 +8,10 @@ use crate::{ImplicitShape, MeshFailure};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, RequiredEvidence, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
+use chordal::explicit::Topology;
 use chordal::implicit::Field;
 use chordal::implicit::materials::SurfaceMaterial;
-use chordal::math::greater;
+use chordal::math::{Box3, greater};
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Node, Scene};
 
@@ -39,20 +41,15 @@ fn mesh_parts(
         return mesh_bodies(implicit, request, (materials, notes), job);
     }
     let field = finite(implicit)?;
-    let has_meshes = convert::has_meshes(&field);
-    let mut words = None;
-    let Bounded { shape: mesh, bound } = request.run(job, |budget| {
-        if !has_meshes {
-            return convert::field_to_mesh(&field, budget, job);
+    let cut = if convert::has_meshes(&field) { mesh_by_booleans(&field, request, job)? } else { None };
+    let Bounded { shape: mesh, bound } = match cut {
+        Some(made) => {
+            notes.push(cut_note().into());
+            convert::with_face_materials(made, &field, job)
+                .map_err(|failure| MeshFailure::from_missed(failure, ""))?
         }
-        let (made, said) = simplified_field(&field, (budget, request), job)?;
-        words = said;
-        Ok(made)
-    })?;
-    notes.extend(words);
-    if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
-        notes.extend(unproved_note(&bound));
-    }
+        None => mesh_whole(&field, request, notes, job)?,
+    };
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(
@@ -83,7 +80,8 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
                 format!(", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)
             });
             format!(
-                "not proved at {places} ({:.3} of {:.3} in area){near}; each triangle elsewhere is proved to be near the                  shape, and points all over are measured",
+                "not proved at {places} ({:.3} of {:.3} in area){near}; each triangle elsewhere is proved to be near the \
+                 shape, and points all over are measured",
                 open.area, open.whole_area
             )
         }
@@ -94,6 +92,52 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
             .value(Setting::Effort, "best")
             .words(" goes on with the proof to its end"),
     )
+}
+
+/// The surface of a field by itself.
+fn mesh_whole(
+    field: &Field,
+    request: &MeshRequest,
+    notes: &mut Vec<Message>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, MeshFailure> {
+    let mut words = None;
+    let made = request.run(job, |budget| {
+        if !convert::has_meshes(field) {
+            return convert::field_to_mesh(field, budget, job);
+        }
+        let (made, said) = simplified_field(field, (budget, request), job)?;
+        words = said;
+        Ok(made)
+    })?;
+    notes.extend(words);
+    if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
+        notes.extend(unproved_note(&made.bound));
+    }
+    notes.extend(shape_notes(&made.shape, request, job)?);
+    Ok(made)
+}
+
+/// What is to be said of the triangles of a shape, as they are written: ties that their digits make, and in a draft, whose
+/// vertices move by themselves, triangles that cross.
+fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Result<Vec<Message>, MeshFailure> {
+    let mut notes = Vec::new();
+    let ties = check::validity(mesh, Topology::Positions).non_manifold_edges.count;
+    if ties > 0 {
+        let message = format!(
+            "{ties} edges have three triangles or more: parts of the shape touch there, or come nearer to each other than \
+             the digits of {} tell apart",
+            request.to
+        );
+        notes.push(message.into());
+    }
+    if request.budget.require == RequiredEvidence::Estimated {
+        let pairs = check::self_intersections(mesh, job)?.count;
+        if pairs > 0 {
+            notes.push(format!("a draft: {pairs} pairs of its triangles cross each other").into());
+        }
+    }
+    Ok(notes)
 }
 
 /// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half
@@ -187,6 +231,20 @@ pub(crate) fn endless() -> Message {
         .words(")")
 }
 
+/// Whether it is a figure of the plane, which has ends there and none along z.
+fn is_flat(field: &Field) -> bool {
+    let Box3 { min, max } = field.bounds();
+    let ends = [min[0], min[1], max[0], max[1]];
+    ends.iter().all(|x| x.is_finite()) && !field.tape().axes()[2]
+}
+
+/// The same for a figure of the plane.
+fn flat() -> Message {
+    Message::from("the shape is flat, a figure of the plane without a height: extrude(shape, height) makes a solid of it, or ")
+        .value(Setting::Region, "-1,-1,-1 1,1,1")
+        .words(" cuts it off")
+}
+
 /// The field clipped to its region.
 ///
 /// # Errors
@@ -207,7 +265,8 @@ pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
         ));
     }
     if !bounds.diagonal().is_finite() {
-        return Err(MeshFailure::refused(RefusalCode::Unsupported, endless()));
+        let why = if is_flat(&field) { flat() } else { endless() };
+        return Err(MeshFailure::refused(RefusalCode::Unsupported, why));
     }
     Ok(field)
 }

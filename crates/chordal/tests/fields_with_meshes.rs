@@ -2,6 +2,7 @@
 //! samples of surfaces that are known in closed form, and by rays.
 use chordal::budget::{Evidence, Failure, RefusalCode};
 use chordal::check::validity;
+use chordal::convert::solids::{SolidNode, SolidTree};
 use chordal::convert::{field_to_mesh, has_meshes, mesh_to_field, redistance};
 use chordal::explicit::Topology;
 use chordal::implicit::shapes::{cuboid, sphere};
@@ -436,4 +437,89 @@ fn the_same_bytes_on_any_number_of_threads() {
         |threads| field_to_mesh(&cut, &within(0.1), &Job::default().with_threads(threads)).expect("a mesh");
     let (one, three) = (on(1), on(3));
     assert_eq!((&one.shape, &one.bound), (&three.shape, &three.bound));
+}
+
+/// Whether a point is inside of a node of a tree.
+fn is_inside(nodes: &[SolidNode], number: usize, p: Point) -> bool {
+    let of = |k: usize| is_inside(nodes, k, p);
+    match &nodes[number] {
+        SolidNode::Triangles(made) => {
+            mesh_to_field(&made.shape, &Job::default()).unwrap().field.expr().at(p).unwrap() < 0.0
+        }
+        SolidNode::Field(part) => part.bounds().contains(p) && part.expr().at(p).unwrap() < 0.0,
+        SolidNode::Union(a, b) => of(*a) || of(*b),
+        SolidNode::Intersection(a, b) => of(*a) && of(*b),
+        SolidNode::Difference(a, b) => of(*a) && !of(*b),
+    }
+}
+
+#[test]
+fn a_tree_of_solids_has_the_points_of_its_field() {
+    let seed = 11;
+    let mut random = Random::new(seed);
+    for round in 0..40 {
+        let mut number = |most: usize| random.below(most) as f64;
+        // Up to five parts, the first a mesh, joined in turn.
+        let part = |number: &mut dyn FnMut(usize) -> f64, k: u32| {
+            let at = [0.5 * number(5) - 1.0, 0.5 * number(5) - 1.0, 0.25 * number(3)];
+            let shape = match number(3) as u32 {
+                _ if k == 0 => mesh_to_field(&box_mesh([-1.1; 3], [0.9; 3]), &Job::default()).unwrap().field,
+                0 => mesh_to_field(&bumpy(8, 12, false), &Job::default()).unwrap().field,
+                1 => sphere(0.8).unwrap(),
+                _ => cuboid([1.0, 40.0, 1.3]).unwrap(),
+            };
+            shape.rotated_deg([0.0, 0.0, 1.0], 25.0 * number(4)).unwrap().moved(at).unwrap()
+        };
+        let mut field = part(&mut number, 0);
+        for k in 1..2 + round % 4 {
+            let other = part(&mut number, k);
+            field = match number(4) as u32 {
+                0 => field.union(&other),
+                1 => field.intersection(&other),
+                2 => field.difference(&other),
+                _ => other.difference(&field.complement()),
+            };
+        }
+        if field.bounds().is_empty() {
+            continue;
+        }
+        let Some(tree) = SolidTree::from_field(&field).expect("meshes are placed") else {
+            panic!("{seed} {round}: it is no tree");
+        };
+        let root = tree.nodes.len() - 1;
+        for _ in 0..60 {
+            let p: Point = std::array::from_fn(|_| number(6007) / 1000.0 - 3.0);
+            let value = field.expr().at(p).unwrap();
+            if value.abs() > 1e-9 {
+                assert_eq!(is_inside(&tree.nodes, root, p), value < 0.0, "{seed} {round} {p:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_boolean_of_closed_meshes_is_no_tree() {
+    let job = Job::default();
+    let closed = mesh_to_field(&box_mesh([-1.0; 3], [1.0; 3]), &job).unwrap().field;
+    let open = mesh_to_field(&bumpy(8, 12, true), &job).unwrap().field;
+    let ball = sphere(0.8).unwrap();
+    let is_tree = |field: &Field| SolidTree::from_field(field).expect("meshes are placed").is_some();
+    assert!(is_tree(&closed.difference(&ball)));
+    assert!(!is_tree(&closed) && !is_tree(&ball));
+    assert!(!is_tree(&open.difference(&ball)));
+    assert!(!is_tree(&closed.offset(0.1).unwrap().difference(&ball)));
+    assert!(!is_tree(&closed.smooth_union(&ball, 0.1).unwrap()));
+}
+
+#[test]
+fn a_soup_of_triangles_that_is_moved_shares_its_vertices() {
+    let whole = bumpy(8, 12, false);
+    let corners: Vec<Point> = (0..whole.faces().len()).flat_map(|face| whole.corners(face)).collect();
+    let n = whole.faces().len() as u32;
+    let soup =
+        Mesh::new(corners, (0..n).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect()).unwrap();
+    let field = mesh_to_field(&soup, &Job::default()).unwrap().field.moved([0.3, 0.1, 7.0]).unwrap();
+    let made = field_to_mesh(&field, &within(0.1), &Job::default()).unwrap();
+    assert_eq!(made.shape.positions().len(), whole.positions().len());
+    assert!(validity(&made.shape, Topology::Indices).closed);
 }

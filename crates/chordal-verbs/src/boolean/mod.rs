@@ -6,16 +6,14 @@ use crate::finish::finish_triangles;
 use crate::format_rounding::RoundingTarget;
 use crate::report::{BooleanFacts, BooleanOperandFacts, BoundFacts, BudgetFacts, Certificate, InputFacts};
 use crate::request::MeshRequest;
+use crate::solid_cut::{CutFailure, cut, cutting_slack, whole_bound};
 use crate::{BudgetSpec, Input, MeshFailure, MeshOutcome, OutputForm, formats};
-use chordal::boolean::provenance::BooleanError;
-use chordal::boolean::{BooleanMesh, BooleanOp, BooleanStep, boolean_snapped};
+use chordal::boolean::{BooleanMesh, BooleanOp};
 use chordal::budget::advice::{Cure, Message, Setting};
-use chordal::budget::{Bound, Evidence, JobError, Metric, Refusal, RefusalCode};
-use chordal::math::{Box3, add_up, greater};
+use chordal::budget::{Bound, RefusalCode};
+use chordal::math::add_up;
 use chordal::{Job, Mesh};
-use chordal_io::CoordinateOverflow;
 use operand::SolidOperand;
-use std::sync::Mutex;
 
 /// One more shape, and what is done with it.
 #[derive(Clone, Debug)]
@@ -99,7 +97,8 @@ pub fn mesh_boolean(
     // 3. The cut, rounded before it is checked.
     let target = RoundingTarget::new(form.format, request.lattice);
     let made = loop {
-        match cut(&operands, &ops, target, job) {
+        let meshes: Vec<&Mesh> = operands.iter().map(|operand| &operand.mesh).collect();
+        match cut(&meshes, &ops, target, job) {
             Err(CutFailure::NotClosed { operand, boundary_edges }) => {
                 let name = &names[operand];
                 let within = within.ok_or_else(|| not_closed(name, boundary_edges))?;
@@ -114,7 +113,8 @@ pub fn mesh_boolean(
         let message = "nothing would be left: no point is inside the result";
         return Err(MeshFailure::refused(RefusalCode::Empty, message));
     }
-    let bound = whole_bound(&made, &operands);
+    let own: Vec<&Bound> = operands.iter().filter_map(|operand| operand.bound.as_ref()).collect();
+    let bound = whole_bound(&made, &own);
     certificate.boolean = Some(facts(&made, (&operands, &ops), inputs));
     // 4. What its faces carry.
     let mut scene = carried::scene_of(&made, operands, frame, &mut certificate.notes)?;
@@ -175,63 +175,6 @@ fn check_frames(first: &Input, other: &BooleanOperand, notes: &mut Vec<Message>)
     Ok(())
 }
 
-/// What the vertices of a cut are off by, generously: some hundred steps of rounding.
-fn cutting_slack(bounds: &Box3) -> f64 {
-    let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(x.abs(), most));
-    // Measured on random solids: below 20 steps where faces meet at more than a degree.
-    1024.0 * f64::EPSILON * reach
-}
-
-/// Cuts the operands along each other.
-fn cut(
-    operands: &[SolidOperand],
-    ops: &[BooleanOp],
-    target: RoundingTarget,
-    job: &Job,
-) -> Result<BooleanMesh, CutFailure> {
-    let steps: Vec<BooleanStep> = ops
-        .iter()
-        .zip(&operands[1..])
-        .map(|(op, operand)| BooleanStep { op: *op, mesh: &operand.mesh })
-        .collect();
-    let overflow: Mutex<Option<CoordinateOverflow>> = Mutex::default();
-    let snap = |positions: &mut [[f64; 3]]| {
-        let points = Mesh::new(positions.to_vec(), Vec::new()).map_err(|invalid| {
-            JobError::Refused(Refusal::new(RefusalCode::NotFinite, invalid.to_string()))
-        })?;
-        match target.snap(&points) {
-            Ok(snapped) => {
-                positions.copy_from_slice(snapped.mesh.positions());
-                Ok(())
-            }
-            Err(why) => {
-                *overflow.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(why);
-                Err(JobError::Refused(Refusal::new(RefusalCode::NotFinite, why.to_string())))
-            }
-        }
-    };
-    let made = boolean_snapped(&operands[0].mesh, &steps, &snap, job);
-    if let Some(why) = overflow.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-        return Err(CutFailure::Other(MeshFailure::TooWide(why)));
-    }
-    made.map_err(|error| match error {
-        BooleanError::Stopped(stopped) => CutFailure::Other(stopped.into()),
-        BooleanError::NotClosed { operand, boundary_edges } => {
-            CutFailure::NotClosed { operand, boundary_edges }
-        }
-    })
-}
-
-/// Why there is no cut yet.
-enum CutFailure {
-    /// An operand has to be closed first.
-    NotClosed {
-        operand: usize,
-        boundary_edges: u64,
-    },
-    Other(MeshFailure),
-}
-
 fn not_closed(name: &str, boundary_edges: u64) -> MeshFailure {
     let (why, cure) = if boundary_edges == 0 {
         ("neighbours are wound against each other".to_owned(), Cure::Orient)
@@ -242,30 +185,6 @@ fn not_closed(name: &str, boundary_edges: u64) -> MeshFailure {
         .setting(Setting::Cure(cure))
         .words("), or give a length, within which its surface is made anew by winding numbers");
     MeshFailure::refused(RefusalCode::Unsupported, message)
-}
-
-/// The bound of the cut, and the largest of the operands' own: farther than both together from all surfaces
-/// the triangles of an operand, and those cut from them, leave every point on its side.
-fn whole_bound(made: &BooleanMesh, operands: &[SolidOperand]) -> Bound {
-    let own: Vec<&Bound> = operands.iter().filter_map(|operand| operand.bound.as_ref()).collect();
-    if own.is_empty() {
-        return made.bound.clone();
-    }
-    // A distance between surfaces says nothing of their sides.
-    let sides = "what is farther from a shape than the bound of its triangles is on the same side of both";
-    let sides = Evidence::ProvedIf(vec![sides.to_owned()]);
-    let all = made.bound.evidence().weaker(&sides);
-    let evidence = own.iter().fold(all, |all, bound| all.weaker(bound.evidence()));
-    let largest =
-        own.iter().map(|bound| bound.at_most()).try_fold(0.0, |most, own| Some(greater(own?, most)));
-    let at_most = made.bound.at_most().zip(largest).map(|(cut, own)| add_up(cut, own));
-    let (at_most, evidence) = match at_most {
-        Some(most) if most.is_finite() && evidence.bounds_above() => (Some(most), evidence),
-        _ => (None, Evidence::Estimated),
-    };
-    let mut bound = Bound::with_evidence(0.0, at_most, evidence, made.bound.reference.clone());
-    (bound.metric, bound.at) = (Metric::Solid, made.bound.at);
-    bound
 }
 
 fn facts(

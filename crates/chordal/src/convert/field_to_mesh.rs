@@ -32,7 +32,8 @@ use crate::math::{flushes_subnormals, lesser};
 /// *Fields with meshes* ([`has_meshes`](super::has_meshes)) take another way: a field that is one solid mesh,
 /// moved, turned or scaled, is its triangles, off by rounding. Of others the sign on a lattice of cubes is
 /// polygonized, and ranges prove where the surface may be: many small triangles, for
-/// [`lod::simplify`](crate::lod::simplify) to reduce.
+/// [`lod::simplify`](crate::lod::simplify) to reduce. Booleans of closed meshes are better cut along each other
+/// ([`SolidTree`](super::solids::SolidTree), [`boolean`](crate::boolean)).
 ///
 /// The mesh is closed, manifold and oriented, and its triangles do not cross. Flat faces take as few
 /// triangles as their outlines need. [`with_gradient_normals`](super::with_gradient_normals) adds the normals

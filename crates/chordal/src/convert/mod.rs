@@ -56,7 +56,7 @@ pub use curves::flatten::Spacing;
 pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::field_to_mesh;
 pub use field_to_polyline::field_to_polyline;
-pub use fields_with_meshes::has_meshes;
+pub use fields_with_meshes::{has_meshes, with_face_materials};
 pub use gradient_normals::with_gradient_normals;
 pub use grid_to_mesh::{grid_to_mesh, sparse_grid_to_mesh};
 pub use grid_to_polyline::grid_to_polyline;
@@ -93,6 +93,11 @@ pub mod splines {
 /// Paths that profiles are swept along.
 pub mod sweeps {
     pub use super::curve_to_swept_surface::{ProfilePlace, SweepPath};
+}
+
+/// Fields as booleans of solids.
+pub mod solids {
+    pub use super::fields_with_meshes::{SolidNode, SolidTree};
 }
 
 /// Buffers for graphics processors.

@@ -10,6 +10,7 @@
 //!   mesh has no triangle.
 mod placed_mesh;
 mod sign_lattice;
+mod solid_tree;
 mod surface_cover;
 
 use super::fields::{FaceMaterials, FieldMeshGoal};
@@ -21,6 +22,8 @@ use crate::math::{Box3, add_up, greater, mul_up, sqrt_up};
 use placed_mesh::PlacedMesh;
 use sign_lattice::SignLattice;
 use surface_cover::CoverGoal;
+
+pub use solid_tree::{SolidNode, SolidTree};
 
 /// The diagonal of a cell as a fraction of the length. Chosen: the rest is for parts of the surface in cells
 /// without triangles.
@@ -61,6 +64,23 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
     match FaceMaterials::new(&csg, job) {
         Some(materials) => materials.paint(made, wanted.length),
         None => made,
+    }
+}
+
+/// Gives the faces of a field's mesh the numbers of their materials, as the group `material`: each that of the surface
+/// that is nearest to its middle. A field without materials leaves the mesh as it is.
+///
+/// # Errors
+/// Where a leaf of the field fails.
+pub fn with_face_materials(
+    made: Bounded<Mesh>,
+    field: &Field,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    let csg = Csg::from_expr(field.sign());
+    match FaceMaterials::new(&csg, job) {
+        Some(materials) => materials.paint(Ok(made), None),
+        None => Ok(made),
     }
 }
 

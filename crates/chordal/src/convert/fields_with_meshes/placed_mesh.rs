@@ -3,14 +3,14 @@
 //! Then its surface is the mapped triangles, and only their corners are rounded.
 use crate::budget::{Bound, Bounded, Failure, Reference, RefusalCode};
 use crate::convert::mesh_leaf::{MeshLeaf, MeshSource};
-use crate::explicit::Mesh;
+use crate::explicit::{Mesh, position_id_by_bits};
 use crate::implicit::evaluation::{Binary, Unary};
 use crate::implicit::{ExprGraph, Field, Leaf, Term};
 use crate::math::{Interval, add_up, greater, mul_up, sqrt_up};
 use std::sync::Arc;
 
 /// A linear form in x, y and z with a constant, enclosed.
-type LinearForm = [Interval; 4];
+pub(super) type LinearForm = [Interval; 4];
 
 /// A solid mesh, and the map from space to its coordinates.
 pub(super) struct PlacedMesh {
@@ -36,13 +36,16 @@ impl PlacedMesh {
             } as usize;
         };
         source_of(&leaf).filter(|source| source.is_solid)?;
-        let is_axis = |k: usize| matches!(terms[at[k] as usize], Term::Axis(axis) if usize::from(axis) == k);
-        if (0..3).all(is_axis) {
-            return Some(Self { leaf, map: None });
-        }
         let forms = linear_forms(terms);
-        let map = [forms[at[0] as usize]?, forms[at[1] as usize]?, forms[at[2] as usize]?];
-        Some(Self { leaf, map: Some(map) })
+        Self::new(&leaf, at.map(|term| forms[term as usize]))
+    }
+
+    /// A mesh at three linear forms, if it was kept.
+    pub(super) fn new(leaf: &Arc<dyn Leaf>, at: [Option<LinearForm>; 3]) -> Option<Self> {
+        source_of(leaf)?;
+        let map = [at[0]?, at[1]?, at[2]?];
+        let is_axis = |k: usize| (0..4).all(|j| map[k][j] == Interval::point(f64::from(u8::from(j == k))));
+        Some(Self { leaf: Arc::clone(leaf), map: (!(0..3).all(is_axis)).then_some(map) })
     }
 
     /// Its triangles in space.
@@ -50,8 +53,7 @@ impl PlacedMesh {
         let Some(source) = source_of(&self.leaf) else {
             return Err(Failure::refused(RefusalCode::Empty, "there is no surface: the mesh is not known"));
         };
-        let plain = Mesh::new(source.mesh.positions().to_vec(), source.mesh.faces().to_vec());
-        let bare = plain.map_err(|error| Failure::refused(RefusalCode::NotFinite, error.to_string()))?;
+        let bare = welded(&source.mesh)?;
         let Some(map) = &self.map else { return Ok(self.bounded(field, bare, 0.0, 1.0)) };
         let back = invert(map).ok_or_else(|| {
             Failure::refused(RefusalCode::Unsupported, "a mesh is mapped by what has no inverse")
@@ -102,12 +104,35 @@ impl PlacedMesh {
     }
 }
 
+/// The triangles, with one row for each position: what was read from a file of loose triangles is closed by its indices,
+/// too. Those with two corners at one place have no part in any side.
+fn welded(mesh: &Mesh) -> Result<Mesh, Failure<Mesh>> {
+    let ids = position_id_by_bits(mesh.positions());
+    let mut row_of = vec![u32::MAX; ids.len()];
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for corners in mesh.faces() {
+        let [a, b, c] = corners.map(|row| ids[row as usize]);
+        if a == b || b == c || c == a {
+            continue;
+        }
+        faces.push([a, b, c].map(|id| {
+            let row = &mut row_of[id as usize];
+            if *row == u32::MAX {
+                *row = positions.len() as u32;
+                positions.push(mesh.positions()[id as usize]);
+            }
+            *row
+        }));
+    }
+    Mesh::new(positions, faces).map_err(|error| Failure::refused(RefusalCode::NotFinite, error.to_string()))
+}
+
 fn source_of(leaf: &Arc<dyn Leaf>) -> Option<&MeshSource> {
     leaf.as_any()?.downcast_ref::<MeshLeaf>()?.source()
 }
 
 /// Each term as a linear form, where it is one.
-fn linear_forms(terms: &[Term]) -> Vec<Option<LinearForm>> {
+pub(super) fn linear_forms(terms: &[Term]) -> Vec<Option<LinearForm>> {
     let zero = Interval::point(0.0);
     let mut forms: Vec<Option<LinearForm>> = Vec::with_capacity(terms.len());
     for term in terms {
