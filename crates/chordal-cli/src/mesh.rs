@@ -312,7 +312,7 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     let mut hints: Vec<&str> = Vec::new();
     if is_field(&best.bound) {
         hints.push("it is written all the same");
-        if args.budget.require == Some(RequiredEvidence::Proved) {
+        if args.budget.require.is_none_or(|require| require == RequiredEvidence::Proved) {
             hints.push("--require measured asks for no proof");
         }
     } else if !args.budget.keep_best {

@@ -1,5 +1,6 @@
 //! The subset of Starlark that scripts may use: parses a text, checks it, and replaces operators by metered
 //! functions.
+use crate::advice::with_advice;
 use crate::operators::OPERATORS;
 use crate::script_source::{MeteredPart, ScriptSource, TextChange};
 use crate::{Limits, ScriptError, nesting};
@@ -51,7 +52,7 @@ pub(crate) fn parse(
     };
     let parsed = |source: &ScriptSource| {
         AstModule::parse(name, source.written.clone(), &dialect)
-            .map_err(|error| source.translate_error("script-syntax", &error))
+            .map_err(|error| with_advice(source.translate_error("script-syntax", &error)))
     };
     let plain = ScriptSource::new(text);
     let module = parsed(&plain)?;

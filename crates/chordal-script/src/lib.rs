@@ -13,6 +13,7 @@
 //! assert_eq!((script.parameters[0].name.as_str(), script.parameters[0].value), ("r", 0.4));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod advice;
 mod builtins;
 mod compare;
 mod error;

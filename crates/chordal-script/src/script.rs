@@ -1,5 +1,6 @@
 //! `run`: evaluates a script to the field of its last expression.
 use crate::Parameter;
+use crate::advice::{POWERS, why_nothing};
 use crate::builtins::builtins;
 use crate::files::{FileError, MAIN, NoFiles, ScriptFiles};
 use crate::grammar::Program;
@@ -121,7 +122,9 @@ fn evaluate(library: Library, meter: &Meter, job: &Job) -> Result<(Evaluated, Cu
                     .map_err(|error| translated(&sources, &error, limits, job))?
             };
             if name == MAIN {
-                return Ok(Err(value_of(value, &meter.limits)?));
+                let text =
+                    sources.last().map_or("", |(_, source): &(String, ScriptSource)| source.text.as_str());
+                return Ok(Err(value_of(value, text, &meter.limits)?));
             }
             let frozen = environment.freeze();
             frozen.map(Ok).map_err(|error| ScriptError::new("script-value", format!("{name}: {error:?}")))
@@ -218,7 +221,11 @@ pub(crate) fn globals() -> Globals {
 const MOST_BODIES: usize = 1000;
 
 /// The shape of a value, or those of a dictionary or list.
-fn value_of(value: Value, limits: &Limits) -> Result<Evaluated, ScriptError> {
+fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, ScriptError> {
+    if value.is_none() {
+        let message = format!("the script's value must be a shape, and is nothing: {}", why_nothing(text));
+        return Err(ScriptError::new("script-value", message));
+    }
     let named: Vec<(String, Value)> = match (DictRef::from_value(value), elements(value)) {
         (Some(entries), _) => entries
             .iter()
@@ -264,7 +271,7 @@ fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
         Some(StarlarkShape(Arg::Shape(solid))) => return Ok(solid.field.clone()),
         Some(StarlarkShape(Arg::Path(_))) => "a path; polygon() fills it, and sweep() follows it",
         Some(_) => "a formula; field() makes a shape of it",
-        None if value.is_none() => "nothing: its last line must be an expression, not an assignment",
+        None if value.is_none() => "nothing",
         None if elements(value).is_some() => "a list of lists; union() joins shapes",
         None => "something else",
     };
@@ -310,6 +317,10 @@ fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits
         }
         _ if said.starts_with("Heap memory limit") => {
             Some(format!("the script's values take more than {} bytes", limits.heap))
+        }
+        _ if said.contains("`pow` not found") => {
+            let told = source.translate_error("script-error", error);
+            return ScriptError { message: format!("there is no pow(): {POWERS}"), ..told };
         }
         _ => return source.translate_error("script-error", error),
     };

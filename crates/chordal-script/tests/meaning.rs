@@ -114,12 +114,12 @@ fn what_is_wrong_is_said_with_its_place() {
         (
             "",
             "script-value",
-            "the script's value must be a shape, and is nothing: its last line must be an expression, not an assignment",
+            "the script's value must be a shape, and is nothing: it has no last line that is a shape",
         ),
         (
             "a = sphere(1)",
             "script-value",
-            "the script's value must be a shape, and is nothing: its last line must be an expression, not an assignment",
+            "the script's value must be a shape, and is nothing: its last line must be an expression, not an assignment: add a line 'a'",
         ),
         (
             "x",
@@ -138,7 +138,11 @@ fn what_is_wrong_is_said_with_its_place() {
         ("é = 'ä'", "script-syntax", "line 1, column 1: "),
         ("a = 1\nbox(1, 2)", "script-error", "line 2, column 1: box() needs 'z'"),
         ("box(1, 2, 3, 4)", "script-error", "line 1, column 1: box() takes 3 arguments, and 4 are given"),
-        ("box(1, 2, 3, w=4)", "script-error", "line 1, column 1: box() has no argument 'w'"),
+        (
+            "box(1, 2, 3, w=4)",
+            "script-error",
+            "line 1, column 1: box() has no argument 'w': it is box(x, y, z)",
+        ),
         ("box(1, 2, 3, x=4)", "script-error", "line 1, column 1: box() has 'x' twice"),
         ("box(1, 2, [3])", "script-error", "line 1, column 1: box() needs a number for 'z', not a list"),
         (

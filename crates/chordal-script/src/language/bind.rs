@@ -183,7 +183,7 @@ impl Function {
         for (name, arg) in by_name {
             let Some(k) = self.single().position(|p| p.name == name) else {
                 let shown: String = name.chars().take(40).collect();
-                return Err(self.fault(format!("has no argument '{shown}'")));
+                return Err(self.fault(format!("has no argument '{shown}': it is {}", self.usage())));
             };
             if args[k].replace(arg).is_some() {
                 return Err(self.fault(format!("has '{name}' twice{}", self.called_as())));

@@ -176,9 +176,10 @@ pub(super) const CHANGE: &[Function] = &[
         make: |given| {
             let solid = given.shape(0)?;
             if solid.field.distance().outside != DistanceQuality::Exact {
-                return Err(
-                    given.fault("needs an exact distance outside, and this shape has none: see offset()")
-                );
+                return Err(given.fault(
+                    "needs an exact distance outside, and this shape has none: \
+                         minkowski(redistance(shape, within), radius) makes one first",
+                ));
             }
             let by = given.number(1)?;
             if by < 0.0 || by.is_nan() {

@@ -75,7 +75,8 @@ impl fmt::Display for InvalidShape {
             Self::NeedsDistance { operation, side } => {
                 write!(
                     f,
-                    "{operation} needs a distance, and the value of this shape is only a sign {side} of it"
+                    "{operation} needs a distance, and the value of this shape is only a sign {side} of it: \
+                     redistance(shape, within) makes one"
                 )
             }
         }
