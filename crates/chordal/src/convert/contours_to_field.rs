@@ -12,7 +12,7 @@ use crate::explicit::fill::{FillTriangles, fill};
 use crate::implicit::shapes::{ContourFill, Contours};
 use crate::implicit::{Distance, Field};
 use crate::math::{greater, lesser};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// What closed contours enclose, as a field of the plane, endless along z.
 ///
@@ -180,16 +180,16 @@ impl<'a> FilledBorder<'a> {
     /// All loops, each without a corner twice.
     fn loops(&self) -> Vec<BorderLoop> {
         let areas = self.areas();
-        let mut seen: HashMap<[u32; 2], ()> = HashMap::new(); // No order depends on it.
+        let mut seen: HashSet<[u32; 2]> = HashSet::new(); // No order depends on it.
         let mut found = Vec::new();
         for (row, [a, b, c]) in self.filled.triangles.iter().enumerate() {
             for edge in [[*a, *b], [*b, *c], [*c, *a]] {
-                if self.triangle_of.contains_key(&[edge[1], edge[0]]) || seen.contains_key(&edge) {
+                if self.triangle_of.contains_key(&[edge[1], edge[0]]) || seen.contains(&edge) {
                     continue;
                 }
                 let mut path = Vec::new();
                 let mut at = edge;
-                while seen.insert(at, ()).is_none() {
+                while seen.insert(at) {
                     path.push(at[0]);
                     at = self.next(at);
                 }
