@@ -1,5 +1,6 @@
 //! Levels of terms: zero sets of primitives that differ by operations with constants alone.
-use crate::math::{exponent, power_of_two};
+use super::affine_terms::PlaneFamily;
+use crate::math::{exponent, greater, power_of_two};
 use std::collections::BTreeMap;
 
 /// An operation of a term with a constant; its result increases or decreases with the term.
@@ -23,10 +24,18 @@ impl MonotoneOp {
     }
 }
 
+/// The function that a level is one of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum LevelBase {
+    Term(u32),
+    /// A linear function, by the number of its gradient.
+    Planes(u32),
+}
+
 /// The zero set of a primitive, as a level of a term of the whole.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LevelSet {
-    base: u32,
+    base: LevelBase,
     at: f64,
     /// The largest number in its computation.
     size: f64,
@@ -36,8 +45,8 @@ pub(super) struct LevelSet {
     falls: bool,
 }
 
-/// Two levels of one coordinate that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what
-/// a script's additions come to, and far less than any length that coordinates have digits for. Of other terms a small
+/// Two parallel planes that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what a
+/// script's additions come to, and far less than any length that coordinates have digits for. Of other terms a small
 /// difference may be a large distance.
 const WELD: f64 = 16.0 * f64::EPSILON;
 /// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
@@ -47,7 +56,7 @@ const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 const MOST_ROUNDINGS: usize = 1024;
 
 /// A term and a level of it, in an order.
-type LevelKey = (u32, i64);
+type LevelKey = (LevelBase, i64);
 
 /// The place of a number in the order of all.
 fn order_key(at: f64) -> i64 {
@@ -71,7 +80,23 @@ impl LevelSet {
             && scale.is_normal()
             && (at.is_normal() || offset == 0.0)
             && ops.len() <= MOST_ROUNDINGS;
-        is_sound.then_some(LevelSet { base, at, size, is_exact, falls: scale < 0.0 })
+        is_sound.then_some(LevelSet { base: LevelBase::Term(base), at, size, is_exact, falls: scale < 0.0 })
+    }
+
+    /// The same level of the linear function that its term is but for an offset.
+    pub fn on_planes(self, planes: &PlaneFamily) -> Self {
+        let at = if planes.is_opposite { 0.0 - self.at } else { self.at };
+        Self {
+            base: LevelBase::Planes(planes.number),
+            at: at - planes.offset + 0.0,
+            size: greater(planes.size, self.size),
+            is_exact: self.is_exact && planes.size == 0.0,
+            falls: self.falls != planes.is_opposite,
+        }
+    }
+
+    pub fn is_plane_along(&self, other: &Self) -> bool {
+        self.base == other.base && matches!(self.base, LevelBase::Planes(_))
     }
 
     fn off(&self, other: &Self) -> f64 {
@@ -155,15 +180,15 @@ impl LevelTable {
         self.known.insert((level.base, order_key(level.at)), (level, primitive));
     }
 
-    /// The primitive of the same level, or of one that differs from it by rounding alone where the term is a
-    /// coordinate.
-    pub fn same(&self, level: &LevelSet, is_coordinate: bool) -> Option<SameLevel> {
+    /// The primitive of the same level, or of one that differs from it by rounding alone where both are planes.
+    pub fn same(&self, level: &LevelSet) -> Option<SameLevel> {
         let key = (level.base, order_key(level.at));
         let next = self.known.range(key..).next();
         let last = self.known.range(..key).next_back();
         let is_same = |known: &LevelSet| {
             let is_one = known.is_exact && level.is_exact && known.at == level.at;
-            let is_welded = is_coordinate && level.off(known) <= WELD * (known.size + level.size);
+            let is_welded =
+                level.is_plane_along(known) && level.off(known) <= WELD * (known.size + level.size);
             known.base == level.base && (is_one || is_welded)
         };
         let found = [next, last].into_iter().flatten().find(|(_, (known, _))| is_same(known));

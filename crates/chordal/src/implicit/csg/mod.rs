@@ -5,6 +5,7 @@
 //! negations, absolute values, and sums and products with constants are expanded from the root down; the
 //! terms below them are the primitives. In most models each is smooth on its own, its zero set crosses others
 //! at creases and corners, and its values have their own units.
+mod affine_terms;
 mod branches;
 mod evaluator;
 mod level;
@@ -21,6 +22,7 @@ use super::op::{Binary, Unary};
 use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::greater;
+use affine_terms::AffineTerms;
 use level::{LevelSet, LevelTable, MonotoneOp};
 use materials::{MaterialsBuilder, OperandMaterial};
 use std::collections::HashMap;
@@ -29,10 +31,10 @@ use subgraph::{mark_of, subgraph_terms, unmarked};
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
 /// It describes the set `{F < 0}` with its boundary regularized: where `a` and its complement `−a` meet, as two
-/// stacked boxes do at their common face, there is no surface. Two levels of one coordinate are one level where
-/// they differ by rounding alone, by at most 2⁻⁴⁸ of the largest numbers in both: a part of height 0.6 around the
-/// origin and one of height 0.2 around 0.4 meet, though the numbers do not say so exactly. Bounds of meshes add the
-/// difference.
+/// stacked boxes do at their common face, there is no surface. Two parallel planes are one where they differ by
+/// rounding alone, by at most 2⁻⁴⁸ of the largest numbers in both: a part of height 0.6 around the origin and one of
+/// height 0.2 around 0.4 meet, though the numbers do not say so exactly, and still do when both were turned by 30°.
+/// Bounds of meshes add the difference.
 ///
 /// ```
 /// use chordal::implicit::shapes;
@@ -166,6 +168,7 @@ struct CsgBuilder<'a> {
     chains: HashMap<(u8, u64, u32), u32>,  // No order depends on it.
     known: HashMap<ChainKey, (u32, bool)>, // No order depends on it.
     levels: LevelTable,
+    affine: AffineTerms,
     weld: f64,
     /// The differences of two terms whose first term is the earlier one.
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
@@ -188,6 +191,7 @@ impl<'a> CsgBuilder<'a> {
             chains: HashMap::new(), // No order depends on it.
             known: HashMap::new(),  // No order depends on it.
             levels: LevelTable::default(),
+            affine: AffineTerms::new(terms),
             weld: 0.0,
             primitives: Vec::new(),
             nodes: Vec::new(),
@@ -351,7 +355,9 @@ impl<'a> CsgBuilder<'a> {
     fn literal(&mut self, place: CsgOperand) -> CsgNode {
         self.add_materials(place);
         let (base, ops) = self.chain(place);
+        let plane = self.affine.family(base);
         let level = LevelSet::from_chain(base, &ops);
+        let level = level.map(|level| plane.map_or(level, |plane| level.on_planes(&plane)));
         let (key, falls) = self.chain_key(base, &ops);
         let either = |number: u32, is_opposite: bool| {
             if is_opposite { CsgNode::Complement(number) } else { CsgNode::Primitive(number) }
@@ -359,9 +365,9 @@ impl<'a> CsgBuilder<'a> {
         if let Some((number, known_falls)) = self.known.get(&key) {
             return either(*number, falls != *known_falls);
         }
-        let is_coordinate = matches!(self.terms[base as usize], Term::Axis(_));
-        if let Some(same) = level.and_then(|level| self.levels.same(&level, is_coordinate)) {
-            self.weld = greater(same.off, self.weld);
+        if let Some(same) = level.and_then(|level| self.levels.same(&level)) {
+            let steepness = plane.map_or(1.0, |plane| plane.steepness);
+            self.weld = greater(same.off / steepness, self.weld);
             return either(same.primitive, same.is_opposite);
         }
         let graph = self.graph_of(place);

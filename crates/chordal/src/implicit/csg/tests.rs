@@ -107,6 +107,44 @@ fn levels_that_differ_by_rounding_alone_are_one() {
 }
 
 #[test]
+fn planes_that_were_turned_are_one_up_to_rounding() {
+    let axis = [1.0, 2.0, 2.0];
+    let turned = |field: &Field| field.rotated_deg(axis, 30.0).unwrap();
+    let below = turned(&shapes::cuboid([1.0, 1.0, 0.6]).unwrap());
+    let lid = |height: f64| shapes::cuboid([1.0, 1.0, 0.2]).unwrap().moved([0.0, 0.0, height]).unwrap();
+    let csg = |lid: &Field| Csg::from_expr(below.union(lid).sign());
+    // Four sides, and three planes across.
+    for height in (1..40).map(|k| f64::from(k) / 10.0) {
+        let below = turned(&shapes::cuboid([1.0, 1.0, 2.0 * height - 0.2]).unwrap());
+        let both = Csg::from_expr(below.union(&turned(&lid(height))).sign());
+        assert_eq!(both.primitives().len(), 7, "{height}");
+        assert!(both.weld() < 1e-10, "{height}: {:e}", both.weld());
+    }
+    // Moved after it was turned, along the normal that was z.
+    let normal = normal_of_z(axis, 30.0);
+    let beside = turned(&shapes::cuboid([1.0, 1.0, 0.2]).unwrap()).moved(normal.map(|x| 0.4 * x)).unwrap();
+    assert_eq!(csg(&beside).primitives().len(), 7);
+    assert!(csg(&beside).weld() > 0.0 && csg(&beside).weld() < 1e-10);
+    // A millionth of a millionth is a gap.
+    assert_eq!(csg(&turned(&lid(0.4 + 1e-12))).primitives().len(), 8);
+    // Planes across other directions are others.
+    let other = shapes::cuboid([1.0, 1.0, 0.2]).unwrap().rotated_deg(axis, 30.1).unwrap();
+    assert_eq!(csg(&other).primitives().len(), 12);
+}
+
+/// Where a rotation takes the z axis (Rodrigues).
+fn normal_of_z(axis: [f64; 3], angle_deg: f64) -> [f64; 3] {
+    let size = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let n = axis.map(|x| x / size);
+    let (sin, cos) = (libm::sin(angle_deg.to_radians()), libm::cos(angle_deg.to_radians()));
+    let across = [n[1], -n[0], 0.0];
+    std::array::from_fn(|k| {
+        let z = if k == 2 { 1.0 } else { 0.0 };
+        cos * z + sin * across[k] + (1.0 - cos) * n[2] * n[k]
+    })
+}
+
+#[test]
 fn levels_that_underflow_are_not_one() {
     let t = &Expr::axes()[0] * &(&Expr::axes()[1] * 0.0).cos();
     let primitives = |scale: f64| {
