@@ -23,13 +23,7 @@
 //! guarantee that there is nothing of A, and the part of B* there is joined to the cells on the cube's
 //! boundary, which are decided by the same guarantee. ∎
 //!
-//! *Parts.* Let a primitive p occur in the tree together with its complement, and let {p = 0} have no
-//! interior in the box. The parts {p ≤ 0} and {p ≥ 0} of a cell are closed, and may replace the cell in the
-//! lemma, each with a direction for flows inward and one for flows outward. On a flow inward F < 0, so where
-//! p ≤ 0 its complement is never the value and counts as +∞; on a flow outward F > 0, and p counts as −∞;
-//! likewise where p ≥ 0. At points of {p = 0} neither has the value, and the literal that has it is among the
-//! literals of both parts. (A start of F = 0 is moved off {p = 0}, next to it in B*.) With several such
-//! primitives all cases of signs are enumerated.
+//! *Parts.* A cell may be cut into parts, each with a direction or decided ([`super::cell_growth`]).
 //!
 //! A decided cell lies in the closure of A*, or of B*, with its interior in it, and so does the interior of
 //! two such cells of one side that share a part of a side. So decided cells are joined across sides, and one
@@ -44,12 +38,12 @@
 //!
 //! Sources: F. Clarke, *Optimization and nonsmooth analysis*, 1983, 2.3 and 2.6; A. Filippov, *Differential
 //! equations with discontinuous righthand sides*, 1988.
-use super::growth::direction;
-use super::local_trees::{LiteralSides, LocalTree, LocalTrees, MOST_CASES, by_value, has_thin_zeros};
+use super::cell_growth::{CellGrowth, DecidedPart};
+use super::local_trees::{LiteralSides, LocalTrees};
 use super::regions::SignRegions;
 use super::walls;
-use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{Box3, Interval, add_down, add_up, greater, lesser, mul_up, sub_up};
+use crate::implicit::{DualRange, LeafError, Membership, Primitive, PrimitiveEvaluator};
+use crate::math::{Box3, add_down, add_up, greater, lesser, mul_up, sub_up};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CellState {
@@ -92,8 +86,8 @@ pub(super) struct FieldCover {
     pub cells: Vec<CoverCell>,
     trees: LocalTrees,
     pub open: Vec<u32>,
-    /// Points of the parts of cells handled by walls.
-    wall_points: Vec<WindingProbe>,
+    /// Points of decided parts of cells.
+    part_points: Vec<WindingProbe>,
     /// The memory limit.
     most_bytes: u64,
 }
@@ -128,63 +122,6 @@ struct CellRanges {
     slopes: Vec<DualRange>,
 }
 
-/// A tree that gives the value in a cell, with the slopes of its primitives there.
-struct CellGrowth<'a, S> {
-    local: &'a LocalTree,
-    /// The slope of a primitive.
-    slope: S,
-}
-
-impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
-    /// Whether there is a direction in which all literals of a tree grow.
-    fn has_direction(&self, tree: &LocalTree) -> bool {
-        let gradient = |(p, falls): (u32, bool)| {
-            let gradient = (self.slope)(p).gradient?;
-            Some(if falls { gradient.map(|d| -d) } else { gradient })
-        };
-        let gradients: Option<Vec<[Interval; 3]>> = tree.literals().map(gradient).collect();
-        gradients.is_some_and(|gradients| direction(&gradients).is_some())
-    }
-
-    /// Whether there are directions for all parts of the cell: for all signs of the primitives that occur as
-    /// themselves and as their complements.
-    fn has_directions_by_part(&self) -> bool {
-        let is_open = |p: &u32| (self.slope)(*p).value[0] < 0.0 && (self.slope)(*p).value[1] > 0.0;
-        let shared: Vec<u32> = self.local.mixed().filter(is_open).collect();
-        if shared.is_empty()
-            || shared.len() > MOST_CASES
-            || !shared.iter().all(|p| has_thin_zeros((self.slope)(*p)))
-        {
-            return false;
-        }
-        let flows = [Membership::Inside, Membership::Outside];
-        (0..1_u32 << shared.len()).all(|case| {
-            let is_positive = |p: u32| shared.iter().position(|q| *q == p).map(|bit| case >> bit & 1 == 1);
-            flows.into_iter().all(|flow| self.flows(flow, is_positive))
-        })
-    }
-
-    /// Whether there is a direction for a flow inward, through negative values, or outward, through positive
-    /// ones, where some primitives have given signs; or no flow is possible.
-    fn flows(&self, flow: Membership, is_positive: impl Fn(u32) -> Option<bool>) -> bool {
-        let inward = flow == Membership::Inside;
-        let (range, tree) = by_value(&self.local.tree, |p, falls| {
-            let [low, high] = (self.slope)(p).value;
-            let [low, high] = if falls { [-high, -low] } else { [low, high] };
-            match is_positive(p).map(|is_positive| is_positive != falls) {
-                None => [low, high],
-                // With the other sign it is never the value.
-                Some(true) if inward => [f64::INFINITY; 2],
-                Some(false) if !inward => [f64::NEG_INFINITY; 2],
-                Some(true) => [0.0, high],
-                Some(false) => [low, 0.0],
-            }
-        });
-        let is_empty = if inward { range[0] >= 0.0 } else { range[1] < 0.0 };
-        is_empty || self.has_direction(&LocalTree::new(tree))
-    }
-}
-
 impl FieldCover {
     /// A cover whose cells are not classified yet.
     pub fn new(evaluator: &PrimitiveEvaluator, bounds: &Box3, memory_limit: u64) -> Self {
@@ -208,7 +145,7 @@ impl FieldCover {
             cells: vec![root],
             trees,
             open: vec![0],
-            wall_points: Vec::new(),
+            part_points: Vec::new(),
             most_bytes: memory_limit / MEMORY_SHARE,
         }
     }
@@ -333,14 +270,56 @@ impl FieldCover {
             }
         }
         self.sharpen(evaluator, &mut left)?;
+        let primitives = evaluator.csg().primitives();
+        let mut parts: Vec<(u32, DecidedPart)> = Vec::new();
+        let mut grown: Vec<u32> = Vec::new();
         for (cell, ranges) in left {
             if !self.decide(cell, &ranges) {
-                self.find_growth(cell, &ranges);
-                if self.cells[cell as usize].state == CellState::Open {
-                    self.open.push(cell);
+                match self.find_growth(cell, &ranges, primitives) {
+                    Some(decided) => {
+                        parts.extend(decided.into_iter().map(|part| (cell, part)));
+                        grown.push(cell);
+                    }
+                    None => self.open.push(cell),
                 }
             }
         }
+        self.settle_parts(evaluator, grown, &parts)
+    }
+
+    /// Takes cells that grow but for decided parts, if the signs hold at the points of these.
+    fn settle_parts(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator,
+        grown: Vec<u32>,
+        parts: &[(u32, DecidedPart)],
+    ) -> Result<(), LeafError> {
+        let point = |at: [f64; 3]| Box3 { min: at, max: at };
+        let questions: Vec<(u32, Box3)> = parts
+            .iter()
+            .flat_map(|(_, part)| part.signs.iter().map(|(p, _)| (*p, point(part.probe.at))))
+            .collect();
+        let ranges = evaluator.ranges(&questions)?;
+        let mut rest = ranges.as_slice();
+        let mut held = parts.iter().map(|(cell, part)| {
+            let (own, after) = rest.split_at(part.signs.len());
+            rest = after;
+            let holds = |((_, is_positive), [low, high]): (&(u32, bool), &[f64; 2])| {
+                if *is_positive { *low > 0.0 } else { *high < 0.0 }
+            };
+            (*cell, part.signs.iter().zip(own).all(holds))
+        });
+        let failed: Vec<u32> = held.by_ref().filter(|(_, holds)| !holds).map(|(cell, _)| cell).collect();
+        let is_failed = |cell: u32| failed.binary_search(&cell).is_ok();
+        for cell in grown {
+            if is_failed(cell) {
+                self.open.push(cell);
+            } else {
+                self.cells[cell as usize].state = CellState::Grows;
+            }
+        }
+        let sound = parts.iter().filter(|(cell, _)| !is_failed(*cell));
+        self.part_points.extend(sound.map(|(_, part)| part.probe));
         Ok(())
     }
 
@@ -367,7 +346,7 @@ impl FieldCover {
                 let state = &mut self.cells[cell as usize].state;
                 if *state == CellState::Open {
                     *state = CellState::Walls;
-                    self.wall_points.extend(points);
+                    self.part_points.extend(points);
                 }
             }
         }
@@ -422,19 +401,23 @@ impl FieldCover {
         Ok(())
     }
 
-    /// Drops the literals that never have the value, and searches a direction in which all others grow, or
-    /// one for each part of the cell.
-    fn find_growth(&mut self, cell: u32, ranges: &CellRanges) {
+    /// Drops the literals that never have the value, and searches a direction in which all others grow, or one
+    /// for each part of the cell; the decided parts, if that is found.
+    fn find_growth(
+        &mut self,
+        cell: u32,
+        ranges: &CellRanges,
+        primitives: &[Primitive],
+    ) -> Option<Vec<DecidedPart>> {
         let before = self.cells[cell as usize].tree;
         let values: Vec<[f64; 2]> = ranges.slopes.iter().map(|slope| slope.value).collect();
         let tree = self.trees.by_value(before, &values);
         let (old, local) = (self.trees.get(before), self.trees.get(tree));
-        let growth = CellGrowth { local, slope: |p: u32| &ranges.slopes[old.place(p)] };
-        let grows = growth.has_direction(local) || growth.has_directions_by_part();
+        let slope = |p: u32| &ranges.slopes[old.place(p)];
+        let growth = CellGrowth { local, slope, primitives, bounds: &ranges.bounds };
+        let found = if growth.has_direction(local) { Some(Vec::new()) } else { growth.parts() };
         self.cells[cell as usize].tree = tree;
-        if grows {
-            self.cells[cell as usize].state = CellState::Grows;
-        }
+        found
     }
 
     /// The leaf that contains a cell of a level, if it is of that level or larger.
@@ -456,7 +439,7 @@ impl FieldCover {
     /// are joined across sides, and those of the parts of cells with walls.
     pub fn winding_probes(&self) -> Vec<WindingProbe> {
         let mut points = self.component_probes();
-        points.extend(&self.wall_points);
+        points.extend(&self.part_points);
         points
     }
 

@@ -1,6 +1,7 @@
 //! `field_deviation`: the Hausdorff distance between a mesh and the surface of a field, certified from both
 //! sides.
 mod backward;
+mod cell_growth;
 mod cover;
 mod displacement;
 mod face_sides;

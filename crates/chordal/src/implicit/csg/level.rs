@@ -99,6 +99,15 @@ impl LevelSet {
         self.base == other.base && matches!(self.base, LevelBase::Planes(_))
     }
 
+    /// The value of the function.
+    pub fn height(&self) -> f64 {
+        self.at
+    }
+
+    pub fn falls(&self) -> bool {
+        self.falls
+    }
+
     fn off(&self, other: &Self) -> f64 {
         (self.at - other.at).abs()
     }

@@ -81,6 +81,21 @@ impl Primitive {
     pub fn is_parallel_to(&self, other: &Self) -> bool {
         matches!((self.level, other.level), (Some(a), Some(b)) if a.is_parallel_to(&b))
     }
+
+    /// Whether both vanish on planes across one direction.
+    pub(crate) fn is_plane_along(&self, other: &Self) -> bool {
+        matches!((self.level, other.level), (Some(a), Some(b)) if a.is_plane_along(&b))
+    }
+
+    /// Where it vanishes, as a value of a function that it shares with those that are parallel to it.
+    pub(crate) fn height(&self) -> f64 {
+        self.level.map_or(0.0, |level| level.height())
+    }
+
+    /// Whether it falls where that function grows.
+    pub(crate) fn falls(&self) -> bool {
+        self.level.is_some_and(|level| level.falls())
+    }
 }
 
 /// The most nodes of a tree; what would have more is one primitive. Defined: some megabytes.
