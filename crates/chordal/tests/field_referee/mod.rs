@@ -2,6 +2,7 @@
 //! evaluator or the distances of the library. `CHORDAL_LONG=1` makes it look at ten times as many trees.
 mod corpus;
 mod damaged;
+mod flush;
 mod hostile;
 mod measure;
 mod same;

@@ -2,6 +2,7 @@
 //! sides.
 mod backward;
 mod cell_growth;
+mod copy_mesh;
 mod cover;
 mod displacement;
 mod face_sides;
@@ -19,6 +20,7 @@ mod sandwich;
 mod separation;
 mod slope;
 mod surface_ball;
+mod vertex_places;
 mod walls;
 
 use super::deviation::{Goal, OneSidedDistance};
@@ -370,5 +372,7 @@ fn sub_boxes(bounds: &Box3) -> impl Iterator<Item = Box3> + use<> {
     })
 }
 
+#[cfg(test)]
+mod flush_tests;
 #[cfg(test)]
 mod tests;

@@ -141,11 +141,7 @@ impl<'a> SandwichProver<'a> {
             return Ok(SandwichVerdict::from_faces(sandwich.open, sandwich.bounds));
         }
         let bound = largest(&sandwich.bounds);
-        let copies: Vec<Mesh> = sandwich
-            .copies
-            .into_iter()
-            .map(|positions| Mesh::new(positions, mesh.faces().to_vec()).expect("displacements are finite"))
-            .collect();
+        let copies = sandwich.copies;
         let bvhs = [Bvh::build(&copies[0], self.job)?, Bvh::build(&copies[1], self.job)?];
         let seen = SandwichCopies {
             meshes: [&copies[0], &copies[1]],

@@ -18,19 +18,28 @@
 //! around each point of the ball. The ball meets A* and B*, as p is in the boundary of A*. M⁺ misses A*, so
 //! its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
 //!
+//! *Faces without area.* Nothing of this asks for faces with an area, nor that both copies come from the same
+//! triangles: each may be of a mesh of its own, which is M with vertices in several places, joined by faces without
+//! area ([`super::copy_mesh`]). As chains these meshes are M, and the motion to either copy is within t of it. So a
+//! vertex whose faces have no common displacement is an edge or a polygon of the copy.
+//!
 //! M need not be embedded, nor need its copies. [`super::face_sides`] proves where the first condition holds.
 //! Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are rounded up. The
 //! displacements are a guess ([`super::displacement`]): as little as the samples require plus a margin, which
 //! grows where the proof needs it.
+use super::copy_mesh::{CopyMesh, FaceCorner};
 use super::displacement::{
     DisplacementNormals, DisplacementReach, FaceConstraint, FaceConstraints, HalfSpace, deviations,
     face_constraints, shortest_displacement,
 };
 use super::face_sides::{FaceSide, MOST_CUTS, SideQuery, classify_sides};
 use super::regions::SignRegions;
+use super::vertex_places::{VertexPlaces, convexity, places, ring};
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
-use crate::math::{greater, length, length_up, lesser};
+use crate::math::{Box3, greater, length, length_up, lesser};
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// The required sides of the copies.
 pub(super) const SIDES: [Membership; 2] = [Membership::Outside, Membership::Inside];
@@ -38,8 +47,8 @@ pub(super) const SIDES: [Membership; 2] = [Membership::Outside, Membership::Insi
 /// Two displaced copies of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Sandwich {
-    /// Vertices of the copies, by side.
-    pub copies: [Vec<[f64; 3]>; 2],
+    /// The copies, by side.
+    pub copies: [Mesh; 2],
     /// Faces that are not proved to be on their side, ascending.
     pub open: [Vec<u32>; 2],
     /// By face, the largest displacement of its corners to either side.
@@ -177,17 +186,10 @@ impl Sandwich {
         goal: &SandwichGoal,
     ) -> Result<Self, LeafError> {
         let ClosedMesh { mesh, ids } = tied;
-        let around = VertexFaceIncidence::new(mesh, ids);
-        let mut reaches = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
-        let mut builder = SandwichBuilder {
-            mesh,
-            ids,
-            demands: Default::default(),
-            around: &around,
-            goal,
-            copies: [mesh.positions().to_vec(), mesh.positions().to_vec()],
-            margins: Default::default(),
-        };
+        let triangles = Rc::new(CopyMesh::new(mesh, ids));
+        let mut reaches = reaches(mesh, &triangles, &deviations(regions, evaluator, mesh)?);
+        let copies = [0, 1].map(|_| CopyBuilder::new(Rc::clone(&triangles)));
+        let mut builder = SandwichBuilder { mesh, ids, demands: Default::default(), goal, copies };
         let mut open: [Vec<u32>; 2] = [0, 1].map(|_| (0..mesh.faces().len() as u32).collect());
         for attempt in 0..ATTEMPTS {
             let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
@@ -200,7 +202,7 @@ impl Sandwich {
             for (side, open) in open.iter_mut().enumerate() {
                 *open = builder.close(side, open, regions, evaluator)?;
             }
-            let still: Vec<u32> = open.iter().flatten().copied().collect();
+            let still: Vec<u32> = builder.own_faces(&open).concat();
             // A caller that splits faces had better split them now.
             let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
             if is_enough
@@ -211,8 +213,53 @@ impl Sandwich {
             }
             reaches.iter_mut().for_each(|reach| reach.now *= FARTHER);
         }
-        let bounds = builder.bounds();
-        Ok(Self { copies: builder.copies, open, bounds })
+        let (bounds, open) = (builder.bounds(), builder.own_faces(&open));
+        Ok(Self { copies: builder.copies.map(CopyBuilder::into_mesh), open, bounds })
+    }
+}
+
+/// One of the copies, while it is displaced.
+struct CopyBuilder {
+    triangles: Rc<CopyMesh>,
+    displaced: Vec<[f64; 3]>,
+    margins: Vec<VertexMargin>,
+    /// The places of vertices that have several, by id.
+    places: BTreeMap<u32, VertexPlaces>,
+    is_open: Vec<bool>,
+}
+
+impl CopyBuilder {
+    fn new(triangles: Rc<CopyMesh>) -> Self {
+        let (n_vertices, n_faces) = (triangles.positions.len(), triangles.faces.len());
+        let none = VertexMargin { allowance: 0.0, is_at_limit: false };
+        Self {
+            displaced: triangles.positions.clone(),
+            triangles,
+            margins: vec![none; n_vertices],
+            places: BTreeMap::new(),
+            is_open: vec![false; n_faces],
+        }
+    }
+
+    /// Copies the displacement of a position to all its rows.
+    fn spread(&mut self) {
+        for (row, id) in self.triangles.ids.iter().enumerate() {
+            self.displaced[row] = self.displaced[*id as usize];
+        }
+    }
+
+    fn open(&self) -> Vec<u32> {
+        (0..self.is_open.len() as u32).filter(|face| self.is_open[*face as usize]).collect()
+    }
+
+    /// The copy; without faces two corners of which are at one point, whose boundary is 0.
+    fn into_mesh(self) -> Mesh {
+        let at = |v: u32| self.displaced[v as usize];
+        let is_face = |[a, b, c]: &[u32; 3]| at(*a) != at(*b) && at(*b) != at(*c) && at(*c) != at(*a);
+        let n_own = self.triangles.n_own();
+        let (own, added) = self.triangles.faces.split_at(n_own);
+        let faces = own.iter().chain(added.iter().filter(|face| is_face(face))).copied().collect();
+        Mesh::new(self.displaced, faces).expect("displacements are finite")
     }
 }
 
@@ -220,71 +267,82 @@ struct SandwichBuilder<'a> {
     mesh: &'a Mesh,
     ids: &'a [u32],
     demands: [FaceConstraints; 2],
-    around: &'a VertexFaceIncidence,
     goal: &'a SandwichGoal,
-    copies: [Vec<[f64; 3]>; 2],
-    margins: [Vec<VertexMargin>; 2],
+    copies: [CopyBuilder; 2],
 }
 
 impl SandwichBuilder<'_> {
     /// Sets the first margins of the vertices of open faces.
     fn start(&mut self, open: &[Vec<u32>; 2]) {
         for (side, open) in open.iter().enumerate() {
-            let none = VertexMargin { allowance: 0.0, is_at_limit: false };
-            self.margins[side].resize(self.mesh.positions().len(), none);
-            for v in self.vertices_of(open) {
-                let allowance = self.first_allowance(v);
-                self.margins[side][v as usize] = VertexMargin { allowance, is_at_limit: false };
+            for v in self.copies[side].triangles.vertices_of(open) {
+                let allowance = self.first_allowance(v, side);
+                self.copies[side].margins[v as usize] = VertexMargin { allowance, is_at_limit: false };
             }
         }
     }
 
-    fn first_allowance(&self, vertex: u32) -> f64 {
-        let all = (0..2).flat_map(|side| self.constraints_on(vertex, side));
+    /// The faces of the mesh that some faces of the copies are, or are beside.
+    fn own_faces(&self, open: &[Vec<u32>; 2]) -> [Vec<u32>; 2] {
+        [0, 1].map(|side| {
+            let own = |face: &u32| self.copies[side].triangles.own_face(*face);
+            let mut all: Vec<u32> = open[side].iter().map(own).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        })
+    }
+
+    fn first_allowance(&self, vertex: u32, side: usize) -> f64 {
+        let triangles = &self.copies[side].triangles;
+        let corners = triangles.corners_obeyed(vertex);
+        let all = (0..2).flat_map(|side| self.constraints_of(corners, side));
         let lacks = all.map(|(demand, corner)| demand.deficits[corner]);
         let lack = lacks.fold(0.0, |most: f64, lack| greater(lack, most));
-        let p = self.mesh.positions()[vertex as usize];
+        let p = triangles.positions[vertex as usize];
         let reach = p.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let least = LEAST_SHARE * reach;
         let of_limit = self.goal.limit.map_or(0.0, |limit| self.goal.least_share * limit);
         self.goal.margin * lack + greater(of_limit, least)
     }
 
-    /// The positions that some faces use, ascending.
-    fn vertices_of(&self, faces: &[u32]) -> Vec<u32> {
-        let corners = faces.iter().flat_map(|face| self.mesh.faces()[*face as usize]);
-        let mut all: Vec<u32> = corners.map(|v| self.ids[v as usize]).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
-    /// The constraints of the faces around a vertex, each with the face's corner at the vertex.
-    fn constraints_on(&self, vertex: u32, side: usize) -> impl Iterator<Item = (&FaceConstraint, usize)> {
+    /// The constraints of the faces of some corners, each with which corner it is.
+    fn constraints_of<'c>(
+        &'c self,
+        corners: &'c [FaceCorner],
+        side: usize,
+    ) -> impl Iterator<Item = (&'c FaceConstraint, usize)> {
         let demands = &self.demands[side];
-        self.around
-            .faces_around(vertex)
-            .flat_map(|(face, corner)| demands.of_face(face).iter().map(move |demand| (demand, corner)))
+        corners.iter().flat_map(move |(face, corner)| {
+            demands.of_face(*face).iter().map(move |demand| (demand, usize::from(*corner)))
+        })
     }
 
-    /// Displaces a vertex by its margin, or by as much of it as the limit allows. Where the constraints
-    /// contradict each other, only those of primitives that a face lies on are kept: beyond those, others
-    /// take over.
+    /// Displaces a vertex by its margin, or by as much of it as the limit allows.
     fn displace(&mut self, vertex: u32, side: usize) {
-        let allowance = self.margins[side][vertex as usize].allowance;
-        let all = self.constraints_on(vertex, side);
-        let all: Vec<HalfSpace> = all.map(|(demand, corner)| demand.of_corner(corner)).collect();
-        let mut chosen = self.displacement(&all, allowance);
-        if !chosen.has_margin {
-            let own = self.constraints_on(vertex, side).filter(|(demand, _)| demand.is_on);
-            let own: Vec<HalfSpace> = own.map(|(demand, corner)| demand.of_corner(corner)).collect();
-            let of_own = self.displacement(&own, allowance);
-            chosen = if of_own.has_margin { of_own } else { chosen };
-        }
-        self.margins[side][vertex as usize].is_at_limit = chosen.is_at_limit;
-        let p = self.mesh.positions()[vertex as usize];
+        let copy = &self.copies[side];
+        let allowance = copy.margins[vertex as usize].allowance;
+        let chosen = self.best_displacement(copy.triangles.corners_obeyed(vertex), side, allowance);
+        let copy = &mut self.copies[side];
+        copy.margins[vertex as usize].is_at_limit = chosen.is_at_limit;
+        let p = copy.triangles.positions[vertex as usize];
         let q: [f64; 3] = std::array::from_fn(|k| p[k] + chosen.by[k]);
-        self.copies[side][vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
+        copy.displaced[vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
+    }
+
+    /// The displacement for the constraints of some corners. Where these contradict each other, only those of
+    /// primitives that a face lies on are kept: beyond those, others take over.
+    fn best_displacement(&self, corners: &[FaceCorner], side: usize, allowance: f64) -> VertexDisplacement {
+        let all = self.constraints_of(corners, side);
+        let all: Vec<HalfSpace> = all.map(|(demand, corner)| demand.of_corner(corner)).collect();
+        let chosen = self.displacement(&all, allowance);
+        if chosen.has_margin {
+            return chosen;
+        }
+        let own = self.constraints_of(corners, side).filter(|(demand, _)| demand.is_on);
+        let own: Vec<HalfSpace> = own.map(|(demand, corner)| demand.of_corner(corner)).collect();
+        let of_own = self.displacement(&own, allowance);
+        if of_own.has_margin { of_own } else { chosen }
     }
 
     fn displacement(&self, base: &[HalfSpace], allowance: f64) -> VertexDisplacement {
@@ -328,29 +386,35 @@ impl SandwichBuilder<'_> {
         regions: &mut SignRegions,
         evaluator: &mut PrimitiveEvaluator,
     ) -> Result<Vec<u32>, LeafError> {
-        let n = self.mesh.faces().len() as u32;
-        let mut todo = self.vertices_of(open);
-        let mut is_open = vec![false; n as usize];
+        let mut triangles = Rc::clone(&self.copies[side].triangles);
+        let mut todo = triangles.vertices_of(open);
         for round in 0..ROUNDS {
             todo.iter().for_each(|v| self.displace(*v, side));
-            self.spread(side);
-            let mut look: Vec<u32> =
-                todo.iter().flat_map(|v| self.around.faces_around(*v).map(|(face, _)| face)).collect();
+            self.copies[side].spread();
+            let mut look: Vec<u32> = todo.iter().flat_map(|v| triangles.faces_around(*v)).collect();
             look.sort_unstable();
             look.dedup();
-            let faces: Vec<[u32; 3]> = look.iter().map(|face| self.mesh.faces()[*face as usize]).collect();
+            let faces: Vec<[u32; 3]> = look.iter().map(|face| triangles.faces[*face as usize]).collect();
             let cuts = CUTS[usize::from(round > 0)];
-            let question =
-                SideQuery { positions: &self.copies[side], faces: &faces, side: SIDES[side], cuts };
+            let copy = &mut self.copies[side];
+            let question = SideQuery { positions: &copy.displaced, faces: &faces, side: SIDES[side], cuts };
             let found = classify_sides(regions, evaluator, &question)?;
             look.iter()
                 .zip(found)
-                .for_each(|(face, found)| is_open[*face as usize] = found != FaceSide::Proved);
-            let open: Vec<u32> = (0..n).filter(|face| is_open[*face as usize]).collect();
+                .for_each(|(face, found)| copy.is_open[*face as usize] = found != FaceSide::Proved);
+            let open = copy.open();
             if open.is_empty() || round + 1 == ROUNDS || evaluator.is_over() {
                 return Ok(open);
             }
-            todo = self.grow(&open, side);
+            // Before margins grow: with places of its own a vertex needs little.
+            let cut = if round == 0 { self.cut(side, &open) } else { None };
+            todo = match cut {
+                Some(about) => {
+                    triangles = Rc::clone(&self.copies[side].triangles);
+                    triangles.vertices_of(&about)
+                }
+                None => self.grow(&open, side),
+            };
             if todo.is_empty() {
                 return Ok(open);
             }
@@ -358,15 +422,70 @@ impl SandwichBuilder<'_> {
         Ok(Vec::new())
     }
 
+    /// Gives several places to the vertices of open faces that have no displacement. The faces that have to be
+    /// proved then, if there are any such vertices.
+    fn cut(&mut self, side: usize, open: &[u32]) -> Option<Vec<u32>> {
+        if is_hopeless(open.len(), self.mesh.faces().len()) {
+            return None;
+        }
+        let copy = &self.copies[side];
+        let n_vertices = self.mesh.positions().len() as u32;
+        let vertices = copy.triangles.vertices_of(open);
+        let found: Vec<(u32, VertexPlaces)> = vertices
+            .into_iter()
+            .filter(|v| *v < n_vertices)
+            .filter_map(|v| Some((v, self.places_of(v, side)?)))
+            .collect();
+        if found.is_empty() {
+            return None;
+        }
+        let copy = &mut self.copies[side];
+        let mut about: Vec<u32> = open.iter().map(|face| copy.triangles.own_face(*face)).collect();
+        about.extend(found.iter().flat_map(|(_, of)| of.ring.iter().map(|(face, _)| *face)));
+        copy.places.extend(found);
+        let triangles = Rc::new(CopyMesh::with_places(self.mesh, self.ids, &copy.places));
+        let (n_before, n) = (n_vertices as usize, triangles.positions.len());
+        let mut next = CopyBuilder::new(Rc::clone(&triangles));
+        next.displaced[..n_before].copy_from_slice(&copy.displaced[..n_before]);
+        next.margins[..n_before].copy_from_slice(&copy.margins[..n_before]);
+        next.places = std::mem::take(&mut copy.places);
+        self.copies[side] = next;
+        for v in n_before..n {
+            let allowance = self.first_allowance(v as u32, side);
+            self.copies[side].margins[v].allowance = allowance;
+        }
+        about.extend(self.mesh.faces().len() as u32..triangles.faces.len() as u32);
+        about.sort_unstable();
+        about.dedup();
+        Some(about)
+    }
+
+    /// The places of a vertex, if it has no displacement.
+    fn places_of(&self, vertex: u32, side: usize) -> Option<VertexPlaces> {
+        let copy = &self.copies[side];
+        if copy.places.contains_key(&vertex) {
+            return None;
+        }
+        let allowance = self.first_allowance(vertex, side);
+        let fits = |corners: &[FaceCorner]| self.best_displacement(corners, side, allowance).has_margin;
+        let corners = copy.triangles.corners_obeyed(vertex);
+        if fits(corners) {
+            return None;
+        }
+        let sign = if SIDES[side] == Membership::Outside { 1.0 } else { -1.0 };
+        let rank = |before: FaceCorner, after: FaceCorner| sign * convexity(self.mesh, before, after);
+        places(ring(self.mesh, self.ids, corners)?, fits, rank)
+    }
+
     /// Enlarges the margins about open faces; returns the vertices that can still be moved.
     fn grow(&mut self, open: &[u32], side: usize) -> Vec<u32> {
         let mut todo: Vec<u32> = Vec::new();
+        let copy = &mut self.copies[side];
         for face in open {
-            let corners = self.mesh.corners(*face as usize);
-            let size = crate::math::Box3::from_points(&corners).diagonal();
-            for v in self.mesh.faces()[*face as usize] {
-                let v = self.ids[v as usize];
-                let of = &mut self.margins[side][v as usize];
+            let size = Box3::from_points(&copy.triangles.corners(*face)).diagonal();
+            for v in copy.triangles.faces[*face as usize] {
+                let v = copy.triangles.ids[v as usize];
+                let of = &mut copy.margins[v as usize];
                 if of.is_at_limit {
                     continue;
                 }
@@ -376,77 +495,39 @@ impl SandwichBuilder<'_> {
         }
         todo.sort_unstable();
         todo.dedup();
-        todo.iter().for_each(|v| self.margins[side][*v as usize].allowance *= GROWTH);
+        todo.iter().for_each(|v| copy.margins[*v as usize].allowance *= GROWTH);
         todo
     }
 
-    /// Copies the displacement of a position to all its rows.
-    fn spread(&mut self, side: usize) {
-        for (row, id) in self.ids.iter().enumerate() {
-            self.copies[side][row] = self.copies[side][*id as usize];
-        }
-    }
-
     fn bounds(&self) -> Vec<f64> {
-        let far = |side: usize, v: u32| {
-            let (p, q) = (self.mesh.positions()[v as usize], self.copies[side][v as usize]);
+        let far = |copy: &CopyBuilder, v: u32| {
+            let (p, q) = (copy.triangles.positions[v as usize], copy.displaced[v as usize]);
             if p == q {
                 0.0
             } else {
                 length_up(std::array::from_fn::<_, 3, _>(|k| (q[k] - p[k]).abs().next_up()))
             }
         };
-        let of_face = |face: &[u32; 3]| {
-            let all = [0, 1].map(|side| face.map(|v| far(side, v)));
+        let of_face = |face: usize| {
+            let all = self.copies.each_ref().map(|copy| copy.triangles.faces[face].map(|v| far(copy, v)));
             all.as_flattened().iter().fold(0.0, |most: f64, x| greater(*x, most))
         };
-        self.mesh.faces().iter().map(of_face).collect()
+        (0..self.mesh.faces().len()).map(of_face).collect()
     }
 }
 
-/// The faces around each position.
-struct VertexFaceIncidence {
-    corners: Vec<(u32, u8)>,
-    starts: Vec<u32>,
-}
-
-impl VertexFaceIncidence {
-    fn new(mesh: &Mesh, ids: &[u32]) -> Self {
-        let mut starts = vec![0_u32; mesh.positions().len() + 1];
-        let corners =
-            || mesh.faces().iter().enumerate().flat_map(|(f, face)| (0..3).map(move |k| (f, k, face[k])));
-        corners().for_each(|(_, _, v)| starts[ids[v as usize] as usize + 1] += 1);
-        (1..starts.len()).for_each(|k| starts[k] += starts[k - 1]);
-        let mut at = starts.clone();
-        let mut all = vec![(0, 0); 3 * mesh.faces().len()];
-        for (face, corner, v) in corners() {
-            let slot = &mut at[ids[v as usize] as usize];
-            all[*slot as usize] = (face as u32, corner as u8);
-            *slot += 1;
-        }
-        Self { corners: all, starts }
-    }
-
-    fn faces_around(&self, position: u32) -> impl Iterator<Item = (u32, usize)> + use<'_> {
-        let range = self.starts[position as usize] as usize..self.starts[position as usize + 1] as usize;
-        self.corners[range].iter().map(|(face, corner)| (*face, *corner as usize))
-    }
-
-    /// By face, an estimate of how far its corners have to be displaced: twice the distance of any adjacent
-    /// face from the surface.
-    fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<DisplacementReach> {
-        let n = mesh.positions().len() as u32;
-        let of_vertex: Vec<f64> = (0..n)
-            .map(|v| {
-                self.faces_around(v).fold(0.0, |most, (face, _)| greater(deviations[face as usize], most))
-            })
-            .collect();
-        let of_face = |(number, face): (usize, &[u32; 3])| {
-            let least = FACE_SHARE * crate::math::Box3::from_points(&mesh.corners(number)).diagonal();
-            let far =
-                face.iter().fold(least, |most, v| greater(2.0 * of_vertex[ids[*v as usize] as usize], most));
-            DisplacementReach { at_first: far, now: far }
-        };
-        mesh.faces().iter().enumerate().map(of_face).collect()
-    }
+/// By face, an estimate of how far its corners have to be displaced: twice the distance of any adjacent face from
+/// the surface.
+fn reaches(mesh: &Mesh, triangles: &CopyMesh, deviations: &[f64]) -> Vec<DisplacementReach> {
+    let n = mesh.positions().len() as u32;
+    let of_vertex: Vec<f64> = (0..n)
+        .map(|v| triangles.faces_around(v).fold(0.0, |most, face| greater(deviations[face as usize], most)))
+        .collect();
+    let of_face = |(number, face): (usize, &[u32; 3])| {
+        let least = FACE_SHARE * Box3::from_points(&mesh.corners(number)).diagonal();
+        let of_corner = |v: &u32| 2.0 * of_vertex[triangles.ids[*v as usize] as usize];
+        let far = face.iter().fold(least, |most, v| greater(of_corner(v), most));
+        DisplacementReach { at_first: far, now: far }
+    };
+    mesh.faces().iter().enumerate().map(of_face).collect()
 }
