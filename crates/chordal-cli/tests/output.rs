@@ -1,7 +1,7 @@
 //! Outputs that cannot or should not be written: whatever was there before is still there, and nothing else.
 use crate::common;
 
-use common::{CLOSED_OBJ, Folder, PATCH, chordal, names, run};
+use common::{CLOSED_OBJ, Folder, PATCH, names, run};
 use std::fs;
 
 #[test]

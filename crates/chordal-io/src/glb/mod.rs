@@ -45,8 +45,8 @@ mod trs;
 mod vertex_storage;
 mod write;
 
-pub use draw_order::for_vertex_caches;
 pub use deformation::round_deformation;
+pub use draw_order::for_vertex_caches;
 pub use level_hosts::takes_levels;
 pub use level_set::GlbLevels;
 pub use levels::{write_levels, write_levels_embedded, write_levels_files};

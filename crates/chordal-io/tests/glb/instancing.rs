@@ -279,7 +279,9 @@ fn instances_that_were_changed_are_written_as_nodes() {
     moved(|scene| scene.nodes[2].matrix[12] += 1.0);
     moved(|scene| scene.nodes[1].name = "first".to_owned());
     moved(|scene| scene.nodes[2].part = None);
-    moved(|scene| drop(scene.nodes[0].children.pop()));
+    moved(|scene| {
+        scene.nodes[0].children.pop();
+    });
     moved(|scene| scene.assets.accessors.clear());
     moved(|scene| {
         // Its positions are stored about an origin that a node has to add.
