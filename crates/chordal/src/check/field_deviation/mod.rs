@@ -128,7 +128,7 @@ pub fn field_deviation(
         }
         let tape = Tape::new(field.sign());
         if !field.evidence().bounds_above() {
-            return Ok(sampled::measured(mesh, field, &tape, f64::INFINITY, job)?.whole);
+            return Ok(sampled::measured(mesh, (field, &tape), (f64::INFINITY, 0), job)?.whole);
         }
         let bvh = Bvh::build(mesh, job)?;
         let floor = FLOOR * reach(mesh, &bounds);
@@ -169,14 +169,15 @@ pub(crate) fn sandwich_bound(
 }
 
 /// Measures the deviation of a mesh from the surface of a field by samples alone, even where a proof is
-/// possible, and finds the faces from which the surface is seen to be farther than a length.
+/// possible, and finds the faces from which the surface is seen to be farther than a length. Each round of one search has
+/// samples of its own.
 pub(crate) fn measured_field_deviation(
     mesh: &Mesh,
     field: &Field,
-    length: f64,
+    (length, round): (f64, u64),
     job: &Job,
 ) -> Result<MeasuredDeviation, JobError> {
-    sampled::measured(mesh, field, &Tape::new(field.sign()), length, job)
+    sampled::measured(mesh, (field, &Tape::new(field.sign())), (length, round), job)
 }
 
 fn refused<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {

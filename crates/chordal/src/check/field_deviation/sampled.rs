@@ -13,6 +13,11 @@ const STEPS: usize = 6;
 const HALVINGS: usize = 16;
 /// Faces whose samples are taken at once: about 25 MB.
 const FACES_AT_ONCE: usize = 1 << 15;
+/// Samples all over a face, beside its centroid and the middles of its edges.
+const SCATTERED: u64 = 3;
+/// The steps of the two coordinates of a sequence that fills a square evenly: 1/g and 1/g², g³ = g + 1 (M. Roberts, *The
+/// unreasonable effectiveness of quasirandom sequences*, 2018).
+const EVENLY: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
 /// A point inside and one outside, on the normal through a point of a face.
 struct SurfaceBracket {
@@ -28,16 +33,16 @@ pub(crate) struct MeasuredDeviation {
 }
 
 /// The farthest point found on the field's surface, bounded from below: each is bracketed between two signs,
-/// and its distance to the mesh is certified.
+/// and its distance to the mesh is certified. In each round some of the samples lie elsewhere in the faces, so that a mesh is
+/// never judged by those alone for which it was made.
 pub(super) fn measured(
     mesh: &Mesh,
-    field: &Field,
-    tape: &Tape,
-    length: f64,
+    (field, tape): (&Field, &Tape),
+    (length, round): (f64, u64),
     job: &Job,
 ) -> Result<MeasuredDeviation, JobError> {
     let bvh = Bvh::build(mesh, job)?;
-    let mut brackets = first_brackets(mesh, tape)?;
+    let mut brackets = first_brackets(mesh, tape, round)?;
     for _ in 0..HALVINGS {
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
@@ -99,8 +104,8 @@ fn drop_cracks(brackets: &mut Vec<SurfaceBracket>, tape: &Tape) -> Result<(), Jo
     let points: Vec<[f64; 3]> = brackets.iter().map(beyond).collect();
     let mut values = vec![0.0; points.len()];
     tape.at(&points, &mut values).map_err(leaf_failure)?;
-    let mut is_outside = values.into_iter().map(|value| !(value < 0.0));
-    brackets.retain(|_| is_outside.next().expect("a value for each"));
+    let mut is_inside = values.into_iter().map(|value| value < 0.0);
+    brackets.retain(|_| !is_inside.next().expect("a value for each"));
     Ok(())
 }
 
@@ -108,15 +113,23 @@ fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
     std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k])
 }
 
-/// Where there is one for a face's centroid, and for the middles of its edges: a point inside and a point outside, in the
-/// order of the faces. Of the two faces at an edge one has it.
-fn first_brackets(mesh: &Mesh, tape: &Tape) -> Result<Vec<SurfaceBracket>, JobError> {
+/// Where there is one for a face's centroid, for the middles of its edges and for points all over it: a point inside and a
+/// point outside, in the order of the faces. Of the two faces at an edge one has it.
+fn first_brackets(mesh: &Mesh, tape: &Tape, round: u64) -> Result<Vec<SurfaceBracket>, JobError> {
     let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
-    let parts = all.chunks(FACES_AT_ONCE).map(|part| brackets_of(mesh, part, tape));
+    let parts = all.chunks(FACES_AT_ONCE).map(|part| brackets_of(mesh, part, tape, round));
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
-fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape) -> Result<Vec<SurfaceBracket>, JobError> {
+/// A point of a triangle, evenly spread over all numbers.
+fn scattered(corners: &[[f64; 3]; 3], number: u64) -> [f64; 3] {
+    let [u, v] = EVENLY.map(|step| (step * number as f64).fract());
+    let root = u.sqrt();
+    let shares = [1.0 - root, root * (1.0 - v), root * v];
+    std::array::from_fn(|k| (0..3).map(|i| shares[i] * corners[i][k]).sum())
+}
+
+fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape, round: u64) -> Result<Vec<SurfaceBracket>, JobError> {
     let n = 2 * STEPS + 1;
     let (mut points, mut faces) = (Vec::new(), Vec::new());
     for face in part {
@@ -125,7 +138,10 @@ fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape) -> Result<Vec<SurfaceBrac
         let size = crate::math::length(crate::math::difference(corners[0], corners[1]));
         let centroid = std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0);
         let own = (0..3).filter(|i| numbers[*i] < numbers[(i + 1) % 3]);
-        for c in std::iter::once(centroid).chain(own.map(|i| middle([corners[i], corners[(i + 1) % 3]]))) {
+        let middles = own.map(|i| middle([corners[i], corners[(i + 1) % 3]]));
+        let number = |k: u64| SCATTERED * (u64::from(*face) + round * mesh.faces().len() as u64) + k + 1;
+        let all_over = (0..SCATTERED).map(|k| scattered(&corners, number(k)));
+        for c in std::iter::once(centroid).chain(middles).chain(all_over) {
             faces.push(*face);
             for step in 0..n {
                 // Each step is twice the previous one, from 1/32 of an edge to one whole edge.

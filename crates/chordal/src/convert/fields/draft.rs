@@ -60,7 +60,7 @@ pub(in crate::convert) fn measured_draft(
     job: &Job,
 ) -> FieldMeshResult {
     let Bounded { shape, .. } = draft(field, wanted, job).or_else(Failure::best_effort)?;
-    let bound = measured_field_deviation(&shape, field, f64::INFINITY, job)?.whole.bound;
+    let bound = measured_field_deviation(&shape, field, (f64::INFINITY, 0), job)?.whole.bound;
     let is_far = wanted.length.is_some_and(|length| bound.at_least() > length.get());
     let is_many = wanted.triangles.is_some_and(|most| shape.faces().len() as u64 > most);
     let made = Bounded { shape, bound };

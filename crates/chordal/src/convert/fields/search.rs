@@ -45,6 +45,9 @@ const LEAST_PROOF: u64 = 1 << 25;
 /// What a finer mesh takes, in that of the first, where a proof beside which a measurement would do may still afford it.
 /// Chosen: cells are the same, and triangles half as long.
 const FINER_WORK: u64 = 2;
+/// Where samples alone judge a mesh, triangles are split beyond this share of the length: between samples the surface is a
+/// little farther. Chosen: a tenth for what lies between them.
+const STRICTER: f64 = 0.9;
 /// The most meshes made for a number of triangles.
 const MOST_TRIALS: usize = 10;
 /// A mesh with this fraction of the allowed triangles is good enough.
@@ -90,7 +93,7 @@ pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Jo
 
 enum MeshAttempt<'s> {
     Proved(Bounded<Mesh>),
-    Open { left: UnprovedMesh, strategy: ProofStrategy, evaluator: PrimitiveEvaluator<'s> },
+    Open { left: Box<UnprovedMesh>, strategy: ProofStrategy, evaluator: PrimitiveEvaluator<'s> },
 }
 
 /// A mesh, and how far its proof came.
@@ -166,7 +169,7 @@ impl<'s> FieldMeshSearch<'s> {
             Some(bound) if self.is_strict() || bound.at_least() > length.get() => {
                 Err(Failure::Unmet(Box::new(Bounded { shape: left.mesh, bound })))
             }
-            _ => self.measured_instead(left, length.get()),
+            _ => self.measured_instead(*left, length.get()),
         }
     }
 
@@ -202,7 +205,7 @@ impl<'s> FieldMeshSearch<'s> {
             self.job.report(Progress { stage: "measure", done: round as u64, total: MOST_ROUNDS as u64 });
             let (mesh, numbers) = mesh_of(&improved);
             let MeasuredDeviation { whole, far } =
-                measured_field_deviation(&mesh, self.field, length, self.job)?;
+                measured_field_deviation(&mesh, self.field, (STRICTER * length, round as u64), self.job)?;
             if best.as_ref().is_none_or(|best| whole.bound.at_least() < best.bound.at_least()) {
                 best = Some(Bounded { shape: mesh, bound: whole.bound });
             }
@@ -238,6 +241,7 @@ impl<'s> FieldMeshSearch<'s> {
             let (mesh, _) = mesh_of(&improved);
             let left = UnprovedMesh { mesh, verdict: None, place: improved.first_unsettled(), proof, work };
             let evaluator = improved.into_evaluator();
+            let left = Box::new(left);
             return Ok(MeshAttempt::Open { left, strategy: ProofStrategy::Nothing, evaluator });
         }
         let csg = Csg::from_expr(self.field.sign());
@@ -293,11 +297,12 @@ impl<'s> FieldMeshSearch<'s> {
         let place = verdict.first_unproved_point(&mesh);
         drop(judge);
         let left = UnprovedMesh { mesh, verdict: Some(verdict), place, proof, work };
+        let left = Box::new(left);
         Ok(MeshAttempt::Open { left, strategy, evaluator: improved.into_evaluator() })
     }
 
     fn measure(&self, mesh: Mesh) -> FieldMeshResult {
-        let found = measured_field_deviation(&mesh, self.field, f64::INFINITY, self.job)?.whole;
+        let found = measured_field_deviation(&mesh, self.field, (f64::INFINITY, 0), self.job)?.whole;
         Ok(Bounded { shape: mesh, bound: found.bound })
     }
 

@@ -108,22 +108,18 @@ impl PlacedMesh {
 /// too. Those with two corners at one place have no part in any side.
 fn welded(mesh: &Mesh) -> Result<Mesh, Failure<Mesh>> {
     let ids = position_id_by_bits(mesh.positions());
-    let mut row_of = vec![u32::MAX; ids.len()];
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
-    for corners in mesh.faces() {
-        let [a, b, c] = corners.map(|row| ids[row as usize]);
-        if a == b || b == c || c == a {
-            continue;
-        }
-        faces.push([a, b, c].map(|id| {
-            let row = &mut row_of[id as usize];
-            if *row == u32::MAX {
-                *row = positions.len() as u32;
-                positions.push(mesh.positions()[id as usize]);
-            }
-            *row
-        }));
+    let corners = mesh.faces().iter().map(|face| face.map(|row| ids[row as usize]));
+    let faces: Vec<[u32; 3]> = corners.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    let mut is_used = vec![false; ids.len()];
+    faces.as_flattened().iter().for_each(|id| is_used[*id as usize] = true);
+    // In the order of the file, so that a mesh without doubles stays as it is.
+    let mut row_of = vec![0; ids.len()];
+    let mut positions = Vec::new();
+    for (id, position) in mesh.positions().iter().enumerate().filter(|(id, _)| is_used[*id]) {
+        row_of[id] = positions.len() as u32;
+        positions.push(*position);
     }
+    let faces = faces.into_iter().map(|face| face.map(|id| row_of[id as usize])).collect();
     Mesh::new(positions, faces).map_err(|error| Failure::refused(RefusalCode::NotFinite, error.to_string()))
 }
 
