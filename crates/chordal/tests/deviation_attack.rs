@@ -302,7 +302,7 @@ fn no_cure_moves_a_surface_further_than_it_says() {
                 mend::drop_degenerate(&sick, topology, &job),
                 mend::drop_duplicates(&sick, topology, mend::Duplicates::EitherWay, &job),
                 mend::split_non_manifold(&sick, topology, &job),
-                mend::orient(&sick, topology, mend::NestedShells::Keep, &job),
+                mend::orient(&sick, topology, mend::nesting::NestedShells::Keep, &job),
                 mend::fill_holes(&sick, topology, mend::HoleSelection::All, &job),
             ];
             for (k, mended) in made.into_iter().enumerate() {

@@ -10,8 +10,8 @@ mod welding;
 use chordal::check::{Validity, t_junctions, validity};
 use chordal::explicit::Topology;
 use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, NestedShells, Weld, drop_degenerate, drop_duplicates, drop_unused,
-    fill_holes, orient, resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
+    nesting::NestedShells, orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 

@@ -162,20 +162,24 @@ impl<'a> ClosedMesh<'a> {
         by_index().map(tied).filter(Self::is_cycle).or_else(|| by_position().map(tied).filter(Self::is_cycle))
     }
 
-    /// Whether the boundaries of all triangles cancel out.
     fn is_cycle(&self) -> bool {
-        let mut sides: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * self.mesh.faces().len());
-        for face in self.mesh.faces() {
-            for k in 0..3 {
-                let (a, b) = (self.ids[face[k] as usize], self.ids[face[(k + 1) % 3] as usize]);
-                if a != b {
-                    sides.push(if a < b { ([a, b], 1) } else { ([b, a], -1) });
-                }
+        is_cycle(self.mesh.faces(), &self.ids)
+    }
+}
+
+/// Whether the boundaries of all triangles cancel out.
+fn is_cycle(faces: &[[u32; 3]], ids: &[u32]) -> bool {
+    let mut sides: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * faces.len());
+    for face in faces {
+        for k in 0..3 {
+            let (a, b) = (ids[face[k] as usize], ids[face[(k + 1) % 3] as usize]);
+            if a != b {
+                sides.push(if a < b { ([a, b], 1) } else { ([b, a], -1) });
             }
         }
-        sides.sort_unstable();
-        sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().map(|(_, way)| way).sum::<i32>() == 0)
     }
+    sides.sort_unstable();
+    sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().map(|(_, way)| way).sum::<i32>() == 0)
 }
 
 impl Sandwich {
@@ -423,7 +427,7 @@ impl SandwichBuilder<'_> {
     }
 
     /// Gives several places to the vertices of open faces that have no displacement. The faces that have to be
-    /// proved then, if there are any such vertices.
+    /// proved then, all of them, if there are any such vertices.
     fn cut(&mut self, side: usize, open: &[u32]) -> Option<Vec<u32>> {
         if is_hopeless(open.len(), self.mesh.faces().len()) {
             return None;
@@ -439,25 +443,26 @@ impl SandwichBuilder<'_> {
         if found.is_empty() {
             return None;
         }
-        let copy = &mut self.copies[side];
-        let mut about: Vec<u32> = open.iter().map(|face| copy.triangles.own_face(*face)).collect();
-        about.extend(found.iter().flat_map(|(_, of)| of.ring.iter().map(|(face, _)| *face)));
-        copy.places.extend(found);
-        let triangles = Rc::new(CopyMesh::with_places(self.mesh, self.ids, &copy.places));
+        let copy = &self.copies[side];
+        let mut places = copy.places.clone();
+        places.extend(found);
+        let triangles = Rc::new(CopyMesh::with_places(self.mesh, self.ids, &places));
+        // What is filled in has to close it: the lemma is about closed copies.
+        if !is_cycle(&triangles.faces, &triangles.ids) {
+            return None;
+        }
         let (n_before, n) = (n_vertices as usize, triangles.positions.len());
         let mut next = CopyBuilder::new(Rc::clone(&triangles));
         next.displaced[..n_before].copy_from_slice(&copy.displaced[..n_before]);
         next.margins[..n_before].copy_from_slice(&copy.margins[..n_before]);
-        next.places = std::mem::take(&mut copy.places);
+        next.places = places;
         self.copies[side] = next;
         for v in n_before..n {
             let allowance = self.first_allowance(v as u32, side);
             self.copies[side].margins[v].allowance = allowance;
         }
-        about.extend(self.mesh.faces().len() as u32..triangles.faces.len() as u32);
-        about.sort_unstable();
-        about.dedup();
-        Some(about)
+        // Places of an earlier cut begin anew as well, so that nothing counts as proved before.
+        Some((0..triangles.faces.len() as u32).collect())
     }
 
     /// The places of a vertex, if it has no displacement.

@@ -28,18 +28,17 @@ impl AffineTerm {
     /// `None` where a component of the gradient would be rounded.
     fn plus(self, other: Self) -> Option<Self> {
         let mut gradient = [0.0; 3];
-        for k in 0..3 {
-            gradient[k] = exact_sum(self.gradient[k], other.gradient[k])?;
+        for (k, sum) in gradient.iter_mut().enumerate() {
+            *sum = exact_sum(self.gradient[k], other.gradient[k])?;
         }
         Some(Self { gradient, offset: self.offset + other.offset, size: self.size + other.size })
     }
 
     fn times(self, factor: f64) -> Option<Self> {
         let mut gradient = [0.0; 3];
-        for k in 0..3 {
-            let x = self.gradient[k];
+        for (product, x) in gradient.iter_mut().zip(self.gradient) {
             let is_exact = x == 0.0 || is_power_of_two(x) || is_power_of_two(factor);
-            gradient[k] = is_exact.then_some(x * factor)?;
+            *product = is_exact.then_some(x * factor)?;
         }
         Some(Self { gradient, offset: self.offset * factor, size: self.size * factor.abs() })
     }

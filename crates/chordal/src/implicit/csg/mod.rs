@@ -381,8 +381,10 @@ impl<'a> CsgBuilder<'a> {
             return either(*number, falls != *known_falls);
         }
         if let Some(same) = level.and_then(|level| self.levels.same(&level)) {
-            let steepness = plane.map_or(1.0, |plane| plane.steepness);
-            self.weld = greater(same.off / steepness, self.weld);
+            // A length that is rounded is off by less than two steps.
+            let steepness = plane.map_or(1.0, |plane| plane.steepness.next_down().next_down());
+            let off = if same.off == 0.0 { 0.0 } else { (same.off / steepness).next_up() };
+            self.weld = greater(off, self.weld);
             return either(same.primitive, same.is_opposite);
         }
         let graph = self.graph_of(place);
