@@ -60,21 +60,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn powers_are_written_out() {
-        for (text, what) in
-            [("sphere(2 ** 3)", "there is no '**': write x * x"), ("sphere(pow(2, 3))", "there is no pow()")]
-        {
-            let told = crate::run(text, &crate::RunOptions::default(), &Default::default()).unwrap_err();
-            assert!(told.message.contains(what) && told.place.is_some(), "{told}");
-        }
-        // What is advised is a power: 2 to the power of 3.
-        let script =
-            crate::run("sphere(exp(3 * log(2)))", &crate::RunOptions::default(), &Default::default());
-        let depth = -script.unwrap().field.expr().at([0.0; 3]).unwrap();
-        assert!((depth - 8.0).abs() < 1e-12, "{depth}");
-    }
-
-    #[test]
     fn the_last_statement_is_named() {
         for (text, wanted) in [
             ("a = sphere(1)\n", "add a line 'a'"),

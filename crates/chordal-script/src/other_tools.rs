@@ -6,7 +6,7 @@ pub(crate) fn here_instead(name: &str) -> Option<&'static str> {
 }
 
 /// Names by what does the same. Signatures and names are those of the language, which a test holds them to.
-const NAMES: &[(&[&str], &str)] = &[
+pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["ball", "Sphere", "sdSphere", "geodesic_sphere"], "sphere(radius)"),
     (
         &["cube", "cuboid", "Box", "brick", "block", "sdBox", "makeBox", "make_box"],
@@ -86,36 +86,3 @@ const NAMES: &[(&[&str], &str)] = &[
     (&["fmin", "clamp_max"], "minimum(a, b)"),
     (&["fmax", "clamp_min"], "maximum(a, b)"),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::words::BUILT_INS;
-    use std::collections::BTreeSet;
-
-    /// The words before an opening parenthesis.
-    fn called(text: &str) -> Vec<&str> {
-        let starts = text.match_indices('(').map(|(at, _)| &text[..at]);
-        let word =
-            |before: &'_ str| before.rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
-        starts.map(|before| &before[word(before)..]).filter(|word| !word.is_empty()).collect()
-    }
-
-    #[test]
-    fn every_answer_is_a_function_of_the_language_and_no_name_is_one() {
-        let known: BTreeSet<&str> = crate::language::functions()
-            .map(|function| function.name)
-            .chain(BUILT_INS.iter().map(|function| function.name))
-            .collect();
-        let mut seen = BTreeSet::new();
-        for (names, here) in NAMES {
-            let words = called(here);
-            assert!(!words.is_empty() || here.contains("fillet="), "{here}");
-            words.iter().for_each(|word| assert!(known.contains(word), "{word} in '{here}'"));
-            for name in *names {
-                assert!(seen.insert(*name), "{name} twice");
-                assert!(!known.contains(name), "{name} is a function of the language");
-            }
-        }
-    }
-}

@@ -165,4 +165,30 @@ mod tests {
             assert_eq!(values, [-2.0], "{call}");
         }
     }
+
+    /// The words before an opening parenthesis.
+    fn called(text: &str) -> Vec<&str> {
+        let starts = text.match_indices('(').map(|(at, _)| &text[..at]);
+        let word =
+            |before: &'_ str| before.rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
+        starts.map(|before| &before[word(before)..]).filter(|word| !word.is_empty()).collect()
+    }
+
+    #[test]
+    fn every_answer_to_another_tools_name_is_a_function_and_no_such_name_is_one() {
+        let known: BTreeSet<&str> = language::functions()
+            .map(|function| function.name)
+            .chain(BUILT_INS.iter().map(|function| function.name))
+            .collect();
+        let mut seen = BTreeSet::new();
+        for (names, here) in crate::other_tools::NAMES {
+            let words = called(here);
+            assert!(!words.is_empty() || here.contains("fillet="), "{here}");
+            words.iter().for_each(|word| assert!(known.contains(word), "{word} in '{here}'"));
+            for name in *names {
+                assert!(seen.insert(*name), "{name} twice");
+                assert!(!known.contains(name), "{name} is a function of the language");
+            }
+        }
+    }
 }

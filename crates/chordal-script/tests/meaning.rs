@@ -506,3 +506,17 @@ fn names_of_other_tools_lead_to_those_of_the_language() {
         assert!(error.to_string().contains(expected), "{text}: {error}");
     }
 }
+
+#[test]
+fn powers_are_written_out() {
+    for (text, what) in
+        [("sphere(2 ** 3)", "there is no '**': write x * x"), ("sphere(pow(2, 3))", "there is no pow()")]
+    {
+        let told = script(text).unwrap_err();
+        assert!(told.message.contains(what) && told.place.is_some(), "{told}");
+    }
+    // What is advised is a power: 2 to the power of 3.
+    let made = script("sphere(exp(3 * log(2)))");
+    let depth = -made.unwrap().field.expr().at([0.0; 3]).unwrap();
+    assert!((depth - 8.0).abs() < 1e-12, "{depth}");
+}

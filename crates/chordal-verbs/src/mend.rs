@@ -11,9 +11,10 @@ use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::budget::{Bound, Budget, Length, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
 use chordal::math::div_down;
+use chordal::mend::nesting::NestedShells;
 use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, NestedShells, Weld, drop_degenerate, drop_duplicates, drop_unused,
-    fill_holes, orient, resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
+    orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 use chordal_io::Scene;

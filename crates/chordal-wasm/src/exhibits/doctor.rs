@@ -8,9 +8,10 @@ use chordal::check::{
     Defect, components, duplicate_vertices, inside_out, outward, self_intersections, t_junctions, validity,
 };
 use chordal::explicit::Topology;
+use chordal::mend::nesting::NestedShells;
 use chordal::mend::{
-    Duplicates, HoleSelection, MendedMesh, NestedShells, Weld, drop_degenerate, drop_duplicates, drop_unused,
-    fill_holes, orient, resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
+    orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 use serde_json::{Value, json};

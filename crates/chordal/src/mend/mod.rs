@@ -34,7 +34,12 @@ pub use drop_duplicates::{Duplicates, drop_duplicates};
 pub use drop_unused::drop_unused;
 pub use fill_holes::{HoleSelection, fill_holes};
 pub use mended_mesh::{MendChange, MendedMesh};
-pub use orient::{NestedShells, orient};
+pub use orient::orient;
 pub use resolve_t_junctions::resolve_t_junctions;
 pub use split_non_manifold::split_non_manifold;
 pub use weld::{Weld, weld};
+
+/// What closed pieces within others are.
+pub mod nesting {
+    pub use super::orient::NestedShells;
+}

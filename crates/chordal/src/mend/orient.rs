@@ -40,7 +40,7 @@ pub enum NestedShells {
 /// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
-/// use chordal::{Job, Mesh, check, explicit::Topology, mend, mend::NestedShells};
+/// use chordal::{Job, Mesh, check, explicit::Topology, mend, mend::nesting::NestedShells};
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let inside_out = Mesh::new(corners, vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 3, 2]])?;
 /// let mended = mend::orient(&inside_out, Topology::Indices, NestedShells::Keep, &Job::default())?;
