@@ -22,6 +22,7 @@ mod lod;
 mod mend;
 mod normals;
 mod output;
+mod parts;
 mod patches;
 mod readers;
 mod render;

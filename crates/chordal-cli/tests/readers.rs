@@ -29,7 +29,7 @@ fn a_volume_that_says_no_level_ends_with_one_code_and_one_sentence_in_every_verb
     let text = |name: &str| folder.text(name);
     let cases: [&[&str]; 6] = [
         &["mesh", &input, "--tol", "0.1", "-o", &text("a.obj")],
-        &["mesh", &input, "--union", &input, "-o", &text("b.obj")],
+        &["mesh", &input, "--union", &input, "--tol", "0.1", "-o", &text("b.obj")],
         &["lod", &input, "--px", "1", "-o", &text("a.glb")],
         &["bake", &input, "--cells", "8", "-o", &text("a.nrrd")],
         &["render", &input, "-o", &text("a.png")],
@@ -74,7 +74,7 @@ fn a_text_in_which_there_is_nothing_of_an_obj_is_none() {
         run(&["inspect", &input]).fails_with(3, &["not Wavefront OBJ"]);
     }
     // An odd line among vertices is counted as ever.
-    let input = folder.file("odd.obj", &format!("hello world\n{CLOSED_OBJ}"));
+    let input = folder.file("odd.obj", format!("hello world\n{CLOSED_OBJ}"));
     assert_eq!(run(&["inspect", &input]).code, 0);
 }
 

@@ -47,7 +47,7 @@ fn what_is_wrong_with_a_script_is_shown() {
     let file = folder.file("wrong.star", "a = 1\nbox(1, a)\n");
     let wrong = run(&["inspect", &file]);
     // The sentence, the line, and a mark below its place.
-    let shown = "wrong.star: line 2, column 1: box() needs 'z'\nbox(1, a)\n^\n";
+    let shown = "wrong.star: line 2, column 1: box() needs 'z': it is called as box(x, y, z)\nbox(1, a)\n^\n";
     assert!(wrong.code == 3 && wrong.stderr.ends_with(shown), "{wrong:?}");
     assert_eq!(wrong.stderr.lines().count(), 3, "{wrong:?}");
     let endless = folder.file("endless.star", "def f(n):\n    return f(n)\nf(1)\n");

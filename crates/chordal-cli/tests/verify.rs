@@ -9,6 +9,9 @@ use std::fs;
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
     f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
+/// What stands before each piece of a certificate in an OBJ.
+const COMMENT: &str = "# chordal: ";
+
 fn made(args: &[&str]) {
     let made = chordal(args).output().unwrap();
     assert!(made.status.success(), "{args:?}: {}", String::from_utf8_lossy(&made.stderr));
@@ -85,6 +88,22 @@ fn alone_fails(found: &common::Run, code: i32, part: &str) {
     assert!(found.stderr.lines().count() == 1 && found.stderr.contains(part), "{found:?}");
 }
 
+/// The comments of an OBJ in which its certificate is, and what they say together.
+fn certificate_in(content: &str) -> (String, String) {
+    let is_piece = |line: &&str| line.starts_with(COMMENT);
+    let lines: String = content.lines().filter(is_piece).map(|line| format!("{line}\n")).collect();
+    assert!(content.contains(&lines), "they follow each other");
+    let piece = |line: &str| line.strip_prefix(COMMENT)?.split_once(' ').map(|(_, piece)| piece.to_owned());
+    let json = lines.lines().filter_map(piece).collect();
+    (lines, json)
+}
+
+/// The same file with another certificate, in one line as earlier versions wrote it.
+fn with_certificate(content: &str, json: &str) -> String {
+    let (lines, _) = certificate_in(content);
+    content.replacen(&lines, &format!("{COMMENT}{json}\n"), 1)
+}
+
 /// A teapot as text, whose numbers can be changed.
 fn teapot(folder: &Folder) -> (String, String) {
     let out = folder.path("teapot.ply").to_str().unwrap().to_owned();
@@ -106,15 +125,19 @@ fn finds_a_vertex_that_moved_by_one_step_a_flipped_face_and_an_edited_certificat
     let face = content.lines().find(|line| line.starts_with("f ")).unwrap();
     let corners: Vec<&str> = face.split(' ').skip(1).collect();
     let flipped = format!("f {} {} {}", corners[0], corners[2], corners[1]);
-    let at_most = content.split("\"at_most\":").nth(1).unwrap().split(',').next().unwrap();
-    for (old, new, part) in [
-        (vertex, &moved[..], "geometry"),
-        (face, &flipped, "wrong"),
-        (at_most, "1e-9", "seal"),
-        ("\"closed\":false", "\"closed\":true", "seal"),
+    let (_, json) = certificate_in(&content);
+    let at_most = json.split("\"at_most\":").nth(1).unwrap().split(',').next().unwrap();
+    let edited = |whole: &str, old: &str, new: &str| {
+        assert!(whole.contains(old), "{old}");
+        whole.replacen(old, new, 1)
+    };
+    for (edited, part) in [
+        (edited(&content, vertex, &moved), "geometry"),
+        (edited(&content, face, &flipped), "wrong"),
+        (with_certificate(&content, &edited(&json, at_most, "1e-9")), "seal"),
+        (with_certificate(&content, &edited(&json, "\"closed\":false", "\"closed\":true")), "seal"),
     ] {
-        assert!(content.contains(old), "{old}");
-        fs::write(&path, content.replacen(old, new, 1)).unwrap();
+        fs::write(&path, edited).unwrap();
         alone_fails(&run(&["verify", &path, "--quiet", "--against", TEAPOT]), 1, part);
     }
 }
@@ -123,14 +146,12 @@ fn finds_a_vertex_that_moved_by_one_step_a_flipped_face_and_an_edited_certificat
 fn finds_a_lie_that_was_sealed_again() {
     let folder = Folder::new("verify-liar");
     let (path, content) = teapot(&folder);
-    let line = content.lines().find(|line| line.contains("\"seal\"")).unwrap().to_owned();
-    let (comment, json) = line.split_at(line.find('{').unwrap());
-    let honest: Value = serde_json::from_str(json).unwrap();
+    let honest: Value = serde_json::from_str(&certificate_in(&content).1).unwrap();
     let lie = |change: &dyn Fn(&mut Value)| {
         let mut certificate = honest.clone();
         change(&mut certificate);
         certificate["seal"] = chordal_verbs::seal_of(&certificate).into();
-        fs::write(&path, content.replacen(&line, &format!("{comment}{certificate}"), 1)).unwrap();
+        fs::write(&path, with_certificate(&content, &certificate.to_string())).unwrap();
         run(&["verify", &path, "--quiet", "--against", TEAPOT])
     };
     assert_eq!(lie(&|_| {}).code, 0, "sealing again changes nothing");
@@ -172,7 +193,11 @@ fn a_report_serves_where_the_format_holds_no_certificate() {
     let made = run(&["convert", &solid, &out, "--json"]);
     let report = folder.file("report.json", &made.stdout);
     alone_fails(&run(&["verify", &out, "--against", &solid]), 2, "no certificate");
-    run(&["verify", &out, "--against", &solid, "--certificate", &report]).succeeds();
+    let found = run(&["verify", &out, "--against", &solid, "--certificate", &report, "--json"]);
+    assert_eq!(found.code, 0, "{found:?}");
+    // A file of corners does not say which of them were one vertex in memory.
+    let unchecked = found.report()["unchecked"].to_string();
+    assert!(unchecked.contains("\"valid/other\""), "{unchecked}");
     let other = folder.file("other.obj", CLOSED_OBJ.replace("v 0 0 1", "v 0 0 1.5"));
     alone_fails(&run(&["verify", &out, "--against", &other, "--certificate", &report]), 1, "another input");
     let wrong = folder.file("wrong.json", "not json");
@@ -197,7 +222,8 @@ fn a_file_that_was_changed_between_two_steps_begins_a_new_history() {
     let text = fs::read_to_string(&first).unwrap();
     fs::write(&first, text.replacen("v 1 ", "v 1.5 ", 1)).unwrap();
     assert_eq!(begins(&["convert", &first, &second]), (1, "geometry".to_owned()));
-    fs::write(&first, text.replacen("\"closed\":true", "\"closed\":false", 1)).unwrap();
+    let edited = certificate_in(&text).1.replacen("\"closed\":true", "\"closed\":false", 1);
+    fs::write(&first, with_certificate(&text, &edited)).unwrap();
     assert_eq!(begins(&["convert", &first, &second]), (1, "seal".to_owned()));
     // A glTF of millimetres is in metres: the bounds are in units of the file before.
     let glb = path("scaled.glb");

@@ -131,9 +131,9 @@ fn mirrored_and_sheared_lattices_stand_where_they_say_with_the_front_outside() {
 #[test]
 fn a_level_that_nobody_says_is_asked_for_with_the_range_and_a_guess() {
     let folder = Folder::new("volume-level");
-    let input = folder.file("a.npy", npy([4, 4, 4], |[i, ..]| if i < 2 { 10.0 } else { 90.0 }));
+    let input = folder.file("a.npy", npy([4, 4, 4], |[i, ..]| if i < 2 { 9.5 } else { 90.5 }));
     let output = folder.text("a.ply");
-    run(&["mesh", &input, "-o", &output]).fails_with(2, &["between 10 and 90", "--iso LEVEL"]);
+    run(&["mesh", &input, "-o", &output]).fails_with(2, &["between 9.5 and 90.5", "--iso LEVEL"]);
     run(&["mesh", &input, "-o", &output, "--iso", "nan"]).fails_with(2, &["--iso"]);
     run(&["mesh", &input, "-o", &output, "--iso", "5", "--labels", "all"]).fails_with(2, &["--labels"]);
     run(&["mesh", &input, "-o", &output, "--labels", "all"]).fails_with(2, &["whole numbers"]);
