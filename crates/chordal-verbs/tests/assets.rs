@@ -55,7 +55,8 @@ fn meshing_and_mending_change_nothing_but_triangles() {
         );
         assert_eq!(after.parts[0].name, "sphere");
         is_painted(&after);
-        assert!(after.parts[0].mesh.positions().len() < before.parts[0].mesh.positions().len());
+        // Each material has its own vertices, so that their number may grow.
+        assert!(after.parts[0].mesh.faces().len() <= before.parts[0].mesh.faces().len());
     }
 }
 

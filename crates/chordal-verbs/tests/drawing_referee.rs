@@ -151,17 +151,12 @@ fn polylines_of_far_drawings_are_as_near_as_is_proved_to_the_last_digits() {
         let most = made.bound.at_most().unwrap();
         let limit = Twofold::of(most).mul(Twofold::of(most));
         let mut worst = 0.0;
-        // Pieces follow each other, and so do their segments: the nearest one moves on by few.
-        let mut near = 0;
         for cubic in &drawn.cubics {
             for step in 0..=4096 {
                 let p = drawn.at(cubic, f64::from(step) / 4096.0);
-                let window = near.max(4) - 4..(near + 12).min(line.len() - 1);
-                let (square, at) = window
-                    .map(|k| (distance_sq(p, line[k], line[k + 1]), k))
-                    .min_by(|a, b| a.0.0.total_cmp(&b.0.0))
-                    .unwrap();
-                near = at;
+                // All segments: where a drawing crosses itself the nearest one jumps.
+                let squares = line.windows(2).map(|ends| distance_sq(p, ends[0], ends[1]));
+                let square = squares.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
                 assert!(square.sub(limit).0 <= 0.0, "round {round}: {} beyond {most}", square.0.sqrt());
                 worst = f64::max(worst, square.0.sqrt());
             }

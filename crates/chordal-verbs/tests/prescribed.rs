@@ -34,7 +34,8 @@ fn spec(cures: &[&str]) -> MendSpec {
         resolve_t_junctions: asked("--resolve-t-junctions").then_some(WeldTolerance::Exact),
         split_non_manifold: asked("--split-nonmanifold"),
         orient: asked("--orient"),
-        nested: chordal_verbs::NestedShells::Keep,
+        // An outward piece within another is a finding, which this cures.
+        nested: chordal_verbs::NestedShells::Cavity,
         fill_holes: asked("--fill-holes").then_some(HoleSelection::All),
         drop_unused: asked("--drop-unused"),
     }

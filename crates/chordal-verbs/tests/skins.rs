@@ -122,11 +122,14 @@ impl Figure {
                 indexed: false,
                 ..Part::default()
             }],
-            nodes: vec![shown, armature, lower, node(upper), again],
+            nodes: vec![shown, armature, lower, node(upper)],
             roots: if self.twice { vec![0, 1, 4] } else { vec![0, 1] },
             frame: Frame::default(),
             ..Scene::default()
         };
+        if self.twice {
+            scene.nodes.push(again);
+        }
         let bytes: Vec<u8> = self.binds.iter().flatten().flat_map(|x| (*x as f32).to_le_bytes()).collect();
         let properties = json!({ "componentType": 5126, "type": "MAT4", "count": 2 });
         let properties = properties.as_object().unwrap().clone();

@@ -1,5 +1,6 @@
 //! Every figure of every kind of certificate, edited and sealed again: `verify` refutes it, or says that it was not checked.
 use chordal::Job;
+use chordal::check::{Goal, deviation};
 use chordal::implicit::{Grid, Samples};
 use chordal_io::{Format, Limits};
 use chordal_verbs::{
@@ -202,7 +203,10 @@ fn lie(certificate: &Value, at: &str) -> Option<Value> {
     let number = value.as_f64();
     Some(match key {
         "at_most" | "off_at_most" => json!(0.5 * number?),
-        "at_least" => json!(0.999 * certificate.pointer(above)?.get("at_most")?.as_f64()?),
+        "at_least" => {
+            let more = 0.999 * certificate.pointer(above)?.get("at_most")?.as_f64()?;
+            json!(Some(more).filter(|more| *more > number.unwrap_or(0.0))?)
+        }
         _ => match value {
             Value::Bool(is) => json!(!is),
             Value::String(_) => json!("lie"),
@@ -233,6 +237,15 @@ fn is_told(report: &VerifyReport, at: &str) -> bool {
     report.unchecked.iter().any(|own| at == own || at.starts_with(&format!("{own}/")))
 }
 
+/// Whether a larger lower end was shown, and so is no lie.
+fn is_shown(report: &VerifyReport, at: &str) -> bool {
+    let is_least = |claim: &str| at.ends_with("/at_least") && claim.ends_with("bound/at_least");
+    report.claims.iter().any(|own| own.verdict == ClaimVerdict::Proved && is_least(&own.claim))
+}
+
+/// What becomes of a sample, by its number and its value.
+type SampleEdit<'a> = &'a dyn Fn(usize, f64) -> f64;
+
 #[test]
 fn honest_files_of_all_kinds_are_re_proved() {
     for made in all() {
@@ -254,11 +267,46 @@ fn every_edited_fact_is_refuted_or_said_to_be_unchecked() {
             *edited.pointer_mut(at).unwrap() = lie.clone();
             for certificate in [edited, everywhere(&honest, at, &lie)] {
                 let found = made.with(certificate);
-                let is_seen = found.verdict != ClaimVerdict::Proved || is_told(&found, at);
+                let is_known = is_told(&found, at) || is_shown(&found, at);
+                let is_seen = found.verdict != ClaimVerdict::Proved || is_known;
                 assert!(is_seen, "{}: {at} from {} to {lie}", made.name, honest.pointer(at).unwrap());
             }
         }
     }
+}
+
+#[test]
+fn more_at_least_than_a_tenth_above_the_truth_is_refuted_and_what_is_nearer_is_listed() {
+    let goal = Goal::default();
+    assert_eq!(goal.relative, 0.1, "what is judged here is as close as verify looks");
+    let mut n_refuted = 0;
+    for made in all().iter().filter(|made| made.coarser.is_empty()) {
+        let [Input { shape: Shape::Scene(read), .. }] = &made.against[..] else { continue };
+        let Shape::Scene(written) = &made.out.shape else { continue };
+        let ([from], [to]) = (&read.parts[..], &written.parts[..]) else { panic!("one part each") };
+        let judged = deviation(&to.mesh, &from.mesh, &goal, &Job::default()).unwrap().bound;
+        let honest = made.certificate();
+        let end = |key: &str| honest["bound"][key].as_f64().unwrap();
+        for wider in [1.0, 2.0] {
+            let (at_most, at_least) = (wider * end("at_most"), 0.999 * wider * end("at_most"));
+            if at_least <= end("at_least") {
+                continue;
+            }
+            let widened = everywhere(&honest, "/bound/at_most", &json!(at_most));
+            let found = made.with(everywhere(&widened, "/bound/at_least", &json!(at_least)));
+            let must_be_refuted = judged.at_most().is_some_and(|most| most < at_least);
+            if must_be_refuted || found.verdict == ClaimVerdict::Refuted {
+                assert_eq!(found.verdict, ClaimVerdict::Refuted, "{}: {judged:?}", made.name);
+                n_refuted += 1;
+                continue;
+            }
+            assert_eq!(found.verdict, ClaimVerdict::Proved, "{}: {:?}", made.name, found.worst());
+            let listed = ["/bound/at_least", "/history/steps/0/bound/at_least", "/history/total/at_least"];
+            let is_listed = listed.iter().all(|at| is_told(&found, at));
+            assert!(is_listed || is_shown(&found, "/bound/at_least"), "{}: {found:?}", made.name);
+        }
+    }
+    assert!(n_refuted > 1, "{n_refuted}");
 }
 
 #[test]
@@ -329,7 +377,9 @@ fn edited_levels_are_refuted() {
             let mut lying = made.coarser.clone();
             *certificate_of(&mut lying[k]) = Some(certificate);
             let found = verify_levels((&made.out, &lying), None, &made.against, &Job::default()).unwrap();
-            let is_seen = found.verdict != ClaimVerdict::Proved || is_told(&found, at);
+            let is_own = found.unchecked.contains(&format!("levels/{}{at}", k + 1));
+            let is_known = is_own || is_told(&found, at) || is_shown(&found, at);
+            let is_seen = found.verdict != ClaimVerdict::Proved || is_known;
             assert!(is_seen, "level {}: {at} to {lie}", k + 1);
         }
     }
@@ -346,7 +396,7 @@ fn signs_of_baked_samples_are_looked_at() {
         .map(|at| grid.sample(at))
         .collect();
     let most = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let edits: [(&str, &dyn Fn(usize, f64) -> f64); 5] = [
+    let edits: [(&str, SampleEdit); 5] = [
         ("all", &|_, x| -x),
         ("every second", &|k, x| if k % 2 == 0 { -x } else { x }),
         ("the farthest", &|_, x| if x.abs() >= most { -x } else { x }),
@@ -357,7 +407,7 @@ fn signs_of_baked_samples_are_looked_at() {
         let edited: Vec<f64> = values.iter().enumerate().map(|(k, x)| edit(k, *x)).collect();
         let mut out = made.out.clone();
         let Shape::Volume(sampled) = &mut out.shape else { panic!() };
-        sampled.volume.grid = Grid::new(grid.size(), Samples::F64(edited.into()), *grid.affine()).unwrap();
+        sampled.volume.grid = Grid::new(grid.size(), Samples::F64(edited), *grid.affine()).unwrap();
         let geometry = geometry_digest(&out.shape).unwrap().unwrap();
         let mut certificate = made.certificate();
         let last = certificate["history"]["steps"].as_array().unwrap().len() - 1;

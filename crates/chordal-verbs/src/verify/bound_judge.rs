@@ -10,6 +10,7 @@ use chordal::convert::has_meshes;
 use chordal::convert::{self, Inside};
 use chordal::explicit::Cage;
 use chordal::explicit::nurbs::{NurbsSurface, TrimmedSurface};
+use chordal::explicit::query::Bvh;
 use chordal::math::{add_up, greater, sub_down};
 use chordal::{Budget, Job, Mesh};
 use chordal_io::{Frame, Scene};
@@ -122,6 +123,32 @@ impl<'a> BoundJudge<'a> {
                 unable("there is no judge of triangles against the outlines that they fill")
             }
         }
+    }
+
+    /// How far triangles are at least from those that they were made of, as one point near either shows; `None` for other
+    /// shapes. Where it lies beside both, that is taken off.
+    pub fn seen_from(&self, p: [f64; 3], said: &Bound) -> Result<Option<f64>, MeshFailure> {
+        let (Shape::Scene(read), Shape::Scene(written)) = (&self.reference.shape, &self.result.shape) else {
+            return Ok(None);
+        };
+        let [reference, result] = [JudgedMesh::new(read.clone())?, self.result_triangles(written)?];
+        let from_p = |of: &JudgedMesh| -> Result<Option<[f64; 2]>, MeshFailure> {
+            let bvh = Bvh::build(&of.mesh, self.job)?;
+            Ok(bvh.closest_distance_down(p).zip(bvh.closest_distance_up(p)).map(|(low, high)| [low, high]))
+        };
+        let Some((of_reference, of_result)) = from_p(&reference)?.zip(from_p(&result)?) else {
+            return Ok(None);
+        };
+        // From a point of the true shape to the result, and for a distance of both ways the other way as well.
+        let forth = sub_down(of_result[0], of_reference[1]);
+        let back = sub_down(of_reference[0], of_result[1]);
+        let least = match said.metric {
+            Metric::OneSided => forth,
+            Metric::Hausdorff => greater(forth, back),
+            Metric::Parametric | Metric::Solid => return Ok(None),
+        };
+        let moved = [reference.moved, result.moved].into_iter().filter(|moved| *moved > 0.0);
+        Ok(Some(greater(moved.fold(least, sub_down), 0.0)))
     }
 
     /// The triangles of the result, as they were before a glTF turned and scaled them.

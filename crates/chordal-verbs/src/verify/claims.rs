@@ -45,13 +45,15 @@ pub struct VerifyReport {
     pub verdict: ClaimVerdict,
     /// All claims, in the order in which they were looked at.
     pub claims: Vec<ClaimFacts>,
-    /// What the certificate says beside and nobody looked at, as paths in it: how it came about, words, what was asked for.
+    /// What the certificate says beside, as paths in it: how it came about, words, what was asked for; and figures of which
+    /// neither the files nor a look that costs no more than the work say whether they hold.
     pub unchecked: Vec<String>,
 }
 
 impl VerifyReport {
-    pub(super) fn new(ClaimList(claims): ClaimList, unchecked: Vec<String>) -> Self {
+    pub(super) fn new(ClaimList { claims, passed }: ClaimList, mut unchecked: Vec<String>) -> Self {
         let verdict = claims.iter().map(|claim| claim.verdict).max().unwrap_or(ClaimVerdict::Open);
+        unchecked.extend(passed);
         Self { schema: VERIFY_SCHEMA, verdict, claims, unchecked }
     }
 
@@ -64,11 +66,15 @@ impl VerifyReport {
 
 /// The claims so far.
 #[derive(Debug, Default)]
-pub(super) struct ClaimList(Vec<ClaimFacts>);
+pub(super) struct ClaimList {
+    claims: Vec<ClaimFacts>,
+    /// Figures that are left unchecked, as paths in the certificate.
+    passed: Vec<String>,
+}
 
 impl ClaimList {
     pub fn add(&mut self, claim: ClaimFacts) {
-        self.0.push(claim);
+        self.claims.push(claim);
     }
 
     pub fn prove(&mut self, claim: &str) {
@@ -83,16 +89,27 @@ impl ClaimList {
         self.say(claim, ClaimVerdict::Open, Some(reason.into()));
     }
 
+    /// Leaves a figure unchecked, which changes no verdict.
+    pub fn pass(&mut self, at: impl Into<String>) {
+        self.passed.push(at.into());
+    }
+
+    /// Whether a figure below a path was left unchecked.
+    pub fn has_passed(&self, below: &str) -> bool {
+        self.passed.iter().any(|at| at.starts_with(below))
+    }
+
     /// A claim that is right or wrong.
     pub fn decide(&mut self, claim: &str, holds: bool, reason: &str) {
         if holds { self.prove(claim) } else { self.refute(claim, reason) }
     }
 
     /// Adds the claims of a part, under its name.
-    pub fn extend_as(&mut self, name: &str, ClaimList(claims): Self) {
-        self.0.extend(
+    pub fn extend_as(&mut self, name: &str, Self { claims, passed }: Self) {
+        self.claims.extend(
             claims.into_iter().map(|own| ClaimFacts { claim: format!("{name}/{}", own.claim), ..own }),
         );
+        self.passed.extend(passed.into_iter().map(|own| format!("{name}/{own}")));
     }
 
     fn say(&mut self, claim: &str, verdict: ClaimVerdict, reason: Option<String>) {

@@ -1,6 +1,6 @@
 //! The coarser levels of detail in a glTF: what each claims, and those of parts that are in no level of the whole.
 use super::claims::ClaimList;
-use super::steps::{GivenFile, ProvedSteps};
+use super::steps::{GivenFile, HISTORY, ProvedSteps};
 use super::{CertifiedFile, check_file, history, n_coarser_levels};
 use crate::geometry_digest::digest_in_frame;
 use crate::origin::{embedded_certificate, stated_frame};
@@ -91,5 +91,6 @@ fn check_unclaimed(
     }
     let history = &HistoryFacts::new(begins, steps);
     let frame = stated_frame(coarsest);
-    ProvedSteps { name: "history", out: level, frame, baked: None, history, against, job }.check(claims)
+    ProvedSteps { name: HISTORY, out: level, frame, baked: None, witness: None, history, against, job }
+        .check(claims)
 }

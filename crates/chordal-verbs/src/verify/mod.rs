@@ -19,7 +19,7 @@ use crate::{Input, MeshFailure, Shape};
 use chordal::Job;
 use claims::ClaimList;
 use serde_json::Value;
-use steps::{GivenFile, ProvedSteps};
+use steps::{GivenFile, HISTORY, ProvedSteps};
 
 /// Re-proves what the certificate of `out` claims, from `out` itself and from the files that it was made of,
 /// `against`: its input, and for a history of several steps the files between, in any order.
@@ -113,8 +113,9 @@ fn check_file(
             check_last_step(certificate, &history, claims);
             let frame = stated_frame(certificate);
             let baked = certificate.get("baked").filter(|baked| !baked.is_null());
+            let witness = certificate.pointer("/bound/at").and_then(point);
             let history = &history;
-            ProvedSteps { name: "history", out, frame, baked, history, against, job }.check(claims)?;
+            ProvedSteps { name: HISTORY, out, frame, baked, witness, history, against, job }.check(claims)?;
         }
         Err(why) => claims.open("history", why),
     }
@@ -169,6 +170,11 @@ fn check_frame(out: &Input, certificate: &Value, claims: &mut ClaimList) {
         claims
             .refute("frame", "the certificate states another unit or another axis that is up than the file");
     }
+}
+
+/// Three numbers.
+fn point(value: &Value) -> Option<[f64; 3]> {
+    serde_json::from_value(value.clone()).ok()
 }
 
 /// The history in a certificate, if it can be read.
