@@ -205,7 +205,8 @@ fn surfaces_of_the_average_brain_have_the_corners_that_freesurfer_gave_them() {
         );
         if name.starts_with("sphere") {
             let radius = |p: &[f64; 3]| p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            assert!(mesh.positions().iter().all(|p| (radius(p) - 100.0).abs() < 1e-3));
+            // Measured in the file's own floats: radii from 99.99290 to 100.00781.
+            assert!(mesh.positions().iter().all(|p| (radius(p) - 100.0).abs() < 0.008));
         }
     }
 }

@@ -75,7 +75,7 @@ fn without_document_type(text: &str) -> Cow<'_, str> {
         return Cow::Borrowed(text);
     };
     match text[at..].find(['>', '[']) {
-        Some(end) if text[at..].as_bytes()[end] == b'>' => {
+        Some(end) if text.as_bytes()[at + end] == b'>' => {
             // Lines stay, so that places do.
             let blank = |c: char| if c == '\n' { "\n".to_owned() } else { " ".repeat(c.len_utf8()) };
             let blanks: String = text[at..=at + end].chars().map(blank).collect();

@@ -111,11 +111,16 @@ struct OffColorLayout {
 }
 
 impl OffColorLayout {
-    /// That of the attributes of all parts; none where there are none.
-    fn from_attributes<'a>(attributes: impl Iterator<Item = &'a Attribute> + Clone) -> Option<Self> {
-        let width = attributes.clone().map(|a| a.width).max()?;
-        let spelling = OffColorSpelling::from_channels(attributes.flat_map(|a| &a.values));
+    /// That of the attributes of all parts, with `least` channels or more; none where there are none.
+    fn from_attributes<'a>(
+        attributes: impl Iterator<Item = &'a Attribute> + Clone,
+        least: usize,
+    ) -> Option<Self> {
+        let width = attributes.clone().map(|a| a.width).max()?.max(least);
         // The alpha of narrower rows, and of vertices without a colour, is 1, which is a byte too.
+        let is_narrower = |a: &Attribute| a.width < width && !a.values.is_empty();
+        let alpha = attributes.clone().any(is_narrower).then_some(&1.0);
+        let spelling = OffColorSpelling::from_channels(attributes.flat_map(|a| &a.values).chain(alpha));
         Some(Self { width, spelling })
     }
 
@@ -148,9 +153,8 @@ impl OffFileLayout {
             has_normals: parts.iter().any(|part| part.normals.is_some()),
             has_texcoords: parts.iter().any(|part| part.texcoords.is_some()),
             // Geomview's have an alpha, and Assimp refuses a file whose have none; those of faces may leave it out.
-            colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.colors))
-                .map(|layout| OffColorLayout { width: 4, ..layout }),
-            face_colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.face_colors)),
+            colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.colors), 4),
+            face_colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.face_colors), 3),
         })
     }
 

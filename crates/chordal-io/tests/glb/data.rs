@@ -35,7 +35,8 @@ fn all_files_read_as_the_validator_says() {
                 let placed = scene.world_meshes().expect("placed");
                 let is_empty = placed.iter().all(|(_, mesh)| mesh.faces().is_empty());
                 // Two files have nodes and nothing to draw: `empty_nodes.glb` and `nodes.glb`.
-                assert_eq!(is_empty, name.ends_with("nodes.glb"), "{name}");
+                let file = path.file_name().expect("a file").to_string_lossy();
+                assert_eq!(is_empty, ["empty_nodes.glb", "nodes.glb"].contains(&&*file), "{name}");
                 let mut out = Vec::new();
                 glb::write(&scene, None, &mut out).unwrap_or_else(|error| panic!("{name}: {error}"));
                 let again = glb::read(&out, &strict()).unwrap_or_else(|error| panic!("{name}: {error}"));

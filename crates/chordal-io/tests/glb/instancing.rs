@@ -284,8 +284,9 @@ fn instances_that_were_changed_are_written_as_nodes() {
     });
     moved(|scene| scene.assets.accessors.clear());
     moved(|scene| {
-        // Its positions are stored about an origin that a node has to add.
-        let far = scene.parts[0].mesh.positions().iter().map(|p| p.map(|x| x + 1e6)).collect();
+        // Its positions are stored about an origin that a node has to add: single precision has no
+        // 1,000,000 + 1/1024, but both.
+        let far = scene.parts[0].mesh.positions().iter().map(|p| p.map(|x| 1e6 + x / 1024.0)).collect();
         scene.parts[0].mesh = scene.parts[0].mesh.with_positions(far).expect("finite");
     });
 }
