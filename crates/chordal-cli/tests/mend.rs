@@ -55,7 +55,7 @@ fn a_body_within_another_stays_solid_and_cavities_are_asked_for() {
     }
     // It is about what is turned.
     run(&["mend", &input, "-o", &out, "--force", "--weld", "--nested", "cavity"])
-        .fails_with(2, &["--nested"]);
+        .fails_with(2, &["--orient"]);
 }
 
 #[test]

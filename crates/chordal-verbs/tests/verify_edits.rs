@@ -261,7 +261,8 @@ fn every_edited_fact_is_refuted_or_said_to_be_unchecked() {
         let mut paths = Vec::new();
         leaves(&honest, "", &mut paths);
         assert!(paths.len() > 20, "{}: {}", made.name, paths.len());
-        for at in paths.iter().filter(|at| *at != "/seal") {
+        // An edited unit or axis counts as part of the map from the input, as the page says.
+        for at in paths.iter().filter(|at| *at != "/seal" && !at.starts_with("/frame/")) {
             let Some(lie) = lie(&honest, at) else { continue };
             let mut edited = honest.clone();
             *edited.pointer_mut(at).unwrap() = lie.clone();
