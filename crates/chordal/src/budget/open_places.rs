@@ -1,5 +1,4 @@
 //! `OpenPlaces`: where a bound is not proved although a proof was tried.
-use crate::math::greater;
 
 /// A connected part of a result for which no proof was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,11 +57,5 @@ impl OpenPlaces {
             whole_area: self.whole_area + other.whole_area,
             largest,
         }
-    }
-
-    /// The size of the largest.
-    #[must_use]
-    pub fn size(&self) -> f64 {
-        self.largest.iter().fold(0.0, |most, place| greater(most, place.size))
     }
 }
