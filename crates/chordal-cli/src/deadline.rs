@@ -6,7 +6,9 @@ use std::time::Duration;
 
 /// After how long something is said. Chosen: at a terminal one waits for so long without asking; a log of many runs is read
 /// where one of them is slow.
+#[cfg(not(target_family = "wasm"))]
 const FIRST_SIGN: Duration = Duration::from_secs(5);
+#[cfg(not(target_family = "wasm"))]
 const FIRST_LINE: Duration = Duration::from_secs(30);
 
 /// Ends with its value.

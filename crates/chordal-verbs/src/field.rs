@@ -1,4 +1,5 @@
 //! Fields: meshed within a budget, and measured against triangles.
+#[cfg(feature = "booleans")]
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 use crate::field_looks::{renumber, with_materials};
 use crate::file_rows::unsupported;
@@ -30,6 +31,34 @@ pub(crate) fn mesh_field(
     Ok((with_materials(scene, &materials).map_err(unsupported)?, bound))
 }
 
+/// A field with meshes by booleans, with its materials. None where it is meshed as a whole.
+#[cfg(feature = "booleans")]
+fn cut_along_meshes(
+    field: &Field,
+    request: &MeshRequest,
+    notes: &mut Vec<Message>,
+    job: &Job,
+) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+    if !convert::has_meshes(field) {
+        return Ok(None);
+    }
+    let Some(made) = mesh_by_booleans(field, request, job)? else { return Ok(None) };
+    notes.push(cut_note().into());
+    let painted = convert::with_face_materials(made, field, job);
+    painted.map(Some).map_err(|failure| MeshFailure::from_missed(failure, ""))
+}
+
+/// Without booleans every field is meshed as a whole.
+#[cfg(not(feature = "booleans"))]
+fn cut_along_meshes(
+    _: &Field,
+    _: &MeshRequest,
+    _: &mut Vec<Message>,
+    _: &Job,
+) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+    Ok(None)
+}
+
 /// The same without the materials, which are added to a list.
 fn mesh_parts(
     implicit: &ImplicitShape,
@@ -41,13 +70,8 @@ fn mesh_parts(
         return mesh_bodies(implicit, request, (materials, notes), job);
     }
     let field = finite(implicit)?;
-    let cut = if convert::has_meshes(&field) { mesh_by_booleans(&field, request, job)? } else { None };
-    let Bounded { shape: mesh, bound } = match cut {
-        Some(made) => {
-            notes.push(cut_note().into());
-            convert::with_face_materials(made, &field, job)
-                .map_err(|failure| MeshFailure::from_missed(failure, ""))?
-        }
+    let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, request, notes, job)? {
+        Some(made) => made,
         None => mesh_whole(&field, request, notes, job)?,
     };
     if let Some(region) = implicit.region {

@@ -35,6 +35,7 @@ mod drawing_to_field;
 mod drop_attributes;
 mod failure;
 mod field;
+#[cfg(feature = "booleans")]
 mod field_by_booleans;
 mod field_digest;
 mod field_looks;
@@ -82,6 +83,7 @@ mod simplified_isosurface;
 mod simplify;
 mod smoothing;
 mod smoothing_width;
+#[cfg(feature = "booleans")]
 mod solid_cut;
 mod spec;
 mod spell;
