@@ -40,7 +40,10 @@ pub(crate) fn mesh_by_booleans(
         Ok(None) | Err(_) => return Ok(None),
     };
     let target = RoundingTarget::new(request.to, request.lattice);
-    let Some(whole) = SolidCutter { within, target, job }.whole(tree)? else { return Ok(None) };
+    let Some(whole) = SolidCutter { within, require: request.budget.require, target, job }.whole(tree)?
+    else {
+        return Ok(None);
+    };
     let bound = with_promises(&whole.bound, field);
     let fits =
         |limit: Option<f64>| limit.is_none_or(|limit| bound.at_most().is_some_and(|most| most <= limit));
@@ -71,6 +74,7 @@ enum PendingSolid {
 
 struct SolidCutter<'a> {
     within: Tolerance,
+    require: RequiredEvidence,
     target: RoundingTarget,
     job: &'a Job,
 }
@@ -153,10 +157,12 @@ impl SolidCutter<'_> {
         Ok(Some(ready))
     }
 
-    /// The triangles of a part without meshes.
+    /// The triangles of a part without meshes, proved.
     fn part(&self, part: &Field) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
-        match field_to_mesh(part, &Budget::length(self.within), self.job) {
-            Ok(made) => Ok(Some(made)),
+        let budget = Budget { require: self.require, ..Budget::length(self.within) };
+        match field_to_mesh(part, &budget, self.job) {
+            // What samples say of a part says nothing of what is cut from it.
+            Ok(made) => Ok(made.bound.evidence().bounds_above().then_some(made)),
             Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
             // Nothing of it is near the whole.
             Err(Failure::Refused(why)) if why.code == RefusalCode::Empty => {

@@ -108,9 +108,9 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
     let made = job.run(|| {
         if budget.require == RequiredEvidence::Estimated {
             draft(field, &wanted, job)
-        } else if fields_with_meshes::has_meshes(field) {
-            fields_with_meshes::search(field, &wanted, job)
         } else {
+            let has_meshes = fields_with_meshes::has_meshes(field);
+            let search = if has_meshes { fields_with_meshes::search } else { search };
             search(field, &wanted, job).or_else(|failure| instead(failure, field, &wanted, job))
         }
     });

@@ -13,6 +13,8 @@ const STEPS: usize = 6;
 const HALVINGS: usize = 16;
 /// Faces whose samples are taken at once: about 25 MB.
 const FACES_AT_ONCE: usize = 1 << 15;
+/// The most faces with samples where the job is to finish: they take about a second.
+const FACES_AT_THE_END: usize = 1 << 14;
 /// Samples all over a face, beside its centroid and the middles of its edges.
 const SCATTERED: u64 = 3;
 /// The steps of the two coordinates of a sequence that fills a square evenly: 1/g and 1/g², g³ = g + 1 (M. Roberts, *The
@@ -42,7 +44,8 @@ pub(super) fn measured(
     job: &Job,
 ) -> Result<MeasuredDeviation, JobError> {
     let bvh = Bvh::build(mesh, job)?;
-    let mut brackets = first_brackets(mesh, tape, round)?;
+    let faces = sampled_faces(mesh, round, job);
+    let mut brackets = first_brackets(mesh, &faces, tape, round)?;
     for _ in 0..HALVINGS {
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
@@ -90,7 +93,7 @@ pub(super) fn measured(
         forward: OneSidedDistance { at_least: 0.0, ..worst },
         backward: worst,
         reached: false,
-        unresolved: (mesh.faces().len() - seen.len()) as u64,
+        unresolved: (faces.len() - seen.len()) as u64,
     };
     Ok(MeasuredDeviation { whole, far })
 }
@@ -113,11 +116,22 @@ fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
     std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k])
 }
 
+/// All faces; evenly some of them where there are many and the job is to finish.
+fn sampled_faces(mesh: &Mesh, round: u64, job: &Job) -> Vec<u32> {
+    let n = mesh.faces().len();
+    let step = if job.is_finishing() { n.div_ceil(FACES_AT_THE_END).max(1) } else { 1 };
+    (round as usize % step..n).step_by(step).map(|face| face as u32).collect()
+}
+
 /// Where there is one for a face's centroid, for the middles of its edges and for points all over it: a point inside and a
 /// point outside, in the order of the faces. Of the two faces at an edge one has it.
-fn first_brackets(mesh: &Mesh, tape: &Tape, round: u64) -> Result<Vec<SurfaceBracket>, JobError> {
-    let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
-    let parts = all.chunks(FACES_AT_ONCE).map(|part| brackets_of(mesh, part, tape, round));
+fn first_brackets(
+    mesh: &Mesh,
+    faces: &[u32],
+    tape: &Tape,
+    round: u64,
+) -> Result<Vec<SurfaceBracket>, JobError> {
+    let parts = faces.chunks(FACES_AT_ONCE).map(|part| brackets_of(mesh, part, tape, round));
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 

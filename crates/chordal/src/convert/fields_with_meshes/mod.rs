@@ -128,6 +128,9 @@ fn by_length(field: &Field, length: Tolerance, job: &Job) -> MeshResult {
             (Err(Failure::Refused(_)), Some(_)) => break,
             (Err(failure), _) => return Err(failure),
         }
+        if job.is_finishing() && best.is_some() {
+            break;
+        }
         step *= 0.5;
     }
     best.ok_or_else(|| Failure::refused(RefusalCode::Empty, "there is no surface: no sample is inside"))
@@ -142,6 +145,9 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
     let mut best: Option<(f64, Bounded<Mesh>)> = None;
     let mut too_fine = 0.0;
     for _ in 0..MOST_TRIALS {
+        if job.is_finishing() && best.is_some() {
+            break;
+        }
         let mut limited = job.clone();
         limited.triangle_limit = job.triangle_limit.min(most.saturating_mul(64));
         let made = match on_lattice(field, step, f64::INFINITY, &limited) {

@@ -91,12 +91,20 @@ impl SignLattice {
         };
         let tape = Tape::new(field.sign());
         let near = made.bricks_near_surface(&tape, job)?;
+        if job.is_finishing() {
+            return Err(unfinished());
+        }
         too_large(near.len() as u64 * (4 * VOLUME + 64) as u64, job)?;
         let done = par_map(job, &near, |_, at| {
-            if job.is_cancelled() { Ok((None, 0)) } else { made.sample_brick(&tape, *at) }
+            let is_over = job.is_cancelled() || job.is_finishing();
+            if is_over { Ok((None, 0)) } else { made.sample_brick(&tape, *at) }
         });
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
+        }
+        // A part of the bricks may be missing.
+        if job.is_finishing() {
+            return Err(unfinished());
         }
         for (result, at) in done.into_iter().zip(&near) {
             let (brick, n_doubtful) = result.map_err(|error| leaf_failure(&error))?;
@@ -121,6 +129,9 @@ impl SignLattice {
             let hulls: Vec<Box3> =
                 blocks.iter().map(|at| self.hull([at.map(|k| k as usize * side), end(*at)])).collect();
             let sides = range_sides(tape, &hulls, job)?;
+            if job.is_finishing() {
+                return Err(unfinished());
+            }
             let mut open = Vec::new();
             for (at, side) in blocks.into_iter().zip(sides) {
                 match side {
@@ -320,12 +331,18 @@ impl SampleSource for SignLattice {
     }
 }
 
-/// The sides of many boxes.
+/// What ends a lattice of which the job wants no more: a coarser mesh is made instead.
+fn unfinished() -> Failure<Mesh> {
+    Failure::refused(RefusalCode::Empty, "the time ended before the cells that the length needs were sampled")
+}
+
+/// The sides of many boxes. They are unknown where the job ends first.
 pub(super) fn range_sides(tape: &Tape, boxes: &[Box3], job: &Job) -> Result<Vec<RangeSide>, Failure<Mesh>> {
     let tasks: Vec<&[Box3]> = boxes.chunks(TASK).collect();
     let done = par_map(job, &tasks, |_, part| {
         let mut ranges = vec![Interval::UNKNOWN; part.len()];
-        if job.is_cancelled() { Ok(ranges) } else { tape.over(part, &mut ranges).map(|()| ranges) }
+        let is_over = job.is_cancelled() || job.is_finishing();
+        if is_over { Ok(ranges) } else { tape.over(part, &mut ranges).map(|()| ranges) }
     });
     if job.is_cancelled() {
         return Err(Failure::Cancelled);

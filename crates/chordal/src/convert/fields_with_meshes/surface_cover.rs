@@ -108,7 +108,7 @@ pub(super) fn farthest(
             par_map(job, &tasks, |_, cells| cells.iter().map(|cell| reach(&bvh, cell)).collect::<Vec<f64>>())
                 .concat();
         waiting = Vec::new();
-        let is_last = halvings == most_halvings;
+        let is_last = halvings == most_halvings || job.is_finishing();
         let far = left.iter().zip(&reaches).filter(|(_, reach)| is_last && has_walls && **reach > enough);
         let far: Vec<Box3> = far.map(|(cell, _)| *cell).collect();
         let mut are_walls = one_sided(&tape, &far, job)?.into_iter();
