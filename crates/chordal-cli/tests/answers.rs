@@ -57,3 +57,24 @@ fn a_time_has_a_unit() {
     }
     assert_eq!(folder.names(), ["a.star"]);
 }
+
+#[test]
+fn solids_that_touch_are_named_with_their_lines() {
+    let folder = Folder::new("answers-touching");
+    let text = "body = box(10, 10, 10)\npost = move(cylinder(3, 10), 8, 0, 0)\nbody | post\n";
+    let (input, output) = (folder.file("a.star", text), folder.text("a.ply"));
+    let made = run(&["mesh", &input, "--tol", "0.1", "-o", &output, "--json"]);
+    made.succeeds();
+    let report = made.report();
+    let contact = &report["certificate"]["bound"]["open"]["largest"][0]["contact"];
+    assert_eq!(contact["kind"], "tangent", "{report}");
+    assert!((contact["at"][0].as_f64().unwrap() - 5.0).abs() < 0.02, "{contact}");
+    let notes = report["certificate"]["notes"].to_string();
+    assert!(notes.contains("two surfaces touch at (5.0") && notes.contains("lines 1 and 2"), "{notes}");
+    // What helps, as the note says.
+    let text = text.replace(", 8, 0, 0)", ", 7.9, 0, 0)");
+    let made =
+        run(&["mesh", &folder.file("b.star", &text), "--tol", "0.1", "-o", &output, "--force", "--json"]);
+    made.succeeds();
+    assert_eq!(made.report()["certificate"]["bound"]["evidence"], "proved");
+}

@@ -322,13 +322,8 @@ impl ScriptValue {
     }
 
     fn source_in(&self, region: Option<[[f64; 3]; 2]>, frame: Frame) -> PyResult<Source> {
-        let implicit = ImplicitShape {
-            field: self.field()?.clone(),
-            region: region.map(|[min, max]| Box3 { min, max }),
-            frame,
-            parameters: Vec::new(),
-            bodies: Vec::new(),
-        };
+        let region = region.map(|[min, max]| Box3 { min, max });
+        let implicit = ImplicitShape::new(self.field()?.clone(), region, frame);
         let warnings = self.notes.iter().map(|note| warning_of(note)).collect();
         let input = Input { warnings, ..Input::made(Shape::Field(implicit), Format::Star) };
         Ok(Source::from_input(input, self.calls.clone()))

@@ -39,5 +39,5 @@ pub use error::ScriptError;
 pub use files::{FileUse, FontText, NoFiles, OpenedFile, ScriptFiles};
 pub use limits::Limits;
 pub use parameter::Parameter;
-pub use script::{RunOptions, Script, ScriptBody, run, run_with};
+pub use script::{RunOptions, Script, ScriptBody, ScriptStep, run, run_with};
 pub use warning::ScriptWarning;

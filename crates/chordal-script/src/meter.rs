@@ -20,6 +20,8 @@ pub(crate) struct Meter<'e> {
     pub job: &'e Job,
     /// Where bounds were taken as distances: offsets in the parsed text.
     pub bounded: RefCell<Vec<usize>>,
+    /// What calls made, with their offsets in the parsed text: the first of them.
+    pub steps: RefCell<Vec<(usize, Field)>>,
     /// Parameter values set by the caller, by name.
     pub set: BTreeMap<String, f64>,
     /// The parameters that the script has read.
@@ -38,6 +40,8 @@ pub(crate) struct Meter<'e> {
 
 /// The most lines that a script prints. Chosen: more than a report should hold.
 const MOST_LINES: usize = 100;
+/// The most shapes whose lines are kept. Chosen: more lines than a part has, and some megabytes at most.
+const MOST_STEPS: usize = 4096;
 /// The most characters of a line.
 const LONGEST_LINE: usize = 500;
 
@@ -64,6 +68,7 @@ impl<'e> Meter<'e> {
             files,
             job,
             bounded: RefCell::default(),
+            steps: RefCell::default(),
             set,
             parameters: RefCell::default(),
             cuts: RefCell::new(vec![false; n_cuts]),
@@ -78,6 +83,16 @@ impl<'e> Meter<'e> {
     /// The meter of a run.
     pub fn from_eval<'a>(eval: &Evaluator<'_, 'a, 'e>) -> &'a Self {
         eval.extra.and_then(|extra| extra.downcast_ref()).expect("every run has its meter")
+    }
+
+    /// Keeps what a call at an offset of the parsed text made.
+    pub fn keep_step(&self, at: usize, made: &Arg) {
+        let mut steps = self.steps.borrow_mut();
+        if let Arg::Shape(solid) = made
+            && steps.len() < MOST_STEPS
+        {
+            steps.push((at, solid.field.clone()));
+        }
     }
 
     /// Charges for reading, or creating, that many elements.

@@ -39,6 +39,15 @@ pub struct ScriptBody {
     pub field: Field,
 }
 
+/// What a line of a script made: a whole shape, or a part of one.
+#[derive(Clone, Debug)]
+pub struct ScriptStep {
+    /// The number of the line, from 1.
+    pub line: u64,
+    /// The shape, as it stood then.
+    pub field: Field,
+}
+
 /// The result of a script.
 #[derive(Clone, Debug)]
 pub struct Script {
@@ -52,6 +61,8 @@ pub struct Script {
     pub warnings: Vec<ScriptWarning>,
     /// The lines that it prints, and what its files were made of.
     pub said: Vec<String>,
+    /// What its calls made, in the order of their evaluation: the first few thousand.
+    pub steps: Vec<ScriptStep>,
 }
 
 /// Runs a script that has no files beside it; otherwise as [`run_with`].
@@ -169,9 +180,22 @@ fn script_of(
     warnings
         .extend(source.lines_and_columns(&offsets).into_iter().map(ScriptWarning::bound_taken_as_distance));
     warnings.sort_by_key(|warning| warning.place);
+    let steps = steps_by_line(meter.steps.into_inner(), &source);
     let said = meter.notes.into_inner().into_iter().chain(meter.said.into_inner()).collect();
     let Evaluated { field, bodies } = evaluated;
-    Ok(Script { field, bodies, parameters, warnings, said })
+    Ok(Script { field, bodies, parameters, warnings, said, steps })
+}
+
+/// Shapes with their lines instead of offsets in the parsed text.
+fn steps_by_line(steps: Vec<(usize, Field)>, source: &ScriptSource) -> Vec<ScriptStep> {
+    let offsets: Vec<usize> = steps.iter().map(|(offset, _)| source.place(*offset)).collect();
+    let mut in_order_of_text = offsets.clone();
+    in_order_of_text.sort_unstable();
+    in_order_of_text.dedup();
+    let lines = source.lines_and_columns(&in_order_of_text);
+    let line_of = |offset: usize| in_order_of_text.binary_search(&offset).map_or(0, |at| lines[at].0);
+    let with_line = |(offset, (_, field))| ScriptStep { line: line_of(offset), field };
+    offsets.iter().copied().zip(steps).map(with_line).collect()
 }
 
 /// The files that were evaluated, by their names.

@@ -84,14 +84,16 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
             by_name.push((name.as_str().to_owned(), charged_arg(value, eval)?));
         }
         let meter = Meter::from_eval(eval);
-        if self.0.moves_by_bound(&by_position, &by_name)
-            && let Some(place) = eval.call_stack_top_location()
-            && place.filename() == MAIN
-        {
-            meter.bounded.borrow_mut().push(place.span.begin().get() as usize);
+        let place = eval.call_stack_top_location().filter(|place| place.filename() == MAIN);
+        let offset = place.map(|place| place.span.begin().get() as usize);
+        if let Some(offset) = offset.filter(|_| self.0.moves_by_bound(&by_position, &by_name)) {
+            meter.bounded.borrow_mut().push(offset);
         }
         let notes = &mut meter.notes.borrow_mut();
         let made = self.0.call_within(by_position, by_name, meter.job, notes).map_err(fault)?;
+        if let Some(offset) = offset {
+            meter.keep_step(offset, &made);
+        }
         to_starlark(made, eval)
     }
 }

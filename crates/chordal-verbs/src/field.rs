@@ -1,4 +1,5 @@
 //! Fields: meshed within a budget, and measured against triangles.
+use crate::contact_note::contact_note;
 #[cfg(feature = "booleans")]
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 use crate::field_looks::{renumber, with_materials};
@@ -74,6 +75,7 @@ fn mesh_parts(
         Some(made) => made,
         None => mesh_whole(&field, request, notes, job)?,
     };
+    notes.extend(contact_note(&bound, &implicit.lines));
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(

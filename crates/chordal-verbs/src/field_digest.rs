@@ -46,8 +46,7 @@ mod tests {
     use chordal_io::Frame;
 
     fn digest_of(expr: Expr) -> Option<String> {
-        let (frame, parameters, bodies) = (Frame::default(), Vec::new(), Vec::new());
-        field_digest(&ImplicitShape { field: Field::new(expr), region: None, frame, parameters, bodies })
+        field_digest(&ImplicitShape::new(Field::new(expr), None, Frame::default()))
     }
 
     #[test]

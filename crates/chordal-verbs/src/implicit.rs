@@ -17,6 +17,17 @@ pub struct ImplicitShape {
     pub parameters: Vec<Parameter>,
     /// The shapes that it is the union of, where a script gives several; each becomes a part of its own.
     pub bodies: Vec<ShapeBody>,
+    /// What the calls of its script made, in the order of their evaluation, for sentences about places of it.
+    pub lines: Vec<ShapeLine>,
+}
+
+/// What a line of a script made.
+#[derive(Clone, Debug)]
+pub struct ShapeLine {
+    /// The number of the line, from 1.
+    pub line: u64,
+    /// A part of the shape, or the whole, as it stood then.
+    pub field: Field,
 }
 
 /// One of several shapes of an input.
@@ -40,6 +51,12 @@ pub struct Parameter {
 }
 
 impl ImplicitShape {
+    /// A single shape that no script made.
+    #[must_use]
+    pub fn new(field: Field, region: Option<Box3>, frame: Frame) -> Self {
+        Self { field, region, frame, parameters: Vec::new(), bodies: Vec::new(), lines: Vec::new() }
+    }
+
     /// One of its bodies, in the same region and frame.
     #[must_use]
     pub fn of_body(&self, body: &ShapeBody) -> Self {

@@ -19,7 +19,7 @@ pub(crate) fn shape(
     context: ScriptContext<'_, '_>,
 ) -> Result<(Shape, Vec<Warning>), ReadError> {
     use crate::script_files::FilesBeside;
-    use crate::{ImplicitShape, Parameter, ShapeBody};
+    use crate::{ImplicitShape, Parameter, ShapeBody, ShapeLine};
     use chordal_io::FileLocation;
     use chordal_script::{RunOptions, run_with};
 
@@ -68,8 +68,10 @@ pub(crate) fn shape(
     }
     let bodies =
         script.bodies.into_iter().map(|body| ShapeBody { name: body.name, field: body.field }).collect();
+    let lines =
+        script.steps.into_iter().map(|step| ShapeLine { line: step.line, field: step.field }).collect();
     let field = script.field;
-    Ok((Shape::Field(ImplicitShape { field, region: None, frame, parameters, bodies }), warnings))
+    Ok((Shape::Field(ImplicitShape { field, region: None, frame, parameters, bodies, lines }), warnings))
 }
 
 /// Refuses every script: this build has no interpreter.

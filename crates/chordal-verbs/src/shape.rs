@@ -48,13 +48,7 @@ impl From<Content> for Shape {
             Content::Polygons(polygons) => Self::Cage(polygons),
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
-            Content::Field { field, region, frame } => Self::Field(ImplicitShape {
-                field,
-                region,
-                frame,
-                parameters: Vec::new(),
-                bodies: Vec::new(),
-            }),
+            Content::Field { field, region, frame } => Self::Field(ImplicitShape::new(field, region, frame)),
             Content::Volume(volume) => Self::Volume(VolumeShape { volume, surface: SurfaceSpec::default() }),
         }
     }

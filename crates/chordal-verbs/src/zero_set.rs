@@ -34,14 +34,7 @@ pub(crate) fn level_field<G: SampleGrid + Clone + 'static>(
     let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
     // All that is inside is within the box, so that cutting the field off there changes nothing, and makes it known.
     let region = Some(Box3::from_points(&corners));
-    let implicit = ImplicitShape {
-        field: Field::new(expr),
-        region,
-        frame: Frame::default(),
-        parameters: Vec::new(),
-        bodies: Vec::new(),
-    };
-    Some(implicit.solid())
+    Some(ImplicitShape::new(Field::new(expr), region, Frame::default()).solid())
 }
 
 /// The distance between triangles and where the interpolant of samples vanishes, both ways, judged without knowing

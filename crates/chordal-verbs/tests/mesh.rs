@@ -447,8 +447,7 @@ impl Leaf for Opaque {
 fn what_nothing_is_known_of_is_measured_unless_a_proof_is_asked_for() {
     let field = Field::new(Expr::leaf(Arc::new(Opaque), Expr::axes()));
     let region = Some(Box3 { min: [-1.25; 3], max: [1.25; 3] });
-    let implicit =
-        ImplicitShape { field, region, frame: Frame::default(), parameters: Vec::new(), bodies: Vec::new() };
+    let implicit = ImplicitShape::new(field, region, Frame::default());
     let ask = |require| {
         let spec = BudgetSpec { require, ..length("0.2") };
         meshed(input(Shape::Field(implicit.clone())), &spec)

@@ -109,13 +109,7 @@ impl SolidOperand {
         job: &Job,
     ) -> Result<Self, MeshFailure> {
         let made = mesh_to_field(&self.mesh, job)?;
-        let implicit = ImplicitShape {
-            field: made.field,
-            region: None,
-            frame: Frame::default(),
-            parameters: Vec::new(),
-            bodies: Vec::new(),
-        };
+        let implicit = ImplicitShape::new(made.field, None, Frame::default());
         let bounds = implicit.bounds();
         let mut words = Vec::new();
         let closed = tessellate(&Shape::Field(implicit), within, bounds, &mut words, job)?;

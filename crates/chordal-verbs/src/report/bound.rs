@@ -1,5 +1,5 @@
 //! The bound in the report.
-use chordal::budget::proof::{OpenPlace, OpenPlaces};
+use chordal::budget::proof::{OpenPlace, OpenPlaces, SurfaceContact};
 use chordal::{Bound, Evidence};
 use serde::Serialize;
 
@@ -57,11 +57,34 @@ pub struct OpenPlaceFacts {
     pub size: f64,
     /// The area of its triangles; 0 where a part of the true shape could be without any.
     pub area: f64,
+    /// A point where two surfaces touch; present where one is seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactFacts>,
+}
+
+/// A point where two surfaces touch, in the report.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ContactFacts {
+    /// `tangent`: from opposite sides; `flush`: from one side, as faces that lie in one another.
+    pub kind: &'static str,
+    /// The point.
+    pub at: [f64; 3],
+}
+
+impl ContactFacts {
+    fn new(contact: SurfaceContact) -> Self {
+        Self { kind: if contact.is_flush { "flush" } else { "tangent" }, at: contact.at }
+    }
 }
 
 impl OpenPlacesFacts {
     fn new(places: &OpenPlaces) -> Self {
-        let facts = |place: &OpenPlace| OpenPlaceFacts { at: place.at, size: place.size, area: place.area };
+        let facts = |place: &OpenPlace| OpenPlaceFacts {
+            at: place.at,
+            size: place.size,
+            area: place.area,
+            contact: place.contact.map(ContactFacts::new),
+        };
         Self {
             count: places.count,
             area: places.area,

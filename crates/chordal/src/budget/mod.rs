@@ -29,7 +29,7 @@ pub use length::{InvalidLength, Length, Unit};
 pub(crate) use lens::{Lens, PixelScale};
 pub use limits::{Budget, PixelBudget, RequiredEvidence, UnknownRequirement};
 pub(crate) use message::{Message, Spell, Spelling};
-pub(crate) use open_places::{OpenPlace, OpenPlaces};
+pub(crate) use open_places::{OpenPlace, OpenPlaces, SurfaceContact};
 #[cfg(feature = "threads")]
 pub(crate) use parallel::has_threads;
 pub use parallel::par_map;
@@ -60,5 +60,5 @@ pub mod camera {
 /// Proofs that are tried after a result is there: how far they are taken, and what they leave open.
 pub mod proof {
     pub use super::job::ProofEffort;
-    pub use super::open_places::{OpenPlace, OpenPlaces};
+    pub use super::open_places::{OpenPlace, OpenPlaces, SurfaceContact};
 }

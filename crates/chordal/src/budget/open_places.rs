@@ -9,13 +9,25 @@ pub struct OpenPlace {
     pub size: f64,
     /// The area of its triangles; 0 where a part of the true shape could be without any.
     pub area: f64,
+    /// A point where two surfaces touch, if one is seen: what mostly keeps a place from being proved.
+    pub contact: Option<SurfaceContact>,
+}
+
+/// A point where two surfaces have one tangent plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceContact {
+    /// The point.
+    pub at: [f64; 3],
+    /// Whether both are on one side of the plane, as faces that lie in one another; otherwise they touch from opposite
+    /// sides, as parts that do not overlap, or as a wall that ends in nothing.
+    pub is_flush: bool,
 }
 
 /// The places where a bound is not proved. Elsewhere each triangle is proved to be near the true shape.
 ///
 /// ```
 /// use chordal::budget::proof::{OpenPlace, OpenPlaces};
-/// let place = |x: f64, size: f64| OpenPlace { at: [x, 0.0, 0.0], size, area: 0.5 };
+/// let place = |x: f64, size: f64| OpenPlace { at: [x, 0.0, 0.0], size, area: 0.5, contact: None };
 /// let places = OpenPlaces::new(vec![place(0.0, 0.1), place(1.0, 0.3)], 8.0);
 /// assert_eq!((places.count, places.largest[0].at[0], places.area), (2, 1.0, 1.0));
 /// ```

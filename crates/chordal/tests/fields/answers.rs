@@ -2,7 +2,7 @@
 use chordal::budget::proof::ProofEffort;
 use chordal::budget::{Evidence, RequiredEvidence};
 use chordal::check::validity;
-use chordal::convert::field_to_mesh;
+use chordal::convert::{field_to_mesh, redistance};
 use chordal::explicit::Topology;
 use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
@@ -21,6 +21,15 @@ fn within(field: Expr, half: f64) -> Field {
 
 fn budget(require: RequiredEvidence, length: f64) -> Budget {
     Budget { require, ..Budget::length(Tolerance::new(length).unwrap()) }
+}
+
+fn volume(mesh: &Mesh) -> f64 {
+    let tetrahedron = |face: usize| {
+        let [a, b, c] = mesh.corners(face);
+        let [u, v] = [[1, 2, 0], [2, 0, 1]];
+        (0..3).map(|k| a[k] * (b[u[k]] * c[v[k]] - b[v[k]] * c[u[k]])).sum::<f64>() / 6.0
+    };
+    (0..mesh.faces().len()).map(tetrahedron).sum()
 }
 
 fn is_closed(mesh: &Mesh) -> bool {
@@ -86,4 +95,35 @@ fn a_job_that_is_to_finish_ends_with_a_closed_mesh_that_is_measured() {
     let Bounded { shape, bound } = made.or_else(Failure::best_effort).unwrap();
     assert!(is_closed(&shape) && shape.faces().len() > 100);
     assert!(matches!(bound.evidence(), Evidence::Measured { .. }) && bound.open.is_none(), "{bound:?}");
+}
+
+#[test]
+fn a_lattice_that_is_to_finish_ends_with_a_coarser_mesh() {
+    let length = Tolerance::new(0.01).unwrap();
+    let solid = redistance(&within(plate([0.0; 3], [1.0; 3]), 1.0), length, &Job::default()).unwrap().shape;
+    let round = solid.offset(0.25).unwrap();
+    let job = Job::default();
+    job.finish();
+    let made = field_to_mesh(&round, &budget(RequiredEvidence::ProvedOrMeasured, 1e-3), &job);
+    let Bounded { shape, bound } = made.or_else(Failure::best_effort).unwrap();
+    assert!(is_closed(&shape) && matches!(bound.evidence(), Evidence::Measured { .. }), "{bound:?}");
+    // A cube of 2 with round edges: 8 + 6 * 4 * r + 12 * 2 * pi r^2 / 4 + 4/3 pi r^3.
+    let r = 0.25_f64;
+    let pi = std::f64::consts::PI;
+    let volume = 8.0 + 24.0 * r + 6.0 * pi * r * r + 4.0 / 3.0 * pi * r.powi(3);
+    let found = volume(&shape);
+    assert!((found - volume).abs() < 0.01 * volume, "{found} {volume}");
+}
+
+#[test]
+fn a_contact_is_named_where_a_proof_does_not_end() {
+    let [x, y, z] = Expr::axes();
+    let post = (x.square() + (y - 5.0).square()).sqrt() - 3.0;
+    let field = within(plate([0.0; 3], [2.0; 3]).min(&post.max(&(z.abs() - 2.0))), 9.0);
+    let made =
+        field_to_mesh(&field, &budget(RequiredEvidence::ProvedOrMeasured, 0.1), &Job::default()).unwrap();
+    let open = made.bound.open.as_deref().expect("nothing goes around a line where two solids touch");
+    let contact = open.largest.iter().find_map(|place| place.contact).expect("a contact");
+    let off = (contact.at[0].powi(2) + (contact.at[1] - 2.0).powi(2)).sqrt();
+    assert!(!contact.is_flush && off < 0.02 && contact.at[2].abs() < 2.1, "{contact:?}");
 }

@@ -4,6 +4,7 @@ mod arrangement;
 mod border_functions;
 mod cells;
 mod cells_at_vertices;
+mod contacts;
 mod corner_gradients;
 mod draft;
 mod extract;

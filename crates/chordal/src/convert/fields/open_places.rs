@@ -1,20 +1,26 @@
 //! From what a proof left open to the places that a bound lists.
-use crate::budget::{OpenPlace, OpenPlaces};
+use super::contacts::find_contacts;
+use crate::budget::{Job, OpenPlace, OpenPlaces};
 use crate::check::SandwichVerdict;
 use crate::explicit::Mesh;
+use crate::implicit::Csg;
 use crate::math::{Box3, cross, difference, length};
 
-/// The connected parts of the faces that a verdict left open, and the boxes in which a part of the surface may be missed.
-pub(super) fn open_places(mesh: &Mesh, verdict: &SandwichVerdict) -> OpenPlaces {
+/// The connected parts of the faces that a verdict left open, and the boxes in which a part of the surface may be missed,
+/// and how primitives touch there.
+pub(super) fn open_places(mesh: &Mesh, verdict: &SandwichVerdict, csg: &Csg, job: &Job) -> OpenPlaces {
     let mut faces: Vec<u32> = verdict.open.iter().flatten().copied().collect();
     faces.sort_unstable();
     faces.dedup();
     let mut places = places_of_faces(mesh, &faces);
     places.extend(touching(verdict.unresolved.clone()).iter().map(|bounds| place(bounds, 0.0)));
-    let at_points = verdict.wrong.iter().map(|probe| OpenPlace { at: probe.at, size: 0.0, area: 0.0 });
+    let at_points =
+        verdict.wrong.iter().map(|probe| OpenPlace { at: probe.at, size: 0.0, area: 0.0, contact: None });
     places.extend(at_points);
     let whole = (0..mesh.faces().len() as u32).map(|face| area(mesh, face)).sum();
-    OpenPlaces::new(places, whole)
+    let mut open = OpenPlaces::new(places, whole);
+    find_contacts(&mut open.largest, csg, job);
+    open
 }
 
 /// The most boxes that are put together by their sides; of more, all are one place. Chosen: some milliseconds.
@@ -65,7 +71,7 @@ fn places_of_faces(mesh: &Mesh, faces: &[u32]) -> Vec<OpenPlace> {
 }
 
 fn place(bounds: &Box3, area: f64) -> OpenPlace {
-    OpenPlace { at: bounds.centre(), size: bounds.diagonal(), area }
+    OpenPlace { at: bounds.centre(), size: bounds.diagonal(), area, contact: None }
 }
 
 fn area(mesh: &Mesh, face: u32) -> f64 {

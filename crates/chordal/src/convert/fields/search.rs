@@ -180,7 +180,8 @@ impl<'s> FieldMeshSearch<'s> {
 
     /// A mesh whose proof did not end, measured as a whole, with the places that the proof left open.
     fn measured_instead(&self, left: UnprovedMesh, length: f64) -> FieldMeshResult {
-        let places = left.verdict.as_ref().map(|verdict| open_places(&left.mesh, verdict));
+        let csg = Csg::from_expr(self.field.sign());
+        let places = left.verdict.as_ref().map(|verdict| open_places(&left.mesh, verdict, &csg, self.job));
         let mut made = self.measure(left.mesh)?;
         if self.is_strict() {
             made.bound.at = left.place.or(made.bound.at);
