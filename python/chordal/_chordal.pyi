@@ -29,7 +29,7 @@ class Reading(TypedDict):
     lenient: bool
     drop_nonfinite: bool
     surface: str | None
-    letters: tuple[str, float, list[tuple[str, float]]] | None
+    letters: tuple[str, float, list[tuple[str, float]], float] | None
     index: int | None
 
 @type_check_only

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import os
-from typing import SupportsFloat
+from typing import Literal, SupportsFloat
 
-from chordal import _chordal
+from chordal import _chordal, _files
 from chordal._arguments import number
+from chordal._arguments import text as text_of
 from chordal._field import Field
 from chordal._files import shown
-from chordal._load import load
+from chordal._load import load, read
 from chordal._shape import Shape
+from chordal._sourced import plain_reading
+
+#: The share of each line that stands left of x = 0.
+_ALIGNMENTS = {"left": 0.0, "center": 0.5, "right": 1.0}
 
 
 def text(
@@ -18,17 +23,24 @@ def text(
     font: str | os.PathLike[str],
     tolerance: SupportsFloat,
     em: SupportsFloat = 1,
+    align: Literal["left", "center", "right"] = "left",
     **axes: SupportsFloat,
 ) -> Field:
     """The letters of a text in a font, as a shape of the plane: the exact distance to polygons within `tolerance` of the
-    outlines, and a lower bound where outlines overlap. `em` is the length of the font's em; `axes` say where those of a
+    outlines, and a lower bound where outlines overlap. `em` is the length of the font's em; `align`
+    says whether lines start at x = 0, or by their advance widths are centred there or end there; `axes` say where those of a
     variable font are, as in `wght=700`. `Field.notes` has the distance of the polygons.
 
     Raises `ReadError` for what the font cannot set, and `OSError` where there is none.
     """
     length = number("tolerance", tolerance)
-    letters = load(font, format="ttf", text=text, em=em, axes=axes)
-    return _filled(letters, shown(font), length)
+    if align not in _ALIGNMENTS:
+        raise ValueError(f"align: 'left', 'center' or 'right', not {align!r}")
+    tags = [(tag, number(f"axes, {tag}", value)) for tag, value in axes.items()]
+    reading = plain_reading("ttf")
+    reading["name"] = shown(font)
+    reading["letters"] = (text_of("text", text) or "", number("em", em), tags, _ALIGNMENTS[align])
+    return _filled(read(_files.read(font), reading), shown(font), length)
 
 
 def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:

@@ -169,7 +169,7 @@ def load(
     letters = None
     if text is not None:
         tags = [(str(tag), number(f"axes, {tag}", value)) for tag, value in (axes or {}).items()]
-        letters = (_text("text", text) or "", 1.0 if em is None else number("em", em), tags)
+        letters = (_text("text", text) or "", 1.0 if em is None else number("em", em), tags, 0.0)
     reading: _chordal.Reading = {
         "name": name,
         "format": _text("format", format),

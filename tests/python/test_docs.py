@@ -45,7 +45,7 @@ def shapes_of_a_script(code: str) -> list[chordal.Field]:
     assert isinstance(last, ast.Expr | ast.Assign)
     words = {name: getattr(chordal.shapes, name) for name in chordal.shapes.__all__}
     # The font of the tests has one letter and no axes, and scripts open meshes by a word of their own.
-    words["text"] = lambda text, font, tolerance, em=1, **axes: chordal.shapes.text("A", font, tolerance, em)
+    words["text"] = lambda text, font, tolerance, em=1, align="left", **axes: chordal.shapes.text("A", font, tolerance, em, align)
     words["mesh"] = lambda name: chordal.shapes.sphere(1).mesh(tol=0.1).to_field()
     words["__name__"] = "script"
     exec(compile(ast.Module([*before], []), "script", "exec"), words)

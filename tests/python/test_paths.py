@@ -197,6 +197,12 @@ def test_a_font_sets_a_text_as_a_solid_and_as_a_field(tmp_path: Path) -> None:
     assert len(letters.flatten(tol=1e-3)) == 2
     field = chordal.shapes.text("A A", font, 0.01, em=10)
     assert field([[2.5, 3.5, 0], [7, 3.5, 0], [11.5, 3.5, 0]]).tolist() == [-2.5, 2, -2.5]
+    # An advance of a letter is 6 and that of a space 3, so that the line is 15 long.
+    for align, start in [("left", 0.0), ("center", -7.5), ("right", -15.0)]:
+        moved = chordal.shapes.text("A A", font, 0.01, 10, align)  # type: ignore[arg-type]
+        assert moved([[start + 2.5, 3.5, 0], [start + 7, 3.5, 0], [start + 14, 3.5, 0]]).tolist() == [-2.5, 2, 0]
+    with pytest.raises(ValueError, match="'left', 'center' or 'right'"):
+        chordal.shapes.text("A", font, 0.01, align="middle")  # type: ignore[arg-type]
     # Straight lines, but for the rounding of where they are placed.
     assert float(field.notes[0].split("within ")[1].split()[0]) < 1e-12
     drawing = tmp_path / "a.svg"

@@ -117,6 +117,9 @@ fn scripts_have_letters_as_shapes_of_the_plane() {
         ("text('A', 'tiny.ttf', 0.01, em=-1)", "a number above 0"),
         ("text('A', 'tiny.ttf', 0.01, wght='bold')", "the axis wght needs a number"),
         ("text('A', 'tiny.ttf', 0.01, wdth=3)", "no axis 'wdth'"),
+        ("text('A', 'tiny.ttf', 0.01, align='middle')", "align is \"left\", \"center\" or \"right\""),
+        ("text('A', 'tiny.ttf', 0.01, align=1)", "align is \"left\""),
+        ("text('A', 'tiny.ttf', 0.01, halign='center')", "here it is align="),
         ("text('A', '../tiny.ttf', 0.01)", "without '..'"),
         ("text('A', 'wrong.star', 0.01)", "cannot be used"),
     ] {

@@ -86,6 +86,27 @@ fn letters_stand_where_advances_pairs_and_lines_put_them() {
 }
 
 #[test]
+fn lines_are_aligned_by_their_advances() {
+    let ends = |text: &str, align: f64| {
+        let [[left, _], [right, _]] = extent(&set(&Letters { align, ..Letters::new(text) }));
+        [left, right]
+    };
+    // A letter is 500 wide and its advance 600; that of a space is 300, at the end of a line too.
+    for (text, advance) in [("A", 0.6), ("AA", 1.2), ("A ", 0.9), ("AV", 1.05)] {
+        let [left, right] = ends(text, 0.0);
+        for align in [0.5, 1.0] {
+            let found = ends(text, align);
+            for (found, start) in found.into_iter().zip([left, right]) {
+                assert!((found - (start - align * advance)).abs() < 1e-15, "{text} by {align}: {found}");
+            }
+        }
+    }
+    // Each line by itself: the box is that of the longer one.
+    assert_eq!(ends("AA\nA", 0.5), [-0.6, 0.5]);
+    assert_eq!(ends("AA\nA", 1.0), [-1.2, -0.1]);
+}
+
+#[test]
 fn axes_move_points_and_advances() {
     let at = |wght: f64, text: &str| {
         extent(&set(&Letters { axes: vec![("wght".to_owned(), wght)], ..Letters::new(text) }))[1][0]

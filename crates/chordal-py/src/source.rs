@@ -28,8 +28,8 @@ pub(crate) struct Source {
     calls: Vec<Arc<CallLog>>,
 }
 
-/// A text, the length of the em, and where axes of the font are.
-type LetterArguments = (String, f64, Vec<(String, f64)>);
+/// A text, the length of the em, where axes of the font are, and the share of each line that stands left of 0.
+type LetterArguments = (String, f64, Vec<(String, f64)>, f64);
 
 /// How to read some bytes.
 #[derive(FromPyObject)]
@@ -44,7 +44,7 @@ pub(crate) struct Reading {
     lenient: bool,
     drop_nonfinite: bool,
     surface: Option<String>,
-    /// What a font sets, its em, and where its axes are.
+    /// What a font sets, its em, where its axes are, and how lines are aligned.
     letters: Option<LetterArguments>,
     /// Which volume of a file of several.
     index: Option<u64>,
@@ -69,7 +69,7 @@ impl Reading {
             index: self.index,
             ..Limits::default()
         };
-        let letters = self.letters.map(|(text, em, axes)| Letters { text, em, axes });
+        let letters = self.letters.map(|(text, em, axes, align)| Letters { text, em, axes, align });
         let hint = FormatHint {
             name: self.name.as_deref(),
             format,

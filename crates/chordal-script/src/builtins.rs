@@ -66,6 +66,9 @@ fn unusable(function: &str, name: &str, why: &str) -> starlark::Error {
     starlark::Error::new_other(FileError(format!("{function}(): '{name}' cannot be used: {why}")))
 }
 
+/// How lines of a text can be aligned, and the share of each that is left of x = 0.
+const ALIGNMENTS: [(&str, f64); 3] = [("left", 0.0), ("center", 0.5), ("right", 1.0)];
+
 #[starlark_module]
 pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     const pi: f64 = std::f64::consts::PI;
@@ -200,6 +203,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         font: &str,
         tolerance: Value<'v>,
         em: Option<Value<'v>>,
+        align: Option<Value<'v>>,
         #[starlark(kwargs)] axes: SmallMap<String, Value<'v>>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
@@ -209,13 +213,18 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         };
         let em = em.map_or(Some(1.0), number).filter(|em| *em > 0.0 && em.is_finite());
         let em = em.ok_or_else(|| wrong("the em of letters is a number above 0".to_owned()))?;
+        let align = align.map_or(Some("left"), |align| align.unpack_str());
+        let Some((_, align)) = ALIGNMENTS.into_iter().find(|(name, _)| align == Some(*name)) else {
+            return Err(wrong("align is \"left\", \"center\" or \"right\"".to_owned()));
+        };
         let place = |(name, value): (String, Value<'v>)| match number(value) {
             Some(value) => Ok((name, value)),
+            None if name == "halign" => Err(wrong("here it is align=, as in align=\"center\"".to_owned())),
             None => Err(wrong(format!("the axis {name} needs a number, not {}", arg_of(value).kind()))),
         };
         let axes = axes.into_iter().map(place).collect::<starlark::Result<_>>()?;
         check_name(font).map_err(wrong)?;
-        let wanted = FileUse::Letters(FontText { text: text.to_owned(), em, axes, tolerance });
+        let wanted = FileUse::Letters(FontText { text: text.to_owned(), em, axes, tolerance, align });
         let field = Meter::from_eval(eval).shape_of(font, wanted);
         let field = field.map_err(|why| unusable("text", font, &why))?;
         to_starlark(Arg::shape(field), eval)

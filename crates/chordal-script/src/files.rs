@@ -31,6 +31,8 @@ pub struct FontText {
     pub axes: Vec<(String, f64)>,
     /// The length within which curves are polygons.
     pub tolerance: f64,
+    /// The share of each line's advance width that stands left of x = 0.
+    pub align: f64,
 }
 
 /// What a file was found to be.

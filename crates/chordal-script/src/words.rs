@@ -52,9 +52,16 @@ pub const BUILT_INS: &[BuiltIn] = &[
     },
     BuiltIn {
         name: "text",
-        parameters: &[required("text"), required("font"), required("tolerance"), optional("em", 1.0)],
+        parameters: &[
+            required("text"),
+            required("font"),
+            required("tolerance"),
+            optional("em", 1.0),
+            defaulting("align", ParameterDefault::Text("left")),
+        ],
         about: "The letters of a text in a font beside the script, as a shape of the plane; their curves are polygons \
-                within the tolerance. Axes of the font go by their tags, as wght=700.",
+                within the tolerance. Lines start at x = 0; aligned as \"center\" or \"right\" their advance widths are centred \
+                or end there. Axes of the font go by their tags, as wght=700.",
         distance: "exact; where outlines cross, of what they fill",
     },
     plain(

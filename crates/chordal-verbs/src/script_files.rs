@@ -102,11 +102,11 @@ impl ScriptFiles for FilesBeside<'_, '_> {
                 let read = chordal_io::read(&self.bytes(name)?, Format::Svg, self.limits);
                 drawing(read.map_err(|error| error.to_string())?.content, tolerance, job)
             }
-            FileUse::Letters(FontText { text, em, axes, tolerance }) => {
+            FileUse::Letters(FontText { text, em, axes, tolerance, align }) => {
                 let bytes = self.bytes(name)?;
                 let content = chordal_io::unpacked(&bytes, Some(Format::Ttf), self.limits);
                 let content = content.map_err(|error| error.to_string())?;
-                let read = read_letters(&content, &Letters { text, em, axes }, self.limits);
+                let read = read_letters(&content, &Letters { text, em, axes, align }, self.limits);
                 drawing(read.map_err(|error| error.to_string())?.content, tolerance, job)
             }
             FileUse::Mesh => self.mesh(name, job).map(|field| OpenedFile::Shape(field, Vec::new())),

@@ -1,6 +1,6 @@
 //! Fonts of TrueType and OpenType: sets a text, and reads its letters as curves in the plane.
 //!
-//! The baseline of the first line is y = 0, and x = 0 is where it starts; y grows upwards.
+//! The baseline of the first line is y = 0, and x = 0 is where it starts unless it is aligned; y grows upwards.
 mod font_file;
 mod font_list;
 mod glyph_pen;
@@ -32,6 +32,10 @@ pub struct Letters {
     pub em: f64,
     /// Where the axes of a variable font are, by their tags; the others are where the font says.
     pub axes: Vec<(String, f64)>,
+    /// The share of each line's advance width that stands left of x = 0: 0 for lines that start there, 0.5 for centred
+    /// ones, 1 for those that end there. The advance is what the font's tables give the line, spaces at its end
+    /// included: letters reach as far over or short of it as they are drawn.
+    pub align: f64,
 }
 
 impl Letters {
@@ -42,7 +46,7 @@ impl Letters {
     /// ```
     #[must_use]
     pub fn new(text: &str) -> Self {
-        Self { text: text.to_owned(), em: 1.0, axes: Vec::new() }
+        Self { text: text.to_owned(), em: 1.0, axes: Vec::new(), align: 0.0 }
     }
 }
 
@@ -77,7 +81,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
 pub fn read_letters(bytes: &[u8], letters: &Letters, limits: &Limits) -> Result<ReadOutcome, ReadError> {
     check(letters)?;
     let font = FontFile::read(bytes, limits)?.at(&letters.axes)?;
-    let placed = Typesetter::new(&font).set(&letters.text)?;
+    let placed = Typesetter::new(&font).set(&letters.text, letters.align)?;
     let mut pen = GlyphPen::new(letters.em, font.units_per_em());
     for glyph in &placed {
         pen.place(glyph.at);

@@ -27,18 +27,22 @@ impl<'a> Typesetter<'a> {
         Self { font: ShaperFont::new(font.font()), line_distance, buffer: Buffer::new() }
     }
 
-    /// The glyphs of a text, line below line.
-    pub fn set(mut self, text: &str) -> Result<Vec<PlacedGlyph>, ReadError> {
+    /// The glyphs of a text, line below line, with that share of each line's advance left of 0.
+    pub fn set(mut self, text: &str, align: f64) -> Result<Vec<PlacedGlyph>, ReadError> {
         let mut placed = Vec::new();
         // Breaks of a line are a line feed, or one with a carriage return before it.
         for (index, line) in text.lines().enumerate() {
             let y = -(index as f64) * self.line_distance;
-            self.set_line(line, y, &mut placed)?;
+            let first = placed.len();
+            let advance = self.set_line(line, y, &mut placed)?;
+            // Exact for halves of whole numbers, so that the letters' slack has nothing of it.
+            placed[first..].iter_mut().for_each(|glyph| glyph.at[0] -= align * advance);
         }
         Ok(placed)
     }
 
-    fn set_line(&mut self, line: &str, y: f64, placed: &mut Vec<PlacedGlyph>) -> Result<(), ReadError> {
+    /// Adds the glyphs of a line, which starts at 0. Returns its advance width.
+    fn set_line(&mut self, line: &str, y: f64, placed: &mut Vec<PlacedGlyph>) -> Result<f64, ReadError> {
         let mut runs = self.runs(line);
         let directions: Vec<Direction> = runs.iter().map(|run| self.direction(run)).collect();
         let is_backward = directions.first() == Some(&Direction::RightToLeft);
@@ -73,7 +77,7 @@ impl<'a> Typesetter<'a> {
                 pen[1] = pen[1].saturating_add(i64::from(position.y_advance));
             }
         }
-        Ok(())
+        Ok(pen[0] as f64)
     }
 
     /// The parts of a line in one script each. What is of no script of its own (spaces, signs, digits) belongs to what
