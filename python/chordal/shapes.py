@@ -11,7 +11,7 @@ The text of a script also runs in Python after `from chordal.shapes import *`.
 from typing import TYPE_CHECKING
 
 from chordal._curve import arc, bezier, fit, nurbs, spline
-from chordal._field import check, fail, field, param
+from chordal._field import box_of, check, fail, field, param
 from chordal._formulas import (
     acos,
     asin,
@@ -106,6 +106,7 @@ __all__ = [
     "bend",
     "bezier",
     "box",
+    "box_of",
     "capsule",
     "ceil",
     "check",

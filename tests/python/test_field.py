@@ -53,6 +53,7 @@ def test_examples_are_the_same_in_starlark_and_in_python(path: Path) -> None:
         "twist(stretch(torus(2, 0.5), 1, 2), 30) & plane([1, 1, 1], offset=0.5)",
         "field(maximum(minimum(x, y), atan2(z, x)) - sqrt(x * x) + floor(y) - ceil(z) + exp(x) - log(3))",
         "mirror(capsule((0, 0, 0), [1, 1, 1], 0.3), 1, 0) | repeat(sphere(0.2), x=1, nx=3)",
+        "b = box_of(rotate_z(box(1, 2, 3), 30))\nmove(sphere(b['size'][0]), b['max'][0], b['min'][1], b['center'][2])",
     ],
 )
 def test_texts_are_the_same_in_starlark_and_in_python(text: str) -> None:

@@ -110,6 +110,14 @@ fn scripts_have_letters_as_shapes_of_the_plane() {
     let truth = (600.0 * 700.0 + tiny_glyph_area('O')) * 1e-4 * 2.0;
     let found = volume_of_stl(&std::fs::read(&out).unwrap());
     assert!((found / truth - 1.0).abs() < 1e-2, "{found}, not {truth}");
+    // The advance of a letter is 6, and it is 5 wide.
+    for (align, left) in [("left", 0), ("center", -6), ("right", -12)] {
+        let script = format!(
+            "b = box_of(text('AA', 'tiny.ttf', 0.001, em=10, align='{align}'))\n\
+             check(abs(b['min'][0] - {left}) + abs(b['max'][0] - {left} - 11) < 1e-9, str(b['min']))\nsphere(1)\n"
+        );
+        run(&["inspect", &folder.file("aligned.star", script)]).succeeds();
+    }
     for (text, said) in [
         ("text('文', 'tiny.ttf', 0.01)", "no glyph for '文'"),
         ("text('A', 'none.ttf', 0.01)", "'none.ttf' cannot be used: no such file"),

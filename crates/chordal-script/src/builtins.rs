@@ -7,10 +7,11 @@ use crate::operators::of_numbers;
 use crate::parameter::Parameter;
 use crate::texts::text_of;
 use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark};
+use chordal::math::Box3;
 use starlark::collections::SmallMap;
 use starlark::environment::GlobalsBuilder;
 use starlark::eval::Evaluator;
-use starlark::values::dict::DictRef;
+use starlark::values::dict::{AllocDict, DictRef};
 use starlark::values::none::NoneType;
 use starlark::values::tuple::UnpackTuple;
 use starlark::values::{Value, ValueLike};
@@ -68,6 +69,31 @@ fn unusable(function: &str, name: &str, why: &str) -> starlark::Error {
 
 /// How lines of a text can be aligned, and the share of each that is left of x = 0.
 const ALIGNMENTS: [(&str, f64); 3] = [("left", 0.0), ("center", 0.5), ("right", 1.0)];
+
+/// A row of what a script reads of a box.
+type BoxRow = (&'static str, Vec<f64>);
+
+/// What a script reads of a box, or why there is nothing to read.
+fn box_rows(bounds: &Box3) -> Result<[BoxRow; 4], &'static str> {
+    if bounds.is_empty() {
+        return Err("needs a shape with points, and this one has none");
+    }
+    let has_ends = |k: usize| bounds.min[k].is_finite() && bounds.max[k].is_finite();
+    // A shape of the plane has no end along z, and points of the plane are of two numbers.
+    let n_axes = if bounds.min[2].is_infinite() && bounds.max[2].is_infinite() { 2 } else { 3 };
+    if !(0..n_axes).all(has_ends) {
+        return Err("needs a shape whose ends are known, and this one has none on some side: \
+                    what is common with a box has them");
+    }
+    let row = |name, of: &dyn Fn(usize) -> f64| (name, (0..n_axes).map(of).collect());
+    let centre = bounds.centre();
+    Ok([
+        row("min", &|k| bounds.min[k]),
+        row("max", &|k| bounds.max[k]),
+        row("size", &|k| bounds.max[k] - bounds.min[k]),
+        row("center", &|k| centre[k]),
+    ])
+}
 
 #[starlark_module]
 pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
@@ -228,6 +254,22 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let field = Meter::from_eval(eval).shape_of(font, wanted);
         let field = field.map_err(|why| unusable("text", font, &why))?;
         to_starlark(Arg::shape(field), eval)
+    }
+
+    fn box_of<'v>(
+        #[starlark(require = pos)] shape: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let wrong = |why: &str| fault(CallError(format!("box_of() {why}")));
+        let solid = match arg_of(shape) {
+            Arg::Shape(solid) => solid,
+            other => return Err(wrong(&format!("needs a shape, not {}", other.kind()))),
+        };
+        let rows = box_rows(&solid.field.bounds()).map_err(wrong)?;
+        // Four lists of three numbers, and the dictionary.
+        Meter::charge(eval, 20)?;
+        let heap = eval.heap();
+        Ok(heap.alloc(AllocDict(rows.map(|(name, numbers)| (name, heap.alloc(AllocList(numbers)))))))
     }
 
     fn last_operand__<'v>(

@@ -76,6 +76,7 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["wedge"], "extrude(polygon(points), height)"),
     (&["half_space", "halfspace", "Plane"], "plane(normal, offset)"),
     (&["helix", "spiral", "Thread", "IsoThread"], "thread(name, height), or sweep(path, profile)"),
+    (&["bounding_box", "BoundingBox", "boundingBox", "bounds", "bbox", "aabb"], "box_of(shape)"),
     (&["echo", "log_message", "debug", "console"], "print(values)"),
     (&["assert", "require"], "check(condition, message)"),
     (&["norm", "length"], "sqrt(value), of a sum of squares"),

@@ -65,6 +65,12 @@ pub const BUILT_INS: &[BuiltIn] = &[
         distance: "exact; where outlines cross, of what they fill",
     },
     plain(
+        "box_of",
+        &[required("shape")],
+        "A box that holds the shape, as a dictionary: its lowest and highest corner as \"min\" and \"max\", \"size\" and \
+         \"center\", each of three numbers, or of two without an end along z. It may be larger than need be.",
+    ),
+    plain(
         "check",
         &[required("condition"), required("message")],
         "Ends the script with a message unless the condition holds.",
@@ -148,6 +154,7 @@ mod tests {
         }
         for call in [
             "param('r', 2)",
+            "box_of(sphere(2))['max'][0]",
             "abs(-2)",
             "2 if bool(3) else 1",
             "len(enumerate([3, 4]))",

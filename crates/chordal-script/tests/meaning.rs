@@ -469,6 +469,46 @@ fn dictionaries_and_texts_work_as_in_python() {
 }
 
 #[test]
+fn a_script_reads_the_box_of_a_shape() {
+    for (shape, min, max) in [
+        ("box(2, 4, 6)", "[-1, -2, -3]", "[1, 2, 3]"),
+        ("move(box(2, 4, 6), 1, 0, 3)", "[0, -2, 0]", "[2, 2, 6]"),
+        ("sphere(1) | move(sphere(2), 8, 0)", "[-1, -2, -2]", "[10, 2, 2]"),
+        ("cylinder(2, 5)", "[-2, -2, -2.5]", "[2, 2, 2.5]"),
+        // What is cut off counts: the box holds the shape, and may be larger.
+        ("box(2, 4, 6) - move(box(9, 9, 9), 0, 0, 4.5)", "[-1, -2, -3]", "[1, 2, 3]"),
+        // Shapes of the plane have two numbers.
+        ("move(rectangle(2, 4), 1, 5)", "[0, 3]", "[2, 7]"),
+        ("circle(3)", "[-3, -3]", "[3, 3]"),
+    ] {
+        let text = format!(
+            "b = box_of({shape})\nlow, high, n = b['min'], b['max'], len(b['min'])\n\
+             def near(found, wanted):\n    return max([abs(found[k] - wanted[k]) for k in range(n)]) < 1e-12\n\
+             check(n == len({min}) and near(low, {min}) and near(high, {max}), 'ends')\n\
+             check(near(b['size'], [high[k] - low[k] for k in range(n)]), 'size')\n\
+             check(near(b['center'], [(high[k] + low[k]) / 2 for k in range(n)]), 'center')\n\
+             check(list(b) == ['min', 'max', 'size', 'center'], 'keys')\nsphere(1)"
+        );
+        script(&text).unwrap_or_else(|error| panic!("{shape}: {error}"));
+    }
+    // A lid on a case of which nobody knows the height.
+    let lid = "case = rotate_z(box(30, 20, 9), 30) | cylinder(4, 17)\ntop = box_of(case)['max'][2]\n\
+               move(box(5, 5, 2), 0, 0, top + 1)";
+    assert_eq!(at(lid, [0.0, 0.0, 9.5]), -1.0);
+    for (text, what) in [
+        ("box_of(3)", "box_of() needs a shape, not a number"),
+        ("box_of(x)", "box_of() needs a shape, not a formula"),
+        ("box_of(gyroid(1))", "needs a shape whose ends are known"),
+        ("box_of(complement(sphere(1)))", "needs a shape whose ends are known"),
+        ("box_of(sphere(1) & move(sphere(1), 9, 0))", "needs a shape with points"),
+        ("bounding_box(sphere(1))", "here it is box_of(shape)"),
+    ] {
+        let told = script(&format!("{text}\nsphere(1)\n")).unwrap_err();
+        assert!(told.message.contains(what), "{text}: {told}");
+    }
+}
+
+#[test]
 fn every_script_on_the_page_for_users_of_openscad_is_a_shape() {
     let page = include_str!("../../../docs/shape-scripts-openscad.md");
     let scripts: Vec<&str> =
