@@ -466,13 +466,14 @@ def redistance(shape: Field, within: SupportsFloat) -> Field:
     return called("redistance", shape, within)  # type: ignore[no-any-return]
 
 
-def extrude(shape: Field, height: SupportsFloat, bevel: SupportsFloat = 0) -> Field:
+def extrude(shape: Field, height: SupportsFloat, bevel: SupportsFloat = 0, rounded: SupportsFloat = 0) -> Field:
     """A shape of the plane made a solid of that height, half above and half below. A bevel cuts the edges of both ends
-    off at 45 degrees, so wide and high, by the depths that the shape's value says.
+    off at 45 degrees, so wide and high; rounded, they are a quarter of a circle of that radius. Both go by the depths that
+    the shape's value says.
 
-    The value is worth: as it was; with a bevel a lower bound.
+    The value is worth: as it was; with a bevel or rounded edges a lower bound.
     """
-    return called("extrude", shape, height, bevel)  # type: ignore[no-any-return]
+    return called("extrude", shape, height, bevel, rounded)  # type: ignore[no-any-return]
 
 
 def section(shape: Field, z: SupportsFloat = 0) -> Field:

@@ -155,6 +155,7 @@ def test_curves_are_shapes_of_fields_as_in_scripts() -> None:
         (chordal.shapes.polygon(chordal.shapes.arc(2)), "polygon(arc(2))"),
         (chordal.shapes.polygon(np.array(points)), f"polygon({points})"),
         (chordal.shapes.extrude(chordal.shapes.circle(1), 2, bevel=0.25), "extrude(circle(1), 2, bevel=0.25)"),
+        (chordal.shapes.extrude(chordal.shapes.circle(1), 2, rounded=0.25), "extrude(circle(1), 2, rounded=0.25)"),
         (chordal.shapes.sweep(outline, 0.5, 0.01), f"sweep(spline({points}, closed=True), 0.5, 0.01)"),
         (chordal.shapes.sweep(chordal.shapes.arc(2), chordal.shapes.rectangle(1, 0.5)), "sweep(arc(2), rectangle(1, 0.5))"),
         (

@@ -31,6 +31,10 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["resize", "scaled", "scale_xyz"], "stretch(shape, x, y, z), or scale(shape, factor)"),
     (&["mirror_x", "reflect", "flip"], "mirror(shape, x, y, z), by the normal of the plane"),
     (&["linear_extrude", "linearExtrude", "extruded", "extrude_linear", "pad"], "extrude(shape, height)"),
+    (
+        &["bevel", "rounded_extrude", "extrude_rounded", "offset_sweep", "cyl_rounded", "rounded_prism"],
+        "extrude(shape, height, bevel, rounded)",
+    ),
     (&["rotate_extrude", "rotateExtrude", "revolved", "lathe", "extrude_rotate"], "revolve(shape)"),
     (&["sweep_extrude", "path_extrude", "path_sweep", "pipe", "tube"], "sweep(path, profile)"),
     (&["hull_3d", "hull3d", "convex_hull", "chain_hull"], "hull(points, radius)"),
@@ -57,7 +61,7 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["offset2d", "offset2D", "offset_2d", "offset3d", "inflate", "dilate", "grow"], "offset(shape, by)"),
     (
         &["round", "rounded", "round_edges", "round2d"],
-        "minkowski(shape, radius), or fillet= of union and difference",
+        "minkowski(shape, radius), extrude(shape, height, rounded=…), or fillet= of union and difference",
     ),
     (
         &["fillet", "chamfer"],

@@ -282,6 +282,7 @@ fn no_shape_has_more_terms_than_it_was_counted_with() {
         "offset(S, 0.1)",
         "extrude(S, 2)",
         "extrude(S, 2, bevel=0.3)",
+        "extrude(S, 2, rounded=0.3)",
         "sweep([[0, 0, 0], [20, 0, 0], [30, 20, 10]], S)",
         "twist(S, 20)",
         "bend(S, 20)",
@@ -531,6 +532,8 @@ fn names_of_other_tools_lead_to_those_of_the_language() {
             "x = 1\nhull_3d([[0, 0, 0]])",
             "line 2, column 1: Variable `hull_3d` not found: here it is hull(points",
         ),
+        ("rounded_extrude(circle(1), 2, 0.1)", "here it is extrude(shape, height, bevel, rounded)"),
+        ("rounded(box(1, 1, 1), 0.1)", "extrude(shape, height, rounded=…)"),
         ("polyhedron([])", "mesh(name) for the triangles of a file"),
         ("offset2d(circle(1), 1)", "here it is offset(shape, by)"),
         // What is spelled alike is offered where nothing better is known.

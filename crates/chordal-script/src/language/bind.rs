@@ -145,9 +145,12 @@ impl Function {
                 .get(k)
                 .or_else(|| by_name.iter().find(|(n, _)| Some(&**n) == name).map(|(_, arg)| arg))
         };
-        // A bevel is as deep as the shape's value says.
-        let k = if self.name == "extrude" { 2 } else { 1 };
-        let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), arg(k)) else { return false };
+        // A bevel and rounded edges are as deep as the shape's value says.
+        let is_number = |k: &usize| matches!(arg(*k), Some(Arg::Number(by)) if *by != 0.0);
+        let k = if self.name == "extrude" { [2, 3].into_iter().find(is_number) } else { Some(1) };
+        let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), k.and_then(arg)) else {
+            return false;
+        };
         let distance = solid.field.distance();
         // Exact on one side alone is what min and max leave of a distance; a bound on both sides is meant as one.
         let is_bound = |one: DistanceQuality, other: DistanceQuality| {

@@ -217,18 +217,25 @@ pub(super) const CHANGE: &[Function] = &[
     },
     Function {
         name: "extrude",
-        parameters: &[required("shape"), required("height"), optional("bevel", 0.0)],
+        parameters: &[
+            required("shape"),
+            required("height"),
+            optional("bevel", 0.0),
+            optional("rounded", 0.0),
+        ],
         about: "A shape of the plane made a solid of that height, half above and half below. A bevel cuts the edges of \
-            both ends off at 45 degrees, so wide and high, by the depths that the shape's value says.",
-        distance: "as it was; with a bevel a lower bound",
+            both ends off at 45 degrees, so wide and high; rounded, they are a quarter of a circle of that radius. Both go \
+            by the depths that the shape's value says.",
+        distance: "as it was; with a bevel or rounded edges a lower bound",
         make: |given| {
             apply_step(given, |given, field| {
-                let [height, bevel] = given.numbers(1)?;
-                Ok(if bevel == 0.0 {
-                    field.extruded(height)
-                } else {
-                    field.extruded_with_bevel(height, bevel)
-                })
+                let [height, bevel, rounded] = given.numbers(1)?;
+                match (bevel == 0.0, rounded == 0.0) {
+                    (true, true) => Ok(field.extruded(height)),
+                    (false, true) => Ok(field.extruded_with_bevel(height, bevel)),
+                    (true, false) => Ok(field.extruded_with_round_edges(height, rounded)),
+                    (false, false) => Err(given.fault("takes a bevel or rounded edges, and both are given")),
+                }
             })
         },
     },

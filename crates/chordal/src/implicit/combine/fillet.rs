@@ -151,6 +151,14 @@ fn walls(region: &Box3) -> Vec<Expr> {
     walls
 }
 
+/// The smaller of both with an arc of this radius in place of its kink; as for a smooth union it is kept away from where
+/// it would be one of both.
+pub(super) fn round_blend(a: &Expr, b: &Expr, radius: f64) -> Expr {
+    let start = 0.25 * radius;
+    let beyond = (a - b).abs() - (radius + start);
+    a.round_min(b, radius) - (-beyond).smooth_min(&0.0.into(), start) * 0.5
+}
+
 /// The blend of two faces. It grows with both, is 1-Lipschitz where they are, and has the sign of their union
 /// except on the seam.
 fn blend_faces(a: &Expr, b: &Expr, seam: Seam) -> FaceBlend {
@@ -161,12 +169,7 @@ fn blend_faces(a: &Expr, b: &Expr, seam: Seam) -> FaceBlend {
         return FaceBlend::Sharp(a.min(b));
     }
     match seam {
-        // As for a smooth union: kept away from where the blend is one of both.
-        Seam::Fillet(radius) => {
-            let start = 0.25 * radius;
-            let beyond = (a - b).abs() - (radius + start);
-            FaceBlend::Round(a.round_min(b, radius) - (-beyond).smooth_min(&0.0.into(), start) * 0.5)
-        }
+        Seam::Fillet(radius) => FaceBlend::Round(round_blend(a, b, radius)),
         Seam::Chamfer(length) => {
             // The slope of the sum: known of planes, at most 2 otherwise.
             let slope = match planes {

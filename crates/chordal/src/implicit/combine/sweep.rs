@@ -1,5 +1,6 @@
 //! From planar shapes to solids: extrusion and revolution.
 use super::common;
+use super::fillet::round_blend;
 use super::profile::without_axis;
 use super::transform::bounds_at_most;
 use crate::implicit::shapes::{InvalidShape, axis_distance, positive, slabs};
@@ -55,28 +56,67 @@ impl Field {
     /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
     /// ```
     pub fn extruded_with_bevel(&self, height: f64, bevel: f64) -> Result<Self, InvalidShape> {
+        let (plain, [depth, below]) = self.extruded_with_depths(height, ("a bevel", bevel))?;
+        // The shape's value grows by 1 a length at most, and so does |z|, across it: by √2 both.
+        let cut = depth + below + bevel;
+        let scaled = &cut * std::f64::consts::FRAC_1_SQRT_2.next_down();
+        Ok(self.with_edges_cut(&plain, [&scaled, &cut]))
+    }
+
+    /// As [`Field::extruded`], with the edges of both ends rounded to a radius: over a point at a depth of less than that in
+    /// the planar shape, the solid ends on a quarter of a circle, which touches the side and the plane of the end.
+    ///
+    /// The depth is the shape's value, as for [`Field::extruded_with_bevel`], and the result's value is a bound. Where the
+    /// shape is narrower than twice the radius, the rounded edges meet in a ridge.
+    ///
+    /// # Errors
+    /// As for [`Field::extruded_with_bevel`], with the radius in place of the bevel.
+    ///
+    /// ```
+    /// use chordal::implicit::shapes::rectangle;
+    /// let tile = rectangle([4.0, 4.0])?.extruded_with_round_edges(2.0, 0.5)?;
+    /// // On the circle around (1.5, 0.5), and off it.
+    /// assert!(tile.expr().at([1.85, 0.0, 0.85]).unwrap() < 0.0);
+    /// assert!(tile.expr().at([1.86, 0.0, 0.86]).unwrap() > 0.0);
+    /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+    /// ```
+    pub fn extruded_with_round_edges(&self, height: f64, radius: f64) -> Result<Self, InvalidShape> {
+        let named = ("a rounded edge's radius", radius);
+        let (plain, [depth, below]) = self.extruded_with_depths(height, named)?;
+        let cut = -round_blend(&-depth, &-below, radius);
+        Ok(self.with_edges_cut(&plain, [&cut, &cut]))
+    }
+
+    /// The plain extrusion, the value of the planar shape and that of the planes of both ends, where a width fits below
+    /// half of the height and the depth is known.
+    fn extruded_with_depths(
+        &self,
+        height: f64,
+        (name, width): (&'static str, f64),
+    ) -> Result<(Self, [Expr; 2]), InvalidShape> {
         let half = 0.5 * positive("a height", height)?;
-        let bevel = positive("a bevel", bevel)?;
-        if bevel >= half {
+        let width = positive(name, width)?;
+        if width >= half {
             return Err(InvalidShape::Number(format!(
-                "a bevel is {bevel}, and must be less than half of the height, {half}"
+                "{name} is {width}, and must be less than half of the height, {half}"
             )));
         }
         if self.distance().inside == DistanceQuality::Sign {
-            return Err(InvalidShape::NeedsDistance { operation: "a bevel", side: "inside" });
+            return Err(InvalidShape::NeedsDistance { operation: name, side: "inside" });
         }
-        let plain = self.extruded(height)?;
         let [x, y, z] = Expr::axes();
         let flat = self.at(&[x, y, Expr::constant(0.0)]);
-        // The shape's value grows by 1 a length at most, and so does |z|, across it: by √2 both.
-        let cut = flat.expr() + (z.abs() - half) + bevel;
-        let value = plain.expr().max(&(&cut * std::f64::consts::FRAC_1_SQRT_2.next_down()));
+        Ok((self.extruded(height)?, [flat.expr().clone(), z.abs() - half]))
+    }
+
+    /// What is left of the plain extrusion by a value and a sign that are above 0 where its edges are cut off.
+    fn with_edges_cut(&self, plain: &Self, [value, sign]: [&Expr; 2]) -> Self {
         let weak = |quality: DistanceQuality| lesser(quality, DistanceQuality::Bound);
         let Distance { outside, inside } = slice_distance(self);
-        Ok(Self::from_parts(value, &[self])
-            .known_sign(plain.sign().max(&cut))
+        Self::from_parts(plain.expr().max(value), &[self])
+            .known_sign(plain.sign().max(sign))
             .known_distance(Distance { outside: weak(outside), inside: weak(inside) })
-            .known_bounds(plain.bounds()))
+            .known_bounds(plain.bounds())
     }
 
     /// A planar shape revolved about its y axis, which becomes the z axis: the point (x, y) becomes the
