@@ -1,6 +1,7 @@
 //! Shape scripts that name meshes: which files are read, which are not, and that none of them is replaced.
 use crate::common;
 
+use chordal::render::Picture;
 use common::{CLOSED_OBJ, Folder, run};
 
 /// A tetrahedron whose corner is cut off, and the same as a script needs it.
@@ -115,4 +116,40 @@ fn limits_hold_for_what_a_script_reads_and_makes() {
     folder.file("part.obj", CLOSED_OBJ);
     let many = folder.file("fine.star", "redistance(box(2, 2, 2) - mesh('part.obj'), 1e-5)\n");
     run(&["inspect", &many, "--max-memory", "20M"]).fails_showing(3, &["redistance()", "the limit is"]);
+}
+
+#[test]
+fn a_picture_is_the_solid_below_its_greys() {
+    let folder = Folder::new("script-heights");
+    let picture = |greys: &[u8], width: u32| {
+        let rgba: Vec<u8> = greys.iter().flat_map(|grey| [*grey, *grey, *grey, 255]).collect();
+        let mut file = Vec::new();
+        let picture = Picture { width, height: greys.len() as u32 / width, rgba };
+        chordal_io::png::write(&picture, &[], &mut file).unwrap();
+        file
+    };
+    folder.file("hills.png", picture(&[0, 255, 51, 102, 0, 0], 2));
+    folder.file("line.png", picture(&[0, 255], 2));
+    // White is in the first row.
+    let text = "hills = heightmap('hills.png', [4, 2], 5, base=1)\nb = box_of(hills)\n\
+                def near(found, wanted):\n    return max([abs(found[k] - wanted[k]) for k in range(3)]) < 1e-9\n\
+                check(near(b['min'], [-2, -1, 0]) and near(b['max'], [2, 1, 6]), str(b['min']) + str(b['max']))\n\
+                hills - move(box(2, 2, 2), 0, 0, 9)\n";
+    let script = folder.file("hills.star", text);
+    let looked = run(&["inspect", &script, "--json"]);
+    looked.succeeds();
+    assert_eq!(looked.report()["certificate"]["input"]["files"][0]["path"], "hills.png");
+    for (text, why) in [
+        ("heightmap('hills.png', 4, 5, 1)", "the size is a list of two lengths above 0"),
+        ("heightmap('hills.png', [4, 0], 5, 1)", "the size is a list of two lengths above 0"),
+        ("heightmap('hills.png', [4, 2], 5, 0)", "are lengths above 0"),
+        ("heightmap('line.png', [4, 2], 5, 1)", "at least 2 pixels each way, and it has 2 by 1"),
+        ("heightmap('part.obj', [4, 2], 5, 1)", "this is no PNG"),
+        ("heightmap('none.png', [4, 2], 5, 1)", "'none.png' cannot be used: no such file"),
+        ("heightmap('../hills.png', [4, 2], 5, 1)", "without '..'"),
+    ] {
+        folder.file("part.obj", CLOSED_OBJ);
+        let script = folder.file("wrong.star", format!("{text}\n"));
+        run(&["inspect", &script]).fails_showing(3, &[why]);
+    }
 }

@@ -1,8 +1,9 @@
-//! Pictures as PNG.
-use crate::WriteError;
+//! Pictures as PNG, and shades of grey from it.
 use crate::picture_size::check_size;
+use crate::text::grouped;
+use crate::{FileLocation, Limits, ReadError, WriteError};
 use chordal::render::Picture;
-use std::io::Write;
+use std::io::{Cursor, Write};
 
 /// Writes a picture as PNG, 8-bit sRGB; without alpha where the picture is opaque.
 ///
@@ -52,6 +53,66 @@ pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> 
         writer.write_image_data(rgba).map_err(error)?;
     }
     writer.finish().map_err(error)
+}
+
+/// A picture without colours, as heights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Greys {
+    /// Its columns.
+    pub width: u32,
+    /// Its rows.
+    pub height: u32,
+    /// From 0 (black) to 1 (white), row by row from the top.
+    pub values: Vec<f64>,
+}
+
+/// The most pixels that are read. Chosen: a square of 2,048, which is 8 million triangles as heights.
+const MOST_PIXELS: u64 = 1 << 22;
+/// The most bytes that the decoder holds beside the pixels. Chosen: those of as many pixels at 16 bytes.
+const MOST_BYTES: u64 = 1 << 26;
+
+/// Reads a picture of 1 to 16 bits without colours: shades of grey, or colours whose three parts are equal. Numbers are
+/// taken as the file has them, whatever it says of their gamma; alpha is left out.
+///
+/// # Errors
+/// When the bytes are no PNG or a broken one, the picture has colours, more than 4,194,304 pixels, or more bytes than the
+/// limits allow.
+pub fn read_greys(bytes: &[u8], limits: &Limits) -> Result<Greys, ReadError> {
+    let refused = |code, message: String| ReadError::new(code, FileLocation::File, message);
+    let broken = |error: ::png::DecodingError| refused("bad-picture", format!("this is no PNG: {error}"));
+    let most = usize::try_from(limits.bytes.min(MOST_BYTES)).unwrap_or(usize::MAX);
+    let mut decoder = ::png::Decoder::new_with_limits(Cursor::new(bytes), ::png::Limits { bytes: most });
+    decoder.set_transformations(::png::Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    let n_pixels = u64::from(width) * u64::from(height);
+    if n_pixels > MOST_PIXELS {
+        let most = grouped(MOST_PIXELS);
+        let message = format!("the picture has {} pixels; the limit is {most}", grouped(n_pixels));
+        return Err(refused("too-large", message));
+    }
+    let size = reader.output_buffer_size().filter(|size| *size as u64 <= limits.bytes);
+    let size = size.ok_or_else(|| refused("too-large", "the picture takes too much memory".to_owned()))?;
+    let mut samples = vec![0; size];
+    let found = reader.next_frame(&mut samples).map_err(broken)?;
+    let is_wide = found.bit_depth == ::png::BitDepth::Sixteen;
+    let n_channels = found.color_type.samples();
+    let n_bytes = if is_wide { 2 } else { 1 };
+    let mut values = Vec::with_capacity(n_pixels as usize);
+    for (k, pixel) in samples.chunks_exact(n_channels * n_bytes).take(n_pixels as usize).enumerate() {
+        let channel = |c: usize| match is_wide {
+            true => f64::from(u16::from_be_bytes([pixel[2 * c], pixel[2 * c + 1]])) / f64::from(u16::MAX),
+            false => f64::from(pixel[c]) / f64::from(u8::MAX),
+        };
+        if n_channels >= 3 && (channel(0) != channel(1) || channel(1) != channel(2)) {
+            let (row, column) = (k / width as usize + 1, k % width as usize + 1);
+            let message = format!("the picture is not grey: it has a colour at row {row}, column {column}");
+            return Err(refused("coloured", message));
+        }
+        values.push(channel(0));
+    }
+    Ok(Greys { width, height, values })
 }
 
 /// PNG's limit on columns and rows, 2³¹ − 1.

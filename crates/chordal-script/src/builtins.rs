@@ -256,6 +256,32 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         to_starlark(Arg::shape(field), eval)
     }
 
+    fn heightmap<'v>(
+        name: &str,
+        size: Value<'v>,
+        height: Value<'v>,
+        base: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let wrong = |why: &str| fault(CallError(format!("heightmap(): {why}")));
+        let length = |value: Value<'v>| number(value).filter(|length| *length > 0.0 && length.is_finite());
+        let size = match elements(size) {
+            Some([x, y]) => length(*x).zip(length(*y)),
+            _ => None,
+        };
+        let Some((x, y)) = size else {
+            return Err(wrong("the size is a list of two lengths above 0, along x and y"));
+        };
+        let (Some(height), Some(base)) = (length(height), length(base)) else {
+            return Err(wrong("the height of white above black and the base below it are lengths above 0"));
+        };
+        check_name(name).map_err(|why| wrong(&why))?;
+        let wanted = FileUse::Heights { size: [x, y], height, base };
+        let field = Meter::from_eval(eval).shape_of(name, wanted);
+        let field = field.map_err(|why| unusable("heightmap", name, &why))?;
+        to_starlark(Arg::shape(field), eval)
+    }
+
     fn box_of<'v>(
         #[starlark(require = pos)] shape: Value<'v>,
         eval: &mut Evaluator<'v, '_, '_>,

@@ -18,6 +18,15 @@ pub enum FileUse {
     Letters(FontText),
     /// Its triangles as a shape.
     Mesh,
+    /// The solid below the heights that the greys of a picture are.
+    Heights {
+        /// How wide it is along x and y.
+        size: [f64; 2],
+        /// How far white is above black.
+        height: f64,
+        /// How far black is above the floor, which is at z = 0.
+        base: f64,
+    },
 }
 
 /// What a script has a font set.

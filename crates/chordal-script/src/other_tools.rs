@@ -52,6 +52,7 @@ pub(crate) const NAMES: &[(&[&str], &str)] = &[
         &["import", "import_stl", "import_mesh", "importStep", "load_mesh", "stl"],
         "mesh(name), for a file beside the script",
     ),
+    (&["surface", "height_map", "heightfield", "lithophane"], "heightmap(name, size, height, base)"),
     (&["import_svg", "surface_svg"], "svg(name, tolerance)"),
     (&["square", "rect", "Rectangle", "Rect"], "rectangle(x, y), of full sizes around the origin"),
     (&["rounded_rect", "RectangleRounded", "rounded_square", "slot2D"], "rounded_rectangle(x, y, radius)"),

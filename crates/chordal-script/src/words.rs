@@ -64,6 +64,13 @@ pub const BUILT_INS: &[BuiltIn] = &[
                 or end there. Axes of the font go by their tags, as wght=700.",
         distance: "exact; where outlines cross, of what they fill",
     },
+    BuiltIn {
+        name: "heightmap",
+        parameters: &[required("name"), required("size"), required("height"), required("base")],
+        about: "The solid below the heights that the greys of a PNG beside the script are: two lengths wide, from z = 0 by \
+                a base to black, and by the height to white.",
+        distance: "exact",
+    },
     plain(
         "box_of",
         &[required("shape")],
@@ -149,7 +156,7 @@ mod tests {
     fn every_built_in_says_what_it_does_and_takes_what_it_says() {
         for built_in in BUILT_INS {
             assert!(built_in.about.ends_with('.'), "{}", built_in.name);
-            let is_shape = ["mesh", "svg", "text"].contains(&built_in.name);
+            let is_shape = ["mesh", "svg", "text", "heightmap"].contains(&built_in.name);
             assert_eq!(built_in.distance.is_empty(), !is_shape, "{}", built_in.name);
         }
         for call in [

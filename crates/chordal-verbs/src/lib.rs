@@ -49,6 +49,8 @@ mod format_rounding;
 pub mod formats;
 mod frame_nodes;
 mod geometry_digest;
+#[cfg(feature = "script")]
+mod heights_to_mesh;
 mod implicit;
 mod inspect;
 mod isosurface;

@@ -2,11 +2,13 @@
 use crate::Shape;
 use crate::drawing_to_field::drawing_to_field;
 use crate::file_extension::extension;
+use crate::heights_to_mesh::{HeightSolid, heights_to_mesh};
 use crate::scene_to_field::scene_to_field;
 use chordal::implicit::Field;
 use chordal::{Job, Tolerance};
 use chordal_io::font::{Letters, read_letters};
-use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Warning};
+use chordal_io::png::Greys;
+use chordal_io::{Content, FileLocation, FileOpener, Format, Frame, Limits, Scene, Warning};
 use chordal_script::{FileUse, FontText, OpenedFile, ScriptFiles};
 use std::cell::RefCell;
 
@@ -110,6 +112,11 @@ impl ScriptFiles for FilesBeside<'_, '_> {
                 drawing(read.map_err(|error| error.to_string())?.content, tolerance, job)
             }
             FileUse::Mesh => self.mesh(name, job).map(|field| OpenedFile::Shape(field, Vec::new())),
+            FileUse::Heights { size, height, base } => {
+                let read = chordal_io::png::read_greys(&self.bytes(name)?, self.limits);
+                let greys = read.map_err(|error| error.to_string())?;
+                heights(&greys, HeightSolid { size, height, base }, job)
+            }
         }
     }
 }
@@ -120,4 +127,18 @@ fn drawing(content: Content, tolerance: f64, job: &Job) -> Result<OpenedFile, St
     let tolerance = Tolerance::new(tolerance).map_err(|error| error.to_string())?;
     let (field, sentences) = drawing_to_field(&drawing, tolerance, job)?;
     Ok(OpenedFile::Shape(field, sentences))
+}
+
+/// The solid below the greys of a picture, as exact triangles. The top of the picture has the highest y.
+fn heights(greys: &Greys, solid: HeightSolid, job: &Job) -> Result<OpenedFile, String> {
+    let (columns, rows) = (greys.width, greys.height);
+    if columns < 2 || rows < 2 {
+        return Err(format!("heights are at least 2 pixels each way, and it has {columns} by {rows}"));
+    }
+    let upwards: Vec<f64> = greys.values.chunks(columns as usize).rev().flatten().copied().collect();
+    let mesh = heights_to_mesh(&upwards, [columns, rows], solid).map_err(|error| error.to_string())?;
+    let made = scene_to_field(Scene::from_mesh("heights", mesh, Frame::default()), job);
+    let made = made.map_err(|error| error.to_string())?;
+    let notes = made.notes.into_iter().map(|(_, note)| note).collect();
+    Ok(OpenedFile::Shape(made.field, notes))
 }
