@@ -1,5 +1,5 @@
 //! The arrow from a field of the plane to its level curve: `field_to_polyline`.
-use super::contours::{ContourGoal, search};
+use super::contours::{ContourGoal, outline_lines, search};
 use super::length_from_pixels::length_from_pixels;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Polyline;
@@ -7,11 +7,17 @@ use crate::implicit::Field;
 use crate::math::{Box3, flushes_subnormals, lesser};
 
 /// Traces the curve of a field in the plane z = 0, the boundary of where it is negative, within a budget. The
-/// polylines are closed, with inside on their left: marching squares on a lattice that is fine enough.
+/// polylines are closed, with inside on their left.
+///
+/// Where the curve consists of lines and circular arcs, as that of rectangles, polygons, discs and their unions,
+/// intersections and differences does, the lines are the outline itself: a segment for each side, with its corners up
+/// to rounding, and as many for an arc as its sagitta asks for. Everything else is found by marching squares on a
+/// lattice that is fine enough; what is straight up to the rest of the budget becomes one segment.
 ///
 /// *What the bound covers.* The Hausdorff distance between all points of the lines and all points of the
-/// curve, both ways, proved by ranges for the exact numbers of the lines (`convert/contours/prove.rs`). The
-/// rule is [`Field::sign`], and [`Field::bounds`] is taken at its word. Where a leaf knows no ranges, the
+/// curve, both ways, proved by ranges for the exact numbers of the lines (`convert/contours/prove.rs`), and for lines
+/// and arcs by their crossings (`plane_outline.rs`; where two shapes meet along a line, nothing is left between them:
+/// [`Csg`](crate::implicit::csg::Csg)). The rule is [`Field::sign`], and [`Field::bounds`] is taken at its word. Where a leaf knows no ranges, the
 /// budget is aimed at and the result measured; that needs [`RequiredEvidence::Measured`].
 ///
 /// Lines never end: points outside of the field's bounds count as outside, so that the sides of a region
@@ -19,7 +25,7 @@ use crate::math::{Box3, flushes_subnormals, lesser};
 /// of them.
 ///
 /// *Cost.* Proportional to the length of the curve over the size of squares, times the terms of the
-/// expression that matter there.
+/// expression that matter there; of lines and arcs, to the cube of their number, which is 400 at most.
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best lines; refusals with [`RefusalCode::Empty`] where the field is nowhere
@@ -84,7 +90,9 @@ pub fn field_to_polyline(
         segments: budget.segments,
         measured: budget.require != RequiredEvidence::Proved,
     };
-    let mut made = job.run(|| search(&field.clone().known_bounds(bounds), &wanted, job))?;
+    let field = field.clone().known_bounds(bounds);
+    let mut made =
+        job.run(|| outline_lines(&field, &wanted, job).unwrap_or_else(|| search(&field, &wanted, job)))?;
     if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
         let about = Box3 { min: bounds.min.map(|x| x - most), max: bounds.max.map(|x| x + most) };
         made.bound.pixels = px.view.pixels_of(most, &about);

@@ -4,7 +4,7 @@ use chordal::budget::RefusalCode;
 use chordal::convert::field_to_polyline;
 use chordal::explicit::Polyline;
 use chordal::implicit::evaluation::{Binary, Unary};
-use chordal::implicit::{Expr, Field};
+use chordal::implicit::{Expr, Field, shapes};
 use chordal::math::Box3;
 use chordal::{Budget, Failure, Job, Tolerance};
 use chordal_testkit::is_long;
@@ -90,8 +90,8 @@ fn parts_that_fall_between_points_are_found_by_the_proof() {
 fn a_slit_that_no_lattice_meets_is_as_far_as_it_is_deep() {
     let [x, y, _] = Expr::axes();
     // A square of half a unit to each side, cut in two by a slit as thin as a millionth: its middle is 0.5
-    // from its border.
-    let slit = Expr::constant(1e-6) - (&y - 0.1234).abs();
+    // from its border. The root of the square is no line to anybody.
+    let slit = Expr::constant(1e-6) - (&y - 0.1234).square().sqrt();
     let field = within(x.abs().max(&y.abs()).max(&(slit + 0.5)) - 0.5, 1.0);
     let budget = Budget::length(Tolerance::new(0.01).unwrap());
     let Err(Failure::Unmet(best)) = field_to_polyline(&field, &budget, &Job::default()) else {
@@ -100,6 +100,66 @@ fn a_slit_that_no_lattice_meets_is_as_far_as_it_is_deep() {
     // From the depth of the slit to the nearest border, along y.
     let most = best.bound.at_most().unwrap();
     assert!((0.376..0.4).contains(&most), "{most}");
+}
+
+/// The outline of a shape within a hundredth; what is claimed is rounding, where it has no arcs.
+fn outline(field: &Field) -> Vec<Polyline<2>> {
+    let (lines, most) = made(field, 0.01);
+    let is_straight = lines.iter().all(|line| line.points.len() < 13);
+    assert!(!is_straight || most < 1e-9, "{most}");
+    lines
+}
+
+#[test]
+fn shapes_with_straight_sides_have_a_segment_for_each() {
+    let plate = shapes::rectangle([40.0, 20.0]).unwrap();
+    let lines = outline(&plate);
+    let mut corners = lines[0].points.clone();
+    corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    assert_eq!(corners, [[-20.0, -10.0], [-20.0, 10.0], [20.0, -10.0], [20.0, 10.0]]);
+    assert_eq!((lines.len(), area(&lines)), (1, 800.0));
+    let moved = |field: &Field, x: f64, y: f64| field.moved([x, y, 0.0]).unwrap();
+    let both = outline(&plate.union(&moved(&plate, 15.0, 7.0)));
+    assert_eq!((both.len(), both[0].n_segments()), (1, 8));
+    assert!((area(&both) - (1600.0 - 25.0 * 13.0)).abs() < 1e-9);
+    // What meets along a side is one; what meets in a corner are two.
+    let beside = outline(&plate.union(&moved(&plate, 40.0, 0.0)));
+    assert_eq!((beside.len(), beside[0].n_segments()), (1, 4));
+    let corner = outline(&plate.union(&moved(&plate, 40.0, 20.0)));
+    assert_eq!(corner.iter().map(Polyline::n_segments).collect::<Vec<_>>(), [4, 4]);
+    let apart = outline(&plate.difference(&shapes::rectangle([1e-6, 30.0]).unwrap()));
+    assert_eq!(apart.iter().map(Polyline::n_segments).collect::<Vec<_>>(), [4, 4]);
+    let hexagon = shapes::regular_polygon(6, 5.0).unwrap().rotated_deg([0.0, 0.0, 1.0], 11.0).unwrap();
+    let holed = outline(&plate.difference(&hexagon));
+    assert_eq!(holed.iter().map(Polyline::n_segments).sum::<usize>(), 10);
+    assert!((area(&holed) - (800.0 - 1.5 * 3.0_f64.sqrt() * 25.0)).abs() < 1e-9);
+}
+
+#[test]
+fn arcs_have_as_many_segments_as_their_sagitta_asks_for() {
+    let plate = shapes::rectangle([40.0, 20.0]).unwrap();
+    let disc = shapes::circle(5.0).unwrap();
+    // Half of the angle of a chord is arccos(1 − 0.01/5).
+    let whole = (std::f64::consts::PI / (1.0_f64 - 0.002).acos()).ceil() as usize;
+    let holed = outline(&plate.difference(&disc));
+    let mut counts: Vec<usize> = holed.iter().map(Polyline::n_segments).collect();
+    counts.sort_unstable();
+    assert_eq!(counts, [4, whole]);
+    // A notch: half of the circle, and five sides.
+    let notched = outline(&plate.difference(&disc.moved([0.0, 10.0, 0.0]).unwrap()));
+    assert_eq!((notched.len(), notched[0].n_segments()), (1, 5 + whole.div_ceil(2)));
+    // A slot, whose arcs touch its sides.
+    let slot = shapes::rectangle([20.0, 10.0]).unwrap();
+    let ends = [-10.0, 10.0].map(|x| disc.moved([x, 0.0, 0.0]).unwrap());
+    let slot = outline(&slot.union(&ends[0]).union(&ends[1]));
+    assert_eq!(slot.len(), 1);
+    assert!(slot[0].n_segments() <= 4 + whole, "{}", slot[0].n_segments());
+    let exact = 200.0 + 25.0 * std::f64::consts::PI;
+    assert!(area(&slot) < exact && exact - area(&slot) < 0.01 * 10.0 * std::f64::consts::PI);
+    let lens = outline(&ends[0].moved([6.0, 0.0, 0.0]).unwrap().intersection(&disc));
+    assert_eq!(lens.len(), 1);
+    let far = |p: &[f64; 2]| (p[0].hypot(p[1]) - 5.0).abs().min(((p[0] + 4.0).hypot(p[1]) - 5.0).abs());
+    assert!(lens[0].points.iter().all(|p| far(p) < 1e-9));
 }
 
 /// What is claimed of the distance; nothing where the field is said to have no curve.

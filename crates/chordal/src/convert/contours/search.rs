@@ -1,5 +1,6 @@
 //! Searches for the size of squares at which the polylines are within the budget.
 use super::prove::{count_segments, estimate, prove};
+use super::straight_runs::without_straight_runs;
 use super::trace::{ContourLattice, TracedContours, trace};
 use crate::budget::{Bound, Bounded, Evidence, Failure, Job, Progress, Reference, RefusalCode};
 use crate::explicit::Polyline;
@@ -80,6 +81,7 @@ pub(in crate::convert) fn search(
         }
         let made = search.polylines(&traced, Some(far.most), far.least);
         if far.most <= length {
+            let made = without_straight_runs(made, length);
             return search.check_segments(with_place(made, far.at));
         }
         if best.as_ref().and_then(|best| best.bound.at_most()).is_none_or(|most| far.most < most) {
