@@ -1,8 +1,8 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{RoundingDirection, grouped, short, size};
 use chordal_verbs::report::{
-    AttributeFacts, BooleanFacts, BoundFacts, OpenPlacesFacts, Output, OvershadeFacts, Report, RunFacts,
-    ShadingFacts, SmoothingFacts, TriangleFacts, ValidityFacts,
+    AttributeFacts, BooleanFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts,
+    SmoothingFacts, TriangleFacts, ValidityFacts,
 };
 use std::fmt::Write;
 
@@ -65,7 +65,7 @@ pub fn mesh(report: &Report) -> String {
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
         facts.assumptions.iter().for_each(|sentence| lines.add("if", sentence));
-        lines.add_if("not proved", facts.open.as_ref().map(open_places));
+        lines.add_if("not proved", facts.open.as_ref().map(ToString::to_string));
         let view = certificate.budget.as_ref().and_then(|budget| budget.view.as_ref());
         lines.add_if(
             "pixels",
@@ -226,21 +226,6 @@ pub(crate) fn one_way_note(metric: &str) -> &'static str {
         "solid" => ", to sides: thin tips may be shorter",
         _ => "",
     }
-}
-
-/// `2 places, 3 of 5,900 in area; the largest is 1.2 across, at (3, 4, 0.5)`
-fn open_places(facts: &OpenPlacesFacts) -> String {
-    let number = |x: f64| short(x, RoundingDirection::Up);
-    let largest = facts.largest.first().map_or(String::new(), |place| {
-        let [x, y, z] = place.at;
-        format!("; the largest is {} across, at ({x:.4}, {y:.4}, {z:.4})", number(place.size))
-    });
-    format!(
-        "{}, {} of {} in area{largest}",
-        plural(facts.count, "place"),
-        number(facts.area),
-        number(facts.whole_area)
-    )
 }
 
 pub(crate) fn bound(facts: &BoundFacts) -> String {

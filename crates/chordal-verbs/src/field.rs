@@ -4,6 +4,7 @@ use crate::contact_note::contact_note;
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 use crate::field_looks::{renumber, with_materials};
 use crate::file_rows::unsupported;
+use crate::report::OpenPlacesFacts;
 use crate::request::MeshRequest;
 use crate::simplified_isosurface::simplified;
 use crate::{ImplicitShape, MeshFailure};
@@ -99,18 +100,15 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
             "no proof was begun: the cells of the shape, or the time, ended first; points all over its triangles are measured"
                 .to_owned()
         }
-        Some(open) => {
-            let places = if open.count == 1 { "1 place".to_owned() } else { format!("{} places", open.count) };
-            let near = open.largest.first().map_or(String::new(), |place| {
-                let [x, y, z] = place.at;
-                format!(", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)
-            });
-            format!(
-                "not proved at {places} ({:.3} of {:.3} in area){near}; each triangle elsewhere is proved to be near the \
-                 shape, and points all over are measured",
-                open.area, open.whole_area
-            )
+        // More work would prove nothing.
+        Some(open) if open.count == 0 => {
+            let why = OpenPlacesFacts::new(open);
+            return Some(format!("not proved: {why}; points all over its triangles are measured").into());
         }
+        Some(open) => format!(
+            "not proved at {}; each triangle elsewhere is proved to be near the shape, and points all over are measured",
+            OpenPlacesFacts::new(open)
+        ),
     };
     Some(
         Message::from(what)

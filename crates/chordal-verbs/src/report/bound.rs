@@ -2,6 +2,7 @@
 use chordal::budget::proof::{OpenPlace, OpenPlaces, SurfaceContact};
 use chordal::{Bound, Evidence};
 use serde::Serialize;
+use std::fmt;
 
 /// A [`Bound`] in the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,7 +79,7 @@ impl ContactFacts {
 }
 
 impl OpenPlacesFacts {
-    fn new(places: &OpenPlaces) -> Self {
+    pub(crate) fn new(places: &OpenPlaces) -> Self {
         let facts = |place: &OpenPlace| OpenPlaceFacts {
             at: place.at,
             size: place.size,
@@ -91,6 +92,24 @@ impl OpenPlacesFacts {
             whole_area: places.whole_area,
             largest: places.largest.iter().map(facts).collect(),
         }
+    }
+}
+
+impl fmt::Display for OpenPlacesFacts {
+    /// `2 places (3.000 of 5900.000 in area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`; where no place
+    /// is open, why nothing is proved all the same.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.count == 0 {
+            return f.write_str(
+                "no place is open, and yet a point is farther away than what would be proved: something promised of the \
+                 shape does not hold",
+            );
+        }
+        let places = if self.count == 1 { "place" } else { "places" };
+        write!(f, "{} {places} ({:.3} of {:.3} in area)", self.count, self.area, self.whole_area)?;
+        let Some(place) = self.largest.first() else { return Ok(()) };
+        let [x, y, z] = place.at;
+        write!(f, ", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)
     }
 }
 
@@ -116,5 +135,22 @@ impl BoundFacts {
             at: bound.at,
             open: bound.open.as_deref().map(OpenPlacesFacts::new),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_told_in_one_sentence_and_a_broken_promise_as_what_it_is() {
+        let place = OpenPlace { at: [3.0, 4.0, 0.5], size: 1.2, area: 3.0, contact: None };
+        let one = OpenPlacesFacts::new(&OpenPlaces::new(vec![place], 5900.0));
+        assert_eq!(
+            one.to_string(),
+            "1 place (3.000 of 5900.000 in area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)"
+        );
+        let none = OpenPlacesFacts::new(&OpenPlaces::new(Vec::new(), 5900.0)).to_string();
+        assert!(none.contains("promised of the shape does not hold") && !none.contains('0'), "{none}");
     }
 }

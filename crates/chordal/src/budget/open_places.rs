@@ -33,7 +33,8 @@ pub struct SurfaceContact {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpenPlaces {
-    /// How many there are.
+    /// How many there are. 0 where nothing stayed open, and a point was found farther away than the proof allows: what was
+    /// promised of the shape does not hold.
     pub count: u64,
     /// The area of their triangles.
     pub area: f64,
