@@ -20,6 +20,8 @@ mod foreign;
 mod forest;
 mod format;
 mod format_columns;
+mod format_facts;
+mod format_table;
 mod frame;
 pub mod gii;
 pub mod glb;
