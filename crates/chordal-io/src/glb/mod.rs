@@ -11,6 +11,7 @@ mod draw_order;
 mod external;
 mod face_kinds;
 mod format;
+mod gltf_part;
 mod instanced_nodes;
 mod instances;
 mod json;

@@ -1,5 +1,6 @@
 //! Packs the document of a scene, with coarser levels of its parts, as GLB, as JSON, or as JSON with files beside it.
-use super::document::{GltfDocument, GltfPart, plain_for};
+use super::document::GltfDocument;
+use super::gltf_part::{GltfPart, plain_for};
 use super::level_set::GlbLevels;
 use super::node_list::NodeLevels;
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
