@@ -2,7 +2,7 @@
 import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
 import { stageIn } from "./command_zh";
-import type { LaneName } from "./controller";
+import type { LaneName } from "./state";
 import { isOutdated } from "./outdated";
 import { towards } from "./pixels";
 import type { AttributeFacts, BoundFacts } from "./report";

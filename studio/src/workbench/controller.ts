@@ -1,7 +1,7 @@
 // What the bench does: it keeps the state, orders runs of the command, and tells whoever draws. It computes nothing itself.
 import type { Size, Vec3, View } from "../viewer";
 import { fovOf } from "../viewer/view";
-import type { Files, Outcome, Progress } from "./command";
+import type { Files, Outcome } from "./command";
 import {
   type Bench,
   type Line,
@@ -18,27 +18,11 @@ import {
 import type { FunctionRow } from "./editor";
 import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood, withPictures } from "./glb";
 import { type Jobs, Stopped } from "./jobs";
-import { type Fault, type Slice, faultOf, reportOf, sliceOf } from "./outcome";
+import { faultOf, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
-import { type Beside, type PictureOf, besideOf, cameraText, pictureLine } from "./pictures";
-import type { Certificate, Inspection, LevelFacts } from "./report";
+import { type Beside, besideOf, cameraText, pictureLine } from "./pictures";
 import { pack } from "./share";
-
-export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language";
-
-/** A mesh that is shown. */
-export interface Shown {
-  /** What was on the bench when it was made. */
-  of: Bench;
-  parts: readonly Part[];
-  certificate: Certificate;
-  bytes: Uint8Array;
-  seconds: number;
-  /** Its distance is not known; the proved one soon takes its place. */
-  isDraft: boolean;
-  /** The budget was not met: this is the best that was reached. */
-  isShort: boolean;
-}
+import type { LaneName, Notice, Shown, State } from "./state";
 
 /** A part of docs/schema/language.schema.json. */
 interface LanguageTable {
@@ -46,43 +30,6 @@ interface LanguageTable {
   constants?: readonly (string | { name: string })[];
   keywords?: readonly string[];
 }
-
-export interface Levels {
-  parts: readonly (readonly Part[])[];
-  facts: readonly LevelFacts[];
-  bytes: Uint8Array;
-  line: Line;
-}
-
-export interface State {
-  bench: Bench;
-  past: readonly Bench[];
-  future: readonly Bench[];
-  shown: Shown | null;
-  fault: Fault | null;
-  inspection: Inspection | null;
-  /** Where defects are, by the name of the finding. */
-  witnesses: readonly { of: string; at: Vec3 }[];
-  progress: Partial<Record<LaneName, Progress>>;
-  running: readonly LaneName[];
-  /** What was chosen to stand beside the mesh, and the picture of it. */
-  beside: Beside;
-  picture: PictureOf | null;
-  slice: Slice | null;
-  levels: Levels | null;
-  view: View;
-  home: View;
-  size: Size;
-  notice: Notice | null;
-  /** The link of this bench; `null` where it is too large for one. */
-  link: string | null;
-  /** Something begins once the hand has rested. */
-  isWaiting: boolean;
-  /** The bench whose proof has ended, in whatever way; `null` while one is under way. */
-  ended: Bench | null;
-}
-
-export type Notice = "damaged" | "too-large" | "stopped" | "trapped" | "unloaded" | "unread" | "undrawn";
 
 const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
 /** How long the hand rests before the proof begins, and before a picture is taken from a new place. */

@@ -1,5 +1,5 @@
 // Whether what is shown is of what is on the bench.
-import type { State } from "./controller";
+import type { State } from "./state";
 
 /** What is shown is not of what is on the bench, and will not be: that failed or was stopped. */
 export const isOutdated = ({ bench, shown, fault, ended }: State): boolean =>

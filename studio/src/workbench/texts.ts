@@ -1,5 +1,5 @@
 // The words of the workbench, in both languages. Sentences of the command stay as it says them.
-import type { Notice } from "./controller";
+import type { Notice } from "./state";
 import type { Beside } from "./pictures";
 import type { AttributeFacts } from "./report";
 

@@ -1,7 +1,8 @@
 // What every part of the page is given, and numbers in the reader's language.
 import { useMemo } from "preact/hooks";
 import { Say } from "../exhibits/say";
-import type { Controller, State } from "./controller";
+import type { Controller } from "./controller";
+import type { State } from "./state";
 import type { Language, Texts } from "./texts";
 
 export interface Page {

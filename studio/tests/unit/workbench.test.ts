@@ -6,13 +6,14 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { type Outcome, Trapped, run } from "../../src/workbench/command";
-import { Controller, type LaneName } from "../../src/workbench/controller";
+import { Controller } from "../../src/workbench/controller";
 import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText, without } from "../../src/workbench/document";
 import { boxOf, levels, parts, standing } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
 import { type Box, awayFrom, distanceOf, fillingDistance, pixelsOf, towards } from "../../src/workbench/pixels";
 import { pack, unpack } from "../../src/workbench/share";
+import type { LaneName } from "../../src/workbench/state";
 import { BenchSay } from "../../src/workbench/words";
 
 // The module that tests build is small in nothing and quick in nothing.
