@@ -16,6 +16,8 @@ from chordal._view import View
 Length = SupportsFloat | str
 #: A share of the diagonal of the shape's box, as in 0.001, or a text, as in "0.1%".
 Share = SupportsFloat | str
+#: Seconds, or a text with a unit, as in "20s", "2m" or "500ms".
+Time = SupportsFloat | str
 
 
 class BudgetArguments(TypedDict):
@@ -29,8 +31,9 @@ class BudgetArguments(TypedDict):
     triangles: int | None
     segments: int | None
     spacing: str
-    effort: str
+    effort: str | None
     require: str | None
+    within: str | None
     extrude: tuple[str, str] | None
     bevel: tuple[str, str] | None
 
@@ -47,8 +50,9 @@ def budget_arguments(
     triangles: SupportsIndex | None = None,
     segments: SupportsIndex | None = None,
     spacing: str = "fewest",
-    effort: str = "best",
+    effort: str | None = None,
     require: str | None = None,
+    within: Time | None = None,
     extrude: Length | None = None,
     bevel: Length | None = None,
     counted: str,
@@ -67,8 +71,9 @@ def budget_arguments(
         "triangles": None if triangles is None else whole("triangles", triangles),
         "segments": None if segments is None else whole("segments", segments),
         "spacing": text("spacing", spacing) or "",
-        "effort": text("effort", effort) or "",
+        "effort": text("effort", effort),
         "require": None if require is None else text("require", require),
+        "within": None if within is None else _time("within", within),
         "extrude": None if extrude is None else ("extrude", length("extrude", extrude)),
         "bevel": None if bevel is None else ("bevel", length("bevel", bevel)),
     }
@@ -90,8 +95,9 @@ NO_BUDGET: BudgetArguments = {
     "triangles": None,
     "segments": None,
     "spacing": "fewest",
-    "effort": "best",
+    "effort": None,
     "require": None,
+    "within": None,
     "extrude": None,
     "bevel": None,
 }
@@ -118,6 +124,11 @@ def length_in(name: str, value: Length, unit: str | None) -> float:
     if unit is None:
         raise BudgetError(f"{name}: nothing says the unit of the volume, which {value!r} needs: unit=\"mm\" does")
     return float(Fraction(count) * VOLUME_METRES[said[2]] / VOLUME_METRES[unit])
+
+
+def _time(name: str, value: Time) -> str:
+    """A time as the command reads it."""
+    return value if isinstance(value, str) else f"{number(name, value)!r}s"
 
 
 def _tol(tol: Length | None) -> tuple[str, str] | None:

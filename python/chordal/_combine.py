@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from chordal import _chordal
 from chordal._arguments import function
 from chordal._bound import Bound
-from chordal._budget import Length, Share, budget_arguments
+from chordal._budget import Length, Share, Time, budget_arguments
 from chordal._errors import Refused
 from chordal._interop import mesh_of
 from chordal._sourced import Sourced
@@ -35,13 +35,15 @@ class Combinable(Sourced):
         *steps: tuple[Literal["union", "difference", "intersection"], Shape | Any],
         tol: Length | None = None,
         rel: Share | None = None,
+        within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """The solid combined with others from left to right, as triangles: each step is "union", "difference" or
         "intersection", and the other solid, which may be a file or a mesh of another library.
 
         Closed triangles are cut as they are. Open ones and other shapes become closed triangles first, within `tol` or
-        `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side.
+        `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side. `within` is
+        for a field that others are combined with, as for `Shape.mesh`.
 
         Where nothing is left, as of a solid without itself, the mesh has no triangles, and nothing bounds its distance. Raises
         `Refused` where a shape bounds no solid, and `BudgetUnmet` with the best result where
@@ -55,37 +57,46 @@ class Combinable(Sourced):
         >>> one.combine(("difference", two)).report["certificate"]["valid"]["closed"]
         True
         """
-        return _combined(self, steps, tol=tol, rel=rel, progress=progress)
+        return _combined(self, steps, tol=tol, rel=rel, within=within, progress=progress)
 
     def union(
         self,
         *others: Shape | Any,
         tol: Length | None = None,
         rel: Share | None = None,
+        within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """What is in this solid or in any of the others, which may be a list: `combine`."""
-        return self.combine(*(("union", other) for other in one_by_one(others)), tol=tol, rel=rel, progress=progress)
+        return self.combine(
+            *(("union", other) for other in one_by_one(others)), tol=tol, rel=rel, within=within, progress=progress
+        )
 
     def difference(
         self,
         *others: Shape | Any,
         tol: Length | None = None,
         rel: Share | None = None,
+        within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """This solid without the others: `combine`."""
-        return self.combine(*(("difference", other) for other in one_by_one(others)), tol=tol, rel=rel, progress=progress)
+        return self.combine(
+            *(("difference", other) for other in one_by_one(others)), tol=tol, rel=rel, within=within, progress=progress
+        )
 
     def intersection(
         self,
         *others: Shape | Any,
         tol: Length | None = None,
         rel: Share | None = None,
+        within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """What is in this solid and in all of the others: `combine`."""
-        return self.combine(*(("intersection", other) for other in one_by_one(others)), tol=tol, rel=rel, progress=progress)
+        return self.combine(
+            *(("intersection", other) for other in one_by_one(others)), tol=tol, rel=rel, within=within, progress=progress
+        )
 
     def __or__(self, other: Shape | Any) -> Mesh:
         """The union of closed triangles: `combine`."""
@@ -109,7 +120,7 @@ class Combinable(Sourced):
         if self._source.kind != "triangles" or found.kind != "triangles":
             raise TypeError(f"operators combine closed triangles; other shapes need a length: a.{operation}(b, tol=0.01)")
         other = found
-        return _combined(self, ((operation, other),), tol=None, rel=None, progress=None)
+        return _combined(self, ((operation, other),), tol=None, rel=None, within=None, progress=None)
 
 
 def _combined(
@@ -118,6 +129,7 @@ def _combined(
     *,
     tol: Length | None,
     rel: Share | None,
+    within: Time | None,
     progress: Callable[[str, int, int], object] | None,
 ) -> Mesh:
     """Solids combined from left to right."""
@@ -125,7 +137,9 @@ def _combined(
 
     if not steps:
         raise ValueError("steps: at least one, as in ('difference', other)")
-    budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
+    budget = budget_arguments(
+        tol=tol, rel=rel, pixels=None, view=None, within=within, counted="triangles", is_needed=False
+    )
     shapes: list[tuple[str, Combinable]] = [_step(step) for step in steps]
     tell = function("progress", progress)
     first, shapes = _without_nothing(first, shapes)

@@ -48,6 +48,7 @@ _KEYWORDS: dict[str, tuple[str, ...]] = {
     "roughness=": ("roughnessFactor",),
     "color=": ("baseColorFactor", "diffuse", "base_color"),
     "absolute=": ("tol", "tolerance", "error"),
+    "within=": ("timeout", "time_limit", "max_time", "max_seconds", "deadline"),
     "distances=": ("lod_distances", "switch_distances"),
 }
 

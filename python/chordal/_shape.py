@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function
 from chordal._bake import Bakeable
-from chordal._budget import NO_BUDGET, Length, Share, budget_arguments
+from chordal._budget import NO_BUDGET, Length, Share, Time, budget_arguments
 from chordal._combine import Combinable
 from chordal._convert import Convertible
 from chordal._deviation import Deviation, measured
@@ -134,8 +134,9 @@ class Shape(
         uv_error: SupportsFloat | None = None,
         normal_error: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
-        effort: Literal["best", "fast"] = "best",
+        effort: Literal["best", "fast"] | None = None,
         require: Literal["proved", "measured", "estimated"] | None = None,
+        within: Time | None = None,
         extrude: Length | None = None,
         bevel: Length | None = None,
         iso: SupportsFloat | None = None,
@@ -157,7 +158,10 @@ class Shape(
         measured. All that are given hold. `require` is the
         evidence that a field's mesh needs: "proved"; "measured", which is sooner there; or "estimated", for a draft that is there
         at once and whose distance nobody knows. Unless it is said, a proof
-        where there is anything to prove with, and a measurement for functions without a Lipschitz constant. `extrude` is
+        where there is anything to prove with, and a measurement for functions without a Lipschitz constant. `effort` "best"
+        takes the proof of a field to its end. `within`, for fields, is after how long the best so far is taken, in seconds or
+        as in "2m": measured, its places without a proof in `report["certificate"]["bound"]["open"]`. Unless it is said that is
+        after 60 seconds, and never where a proof is asked for by `require` "proved" or `effort` "best". `extrude` is
         the height to which a drawing or letters are raised, as a closed solid that stands on z = 0, and `bevel` how wide
         the edges of both its ends are cut off at 45 degrees: less than half of the height.
 
@@ -198,6 +202,7 @@ class Shape(
                 triangles=triangles,
                 effort=effort,
                 require=require,
+                within=within,
                 extrude=extrude,
                 bevel=bevel,
                 counted="triangles",

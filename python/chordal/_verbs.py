@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, TypeVar
 
 from chordal._blockwise.volume import BlockVolume
-from chordal._budget import Length, Share
+from chordal._budget import Length, Share, Time
 from chordal._cage import Cage
 from chordal._combine import one_by_one
 from chordal._curve import Curve
@@ -144,7 +144,13 @@ def convert() -> None:
 
 
 def union(
-    first: _Shaped, /, *others: _Shaped, tol: Length | None = None, rel: Share | None = None, progress: Progress | None = None
+    first: _Shaped,
+    /,
+    *others: _Shaped,
+    tol: Length | None = None,
+    rel: Share | None = None,
+    within: Time | None = None,
+    progress: Progress | None = None,
 ) -> Mesh:
     """What is in any of some solids, or of those in a list, as one closed mesh: `Shape.combine`.
 
@@ -158,11 +164,17 @@ def union(
     >>> chordal.union(cube, moved).volume
     1.875
     """
-    return _combined("union", first, others, tol=tol, rel=rel, progress=progress)
+    return _combined("union", first, others, tol=tol, rel=rel, within=within, progress=progress)
 
 
 def difference(
-    first: _Shaped, /, *others: _Shaped, tol: Length | None = None, rel: Share | None = None, progress: Progress | None = None
+    first: _Shaped,
+    /,
+    *others: _Shaped,
+    tol: Length | None = None,
+    rel: Share | None = None,
+    within: Time | None = None,
+    progress: Progress | None = None,
 ) -> Mesh:
     """A solid without others, as one closed mesh: `Shape.combine`.
 
@@ -176,11 +188,17 @@ def difference(
     >>> chordal.difference(cube, moved).volume
     0.875
     """
-    return _combined("difference", first, others, tol=tol, rel=rel, progress=progress)
+    return _combined("difference", first, others, tol=tol, rel=rel, within=within, progress=progress)
 
 
 def intersection(
-    first: _Shaped, /, *others: _Shaped, tol: Length | None = None, rel: Share | None = None, progress: Progress | None = None
+    first: _Shaped,
+    /,
+    *others: _Shaped,
+    tol: Length | None = None,
+    rel: Share | None = None,
+    within: Time | None = None,
+    progress: Progress | None = None,
 ) -> Mesh:
     """What is in all of some solids, as one closed mesh: `Shape.combine`.
 
@@ -194,7 +212,7 @@ def intersection(
     >>> chordal.intersection(cube, moved).volume
     0.125
     """
-    return _combined("intersection", first, others, tol=tol, rel=rel, progress=progress)
+    return _combined("intersection", first, others, tol=tol, rel=rel, within=within, progress=progress)
 
 
 def _combined(
@@ -204,8 +222,9 @@ def _combined(
     *,
     tol: Length | None,
     rel: Share | None,
+    within: Time | None,
     progress: Progress | None,
 ) -> Mesh:
     one, *more = one_by_one((first, *others))
     steps = [(operation, shaped("others", other)) for other in more]
-    return shaped("first", one).combine(*steps, tol=tol, rel=rel, progress=progress)
+    return shaped("first", one).combine(*steps, tol=tol, rel=rel, within=within, progress=progress)

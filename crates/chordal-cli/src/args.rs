@@ -7,7 +7,6 @@ use chordal_io::font::Letters;
 use chordal_io::{Axis, Format, PolygonSurface};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// Arguments that every verb with an input takes.
 #[derive(Args, Clone, Debug)]
@@ -195,15 +194,6 @@ pub(crate) fn angle(text: &str) -> Result<f64, String> {
         Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
         _ => Err("an angle is above 0 and at most 180 degrees, as in 5deg".into()),
     }
-}
-
-/// `20s`, `2m` or `500ms`
-pub(crate) fn duration(text: &str) -> Result<Duration, String> {
-    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0)];
-    let split = units.iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
-    let seconds = split.and_then(|(number, seconds)| Some(number.trim().parse::<f64>().ok()? * seconds));
-    let time = seconds.filter(|seconds| *seconds > 0.0).and_then(|s| Duration::try_from_secs_f64(s).ok());
-    time.ok_or_else(|| "a time is a number above 0 and a unit, as in 20s, 2m or 500ms".into())
 }
 
 /// The reason alone: the message that it becomes part of names the text already.

@@ -1,5 +1,5 @@
 //! `chordal mesh`
-use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, angle, duration, length};
+use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, angle, length};
 use crate::boolean::BooleanArgs;
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
@@ -24,7 +24,8 @@ use chordal::budget::{Bound, Length, PixelBudget, Pixels, Reference, RequiredEvi
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
-    BudgetSpec, Effort, MeshFailure, Normals, Shape, Spacing, mesh, mesh_boolean, needs_budget, refine,
+    BudgetSpec, Effort, MeshFailure, Normals, Shape, Spacing, mesh, mesh_boolean, needs_budget, parse_time,
+    refine, time_limit,
 };
 use clap::{ArgGroup, Args, ValueEnum};
 use std::io::Write;
@@ -148,7 +149,7 @@ pub struct ResultArgs {
 
     /// For a field: write the best that is there after so long, as in 20s or 2m. Unless said, after 60s, and without a
     /// limit where a proof is asked for by --require proved or --effort best
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = parse_time)]
     pub within: Option<Duration>,
 
     /// Normals of triangles: what the shape has and, for .obj, .glb, .gltf, .usda and .usdz, crease=30deg where it
@@ -219,16 +220,6 @@ pub fn job(args: &MeshArgs) -> Job {
     job
 }
 
-/// After how long the best is written. Chosen: nobody waits longer for a part without a sign.
-const WITHIN: Duration = Duration::from_secs(60);
-
-/// When a field is to be written as it is: a proof that is asked for by name has no end unless one is given.
-fn time_limit(args: &MeshArgs, require: Option<RequiredEvidence>, shape: &Shape) -> Option<Duration> {
-    let has_no_end = require == Some(RequiredEvidence::Proved) || args.result.effort == Some(EffortArg::Best);
-    let default = (!has_no_end).then_some(WITHIN);
-    args.result.within.or(default).filter(|_| matches!(shape, Shape::Field(_)))
-}
-
 /// The same as one of several times.
 pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     let clock = Clock::start();
@@ -272,8 +263,8 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
     if !others.is_empty() && args.result.extrude.is_some() {
         return Err(Fault::usage("--extrude makes a solid of its own: write it, and combine the file"));
     }
-    let deadline =
-        time_limit(args, round.require, &input.shape).map(|within| Deadline::start(job, within, console));
+    let limit = time_limit(&input.shape, args.result.within, round.require, job.proof_effort);
+    let deadline = limit.map(|within| Deadline::start(job, within, console));
     let made = if others.is_empty() {
         mesh(input, &spec, form, job)
     } else {

@@ -34,6 +34,7 @@ pub(crate) fn combine(
         let name = name.unwrap_or_else(|| format!("step {number}"));
         operands.push(BooleanOperand { op, name, input: Input::clone(&input) });
     }
-    let order = MeshOrder { input, name, task: MeshTask::Combine(operands, arguments.spec(py)?), calls };
+    let (spec, patience) = arguments.spec(py)?;
+    let order = MeshOrder { input, name, task: MeshTask::Combine(operands, spec, patience), calls };
     Outcome::new(py, order, to.into(), progress)
 }

@@ -3,6 +3,7 @@ use crate::array::Array;
 use crate::python_leaf::CallLog;
 use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
+use crate::spec::Patience;
 use crate::spelling::Keywords;
 use crate::work::ProgressListener;
 use crate::{failure, work};
@@ -15,7 +16,7 @@ use chordal_verbs::formats::{in_words, names_where};
 use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{
     BooleanOperand, BudgetSpec, Input, MendSpec, MeshFailure, MeshOutcome, OutputForm, Shape, Tessellation,
-    mend, mesh, mesh_boolean, sha256,
+    mend, mesh, mesh_boolean, sha256, time_limit,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -36,9 +37,9 @@ pub(crate) struct MeshOrder {
 /// What is done with it.
 #[derive(Clone)]
 pub(crate) enum MeshTask {
-    Mesh(BudgetSpec),
+    Mesh(BudgetSpec, Patience),
     /// It is combined with others, from left to right.
-    Combine(Vec<BooleanOperand>, BudgetSpec),
+    Combine(Vec<BooleanOperand>, BudgetSpec, Patience),
     Mend(MendSpec),
 }
 
@@ -46,7 +47,7 @@ impl MeshTask {
     /// The verb in a report.
     fn verb(&self) -> &'static str {
         match self {
-            Self::Mesh(_) | Self::Combine(..) => "mesh",
+            Self::Mesh(..) | Self::Combine(..) => "mesh",
             Self::Mend(_) => "mend",
         }
     }
@@ -59,10 +60,27 @@ impl MeshTask {
         }
     }
 
+    /// How long a field is worked on.
+    fn patience(&self) -> Patience {
+        match self {
+            Self::Mesh(_, patience) | Self::Combine(_, _, patience) => *patience,
+            Self::Mend(_) => Patience::default(),
+        }
+    }
+
+    /// After how long the best is taken.
+    fn time_limit(&self, shape: &Shape) -> Option<Duration> {
+        let Patience { within, proof } = self.patience();
+        match self {
+            Self::Mesh(spec, _) | Self::Combine(_, spec, _) => time_limit(shape, within, spec.require, proof),
+            Self::Mend(_) => None,
+        }
+    }
+
     fn apply(&self, input: Input, to: OutputForm, job: &Job) -> Result<MeshOutcome, MeshFailure> {
         match self {
-            Self::Mesh(spec) => mesh(input, spec, to, job),
-            Self::Combine(others, spec) => mesh_boolean(input, others.clone(), spec, to, job),
+            Self::Mesh(spec, _) => mesh(input, spec, to, job),
+            Self::Combine(others, spec, _) => mesh_boolean(input, others.clone(), spec, to, job),
             Self::Mend(spec) => mend(input, spec, to, job),
         }
     }
@@ -92,9 +110,11 @@ enum OutcomeRows {
 impl MeshOrder {
     fn run(&self, to: OutputForm, job: &Job) -> Result<MeshRun, MeshFailure> {
         let start = Instant::now();
+        let mut job = job.clone();
+        job.proof_effort = self.task.patience().proof;
         let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
         let before = asked();
-        let made = self.task.apply(Input::clone(&self.input), to, job);
+        let made = self.task.apply(Input::clone(&self.input), to, &job);
         let (outcome, unmet) = match made {
             Ok(outcome) => (outcome, None),
             Err(failure) => match (failure.to_string(), failure) {
@@ -137,7 +157,8 @@ impl Outcome {
     ) -> PyResult<Self> {
         let own = order.clone();
         let listener = ProgressListener::new(progress, order.task.name());
-        let filled = work::run(py, listener, move |job| own.run(form, job))?;
+        let limit = order.task.time_limit(&order.input.shape);
+        let filled = work::run_within(py, listener, limit, move |job| own.run(form, job))?;
         let filled = filled.map_err(|error| failure::mesh(py, error))?;
         Ok(Self { order, form, filled })
     }

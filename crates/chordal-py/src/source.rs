@@ -243,7 +243,8 @@ impl Source {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Outcome> {
         let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
-        let order = self.order(MeshTask::Mesh(arguments.spec(py)?));
+        let (spec, patience) = arguments.spec(py)?;
+        let order = self.order(MeshTask::Mesh(spec, patience));
         Outcome::new(py, order, to.into(), progress).map_err(|error| self.raised().unwrap_or(error))
     }
 }

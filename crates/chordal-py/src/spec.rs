@@ -1,10 +1,12 @@
 //! A budget, from Python's arguments.
 use crate::failure;
 use chordal::budget::attributes::{AttributeLimits, InvalidAttributeLimit};
+use chordal::budget::proof::ProofEffort;
 use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
-use chordal_verbs::{BudgetSpec, Effort, Normals, Spacing};
+use chordal_verbs::{BudgetSpec, Effort, Normals, Spacing, parse_time};
 use pyo3::prelude::*;
 use std::str::FromStr;
+use std::time::Duration;
 
 /// The arguments of a budget as texts and numbers. `python/chordal/_budget.py` has made sure that they belong
 /// together.
@@ -27,20 +29,36 @@ pub(crate) struct BudgetArguments {
     segments: Option<u64>,
     /// Where the ends of segments are placed: "fewest" or "even".
     spacing: String,
-    /// What a count of triangles is worth: "best" or "fast".
-    effort: String,
+    /// What a count of triangles is worth, or the proof of a field: "best" or "fast", if it is said.
+    effort: Option<String>,
     /// "proved" or "measured", if one is asked for.
     require: Option<String>,
+    /// After how long the best of a field is taken, as the command reads it.
+    within: Option<String>,
     /// The name of an argument and a length: how high a drawing is raised to a solid.
     extrude: Option<(String, String)>,
     /// The same: how wide its edges are cut off.
     bevel: Option<(String, String)>,
 }
 
+/// How long a field is worked on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Patience {
+    /// After how long the best is taken, if that is said.
+    pub within: Option<Duration>,
+    /// How far its proof is taken.
+    pub proof: ProofEffort,
+}
+
 impl BudgetArguments {
-    /// The same as the verbs take it.
-    pub(crate) fn spec(self, py: Python<'_>) -> PyResult<BudgetSpec> {
+    /// The same as the verbs take it, and how long a field is worked on.
+    pub(crate) fn spec(self, py: Python<'_>) -> PyResult<(BudgetSpec, Patience)> {
         let wrong = |name: &str, error: String| failure::budget(py, &format!("{name}: {error}"));
+        let within = self.within.as_deref().map(parse_time).transpose();
+        let within = within.map_err(|error| wrong("within", error))?;
+        let effort = self.effort.as_deref().map(parse_effort).transpose()?;
+        // As in the command: the best of a field is a proof that is taken to its end.
+        let proof = if effort == Some(Effort::Best) { ProofEffort::Full } else { ProofEffort::default() };
         let parse = |(name, text): (String, String)| {
             text.parse::<Length>().map_err(|error: InvalidLength| wrong(&name, error.to_string()))
         };
@@ -59,7 +77,7 @@ impl BudgetArguments {
             };
             wrong(name, error.to_string())
         });
-        Ok(BudgetSpec {
+        let spec = BudgetSpec {
             length: length.transpose()?,
             pixels: pixels.transpose()?,
             angle_deg: self.angle_deg,
@@ -67,12 +85,13 @@ impl BudgetArguments {
             triangles: self.triangles,
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
-            effort: parse_effort(&self.effort)?,
+            effort: effort.unwrap_or(Effort::Best),
             extrude,
             bevel,
             normals: Normals::default(),
             require: parse_argument("require", self.require.as_deref())?,
-        })
+        };
+        Ok((spec, Patience { within, proof }))
     }
 }
 

@@ -23,8 +23,7 @@ impl Spelling for Keywords {
             Setting::Segments => number("segments"),
             Setting::Compress => text("compress"),
             Setting::Quantize => "quantize=True".to_owned(),
-            // How much work a proof is worth is part of what is required here.
-            Setting::Effort => "require=\"proved\"".to_owned(),
+            Setting::Effort => text("effort"),
             Setting::Nested => text("nested"),
             Setting::Cure(cure) => {
                 let named = cure.name().replace('-', "_");

@@ -70,6 +70,19 @@ pub(crate) fn run<T: Send + 'static>(
     progress: Option<ProgressListener>,
     work: impl FnOnce(&Job) -> T + Send + 'static,
 ) -> PyResult<T> {
+    run_within(py, progress, None, work)
+}
+
+/// The same for work that is told to end with the best that it has after so long. The thread that waits looks at the clock,
+/// so that no other is needed.
+pub(crate) fn run_within<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<ProgressListener>,
+    within: Option<Duration>,
+    work: impl FnOnce(&Job) -> T + Send + 'static,
+) -> PyResult<T> {
+    // A time beyond what the clock can tell never comes.
+    let end = within.and_then(|within| Instant::now().checked_add(within));
     let pool = pool(py).map_err(|error| failure::internal(py, &format!("no threads: {error}")))?;
     let (sender, receiver) = channel();
     let mut job = Job::default();
@@ -85,7 +98,11 @@ pub(crate) fn run<T: Send + 'static>(
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
         drop(sender.send(done.map_or(WorkMessage::Broken, WorkMessage::Done)));
     });
-    let done = wait(py, progress, receiver);
+    let done = wait(py, progress, receiver, || {
+        if end.is_some_and(|end| Instant::now() >= end) {
+            job.finish();
+        }
+    });
     if done.is_ok() {
         std::mem::forget(on_leaving);
     }
@@ -116,10 +133,12 @@ impl Drop for CancelGuard<'_> {
     }
 }
 
+/// Waits for the result; `look` is called every [`LOOK`].
 fn wait<T: Send>(
     py: Python<'_>,
     mut progress: Option<ProgressListener>,
     mut messages: Receiver<WorkMessage<T>>,
+    look: impl Fn(),
 ) -> PyResult<T> {
     let begun = progress.as_ref().map(|listener| listener.last);
     if let (Some(listener), Some(begun)) = (&mut progress, begun) {
@@ -138,7 +157,10 @@ fn wait<T: Send>(
                 return Ok(done);
             }
             Some(Err(WorkPanic)) => return Err(failure::internal(py, BROKEN)),
-            None => py.check_signals()?,
+            None => {
+                look();
+                py.check_signals()?;
+            }
         }
     }
 }

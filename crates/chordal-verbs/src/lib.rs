@@ -92,6 +92,7 @@ mod spec;
 mod spell;
 mod straight;
 mod tessellate;
+mod time_limit;
 mod too_fine;
 mod transform;
 mod verify;
@@ -134,6 +135,7 @@ pub use seal::seal_of;
 pub use shape::Shape;
 pub use smoothing_width::SmoothingWidth;
 pub use spec::BudgetSpec;
+pub use time_limit::{parse_time, time_limit};
 pub use transform::{MovedScene, Stretch, composed_bound, transform};
 pub use verify::{
     ClaimFacts, ClaimVerdict, VERIFY_SCHEMA, VerifyReport, inputs_to_verify, n_coarser_levels, verify,
