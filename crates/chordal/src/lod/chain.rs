@@ -3,8 +3,8 @@ use super::reduction::ReductionStats;
 use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
 use super::zero_area::ZeroAreaFaces;
 use crate::budget::{
-    AttributeLimits, Bound, Bounded, ErrorLimit, Job, JobError, Message, Reference, Refusal, RefusalCode,
-    Tolerance,
+    AttributeLimits, Bound, Bounded, ErrorLimit, Evidence, Job, JobError, Message, Reference, Refusal,
+    RefusalCode, Tolerance,
 };
 use crate::check::findings::AttributeDeviation;
 use crate::explicit::{Mesh, Topology};
@@ -138,10 +138,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
         }
     };
     if made.bound.at_most().is_none() {
-        return refuse(
-            RefusalCode::Unsupported,
-            "levels need a bound that is proved, and this shape has none at that error",
-        );
+        return refuse(RefusalCode::Unsupported, needs_a_proof("levels", &made.bound));
     }
     let used = made.bound.at_most().unwrap_or(f64::INFINITY);
     let mesh: &Mesh = &made.shape;
@@ -204,6 +201,29 @@ fn level_of(fewer: Bounded<SimplifiedMesh>, made: Option<&Bound>) -> LodLevel {
     let bound = made.map_or(fewer.bound.clone(), |made| made.then(&fewer.bound));
     let SimplifiedMesh { mesh, stats, attributes, .. } = fewer.shape;
     LodLevel { mesh, bound, stats, attributes }
+}
+
+/// What is said where levels or tiles are to be made of triangles that nothing bounds from above: why nothing does, and what
+/// to do. Each level adds its own error to theirs, and to one that is not known nothing can be added.
+pub(super) fn needs_a_proof(what: &str, bound: &Bound) -> String {
+    let why = match (bound.evidence(), bound.open.as_deref()) {
+        (_, Some(open)) => {
+            let places =
+                if open.count == 1 { "1 place".to_owned() } else { format!("{} places", open.count) };
+            let near = open.largest.first().map_or(String::new(), |place| {
+                let [x, y, z] = place.at;
+                format!(", the largest about ({x:.4}, {y:.4}, {z:.4})")
+            });
+            format!("its proof is left open at {places}{near}, and they are only measured")
+        }
+        (Evidence::Measured { samples }, None) => format!("they are only measured, at {samples} points"),
+        _ => "their distance from it is only estimated".to_owned(),
+    };
+    format!(
+        "{what} need a bound that holds, and the finest triangles of this shape have none: {why}; allow a larger error, or \
+         of a function promise a Lipschitz constant, or mesh the shape by itself and make {what} of that mesh, whose errors \
+         are then counted from its triangles"
+    )
 }
 
 fn refuse<T>(code: RefusalCode, message: impl Into<Message>) -> Result<T, JobError> {

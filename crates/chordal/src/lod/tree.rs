@@ -1,4 +1,5 @@
 //! `tree`: a large mesh as a hierarchy of tiles that replace each other, region by region, without cracks.
+use super::chain::needs_a_proof;
 use super::reduction::ReductionStats;
 use super::region_tree::RegionTree;
 use super::simplify::{SimplifiedMesh, SimplifyInput, simplify_within};
@@ -138,10 +139,7 @@ pub fn tree(
         return refuse(RefusalCode::Empty, "there is no triangle to put into tiles");
     }
     if finest.bound.at_most().is_none() {
-        return refuse(
-            RefusalCode::Unsupported,
-            "tiles need a bound that is proved, and the finest mesh has none",
-        );
+        return refuse(RefusalCode::Unsupported, needs_a_proof("tiles", &finest.bound));
     }
     job.run(|| {
         let parts = RegionTree::new(&finest.shape, topology, cuts.max_triangles);

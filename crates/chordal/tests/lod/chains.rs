@@ -1,10 +1,11 @@
 //! Chains: every level held against the source by the sampler.
 use super::sampler::farthest;
 use super::{data, shapes};
-use chordal::budget::Evidence;
+use chordal::budget::proof::{OpenPlace, OpenPlaces};
+use chordal::budget::{Bound, Evidence, JobError, Reference, RefusalCode};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{LodSource, LodSteps, chain};
-use chordal::{Job, Mesh, Tolerance};
+use chordal::{Bounded, Job, Mesh, Tolerance};
 use chordal_testkit::{Random, some};
 
 /// The bound holds up to this share, and up to roundings of the coordinates: of points, and of their feet on
@@ -131,5 +132,34 @@ fn no_level_of_a_rough_surface_is_left_out() {
         println!("{name}: {}", said.join(", "));
         let ratios = levels.windows(2).map(|pair| pair[1].error() / pair[0].error());
         assert!(levels.len() > 3 && ratios.clone().all(|ratio| ratio < 2.2), "{name}: {said:?}");
+    }
+}
+
+#[test]
+fn triangles_without_an_upper_bound_have_no_levels_and_the_reason_is_said() {
+    let said = |bound: &Bound| {
+        let mut make = |_: Tolerance| Ok(Bounded { shape: shapes::sphere(2), bound: bound.clone() });
+        let steps = LodSteps::from_finest(Tolerance::new(0.1).expect("a length"));
+        match chain(LodSource::Smooth(&mut make), &steps, &Job::default()) {
+            Err(JobError::Refused(refusal)) => {
+                assert_eq!(refusal.code, RefusalCode::Unsupported);
+                refusal.message.to_string()
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    let measured = Bound::with_evidence(0.01, None, Evidence::Measured { samples: 96 }, Reference::Field);
+    let place = |x: f64, size: f64| OpenPlace { at: [x, 0.5, 0.0], size, area: 0.1 };
+    let places = OpenPlaces::new(vec![place(2.0, 0.1), place(1.0, 0.3)], 8.0);
+    let mut open = measured.clone();
+    open.open = Some(Box::new(places));
+    let estimated = Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::Field);
+    for (bound, why) in [
+        (&measured, "only measured, at 96 points"),
+        (&open, "left open at 2 places, the largest about (1.0000, 0.5000, 0.0000)"),
+        (&estimated, "only estimated"),
+    ] {
+        let said = said(bound);
+        assert!(said.contains(why) && said.contains("make levels of that mesh"), "{said}");
     }
 }
