@@ -93,6 +93,31 @@ fn triangles_become_fewer_or_are_too_many() {
 }
 
 #[test]
+fn a_count_that_is_not_reached_names_the_pieces_that_stand_in_the_way() {
+    let folder = Folder::new("pieces");
+    let moved: String = (0..3)
+        .map(|k| {
+            let v = |x: u32, y: u32, z: u32| format!("v {} {y} {z}\n", 4 * k + x);
+            let f = |a: u32, b: u32, c: u32| format!("f {} {} {}\n", 4 * k + a, 4 * k + b, 4 * k + c);
+            let corners = [v(0, 0, 0), v(1, 0, 0), v(0, 1, 0), v(0, 0, 1)].concat();
+            corners + &[f(1, 3, 2), f(1, 2, 4), f(2, 3, 4), f(3, 1, 4)].concat()
+        })
+        .collect();
+    let (input, output) = (folder.file("three.obj", moved), folder.text("few.ply"));
+    let args = ["mesh", &input, "-o", &output, "--triangles", "9"];
+    let why = "12 triangles are left and 9 are allowed: a count alone takes away no separate piece";
+    let pieces = "3 pieces: piece 0 (4), piece 1 (4), piece 2 (4); a length beside the count";
+    run(&args).fails_with(5, &["three.obj: ", why, pieces]);
+    let kept = run(&[&args[..], &["--keep-best"]].concat());
+    kept.fails_with(5, &[why]);
+    assert!(kept.stdout.contains("stayed") && kept.stdout.contains(pieces), "{kept:?}");
+    let within = run(&[&args[..], &["--tol", "1e-6", "--force"]].concat());
+    within.fails_with(5, &["no more can go within the length", "a larger length lets more go"]);
+    let report = run(&[&args[..], &["--keep-best", "--force", "--json"]].concat()).report();
+    assert!(report["certificate"]["notes"].to_string().contains(pieces), "{report}");
+}
+
+#[test]
 fn the_certified_bound_keeps_within_what_was_asked_in_every_format() {
     let folder = Folder::new("within");
     let input = folder.file("a.bpt", PATCH);

@@ -398,6 +398,41 @@ fn limits_on_texture_coordinates_hold_for_every_level_and_are_reported() {
 }
 
 #[test]
+fn triangles_that_stay_for_their_texture_coordinates_are_counted_and_said() {
+    let folder = Folder::new("uv-stayed");
+    let mut text = textured_sheet();
+    // Coordinates that turn from vertex to vertex: no edge can go without moving them.
+    let mut k = 0_u32;
+    text = text
+        .lines()
+        .map(|line| match line.strip_prefix("vt ") {
+            Some(_) => {
+                k += 1;
+                format!("vt {} {}\n", f64::from(k * 37 % 101) / 101.0, f64::from(k * 53 % 97) / 97.0)
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let (input, output) = (folder.file("sheet.obj", text), folder.text("sheet.glb"));
+    let asked = ["mesh", &input, "--tol", "2%", "-o", &output, "--force", "--uv-error", "1%"];
+    let made = run(&[&asked[..], &["--json"]].concat());
+    assert_eq!(made.code, 0, "{made:?}");
+    let certificate = checked(made.report())["certificate"].clone();
+    let notes = certificate["notes"].to_string();
+    assert!(certificate["output"]["triangles"].as_u64().unwrap() > 1024, "{certificate}");
+    for part in
+        ["of 2048 triangles", "only because less would put texture coordinates", "a larger --uv-error lets"]
+    {
+        assert!(notes.contains(part), "no '{part}' in {notes}");
+    }
+    // Whoever does not ask for notes is told as well.
+    let told = run(&asked);
+    assert!(told.stdout.contains("stayed") && told.stdout.contains("--uv-error lets more go"), "{told:?}");
+    let free = run(&asked[..asked.len() - 2]);
+    assert!(free.code == 0 && !free.stdout.contains("stayed"), "{free:?}");
+}
+
+#[test]
 fn limits_on_attributes_that_make_no_sense_are_refused() {
     let folder = Folder::new("uv-refused");
     let (input, output) = (folder.file("sheet.obj", textured_sheet()), folder.text("sheet.glb"));

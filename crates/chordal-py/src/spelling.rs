@@ -19,6 +19,8 @@ impl Spelling for Keywords {
             Setting::Labels => number("labels"),
             Setting::Smooth => text("smooth"),
             Setting::Open => "border=\"open\"".to_owned(),
+            Setting::UvError => number("uv_error"),
+            Setting::NormalError => number("normal_error"),
             Setting::Triangles => number("triangles"),
             Setting::Segments => number("segments"),
             Setting::Compress => text("compress"),

@@ -120,12 +120,10 @@ impl fmt::Display for MeshFailure {
                     }
                     _ => write!(f, "without an upper bound, with {made}")?,
                 }
-                match best.bound.at {
-                    Some([x, y, z]) => {
-                        write!(f, "; the worst known place is about ({x:.4e}, {y:.4e}, {z:.4e})")
-                    }
-                    None => Ok(()),
+                if let Some([x, y, z]) = best.bound.at {
+                    write!(f, "; the worst known place is about ({x:.4e}, {y:.4e}, {z:.4e})")?;
                 }
+                best.certificate.stayed.iter().try_for_each(|why| write!(f, "; {why}"))
             }
             Self::Refused(refusal) => refusal.message.fmt(f),
             Self::TooWide(why) => why.fmt(f),

@@ -51,6 +51,7 @@ mod frame_nodes;
 mod geometry_digest;
 #[cfg(feature = "script")]
 mod heights_to_mesh;
+mod held_faces;
 mod implicit;
 mod inspect;
 mod isosurface;

@@ -3,6 +3,7 @@ use crate::MeshFailure;
 use crate::file_rows::unsupported;
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget, length_for_lattice, limits_left, storage_within};
+use crate::held_faces::{HeldFaces, pieces_note};
 use crate::merged_parts::MergedParts;
 use crate::notes::{deformation_notes, reduction_notes};
 use crate::pass_through::rounded_deformation;
@@ -30,7 +31,7 @@ pub(crate) fn simplify_scene(
     certificate: &mut Certificate,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let Certificate { notes, attributes, .. } = certificate;
+    let Certificate { notes, attributes, stayed, .. } = certificate;
     let MeshRequest { budget, to, .. } = request;
     notes.extend(deformation_notes(&scene));
     let placed = flatten::flatten_for(scene, *to)?;
@@ -71,6 +72,7 @@ pub(crate) fn simplify_scene(
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     let is_alone = placements::n_places(&scene) == 1;
     let mut all = ReductionStats::default();
+    let mut held = HeldFaces::default();
     let mut worst: Option<Bound> = None;
     let mut pixels = eye.map(|_| 0.0);
     let rounded = stretch.iter().zip(&targets);
@@ -87,6 +89,13 @@ pub(crate) fn simplify_scene(
             continue;
         };
         all += made.shape.stats;
+        let counts = [&part.mesh, &made.shape.mesh].map(|mesh| mesh.faces().len());
+        if HeldFaces::is_worth_asking(&share.budget, counts) {
+            let free = Budget { attributes: AttributeLimits::default(), ..share.budget };
+            let free = simplify_part(part, (&free, request.effort), job)?;
+            let n_free = free.map_or(counts[1], |free| free.shape.mesh.faces().len());
+            held.add([counts[0], counts[1], n_free]);
+        }
         let before = std::mem::replace(&mut part.mesh, rounded);
         let snapped = placements::scaled_up(step.at_most().unwrap_or(f64::INFINITY), *stretch);
         let seen = eye.filter(|_| shown.is_none());
@@ -116,6 +125,9 @@ pub(crate) fn simplify_scene(
     let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     notes.push(format!("{before} triangles were simplified to {after}").into());
     notes.extend(reduction_notes(&all));
+    stayed.extend(held.note(&budget.attributes));
+    stayed.extend(pieces_note(&scene, budget));
+    notes.extend(stayed.iter().cloned());
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     if after < before {
         worst = with_room(worst, budget.length);

@@ -63,6 +63,7 @@ impl Spell for Certificate {
     fn spell(&mut self, spelling: &dyn Spelling) {
         self.input.warnings.spell(spelling);
         self.notes.spell(spelling);
+        self.stayed.spell(spelling);
     }
 }
 

@@ -73,6 +73,9 @@ pub struct Certificate {
     /// Further notes for the reader, in sentences.
     #[serde(serialize_with = "message_texts")]
     pub notes: Vec<Message>,
+    /// Those of the notes that say why triangles stay which the budget seems to let go: people see them without asking.
+    #[serde(skip)]
+    pub stayed: Vec<Message>,
 }
 
 impl Certificate {
@@ -100,6 +103,7 @@ impl Certificate {
             overshade: None,
             history: None,
             notes: assumed_region(input).into_iter().chain(bent_polygons(input)).collect(),
+            stayed: Vec::new(),
         }
     }
 

@@ -46,13 +46,17 @@ pub enum Setting {
     SelfIntersections,
     /// Which way closed pieces within others face.
     Nested,
+    /// How far texture coordinates may be off.
+    UvError,
+    /// How far normals may be off.
+    NormalError,
     /// A repair of a mesh.
     Cure(Cure),
 }
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 21] = [
+    pub const PLAIN: [Self; 23] = [
         Self::Unit,
         Self::From,
         Self::Surface,
@@ -74,6 +78,8 @@ impl Setting {
         Self::Effort,
         Self::SelfIntersections,
         Self::Nested,
+        Self::UvError,
+        Self::NormalError,
     ];
 
     /// Its words, joined by hyphens.
@@ -107,6 +113,8 @@ impl Setting {
             Self::Effort => "effort",
             Self::Nested => "nested",
             Self::SelfIntersections => "self-intersections",
+            Self::UvError => "uv-error",
+            Self::NormalError => "normal-error",
             Self::Cure(cure) => cure.name(),
         }
     }

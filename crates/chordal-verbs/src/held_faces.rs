@@ -1,0 +1,140 @@
+//! Why triangles stay that a budget seems to let go, in sentences for whoever waits for fewer.
+use crate::placements;
+use chordal::budget::Budget;
+use chordal::budget::advice::{Message, Setting};
+use chordal::budget::attributes::AttributeLimits;
+use chordal::check::components;
+use chordal::explicit::Topology;
+use chordal_io::{Part, Scene};
+
+/// If at least one triangle of so many is left, it is asked how many would be without limits on attributes, which takes some
+/// of the time again. Chosen: who has fewer left did not ask in vain.
+const MANY_LEFT: usize = 8;
+/// It is said if at least one of so many of those that are left stays for its attributes alone. Chosen: a tenth is seen.
+const WORTH_SAYING: u64 = 10;
+/// The most pieces that are named. Chosen: one line.
+const MOST_NAMED: usize = 5;
+
+/// How many triangles stay for their attributes alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct HeldFaces {
+    before: u64,
+    after: u64,
+    /// Those that are left without limits on attributes.
+    free: u64,
+}
+
+impl HeldFaces {
+    /// Whether it is worth to ask how many triangles would be left without limits on attributes.
+    pub fn is_worth_asking(budget: &Budget, [before, after]: [usize; 2]) -> bool {
+        budget.attributes.is_set() && after.saturating_mul(MANY_LEFT) >= before
+    }
+
+    /// Counts a part: what it had, what it has, and what it would have without those limits.
+    pub fn add(&mut self, [before, after, free]: [usize; 3]) {
+        self.before += before as u64;
+        self.after += after as u64;
+        self.free += free.min(after) as u64;
+    }
+
+    /// The sentence, where there is anything to say.
+    pub fn note(&self, limits: &AttributeLimits) -> Option<Message> {
+        let held = self.after - self.free;
+        if held == 0 || held.saturating_mul(WORTH_SAYING) < self.after {
+            return None;
+        }
+        let mut off = Vec::new();
+        off.extend(limits.texcoord().map(|most| format!("texture coordinates by more than {most}")));
+        off.extend(limits.normal_deg().map(|most| format!("normals by more than {most}°")));
+        let share = 100 * held / self.before;
+        let message = Message::from(format!(
+            "{held} of {} triangles ({share} %) stay only because less would put {} off, and {} would be left otherwise; a \
+             larger ",
+            self.before,
+            off.join(" or "),
+            self.free
+        ));
+        let message = match (limits.texcoord(), limits.normal_deg()) {
+            (Some(_), Some(_)) => {
+                message.setting(Setting::UvError).words(" or ").setting(Setting::NormalError)
+            }
+            (None, _) => message.setting(Setting::NormalError),
+            (_, None) => message.setting(Setting::UvError),
+        };
+        Some(message.words(" lets more go"))
+    }
+}
+
+/// What is said where more triangles are left than the budget counts: the pieces that have them.
+pub(crate) fn pieces_note(scene: &Scene, budget: &Budget) -> Option<Message> {
+    let most = budget.triangles?;
+    let n_left = placements::n_placed_faces(scene);
+    if n_left <= most {
+        return None;
+    }
+    let mut pieces = pieces_of(scene);
+    // Those of one size stay in their order.
+    pieces.sort_by_key(|(_, faces)| std::cmp::Reverse(*faces));
+    let named: Vec<String> =
+        pieces.iter().take(MOST_NAMED).map(|(name, faces)| format!("{name} ({faces})")).collect();
+    let more = match pieces.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    let count = if pieces.len() == 1 { "1 piece".to_owned() } else { format!("{} pieces", pieces.len()) };
+    let (why, way) = if budget.length.is_some() || budget.pixels.is_some() {
+        ("no more can go within the length", "a larger length lets more go")
+    } else {
+        (
+            "a count alone takes away no separate piece and no handle, so that each keeps some triangles",
+            "a length beside the count takes away pieces that it covers",
+        )
+    };
+    let named = named.join(", ");
+    Some(
+        format!("{n_left} triangles are left and {most} are allowed: {why}; {count}: {named}{more}; {way}")
+            .into(),
+    )
+}
+
+/// The connected pieces of all parts, by name or number, with their triangles.
+fn pieces_of(scene: &Scene) -> Vec<(String, u64)> {
+    let is_alone = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count() == 1;
+    let mut pieces = Vec::new();
+    for (number, part) in scene.parts.iter().enumerate() {
+        let Part { name, mesh, indexed, .. } = part;
+        let topology = if *indexed { Topology::Indices } else { Topology::Positions };
+        let owner = if name.is_empty() { format!("part {number}") } else { format!("'{name}'") };
+        let found = components(mesh, topology);
+        let is_whole = found.len() == 1;
+        for (piece, component) in found.iter().enumerate() {
+            let title = match (is_alone, is_whole) {
+                (true, _) => format!("piece {piece}"),
+                (false, true) => owner.clone(),
+                (false, false) => format!("piece {piece} of {owner}"),
+            };
+            pieces.push((title, component.faces));
+        }
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stays_for_its_attributes_is_counted_over_all_parts() {
+        let limits = AttributeLimits::new(Some(0.01), None).expect("a limit");
+        let mut held = HeldFaces::default();
+        assert!(held.note(&limits).is_none());
+        held.add([100, 100, 20]);
+        held.add([100, 60, 80]);
+        let note = held.note(&limits).expect("half of them stay");
+        assert!(note.starts_with("80 of 200 triangles (40 %) stay only"), "{note}");
+        assert!(note.contains("texture coordinates by more than 0.01 off, and 80 would be left"), "{note}");
+        let mut few = HeldFaces::default();
+        few.add([100, 100, 99]);
+        assert!(few.note(&limits).is_none());
+    }
+}
