@@ -174,6 +174,22 @@ fn an_occupancy_is_measured_and_never_proved() {
 }
 
 #[test]
+fn an_occupancy_that_is_met_within_a_length_is_met_within_longer_ones_with_no_more_triangles() {
+    let mut before = usize::MAX;
+    for length in [0.005, 0.01, 0.02, 0.05, 0.1] {
+        let asked = Budget { require: RequiredEvidence::Measured, ..budget(length) };
+        let made = leaf(Word::Nothing, &asked).expect("a mesh");
+        let n_faces = made.shape.faces().len();
+        assert!(
+            made.bound.at_least() <= length && n_faces <= before,
+            "{length}: {n_faces}, {:?}",
+            made.bound
+        );
+        before = n_faces;
+    }
+}
+
+#[test]
 fn a_promise_gives_a_proof_on_condition() {
     let made = leaf(Word::Lipschitz, &budget(0.08)).expect("a mesh");
     assert!(matches!(made.bound.evidence(), Evidence::ProvedIf(_)), "{:?}", made.bound);

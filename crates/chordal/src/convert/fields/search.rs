@@ -48,6 +48,12 @@ const FINER_WORK: u64 = 2;
 /// Where samples alone judge a mesh, triangles are split beyond this share of the length: between samples the surface is a
 /// little farther. Chosen: a tenth for what lies between them.
 const STRICTER: f64 = 0.9;
+/// A mesh that is too far by its samples is made again for half of the length as long as that brings it nearer by this factor.
+/// Chosen: a distance goes down with the length, unless what is missed is noise, or thinner than what is sampled.
+const NEARER_BY: f64 = 0.75;
+/// Where splits have made this many times as many triangles, one for half of the length may have fewer. Chosen: on smooth
+/// surfaces that has twice as many, on flat ones no more.
+const GROWN: f64 = 1.5;
 /// The most meshes made for a number of triangles.
 const MOST_TRIALS: usize = 10;
 /// A mesh with this fraction of the allowed triangles is good enough.
@@ -107,6 +113,14 @@ struct UnprovedMesh {
     proof: Job,
     /// What was evaluated for the mesh, in points.
     work: u64,
+}
+
+/// A mesh that was split where samples are too far.
+struct SampledAttempt<'s> {
+    made: Bounded<Mesh>,
+    /// Its faces before splits.
+    n_first: usize,
+    evaluator: PrimitiveEvaluator<'s>,
 }
 
 /// What may still prove an open mesh.
@@ -197,8 +211,55 @@ impl<'s> FieldMeshSearch<'s> {
         if is_unlimited { self.job.clone() } else { self.job.with_work_limit(work.max(LEAST_PROOF)) }
     }
 
-    /// Makes a mesh and measures it; faces from which the surface is seen to be too far are split. The best one counts.
+    /// A mesh that is near enough by its samples. What samples miss at first, splits may not reach: where the mesh of a length
+    /// is too far, that of half of the length counts, and so on, so that what is met within a length is met within twice as
+    /// much. For that each is made as if its own length had been asked for.
     fn by_samples(&self, evaluator: PrimitiveEvaluator<'s>, length: f64) -> FieldMeshResult {
+        let SampledAttempt { made: mut best, n_first, mut evaluator } =
+            self.sampled_attempt(evaluator, length)?;
+        let is_met = |made: &Bounded<Mesh>| made.bound.at_least() <= length;
+        let n_grown = (GROWN * n_first as f64) as usize;
+        let mut last = best.bound.at_least();
+        let mut shorter = length;
+        while !self.job.is_finishing() && (!is_met(&best) || best.shape.faces().len() > n_grown) {
+            let was_met = is_met(&best);
+            shorter *= 0.5;
+            if self.mesher.check_precision(shorter).is_err() {
+                break;
+            }
+            let next = match self.sampled_attempt(evaluator, shorter) {
+                Ok(next) => next,
+                // What takes more than the job has is no reason to give nothing.
+                Err(Failure::Refused(refusal))
+                    if matches!(refusal.code, RefusalCode::TooManyTriangles | RefusalCode::TooMuchMemory) =>
+                {
+                    break;
+                }
+                Err(failure) => return Err(failure),
+            };
+            let found = next.made.bound.at_least();
+            let is_better = if was_met {
+                is_met(&next.made) && next.made.shape.faces().len() < best.shape.faces().len()
+            } else {
+                found < best.bound.at_least()
+            };
+            if is_better {
+                best = next.made;
+            }
+            if was_met || found > NEARER_BY * last || is_met(&best) {
+                break;
+            }
+            (last, evaluator) = (found, next.evaluator);
+        }
+        Ok(best)
+    }
+
+    /// Makes a mesh and measures it; faces from which the surface is seen to be too far are split. The best one counts.
+    fn sampled_attempt(
+        &self,
+        evaluator: PrimitiveEvaluator<'s>,
+        length: f64,
+    ) -> Result<SampledAttempt<'s>, Failure<Mesh>> {
         let mut improved = self.mesher.improved_surface(evaluator, length)?.surface;
         let n_first = improved.n_faces();
         let mut best: Option<Bounded<Mesh>> = None;
@@ -221,7 +282,8 @@ impl<'s> FieldMeshSearch<'s> {
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
         }
-        Ok(best.expect("there is a first round"))
+        let made = best.expect("there is a first round");
+        Ok(SampledAttempt { made, n_first, evaluator: improved.into_evaluator() })
     }
 
     /// Makes a mesh for a fraction of a length and proves it for all of it; unproved faces are split.

@@ -6,6 +6,9 @@ use glam::DVec3;
 
 /// The most steps: each doubles the digits.
 const MOST_STEPS: usize = 5;
+/// Steps more where functions of the user are saturated, and the first ones have to be taken back. Chosen: each way back
+/// halves the distance.
+const MOST_BACK: usize = 5;
 /// The iteration ends at a step of this fraction of the tolerance. Chosen: far below any measured length, and
 /// above the rounding of coordinates.
 const AT_REST: f64 = 1e-9;
@@ -40,12 +43,34 @@ impl ProjectionBatch {
     /// those at the end.
     pub fn project(&mut self, evaluator: &mut PrimitiveEvaluator, tol: f64) -> Result<(), LeafError> {
         let mut open: Vec<u32> = (0..self.at.len() as u32).collect();
-        for step in 0..=MOST_STEPS {
+        let guarded = self.guarded(evaluator);
+        // Of those that are guarded: where the last step began, and how far that was from the surface.
+        let mut before: Vec<(DVec3, f64)> =
+            self.at.iter().map(|at| (*at, f64::INFINITY)).filter(|_| !guarded.is_empty()).collect();
+        let most_steps = if guarded.is_empty() { MOST_STEPS } else { MOST_STEPS + MOST_BACK };
+        for step in 0..=most_steps {
             self.measure(evaluator, &open)?;
-            if step == MOST_STEPS {
+            if step == most_steps {
                 break;
             }
             open.retain(|k| {
+                if guarded.get(*k as usize) == Some(&true) {
+                    let off = self.constraints_of(*k as usize)[0].distance.abs();
+                    // Nearer than that, last digits of single precision go up and down.
+                    let is_far = !(off <= SETTLED * tol);
+                    let (from, was) = &mut before[*k as usize];
+                    let at = self.at[*k as usize];
+                    if is_far && !(off < *was) && at != *from {
+                        self.at[*k as usize] = 0.5 * (*from + at);
+                        return true;
+                    }
+                    if !is_far && step >= MOST_STEPS {
+                        return false;
+                    }
+                    (*from, *was) = (at, off);
+                } else if step >= MOST_STEPS {
+                    return false;
+                }
                 let move_by = shortest_step(self.constraints_of(*k as usize));
                 let at = self.at[*k as usize] + move_by;
                 let moves = move_by.length_squared() > (AT_REST * tol) * (AT_REST * tol) && at.is_finite();
@@ -59,6 +84,17 @@ impl ProjectionBatch {
             }
         }
         Ok(())
+    }
+
+    /// By point: whether its steps are taken back halfway where they lead away, as those of functions that are saturated do:
+    /// an occupancy is flat beside its surface, and a plane through its values there ends far beyond. That is for points on
+    /// one function of the user; without any the list is empty.
+    fn guarded(&self, evaluator: &PrimitiveEvaluator) -> Vec<bool> {
+        let primitives = evaluator.csg().primitives();
+        let has_leaves = |on: &VertexConstraint| primitives[on.label as usize / 2].tape().has_leaves();
+        let is_guarded = |k: usize| matches!(self.constraints_of(k), [one] if has_leaves(one));
+        let guarded: Vec<bool> = (0..self.at.len()).map(is_guarded).collect();
+        if guarded.contains(&true) { guarded } else { Vec::new() }
     }
 
     fn measure(&mut self, evaluator: &mut PrimitiveEvaluator, open: &[u32]) -> Result<(), LeafError> {
