@@ -39,8 +39,9 @@ def test_time_that_ends_leaves_a_measured_mesh_and_the_places_without_a_proof() 
 
 def test_a_proof_that_ends_sooner_is_one() -> None:
     part = chordal.shapes.box(4, 4, 2) - chordal.shapes.sphere(1.2).move(0, 0, 1)
-    for words in ({"within": 600}, {"within": np.float64(600)}, {"within": "10m"}, {"effort": "best"}):
-        mesh = part.mesh(tol=0.01, **words)  # type: ignore[arg-type]
+    several: list[dict[str, Any]] = [{"within": 600}, {"within": np.float64(600)}, {"within": "10m"}, {"effort": "best"}]
+    for words in several:
+        mesh = part.mesh(tol=0.01, **words)
         assert mesh.bound.evidence == "proved" and mesh.bound.is_within(0.01)
 
 
