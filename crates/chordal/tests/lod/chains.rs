@@ -138,7 +138,9 @@ fn no_level_of_a_rough_surface_is_left_out() {
 #[test]
 fn triangles_without_an_upper_bound_have_no_levels_and_the_reason_is_said() {
     let said = |bound: &Bound| {
-        let mut make = |_: Tolerance| Ok(Bounded { shape: shapes::sphere(2), bound: bound.clone() });
+        let mut make = |_: Tolerance| -> Result<Bounded<Mesh>, JobError> {
+            Ok(Bounded { shape: shapes::sphere(2), bound: bound.clone() })
+        };
         let steps = LodSteps::from_finest(Tolerance::new(0.1).expect("a length"));
         match chain(LodSource::Smooth(&mut make), &steps, &Job::default()) {
             Err(JobError::Refused(refusal)) => {
