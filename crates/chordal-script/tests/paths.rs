@@ -231,15 +231,16 @@ fn bevels_cut_what_they_say() {
     }
 }
 
+/// The depth of a point below the sides of an outline, within it.
+type Depth<'a> = &'a dyn Fn(f64, f64) -> f64;
+
 #[test]
 fn rounded_edges_are_quarters_of_circles() {
     let radius = 0.5;
     let mut random = Random::new(16);
-    // The depth below the sides, at a point that is within them.
     let rectangle = |x: f64, y: f64| f64::min(2.0 - x, 1.0 - y);
     let disc = |x: f64, y: f64| 1.5 - (x * x + y * y).sqrt();
-    let depths: [(&str, &dyn Fn(f64, f64) -> f64); 2] =
-        [("rectangle(4, 2)", &rectangle), ("circle(1.5)", &disc)];
+    let depths: [(&str, Depth); 2] = [("rectangle(4, 2)", &rectangle), ("circle(1.5)", &disc)];
     for (outline, depth) in depths {
         let made = script(&format!("extrude({outline}, 2, rounded={radius})"));
         let places: Vec<[f64; 3]> = (0..8000).map(|_| random.point_within(2.5)).collect();

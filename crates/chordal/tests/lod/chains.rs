@@ -151,7 +151,7 @@ fn triangles_without_an_upper_bound_have_no_levels_and_the_reason_is_said() {
         }
     };
     let measured = Bound::with_evidence(0.01, None, Evidence::Measured { samples: 96 }, Reference::Field);
-    let place = |x: f64, size: f64| OpenPlace { at: [x, 0.5, 0.0], size, area: 0.1 };
+    let place = |x: f64, size: f64| OpenPlace { at: [x, 0.5, 0.0], size, area: 0.1, contact: None };
     let places = OpenPlaces::new(vec![place(2.0, 0.1), place(1.0, 0.3)], 8.0);
     let mut open = measured.clone();
     open.open = Some(Box::new(places));
