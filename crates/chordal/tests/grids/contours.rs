@@ -298,3 +298,46 @@ fn threads_change_nothing() {
     assert!(one.shape.len() > 2);
     assert_eq!((one.shape, one.bound), (three.shape, three.bound));
 }
+
+#[test]
+fn a_short_arc_in_one_corner_is_no_circle() {
+    // A cap of a disc, 0.013 wide, between two walls that cross in the middle of it at an angle of rounding.
+    let wall = |tilt: f64| {
+        let plate = shapes::rectangle([20.0, 40.0]).unwrap().moved([10.0, 0.0, 0.0]).unwrap();
+        let plate = plate.rotated_deg([0.0, 0.0, 1.0], tilt).unwrap();
+        plate.moved([0.99998, 0.0, 0.0]).unwrap().rotated_deg([0.0, 0.0, 1.0], 45.0).unwrap()
+    };
+    for tilt in [3e-10, 5e-10, 9e-10] {
+        let cap = shapes::circle(1.0).unwrap().intersection(&wall(0.0)).intersection(&wall(tilt));
+        let budget = Budget::length(Tolerance::new(0.7).unwrap());
+        // A lattice may miss it.
+        let Ok(made) = field_to_polyline(&cap, &budget, &Job::default()) else { continue };
+        let most = made.bound.at_most().unwrap();
+        let middle = 0.5_f64.sqrt();
+        let far =
+            points(&made.shape).iter().map(|p| (p[0] - middle).hypot(p[1] - middle)).fold(0.0, f64::max);
+        assert!(far <= most + 0.02, "{tilt} {far} {most}");
+    }
+}
+
+#[test]
+fn a_sliver_between_lines_that_cross_far_away_is_not_lost() {
+    // Between two diamonds, below a line and above one that crosses it 50 to the left, outside of what all is cut to.
+    let plate = |x: f64, y: f64| shapes::rectangle([x, y]).unwrap();
+    let moved = |field: &Field, x: f64, y: f64| field.moved([x, y, 0.0]).unwrap();
+    let diamond = |from: f64| {
+        let corners = [[from, 0.0], [2.0 * from, 1.0], [3.0 * from, 0.0], [2.0 * from, -1.0]];
+        shapes::polygon(&corners).unwrap()
+    };
+    for slope in [2e-15, 4e-15, 1e-14] {
+        let below = moved(&plate(600.0, 200.0), 0.0, -100.0);
+        let below = below.rotated_deg([0.0, 0.0, 1.0], f64::to_degrees(slope)).unwrap();
+        let sliver = plate(2.0, 2.0).intersection(&moved(&plate(300.0, 200.0), 0.0, 100.0));
+        let sliver = sliver.intersection(&moved(&below, -50.0, 0.0));
+        let all = sliver.union(&diamond(-1.0)).union(&diamond(1.0)).intersection(&plate(40.0, 40.0));
+        let budget = Budget::length(Tolerance::new(0.01).unwrap());
+        let Ok(made) = field_to_polyline(&all, &budget, &Job::default()) else { continue };
+        let near = points(&made.shape).iter().map(|p| p[0].hypot(p[1])).fold(f64::INFINITY, f64::min);
+        assert!(near < 0.6, "{slope} {near} {:?}", made.bound);
+    }
+}

@@ -19,6 +19,8 @@ const FINE: f64 = 1.0 / (1_u64 << 20) as f64;
 const ROOM: f64 = 1.0 - 1.0 / (1_u64 << 20) as f64;
 /// The most segments, as of those that are sampled.
 const MOST: f64 = (1_u64 << 24) as f64;
+/// What a segment takes. Defined: as where they are sampled; far more than its points.
+const BYTES: f64 = 256.0;
 /// Halvings of the exponent of a sagitta.
 const HALVINGS: usize = 48;
 
@@ -41,7 +43,8 @@ pub(in crate::convert) fn outline_lines(
         (None, Some(most)) => least_sagitta(&outline, most as f64, extent)?,
         (None, None) => return None,
     };
-    if n_segments(&outline, sagitta) > MOST {
+    let n = n_segments(&outline, sagitta);
+    if n > MOST || BYTES * n > job.memory_limit as f64 {
         return None;
     }
     let (shape, far) = cut(&outline, sagitta);
