@@ -303,7 +303,14 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     let mut hints: Vec<&str> = Vec::new();
     if is_field(&best.bound) {
         hints.push("it is written all the same");
-        if args.budget.require.is_none_or(|require| require == RequiredEvidence::Proved) {
+        let wants_proof = args.budget.require == Some(RequiredEvidence::Proved);
+        // Of a proof that was tried it is known where it did not end.
+        let was_tried = best.bound.open.is_some() || best.bound.evidence().bounds_above();
+        if args.budget.require.is_none() && !was_tried {
+            hints.push(
+                "its cells, or the time, ended first: --within 5m gives it longer, --max-memory more cells",
+            );
+        } else if wants_proof || args.budget.require.is_none() {
             hints.push("--require measured asks for no proof");
         }
     } else if !args.budget.keep_best {

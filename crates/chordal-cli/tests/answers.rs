@@ -71,6 +71,9 @@ fn solids_that_touch_are_named_with_their_lines() {
     assert!((contact["at"][0].as_f64().unwrap() - 5.0).abs() < 0.02, "{contact}");
     let notes = report["certificate"]["notes"].to_string();
     assert!(notes.contains("two surfaces touch at (5.0") && notes.contains("lines 1 and 2"), "{notes}");
+    let said = run(&["mesh", &input, "--tol", "0.1", "-o", &output, "--force"]);
+    said.succeeds();
+    assert!(said.stdout.contains("two surfaces touch at (5.0"), "{}", said.stdout);
     // What helps, as the note says.
     let text = text.replace(", 8, 0, 0)", ", 7.9, 0, 0)");
     let made =

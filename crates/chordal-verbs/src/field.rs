@@ -1,5 +1,5 @@
 //! Fields: meshed within a budget, and measured against triangles.
-use crate::contact_note::contact_note;
+use crate::contact_lines::name_lines;
 #[cfg(feature = "booleans")]
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 use crate::field_looks::{renumber, with_materials};
@@ -7,7 +7,7 @@ use crate::file_rows::unsupported;
 use crate::report::OpenPlacesFacts;
 use crate::request::MeshRequest;
 use crate::simplified_isosurface::simplified;
-use crate::{ImplicitShape, MeshFailure};
+use crate::{ImplicitShape, MeshFailure, ShapeLine};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, RequiredEvidence, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
@@ -74,9 +74,8 @@ fn mesh_parts(
     let field = finite(implicit)?;
     let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, request, notes, job)? {
         Some(made) => made,
-        None => mesh_whole(&field, request, notes, job)?,
+        None => mesh_whole((&field, &implicit.lines), request, notes, job)?,
     };
-    notes.extend(contact_note(&bound, &implicit.lines));
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(
@@ -118,15 +117,15 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
     )
 }
 
-/// The surface of a field by itself.
+/// The surface of a field by itself; the lines of its script are for sentences.
 fn mesh_whole(
-    field: &Field,
+    (field, lines): (&Field, &[ShapeLine]),
     request: &MeshRequest,
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
     let mut words = None;
-    let made = request.run(job, |budget| {
+    let mut made = request.run(job, |budget| {
         if !convert::has_meshes(field) {
             return convert::field_to_mesh(field, budget, job);
         }
@@ -135,6 +134,7 @@ fn mesh_whole(
         Ok(made)
     })?;
     notes.extend(words);
+    name_lines(&mut made.bound, lines);
     if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
         notes.extend(unproved_note(&made.bound));
     }

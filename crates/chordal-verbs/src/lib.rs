@@ -26,7 +26,7 @@ mod cage_size;
 mod collapsed_faces;
 mod compose;
 mod composed;
-mod contact_note;
+mod contact_lines;
 mod convert;
 mod cubic_paths;
 mod deviation;

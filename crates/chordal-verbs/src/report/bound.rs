@@ -70,11 +70,35 @@ pub struct ContactFacts {
     pub kind: &'static str,
     /// The point.
     pub at: [f64; 3],
+    /// The lines of the script that made the two; present where they are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lines: Option<[u64; 2]>,
 }
 
 impl ContactFacts {
     fn new(contact: SurfaceContact) -> Self {
-        Self { kind: if contact.is_flush { "flush" } else { "tangent" }, at: contact.at }
+        let kind = if contact.is_flush { "flush" } else { "tangent" };
+        Self { kind, at: contact.at, lines: contact.lines }
+    }
+}
+
+impl fmt::Display for ContactFacts {
+    /// That solids touch from opposite sides, with what helps; nothing of faces that lie in one another, as is mostly meant.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.kind == "flush" {
+            return Ok(());
+        }
+        let [x, y, z] = self.at;
+        let who = match self.lines {
+            Some([a, b]) if a == b => format!(" (line {a} of the script)"),
+            Some([a, b]) => format!(" (lines {a} and {b} of the script)"),
+            None => String::new(),
+        };
+        write!(
+            f,
+            "; two surfaces touch at ({x:.4}, {y:.4}, {z:.4}){who}: let them overlap by a little more than the length, or \
+             leave as much between them"
+        )
     }
 }
 
@@ -109,7 +133,11 @@ impl fmt::Display for OpenPlacesFacts {
         write!(f, "{} {places} ({:.3} of {:.3} in area)", self.count, self.area, self.whole_area)?;
         let Some(place) = self.largest.first() else { return Ok(()) };
         let [x, y, z] = place.at;
-        write!(f, ", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)
+        write!(f, ", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)?;
+        self.largest
+            .iter()
+            .find_map(|place| place.contact.filter(|contact| contact.kind != "flush"))
+            .map_or(Ok(()), |contact| contact.fmt(f))
     }
 }
 

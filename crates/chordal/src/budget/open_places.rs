@@ -21,6 +21,8 @@ pub struct SurfaceContact {
     /// Whether both are on one side of the plane, as faces that lie in one another; otherwise they touch from opposite
     /// sides, as parts that do not overlap, or as a wall that ends in nothing.
     pub is_flush: bool,
+    /// The lines of a script that made the two, if they are known.
+    pub lines: Option<[u64; 2]>,
 }
 
 /// The places where a bound is not proved. Elsewhere each triangle is proved to be near the true shape.

@@ -48,7 +48,11 @@ fn contact_of(place: &OpenPlace, (p, q): (&Tape, &Tape), job: &Job) -> Option<Su
     let most = NEAR * place.size;
     let cosine = dot(a, b);
     let is_near = of_p <= most && of_q <= most && length(difference(at, place.at)) <= place.size;
-    (is_near && cosine.abs() >= PARALLEL).then_some(SurfaceContact { at, is_flush: cosine > 0.0 })
+    (is_near && cosine.abs() >= PARALLEL).then_some(SurfaceContact {
+        at,
+        is_flush: cosine > 0.0,
+        lines: None,
+    })
 }
 
 /// Where a step of Newton's method leads, the normal there, and how far it is.
