@@ -126,10 +126,8 @@ fn mesh_whole(
 ) -> Result<Bounded<Mesh>, MeshFailure> {
     let mut words = None;
     let mut made = request.run(job, |budget| {
-        if !convert::has_meshes(field) {
-            return convert::field_to_mesh(field, budget, job);
-        }
-        let (made, said) = simplified_field(field, (budget, request), job)?;
+        let way = if convert::has_meshes(field) { simplified_field } else { mesh_in_detail };
+        let (made, said) = way(field, (budget, request), job)?;
         words = said;
         Ok(made)
     })?;
@@ -162,6 +160,40 @@ fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Result<Vec<Mess
         }
     }
     Ok(notes)
+}
+
+/// The coarsest length, relative to the diagonal of the bounds, for which a field is meshed; what a longer one has room for is
+/// left to collapses. Chosen: about where details of ordinary parts begin to be as large as the length, so that cells miss
+/// them, proofs do not end, and triangles become more instead of fewer.
+const COARSEST: f64 = 0.01;
+
+/// The surface of a field without meshes. Of a long length all but a hundredth of the size is for collapses of the triangles
+/// that such a length needs.
+fn mesh_in_detail(
+    field: &Field,
+    (budget, request): (&Budget, &MeshRequest),
+    job: &Job,
+) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+    let direct = || convert::field_to_mesh(field, budget, job).map(|made| (made, None));
+    let coarsest = Tolerance::new(COARSEST * field.bounds().diagonal());
+    let (Some(length), Ok(coarsest)) = (budget.length.map(Tolerance::get), coarsest) else { return direct() };
+    let is_draft = budget.require == RequiredEvidence::Estimated;
+    if length <= coarsest.get() || is_draft || budget.pixels.is_some() || budget.triangles.is_some() {
+        return direct();
+    }
+    let fine = match convert::field_to_mesh(field, &Budget { length: Some(coarsest), ..*budget }, job) {
+        Ok(fine) => fine,
+        Err(Failure::Cancelled) => return Err(Failure::Cancelled),
+        // What is missed within so little may be met within more.
+        Err(_) => return direct(),
+    };
+    if fine.bound.at_most().is_none() {
+        return Ok((fine, None));
+    }
+    let (made, words) = simplified(fine.clone(), (budget, length, request.effort), job)?;
+    // Collapses look at distances, and triangles of a field do not cross.
+    let is_clean = check::self_intersections(&made.shape, job)?.count == 0;
+    Ok(if is_clean { (made, words) } else { (fine, None) })
 }
 
 /// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half
