@@ -3,6 +3,7 @@ use chordal::Job;
 use chordal::check::{Goal, deviation};
 use chordal::implicit::{Grid, Samples};
 use chordal_io::{Format, Limits};
+use chordal_testkit::some;
 use chordal_verbs::{
     BakeSpec, BudgetSpec, ClaimVerdict, FormatHint, Input, LodParts, LodSpec, Normals, Shape, TileErrors,
     VerifyReport, bake, convert, geometry_digest, load, lod, mesh, n_coarser_levels, seal_of,
@@ -171,6 +172,12 @@ fn certificate_of(input: &mut Input) -> &mut Option<Value> {
 }
 
 impl Made {
+    /// What is tried of it: of a cage a few, whose limit surface takes seconds to be judged each time.
+    fn share_of<T>(&self, all: Vec<T>) -> Vec<T> {
+        let most = if self.name == "cage" { 2 } else { all.len() };
+        some(all, most)
+    }
+
     fn certificate(&self) -> Value {
         certificate_of(&mut self.out.clone()).clone().expect("a certificate")
     }
@@ -262,7 +269,8 @@ fn every_edited_fact_is_refuted_or_said_to_be_unchecked() {
         leaves(&honest, "", &mut paths);
         assert!(paths.len() > 20, "{}: {}", made.name, paths.len());
         // An edited unit or axis counts as part of the map from the input, as the page says.
-        for at in paths.iter().filter(|at| *at != "/seal" && !at.starts_with("/frame/")) {
+        paths.retain(|at| at != "/seal" && !at.starts_with("/frame/"));
+        for at in &made.share_of(paths) {
             let Some(lie) = lie(&honest, at) else { continue };
             let mut edited = honest.clone();
             *edited.pointer_mut(at).unwrap() = lie.clone();
@@ -316,7 +324,7 @@ fn a_bound_against_another_shape_is_refuted() {
     for made in all() {
         let honest = made.certificate();
         let Some(own) = honest.pointer("/bound/reference") else { continue };
-        for name in names.iter().filter(|name| own != *name) {
+        for name in made.share_of(names.iter().filter(|name| own != **name).collect()) {
             let found = made.with(everywhere(&honest, "/bound/reference", &json!(name)));
             assert_eq!(found.verdict, ClaimVerdict::Refuted, "{}: {own} as {name}", made.name);
         }
