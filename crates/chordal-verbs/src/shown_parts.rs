@@ -5,6 +5,7 @@ use crate::placements::{
 };
 use chordal::budget::{JobError, Tolerance};
 use chordal::check::{self, Goal};
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use chordal::math::{add_up, greater, lesser, sub_down};
 use chordal::{Job, Mesh};
 use chordal_io::{RestPose, RestPoses, Scene};
@@ -38,6 +39,16 @@ impl<'a> ShownParts<'a> {
         self.places.get(part).is_some_and(|(posed, _)| !posed.is_empty())
     }
 
+    /// The mesh of a part as the first node shows it that poses it.
+    ///
+    /// # Errors
+    /// For another mesh than that of the part.
+    pub fn first_pose(&self, part: usize, mesh: &Mesh) -> Result<Option<RestPose>, MeshFailure> {
+        let Some((posed, _)) = self.places.get(part) else { return Ok(None) };
+        let Some(node) = posed.first() else { return Ok(None) };
+        Ok(self.poses.pose_of(*node, mesh)?)
+    }
+
     /// How far a part is at most from what it was before, wherever the scene shows it, given how far it is at most in its
     /// own coordinates. `limit` is the length that decides on something, if any: more than it may be rough.
     ///
@@ -60,6 +71,31 @@ impl<'a> ShownParts<'a> {
         }
         Ok(most)
     }
+}
+
+/// The name of the attribute that has the positions of a file where a mesh stands in its pose.
+const OWN_POSITIONS: &str = "own positions";
+
+/// A mesh as a pose shows it, with its own positions as an attribute.
+pub(crate) fn in_pose(mesh: &Mesh, pose: &RestPose) -> Result<Mesh, InvalidMesh> {
+    let own = Attribute {
+        semantic: Semantic::Blended(OWN_POSITIONS.to_owned()),
+        domain: Domain::Vertex,
+        width: 3,
+        values: mesh.positions().iter().flatten().copied().collect(),
+    };
+    mesh.with_positions(pose.positions.clone())?.with_attribute(own)
+}
+
+/// Such a mesh at its own positions again.
+pub(crate) fn out_of_pose(posed: &Mesh) -> Result<Mesh, InvalidMesh> {
+    let semantic = Semantic::Blended(OWN_POSITIONS.to_owned());
+    let is_own = |attribute: &&Attribute| attribute.semantic == semantic;
+    let own = posed.attributes().iter().find(is_own).map_or(&[][..], |own| &own.values);
+    let positions = own.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    posed
+        .with_only(posed.attributes().iter().filter(|attribute| !is_own(attribute)).cloned())?
+        .with_positions(positions)
 }
 
 /// How far two meshes are apart in their poses, at most.

@@ -10,11 +10,12 @@ use crate::pass_through::rounded_deformation;
 use crate::placements;
 use crate::report::{AttributeFacts, Certificate};
 use crate::request::MeshRequest;
-use crate::shown_parts::ShownParts;
+use crate::shown_parts::{ShownParts, in_pose, out_of_pose};
 use chordal::budget::advice::Message;
 use chordal::budget::attributes::AttributeLimits;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
 use chordal::check::findings::{AttributeDeviation, attribute_deviation};
+use chordal::check::{self, Goal};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::count::{Effort, simplify_to_count};
 use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
@@ -181,11 +182,12 @@ impl PartToFit<'_> {
         budget: &Budget,
         (attributes, job): (&AttributeLimits, &Job),
     ) -> Result<Option<FittedPart>, MeshFailure> {
-        /// Chosen: each takes as long as the first, and lengths are down to a thousandth by then.
-        const MOST_TRIES: usize = 8;
+        /// Chosen: each takes as long as the first, and then the pose itself is simplified.
+        const MOST_TRIES: usize = 3;
         /// The most that a length keeps from one try to the next; chosen.
         const SHORTER: f64 = 0.7;
         let limit = budget.length.is_some().then_some(self.length);
+        let whole = budget;
         let mut budget = *budget;
         for left in (0..=MOST_TRIES).rev() {
             let Some(made) = simplify_part(part, (&budget, self.effort), job)? else { return Ok(None) };
@@ -198,9 +200,47 @@ impl PartToFit<'_> {
             let Some(over) = limit.filter(|limit| moved > *limit && left > 0) else {
                 return Ok(Some(FittedPart { made, rounded, step, moved: Some(moved) }));
             };
+            if left == 1
+                && let Some(fitted) = self.fit_in_pose(part, (whole, over), (attributes, job))?
+            {
+                return Ok(Some(fitted));
+            }
             let share = lesser(SHORTER, over / moved);
             let shorter = budget.length.and_then(|length| Tolerance::new(share * length.get()).ok());
             budget.length = shorter.filter(|_| left > 1);
+        }
+        Ok(None)
+    }
+
+    /// Simplifies a part as the scene shows it: where weights change from joint to joint, what goes without a trace in the
+    /// coordinates of the file is seen in the pose. What comes of it is judged there; in its own coordinates it may be
+    /// farther off.
+    fn fit_in_pose(
+        &self,
+        part: &mut Part,
+        (budget, limit): (&Budget, f64),
+        (attributes, job): (&AttributeLimits, &Job),
+    ) -> Result<Option<FittedPart>, MeshFailure> {
+        /// The shares of the length that are tried; chosen: weights are blended with vertices, and bend edges a little.
+        const SHARES: [f64; 3] = [0.8, 0.4, 0.2];
+        let Some(shown) = self.shown else { return Ok(None) };
+        let Some(pose) = shown.first_pose(self.number, &part.mesh)? else { return Ok(None) };
+        let posed = in_pose(&part.mesh, &pose).map_err(unsupported)?;
+        let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
+        for share in SHARES {
+            let Ok(length) = Tolerance::new(share * limit) else { break };
+            let budget = Budget { length: Some(length), pixels: None, ..*budget };
+            let made = simplify_mesh(&posed, (&budget, self.effort), topology, job);
+            let made = made.or_else(Failure::best_effort)?;
+            let mesh = out_of_pose(&made.shape.mesh).map_err(unsupported)?;
+            let bound = check::deviation(&mesh, &part.mesh, &Goal::default(), job)?.bound;
+            let made = Bounded { shape: SimplifiedMesh { mesh, worst: None, ..made.shape }, bound };
+            let (rounded, step) = stored(part, &made, self.target, (attributes, job))?;
+            let own = made.bound.then(&step).at_most().unwrap_or(f64::INFINITY);
+            let moved = shown.moved(self.number, [&part.mesh, &rounded], own, (Some(limit), job))?;
+            if moved <= limit && rounded.faces().len() < part.mesh.faces().len() {
+                return Ok(Some(FittedPart { made, rounded, step, moved: Some(moved) }));
+            }
         }
         Ok(None)
     }
