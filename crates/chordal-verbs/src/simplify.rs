@@ -175,15 +175,15 @@ struct FittedPart {
 }
 
 impl PartToFit<'_> {
-    /// Simplifies it; where the poses are too far apart, by shorter lengths, and in the end not at all.
+    /// Simplifies it; where the poses are too far apart, in its pose, by shorter lengths, and in the end not at all.
     fn fit(
         &self,
         part: &mut Part,
         budget: &Budget,
         (attributes, job): (&AttributeLimits, &Job),
     ) -> Result<Option<FittedPart>, MeshFailure> {
-        /// Chosen: each takes as long as the first, and then the pose itself is simplified.
-        const MOST_TRIES: usize = 3;
+        /// Chosen: each takes as long as the first, and lengths are down to a thousandth by then.
+        const MOST_TRIES: usize = 8;
         /// The most that a length keeps from one try to the next; chosen.
         const SHORTER: f64 = 0.7;
         let limit = budget.length.is_some().then_some(self.length);
@@ -200,7 +200,7 @@ impl PartToFit<'_> {
             let Some(over) = limit.filter(|limit| moved > *limit && left > 0) else {
                 return Ok(Some(FittedPart { made, rounded, step, moved: Some(moved) }));
             };
-            if left == 1
+            if left == MOST_TRIES
                 && let Some(fitted) = self.fit_in_pose(part, (whole, over), (attributes, job))?
             {
                 return Ok(Some(fitted));
