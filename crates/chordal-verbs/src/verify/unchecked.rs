@@ -44,11 +44,21 @@ pub(super) fn unchecked(certificate: &Value) -> Vec<String> {
         _ => true,
     };
     let of_all = TOLD.iter().map(|key| format!("/{key}")).chain(PARTS.iter().map(|at| (*at).to_owned()));
+    // What was put together of files names them by their digests, and nothing else says what the last step was read from.
+    let steps = certificate.pointer("/history/steps").and_then(Value::as_array);
+    let is_put_together = |step: &Value| step.get("composed").is_some_and(says);
+    let is_composed = steps.and_then(|steps| steps.last()).is_some_and(is_put_together);
     let mut words = Vec::new();
+    for (k, step) in steps.into_iter().flatten().enumerate().filter(|(_, step)| is_put_together(step)) {
+        let n_inputs = step.get("inputs").and_then(Value::as_array).map_or(0, Vec::len);
+        let named = |i: usize| ["format", "kind"].map(|key| format!("/history/steps/{k}/inputs/{i}/{key}"));
+        words.extend((0..n_inputs).flat_map(named));
+    }
     if let Some(history) = certificate.get("history") {
         collect_words(history, "/history", &mut words);
     }
-    let present = of_all.filter(|at| certificate.pointer(at).is_some_and(says)).chain(words);
+    let composed = is_composed.then(|| "/input".to_owned());
+    let present = of_all.chain(composed).filter(|at| certificate.pointer(at).is_some_and(says)).chain(words);
     present.map(|at| at.trim_start_matches('/').to_owned()).collect()
 }
 
@@ -57,8 +67,10 @@ fn collect_words(value: &Value, path: &str, found: &mut Vec<String>) {
     match value {
         Value::Object(members) => {
             for (key, own) in members {
-                let is_format = key == "format" && path.ends_with("/output");
-                if is_format || WORDS.contains(&&key[..]) {
+                let is_named = path.ends_with("/output") || path.contains("/origins/");
+                let is_format = key == "format" && is_named;
+                let is_kind = key == "kind" && path.contains("/origins/") && path.contains("/inputs/");
+                if is_format || is_kind || WORDS.contains(&&key[..]) {
                     found.push(format!("{path}/{key}"));
                 } else {
                     collect_words(own, &format!("{path}/{key}"), found);
