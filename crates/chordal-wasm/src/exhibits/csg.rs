@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 /// The level curves that are drawn.
 const LEVELS: [f64; 12] = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5];
 /// The outline that the true distance is taken to is within this of the shape.
-const CLOSE: f64 = 0.001; // chosen: a tenth of a pixel of the figure
+const CLOSE: f64 = 0.0001; // chosen: a hundredth of a pixel of the figure, so that ratios are right to a thousandth
 /// From here on the value counts as no distance.
 const SHOWS: f64 = 0.03; // chosen: two pixels of the figure
 
