@@ -501,7 +501,7 @@ def box_of(shape: Field) -> dict[str, list[float]]:
     Raises `ValueError` for a shape without points, and for one whose ends are not known.
 
     >>> from chordal.shapes import box, box_of, move
-    >>> box_of(move(box(2, 2, 1), 0, 0, 4))["max"]
+    >>> [round(x, 6) for x in box_of(move(box(2, 2, 1), 0, 0, 4))["max"]]
     [1.0, 1.0, 4.5]
     """
     if not isinstance(shape, Field):

@@ -38,7 +38,7 @@ def mesh_of(command: str, case: Case, folder: Path, seconds: int) -> Made:
     what else the machine does."""
     script, out = folder / f"{case.name}.star", folder / f"{case.name}.ply"
     script.write_text(case.text + "\n")
-    asked = ["--tol", repr(case.tol), "--keep-best", "--force", "--json", "--max-memory", MEMORY]
+    asked = ["--tol", repr(case.tol), "--require", "proved", "--keep-best", "--force", "--json", "--max-memory", MEMORY]
     words: list[str | Path] = [command, "mesh", script, "-o", out, *asked]
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))  # noqa: E731
     done = subprocess.run(words, capture_output=True, text=True, check=False, preexec_fn=limit)
