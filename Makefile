@@ -198,6 +198,8 @@ WHEEL := --profile dev --features as-tested
 # The notebooks as its tests have run them, with what they have shown, for docs-site.
 NOTEBOOKS := $(TARGET)/python/notebooks
 test-python: tested need-python need-node
+	@ldconfig -p | grep libusb-1.0 > /dev/null || { apt-get update -qq && apt-get install -qq -y libusb-1.0-0 > /dev/null; } \
+		|| echo "Open3D needs libusb-1.0 (on Debian: apt install libusb-1.0-0): its tests fail without it."
 	@cat tests/python/requirements.txt tests/python/requirements-readers.txt | cmp -s - $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
 		&& $(VENV)/bin/python -m pip install -q --no-deps -r tests/python/requirements-readers.txt \
