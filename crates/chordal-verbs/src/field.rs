@@ -175,8 +175,11 @@ fn mesh_in_detail(
     let direct = || convert::field_to_mesh(field, budget, job).map(|made| (made, None));
     let coarsest = Tolerance::new(COARSEST * field.bounds().diagonal());
     let (Some(length), Ok(coarsest)) = (budget.length.map(Tolerance::get), coarsest) else { return direct() };
-    let is_draft = budget.require == RequiredEvidence::Estimated;
-    if length <= coarsest.get() || is_draft || budget.pixels.is_some() || budget.triangles.is_some() {
+    // What is only measured leaves no length that could be added to.
+    let is_proof_tried =
+        matches!(budget.require, RequiredEvidence::Proved | RequiredEvidence::ProvedOrMeasured)
+            && field.evidence().bounds_above();
+    if length <= coarsest.get() || !is_proof_tried || budget.pixels.is_some() || budget.triangles.is_some() {
         return direct();
     }
     let fine = match convert::field_to_mesh(field, &Budget { length: Some(coarsest), ..*budget }, job) {
