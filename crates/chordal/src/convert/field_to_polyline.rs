@@ -15,10 +15,11 @@ use crate::math::{Box3, flushes_subnormals, lesser};
 /// lattice that is fine enough; what is straight up to the rest of the budget becomes one segment.
 ///
 /// *What the bound covers.* The Hausdorff distance between all points of the lines and all points of the
-/// curve, both ways, proved by ranges for the exact numbers of the lines (`convert/contours/prove.rs`), and for lines
-/// and arcs by their crossings (`plane_outline.rs`; where two shapes meet along a line, nothing is left between them:
-/// [`Csg`](crate::implicit::csg::Csg)). The rule is [`Field::sign`], and [`Field::bounds`] is taken at its word. Where a leaf knows no ranges, the
-/// budget is aimed at and the result measured; that needs [`RequiredEvidence::Measured`].
+/// curve, both ways, proved by ranges for the exact numbers of the lines (`convert/contours/prove.rs`), and
+/// for lines and arcs by their crossings (`plane_outline.rs`; where two shapes meet along a line, nothing is
+/// left between them: [`Csg`](crate::implicit::csg::Csg)). The rule is [`Field::sign`], and [`Field::bounds`]
+/// is taken at its word. Where a leaf knows no ranges, the budget is aimed at and the result measured; that
+/// needs [`RequiredEvidence::Measured`].
 ///
 /// Lines never end: points outside of the field's bounds count as outside, so that the sides of a region
 /// close a shape that it cuts off. The budget is a length, pixels at a view, a number of segments, or several
