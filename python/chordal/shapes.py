@@ -11,7 +11,7 @@ The text of a script also runs in Python after `from chordal.shapes import *`.
 from typing import TYPE_CHECKING
 
 from chordal._curve import arc, bezier, fit, nurbs, spline
-from chordal._field import box_of, check, fail, field, param
+from chordal._field import field
 from chordal._formulas import (
     acos,
     asin,
@@ -95,6 +95,7 @@ from chordal._language import (
     union,
 )
 from chordal._letters import svg, text
+from chordal._script_words import box_of, check, fail, param
 from chordal._surface import surface
 
 __all__ = [
