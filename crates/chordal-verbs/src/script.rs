@@ -4,6 +4,10 @@ use chordal::Job;
 use chordal_io::{FileOpener, Limits, ReadError, Warning};
 
 /// What a script is run with.
+#[cfg_attr(
+    not(feature = "script"),
+    expect(dead_code, reason = "builds without the interpreter refuse scripts")
+)]
 pub(crate) struct ScriptContext<'a, 'b> {
     /// Its parameters.
     pub set: &'a [(String, f64)],
