@@ -1,6 +1,6 @@
 //! What is said while working and afterwards: messages and progress on stderr, reports on stdout.
 use crate::args::ConsoleArgs;
-use crate::fault::{Fault, plainly};
+use crate::fault::{Exit, Fault, plainly};
 use crate::{signal, stdout_at_start};
 use serde::Serialize;
 use serde_json::json;
@@ -121,11 +121,23 @@ pub fn print(text: &str) -> Result<(), Fault> {
 pub fn fail(fault: &Fault, json: bool) -> u8 {
     let _ = signal::without_interruption(|| write!(std::io::stderr(), "{}", printable(&fault.to_string())));
     if json && !fault.reported {
-        let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
-        let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });
-        let _ = writeln!(std::io::stdout(), "{report:#}");
+        let _ = std::io::stdout().write_all(error_report(fault).as_bytes());
     }
     fault.exit as u8
+}
+
+/// What went wrong, as an object for programs.
+fn error_report(fault: &Fault) -> String {
+    let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
+    let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });
+    format!("{report:#}\n")
+}
+
+/// Prepares what programs read where the system has no memory left: then none is left to write a report with.
+pub fn report_aborts() {
+    let message = "the system gave no more memory, or a stack ran over: allow less with --max-memory, so that the job ends with \
+        the best that it has";
+    signal::say_of_aborts(error_report(&Fault::new(Exit::Budget, "out-of-memory", message)));
 }
 
 /// The text without what terminals obey: names of files may hold escape sequences.

@@ -91,6 +91,9 @@ pub fn run_started_by(args: impl IntoIterator<Item = OsString>, program: &Progra
         Err(error) => return refuse_arguments(&error),
     };
     let json = wants_json(&cli.verb);
+    if json {
+        console::report_aborts();
+    }
     let done = match cli.verb {
         Verb::Mesh(args) if args.watch => watch::run(&args),
         Verb::Mesh(args) => mesh::run(&args),

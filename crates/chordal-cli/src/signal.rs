@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A file or a folder that a signal removes.
 struct UnfinishedOutput {
@@ -106,6 +106,10 @@ fn end_children(all: &mut StartedChildren) {
     }
 }
 
+/// What the abort of a failed allocation writes to stdout, once something is to be written: prepared in advance, for
+/// the handler may not allocate.
+static SAID_OF_ABORTS: OnceLock<Vec<u8>> = OnceLock::new();
+
 /// Makes an exit code of the abort with which a failed allocation ends the process. Lists whose length a file decides
 /// are reserved in advance and end in a sentence; this is for the small ones between them. Where the runtime aborts for
 /// another reason (a stack that ran over) it has said so on stderr, and the code is the same.
@@ -113,9 +117,26 @@ fn end_children(all: &mut StartedChildren) {
 /// What is unfinished stays under its own name, as after a kill: nothing may be allocated any more to remove it.
 #[cfg(unix)]
 pub fn end_aborts_with_a_code() {
+    let say = || {
+        let mut rest = SAID_OF_ABORTS.get().map_or(&[][..], |text| &text[..]);
+        while let Ok(written) = rustix::io::write(rustix::stdio::stdout(), rest) {
+            rest = &rest[written..];
+            if rest.is_empty() || written == 0 {
+                break;
+            }
+        }
+    };
+    // SAFETY: `say` reads what was written before it was shared, and makes system calls for writing. It neither allocates
+    // nor locks nor panics.
+    let _ = unsafe { signal_hook::low_level::register(libc::SIGABRT, say) };
     let always = Arc::new(AtomicBool::new(true));
-    // A system without such a handler keeps its own.
+    // Actions run in the order in which they were registered. A system without such a handler keeps its own.
     let _ = signal_hook::flag::register_conditional_shutdown(libc::SIGABRT, Exit::Budget as i32, always);
+}
+
+/// From now on such an abort writes this to stdout first.
+pub fn say_of_aborts(text: String) {
+    let _ = SAID_OF_ABORTS.set(text.into_bytes());
 }
 
 /// Other systems have no such signal.

@@ -117,16 +117,24 @@ fn a_failed_allocation_is_an_exit_code_and_no_abort() {
         .find(|&kilobytes| limited(kilobytes, &["--version".as_ref()]).status.success());
     let starts = starts.unwrap();
     let mut seen = std::collections::BTreeSet::new();
+    let mut aborts = 0;
     let out = folder.path("out.ply");
     let input = folder.path("many.obj");
-    let job = ["convert".as_ref(), input.as_ref(), out.as_ref(), "--force".as_ref(), "-q".as_ref()];
+    let job = ["convert".as_ref(), input.as_ref(), out.as_ref(), "--force".as_ref(), "--json".as_ref()];
     for kilobytes in (starts..starts + 200_000).step_by(10_000) {
         let limited = limited(kilobytes, &job);
         let Some(code) = limited.status.code() else { panic!("{kilobytes} kB: {limited:?}") };
         seen.insert(code);
         assert!([0, 3, 5].contains(&code), "{kilobytes} kB: {limited:?}");
         assert_eq!(out.exists(), code == 0, "{kilobytes} kB: {limited:?}");
+        let report: serde_json::Value = serde_json::from_slice(&limited.stdout)
+            .unwrap_or_else(|error| panic!("{kilobytes} kB, {error}: {limited:?}"));
+        let error = &report["error"];
+        assert_eq!(error.is_null(), code == 0, "{report}");
+        assert!(code == 0 || error["exit"] == code, "{report}");
+        aborts += usize::from(error["code"] == "out-of-memory");
         let _ = std::fs::remove_file(&out);
     }
     assert!(seen.contains(&0) && seen.contains(&5), "{seen:?}");
+    assert!(aborts > 0, "the handler was never asked");
 }
