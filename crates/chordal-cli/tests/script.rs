@@ -310,6 +310,28 @@ fn materials_of_a_script_are_in_its_files() {
     assert_eq!(kept, names);
 }
 
+/// A star of twenty sides in the faces of a plate: its sides are all that the borders need.
+#[test]
+fn straight_borders_of_colours_take_few_triangles() {
+    let folder = Folder::new("script-borders");
+    let star = "pts = []\nfor k in range(20):\n    a = 2 * pi * k / 20 + 0.1\n    r = 10 if k % 2 == 0 else 5\n    \
+        pts.append([r * cos(a), r * sin(a)])\ncolor(extrude(polygon(pts), 2), 'red') | color(box(30, 30, 2), 'white')\n";
+    let file = folder.file("star.star", star);
+    let obj = folder.text("star.obj");
+    let report = run(&["mesh", &file, "--tol", "0.1", "-o", &obj, "--json"]).report();
+    assert_eq!(report["bound"]["evidence"], "proved", "{report}");
+    let text = std::fs::read_to_string(&obj).expect("it is there");
+    // Each face has 20 corners of the star and 4 of the plate, which is 24 triangles outside and 18 inside; the sides 8.
+    let n_faces = text.lines().filter(|line| line.starts_with("f ")).count();
+    assert!(n_faces <= 92 + 32, "{n_faces}");
+    let areas = obj_areas(&text);
+    let red = 2.0 * 500.0 * (std::f64::consts::PI / 10.0).sin();
+    for (name, expected) in [("color-ff0000", red), ("color-ffffff", 2.0 * 900.0 - red + 240.0)] {
+        let found = areas[name];
+        assert!((found / expected - 1.0).abs() < 0.005, "{name}: {found}, not {expected}: {areas:?}");
+    }
+}
+
 /// The area of each material of an OBJ.
 fn obj_areas(text: &str) -> std::collections::BTreeMap<String, f64> {
     let (mut points, mut areas, mut name) = (Vec::new(), std::collections::BTreeMap::new(), String::new());

@@ -166,27 +166,36 @@ fn shape_notes(mesh: &Mesh, request: &MeshRequest) -> Vec<Message> {
 const COARSEST: f64 = 0.01;
 
 /// The surface of a field without meshes. Of a long length all but a hundredth of the size is for collapses of the triangles
-/// that such a length needs.
+/// that such a length needs; and of a shape in several materials, what is left of the length is for collapses of those that
+/// lie along their borders.
 fn mesh_in_detail(
     field: &Field,
     (budget, request): (&Budget, &MeshRequest),
     job: &Job,
 ) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
-    let direct = || convert::field_to_mesh(field, budget, job).map(|made| (made, None));
+    let direct = || convert::field_to_mesh(field, budget, job);
     let coarsest = Tolerance::new(COARSEST * field.bounds().diagonal());
-    let (Some(length), Ok(coarsest)) = (budget.length.map(Tolerance::get), coarsest) else { return direct() };
+    let (Some(length), Ok(coarsest)) = (budget.length.map(Tolerance::get), coarsest) else {
+        return direct().map(|made| (made, None));
+    };
     // What is only measured leaves no length that could be added to.
     let is_proof_tried =
         matches!(budget.require, RequiredEvidence::Proved | RequiredEvidence::ProvedOrMeasured)
             && field.evidence().bounds_above();
-    if length <= coarsest.get() || !is_proof_tried || budget.pixels.is_some() || budget.triangles.is_some() {
-        return direct();
+    if !is_proof_tried || budget.pixels.is_some() || budget.triangles.is_some() {
+        return direct().map(|made| (made, None));
     }
-    let fine = match convert::field_to_mesh(field, &Budget { length: Some(coarsest), ..*budget }, job) {
-        Ok(fine) => fine,
-        Err(Failure::Cancelled) => return Err(Failure::Cancelled),
-        // What is missed within so little may be met within more.
-        Err(_) => return direct(),
+    let fine = if length > coarsest.get() {
+        match convert::field_to_mesh(field, &Budget { length: Some(coarsest), ..*budget }, job) {
+            Ok(fine) => fine,
+            Err(Failure::Cancelled) => return Err(Failure::Cancelled),
+            // What is missed within so little may be met within more.
+            Err(_) => return direct().map(|made| (made, None)),
+        }
+    } else if field.materials().is_empty() {
+        return direct().map(|made| (made, None));
+    } else {
+        direct()?
     };
     if fine.bound.at_most().is_none() {
         return Ok((fine, None));
