@@ -1,19 +1,40 @@
 //! Everyday parts as code (`tests/parts`): each becomes a closed mesh of the right volume.
 use crate::common;
 
+use chordal_testkit::is_long;
 use common::{Folder, run};
 use std::path::{Path, PathBuf};
 
-/// The largest distance.
-const LENGTH: f64 = 0.05;
+/// How many tests share the parts, so that none takes long: measured, the quick ones take five seconds each.
+const SHARES: usize = 4;
 
 fn folder_of_parts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/parts")
 }
 
-/// What a comment of the script says of its volume, by a formula.
-fn said_volume(script: &str) -> Option<f64> {
-    script.lines().find_map(|line| line.strip_prefix("# volume ")?.trim().parse().ok())
+/// The names in a list beside the parts.
+fn listed(list: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(folder_of_parts().join(list)).unwrap();
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    lines.map(str::to_owned).collect()
+}
+
+/// The names of all parts, sorted.
+fn parts() -> Vec<String> {
+    let entries = std::fs::read_dir(folder_of_parts()).unwrap().map(|entry| entry.unwrap().path());
+    let scripts = entries.filter(|path| path.extension().is_some_and(|extension| extension == "star"));
+    let mut names: Vec<String> =
+        scripts.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    names.sort();
+    names
+}
+
+/// What the line `# volume:` of a script says, and the standard error of its sampling.
+fn said_volume(script: &str) -> Option<(f64, f64)> {
+    let line = script.lines().find_map(|line| line.strip_prefix("# volume: "))?;
+    let (volume, how) = line.split_once(" # ").unwrap_or((line, ""));
+    let error = how.strip_prefix("monte carlo, standard error ").map_or(Ok(0.0), str::parse);
+    Some((volume.parse().ok()?, error.ok()?))
 }
 
 /// The volume and the area of the triangles of an OBJ, by the divergence theorem.
@@ -44,32 +65,73 @@ fn volume_and_area(obj: &str) -> (f64, f64) {
     (volume, area)
 }
 
-#[test]
-fn everyday_parts_become_closed_meshes_of_the_right_volume() {
-    let folder = Folder::new("parts");
+/// Meshes a share of the parts: those that are listed as quick, or all of them in the long sweep.
+fn mesh_a_share(share: usize) {
+    let folder = Folder::new(&format!("parts_{share}"));
     let output = folder.text("part.obj");
-    let mut names: Vec<PathBuf> =
-        std::fs::read_dir(folder_of_parts()).unwrap().map(|entry| entry.unwrap().path()).collect();
-    names.sort();
-    assert!(names.len() >= 20, "{names:?}");
-    let mut n_proved = 0;
-    for part in &names {
-        let name = part.file_stem().unwrap().to_str().unwrap();
-        let asked = ["--tol", &LENGTH.to_string(), "-o", &output, "--json", "--force"];
-        let made = run(&[&["mesh", part.to_str().unwrap()], &asked[..]].concat());
-        assert_eq!(made.code, 0, "{name}: {made:?}");
+    let names = if is_long() { parts() } else { listed("QUICK") };
+    let unmet = listed("UNMET");
+    let mut faults = Vec::new();
+    for name in names.iter().skip(share).step_by(SHARES) {
+        let script = folder_of_parts().join(format!("{name}.star"));
+        let asked = ["--tol", "0.1%", "-o", &output, "--json", "--force"];
+        let made = run(&[&["mesh", script.to_str().unwrap()], &asked[..]].concat());
+        // A mesh that misses its tolerance is written all the same, and has to be sound.
+        if made.code != 0 && !(made.code == 5 && unmet.contains(name)) {
+            faults.push(format!("{name}: {made:?}"));
+            continue;
+        }
         let certificate = &made.report()["certificate"];
         let valid = &certificate["valid"];
-        assert!(valid["closed"] == true && valid["manifold"] == true, "{name}: {valid:#}");
-        let evidence = certificate["bound"]["evidence"].as_str().unwrap();
-        n_proved += usize::from(evidence == "proved");
-        let script = std::fs::read_to_string(part).unwrap();
+        if !["closed", "manifold", "oriented"].iter().all(|&what| valid[what] == true) {
+            faults.push(format!("{name}: {valid:#}"));
+        }
+        let length = certificate["budget"]["length"].as_f64().unwrap();
         let (volume, area) = volume_and_area(&std::fs::read_to_string(&output).unwrap());
-        assert!(volume > 0.0, "{name}: {volume}");
-        if let Some(said) = said_volume(&script) {
-            assert!((volume - said).abs() <= LENGTH * area, "{name}: {volume} for {said}, of {area}");
+        let (said, error) = said_volume(&std::fs::read_to_string(&script).unwrap()).expect(name);
+        // Four standard errors: chosen, one in 16,000 is larger.
+        if (volume - said).abs() > length * area + 4.0 * error {
+            faults.push(format!("{name}: a volume of {volume} for {said}, and an area of {area}"));
         }
     }
-    // Nineteen of twenty.
-    assert!(20 * n_proved >= 19 * names.len(), "{n_proved} of {} are proved", names.len());
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn everyday_parts_become_closed_meshes_of_the_right_volume_1_of_4() {
+    mesh_a_share(0);
+}
+
+#[test]
+fn everyday_parts_become_closed_meshes_of_the_right_volume_2_of_4() {
+    mesh_a_share(1);
+}
+
+#[test]
+fn everyday_parts_become_closed_meshes_of_the_right_volume_3_of_4() {
+    mesh_a_share(2);
+}
+
+#[test]
+fn everyday_parts_become_closed_meshes_of_the_right_volume_4_of_4() {
+    mesh_a_share(3);
+}
+
+#[test]
+fn every_part_names_its_volume_and_lists_name_parts() {
+    let names = parts();
+    assert!(names.len() >= 150, "{names:?}");
+    for name in &names {
+        let script = std::fs::read_to_string(folder_of_parts().join(format!("{name}.star"))).unwrap();
+        assert!(script.starts_with("# "), "{name} says what it is");
+        let (volume, error) = said_volume(&script).unwrap_or_else(|| panic!("{name} says no volume"));
+        // A thousandth: what the checks allow is mostly more.
+        assert!(volume > 0.0 && error < 1e-3 * volume, "{name}: {volume}, {error}");
+    }
+    let (quick, aside, unmet) = (listed("QUICK"), listed("KEPT_ASIDE"), listed("UNMET"));
+    assert!(3 * quick.len() >= names.len() && 5 * aside.len() >= names.len());
+    for name in quick.iter().chain(&aside).chain(&unmet) {
+        assert!(names.contains(name), "there is no part {name}");
+    }
+    assert!(quick.iter().all(|name| !aside.contains(name)), "what is kept aside is looked at last");
 }
