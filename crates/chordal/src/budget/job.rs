@@ -120,8 +120,17 @@ impl Job {
         self.finish.load(Ordering::Relaxed)
     }
 
-    /// The same job for a part of its work that ends after about so many evaluations.
-    pub(crate) fn with_work_limit(&self, most: u64) -> Self {
+    /// The same job for a part of its work that ends after about so many evaluations of one point, as proofs and the judges of
+    /// [`check`](crate::check) count them: then they say what is known by then, which holds. What the job counts is its
+    /// own; it is cancelled with the one that it is of.
+    ///
+    /// ```
+    /// use chordal::Job;
+    /// assert_eq!(Job::default().with_work_limit(1 << 20).work_left(), 1 << 20);
+    /// assert_eq!(Job::default().work_left(), u64::MAX);
+    /// ```
+    #[must_use]
+    pub fn with_work_limit(&self, most: u64) -> Self {
         Self { work: Some(Arc::new(WorkLimit { done: AtomicU64::new(0), most })), ..self.clone() }
     }
 
@@ -132,8 +141,9 @@ impl Job {
         }
     }
 
-    /// How many evaluations are left.
-    pub(crate) fn work_left(&self) -> u64 {
+    /// How many evaluations are left, of those that [`Job::with_work_limit`] allows.
+    #[must_use]
+    pub fn work_left(&self) -> u64 {
         self.work
             .as_ref()
             .map_or(u64::MAX, |work| work.most.saturating_sub(work.done.load(Ordering::Relaxed)))

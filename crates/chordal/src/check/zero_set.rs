@@ -45,9 +45,12 @@ pub fn zero_set_deviation<G: SampleGrid>(
 ) -> Result<Option<Bound>, JobError> {
     let Some(lattice) = CubeLattice::new(grid, mesh) else { return Ok(None) };
     let bvh = Bvh::build(mesh, job)?;
-    let proof =
-        ZeroSetProof { lattice, bvh: &bvh, mesh, max: max.get(), failed: AtomicBool::new(false), job };
     let [nx, ny, nz] = grid.size();
+    let n_tasks = mesh.faces().len().div_ceil(CHUNK) + nz;
+    let most_parts =
+        greater((job.work_left() / POINTS_A_PART / n_tasks as u64).saturating_mul(SHARES_A_TASK), 1);
+    let failed = AtomicBool::new(false);
+    let proof = ZeroSetProof { lattice, bvh: &bvh, mesh, max: max.get(), failed, job, most_parts };
     if nx < 2 || ny < 2 || nz < 2 || mesh.faces().is_empty() {
         return Ok(None);
     }
@@ -58,7 +61,9 @@ pub fn zero_set_deviation<G: SampleGrid>(
     let faces: Vec<usize> = (0..mesh.faces().len()).collect();
     let chunks: Vec<&[usize]> = faces.chunks(CHUNK).collect();
     let to_zeros = par_map(job, &chunks, |_, chunk| {
-        chunk.iter().fold(0.0, |most, face| greater(most, proof.face_off(*face)))
+        let mut parts = 0;
+        let most = chunk.iter().fold(0.0, |most, face| greater(most, proof.face_off(*face, &mut parts)));
+        (most, parts)
     });
     let layers: Vec<usize> = (0..nz - 1).collect();
     let to_faces = par_map(job, &layers, |_, k| proof.layer_off(*k));
@@ -68,12 +73,21 @@ pub fn zero_set_deviation<G: SampleGrid>(
     if proof.failed.into_inner() {
         return Ok(None);
     }
-    let most = to_zeros.into_iter().chain(to_faces).fold(0.0, greater);
+    let (most, parts) = to_zeros
+        .into_iter()
+        .chain(to_faces)
+        .fold((0.0, 0), |(most, parts), (off, own)| (greater(most, off), parts + own));
+    job.count_work(POINTS_A_PART * parts);
     Ok(Some(Bound::proved(0.0, most, Reference::InputTriangles)))
 }
 
 /// Triangles in a task.
 const CHUNK: usize = 64;
+/// Points that take as long as a part of a cell or of a triangle: it asks for a nearest triangle, or has some dozens. Chosen.
+const POINTS_A_PART: u64 = 64;
+/// A task may look at so many times its share of the parts that the job may evaluate; where one ends there, nothing is
+/// proved, whichever was first. Chosen: tasks differ, and few are at the surface.
+const SHARES_A_TASK: u64 = 16;
 
 /// A lattice of axis-parallel boxes whose border is outside, with an allowance for rounding.
 struct CubeLattice<'a, G> {
@@ -230,6 +244,8 @@ struct ZeroSetProof<'a, G> {
     max: f64,
     failed: AtomicBool,
     job: &'a Job,
+    /// How many parts a task may look at.
+    most_parts: u64,
 }
 
 impl<G: SampleGrid> ZeroSetProof<'_, G> {
@@ -242,13 +258,20 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         self.failed.load(Ordering::Relaxed) || self.job.is_cancelled()
     }
 
-    /// How far the zeros in a layer of cells are from the triangles.
-    fn layer_off(&self, k: usize) -> f64 {
+    /// Counts a part that a task looks at; whether it is one too many.
+    fn is_too_many(&self, parts: &mut u64) -> bool {
+        *parts += 1;
+        *parts > self.most_parts
+    }
+
+    /// How far the zeros in a layer of cells are from the triangles, and how many parts it took.
+    fn layer_off(&self, k: usize) -> (f64, u64) {
         let [nx, ny, _] = self.lattice.grid.size();
         let (mut most, mut row, mut parts) = (0.0, 0, Vec::new());
+        let mut looked_at = 0;
         for j in 0..ny - 1 {
             if self.is_over() {
-                return f64::INFINITY;
+                return (f64::INFINITY, looked_at);
             }
             for i in 0..nx - 1 {
                 parts.push(self.lattice.cell([i, j, k]));
@@ -258,15 +281,18 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
                     if low > self.lattice.slack || high < -self.lattice.slack {
                         continue;
                     }
+                    if self.is_too_many(&mut looked_at) {
+                        return (self.fail(), looked_at);
+                    }
                     match self.part_off(&part, &mut row) {
                         Some(off) => most = greater(off, most),
-                        None if self.is_over() => return f64::INFINITY,
+                        None if self.is_over() => return (f64::INFINITY, looked_at),
                         None => parts.extend((0..8).map(|c| part.eighth(c))),
                     }
                 }
             }
         }
-        most
+        (most, looked_at)
     }
 
     /// How far the zeros of a part are from the triangles, where that is within the limit.
@@ -309,8 +335,8 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         })
     }
 
-    /// How far a triangle is from the zeros.
-    fn face_off(&self, face: usize) -> f64 {
+    /// How far a triangle is from the zeros; counts the pieces that it is cut into.
+    fn face_off(&self, face: usize, looked_at: &mut u64) -> f64 {
         let corners = self.mesh.corners(face);
         let plane = FacePlane::new(corners);
         let direction = {
@@ -322,6 +348,9 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         while let Some(piece) = pieces.pop() {
             if self.is_over() {
                 return f64::INFINITY;
+            }
+            if self.is_too_many(looked_at) {
+                return self.fail();
             }
             let CubeLattice { slack, .. } = self.lattice;
             let middle: [f64; 3] = std::array::from_fn(|k| (piece[0][k] + piece[1][k] + piece[2][k]) / 3.0);

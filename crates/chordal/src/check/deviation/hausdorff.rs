@@ -20,6 +20,8 @@ const MOST_CUTS: u32 = 256;
 /// [`FEW_FACES`]; after that the search stops.
 const CUTS_A_FACE: u64 = 64;
 const FEW_FACES: u64 = 1 << 14;
+/// Points that take as long as a bisection, or as a face before any. Derived: of three microseconds, as a vertex takes.
+const POINTS_A_CUT: u64 = 64;
 
 /// The goal of the search.
 #[derive(Clone, Copy, Debug)]
@@ -193,7 +195,8 @@ pub(super) fn search(
     job: &Job,
 ) -> bool {
     let n_faces: u64 = directions.iter().map(|d| d.own.mesh().faces().len() as u64).sum();
-    let most_cuts = CUTS_A_FACE * greater(n_faces, FEW_FACES);
+    let most_cuts = lesser(CUTS_A_FACE * greater(n_faces, FEW_FACES), job.work_left() / POINTS_A_CUT);
+    job.count_work(POINTS_A_CUT * n_faces);
     probe_some_faces(directions, vertices, asked, job);
     let (mut cuts, mut a_piece) = (0, FIRST_CUTS);
     let mut first = true;
@@ -247,6 +250,7 @@ pub(super) fn search(
         if directions.iter().all(|direction| direction.open.is_empty()) {
             return enough <= wanted;
         }
+        job.count_work(POINTS_A_CUT * (cuts - cuts_before));
         let stuck = cuts == cuts_before && least == least_before;
         if cuts > most_cuts || stuck {
             return false;
