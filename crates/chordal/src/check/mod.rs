@@ -52,7 +52,7 @@ pub(crate) use deviation::{
 };
 pub use duplicates::duplicate_vertices;
 pub(crate) use fans::boundary_path;
-pub use field_deviation::{FieldDeviation, field_deviation};
+pub use field_deviation::{FieldDeviation, field_deviation, field_deviation_at};
 pub(crate) use field_deviation::{
     MeasuredDeviation, SandwichGoal, SandwichProver, SandwichVerdict, is_hopeless, measured_field_deviation,
     sandwich_bound,
@@ -64,7 +64,7 @@ pub(crate) use measure::measure;
 pub(crate) use overshade::{Overshade, overshade};
 pub(crate) use point_tree::PointTree;
 pub use self_intersections::{intersections_between, self_intersections};
-pub use smooth_deviation::{cage_deviation, patch_deviation};
+pub use smooth_deviation::{cage_deviation, cage_deviation_at, patch_deviation, patch_deviation_at};
 pub use surface_at_least::surface_at_least;
 pub(crate) use surface_at_least::triangle_at_least;
 pub use t_junctions::t_junctions;

@@ -8,12 +8,15 @@
 //! itself.
 //!
 //! No code of the arrows in `convert` is used, so that this can check them.
+mod at_point;
+
 use super::deviation::{Deviation, Goal, OneSidedDistance, deviation, refused, two_sided};
 use super::limit_deviation::{limit_deviation, sheet_deviations};
 use crate::budget::{Job, JobError, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::cage::limit::QuadPatchTree;
 use crate::explicit::{Bvh, Cage, InvalidCage, Mesh, Patch, SurfaceTree};
 use crate::math::{add_up, difference, greater, length_up, lesser, mul_up, sub_down};
+pub use at_point::{cage_deviation_at, patch_deviation_at};
 
 /// Encloses the Hausdorff distance between a mesh and Bézier patches: the largest distance from any point of
 /// either to the nearest point of the other.
@@ -115,6 +118,9 @@ enum SmoothShape<'a> {
 
 /// The most triangles of a tessellation: about a minute on one core and a gigabyte; chosen.
 const MOST_CUTS: u64 = 1 << 22;
+/// Points that take as long as a triangle of a tessellation, which is compared as well. Derived: [`MOST_CUTS`] take about a
+/// minute, as two thousand million points.
+const POINTS_A_TRIANGLE: u64 = 512;
 /// Bytes a triangle of the tessellation, about: 300 for comparing, and a hundred for each corner of a quad's
 /// tables; derived.
 const BYTES_A_CUT: u64 = 500;
@@ -414,8 +420,14 @@ fn measured(
         let mut known = TwoSidedDistance { forward: nothing, backward: nothing };
         judge.probe_some_faces(mesh, &mut known.forward, job);
         let mut level = smooth.first_level(job)?;
-        let most_cuts = lesser(MOST_CUTS, smooth.limit(job));
+        let within_job = lesser(MOST_CUTS, smooth.limit(job));
         while !wanted.is_met(&known) {
+            let affordable = job.work_left() / POINTS_A_TRIANGLE;
+            if smooth.count(level) > affordable {
+                break;
+            }
+            let most_cuts = lesser(within_job, affordable);
+            job.count_work(POINTS_A_TRIANGLE * smooth.count(level));
             let (cuts, off) = smooth.cut(level, job)?;
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);

@@ -5,7 +5,7 @@
 //! bound. When the allowed work is used up, the answer is the largest upper bound of the remaining boxes.
 use super::forward::ForwardDistance;
 use super::from_field::{self, BoxVerdict, TargetMesh, may_cross};
-use super::{FieldDeviationSearch, LEAF_CHUNK, cube, leaf_failure, sub_boxes};
+use super::{FieldDeviationSearch, LEAF_CHUNK, POINTS_A_BOX, cube, leaf_failure, sub_boxes};
 use crate::budget::{JobError, par_map};
 use crate::implicit::{LeafError, Tape};
 use crate::math::{Box3, Interval, greater, lesser};
@@ -30,9 +30,6 @@ const ROUNDS: usize = 24;
 const SMALL: f64 = 0.01;
 /// With a limit, the same share of the sufficient distance.
 const SMALL_FOR_LIMIT: f64 = 0.02;
-/// Points that take as long as a box, which is looked at with the whole field. Chosen: as for a piece of a triangle, without
-/// its search.
-const POINTS_A_BOX: u64 = 16;
 /// A round processes the boxes above this fraction between the sufficient distance and the largest bound.
 const UPPER_PART: f64 = 0.5;
 

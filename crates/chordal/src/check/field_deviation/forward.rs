@@ -6,9 +6,9 @@
 //! ([`super::probe`]). Every bound is valid at any time; when the allowed work is used up, the answer is the
 //! largest upper bound of the remaining pieces.
 use super::from_mesh::{self, FieldSubtriangle, MOST_CUTS, SubtriangleBounds};
-use super::probe::{DistanceProbe, probe_distances};
+use super::probe::{DistanceProbe, ProbeSharpness, probe_distances};
 use super::surface_ball::{SurfaceBall, SurfaceBalls, project_to_surface};
-use super::{CHUNK, FieldDeviationSearch, LEAF_CHUNK, leaf_failure, refine_some};
+use super::{CHUNK, FieldDeviationSearch, LEAF_CHUNK, POINTS_A_BOX, leaf_failure, refine_some};
 use crate::budget::{JobError, par_map};
 use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, greater, length, lesser, sub_down};
@@ -212,7 +212,7 @@ impl FieldDeviationSearch<'_> {
         let parts = par_map(self.job, &chunks, |_, some| -> Result<_, LeafError> {
             let points: Vec<[f64; 3]> = some.iter().map(|k| open[*k].0.middle()).collect();
             let most: Vec<f64> = some.iter().map(|k| open[*k].1.at_most).collect();
-            let probed = probe_distances(&self.tape, &points, &most)?;
+            let probed = probe_distances(&self.tape, &points, &most, ProbeSharpness::ROUGH)?;
             let towards: Vec<[f64; 3]> = probed.iter().map(|probed| probed.towards).collect();
             let sizes: Vec<f64> = probed.iter().map(|probed| 0.1 * probed.at_least).collect();
             Ok((probed, project_to_surface(&self.tape, &towards, &sizes)?))
@@ -222,6 +222,7 @@ impl FieldDeviationSearch<'_> {
             let (probed, found) = part.map_err(leaf_failure)?;
             all.extend(probed.into_iter().zip(found));
         }
+        self.job.count_work(POINTS_A_BOX * all.iter().map(|(probed, _)| probed.n_boxes).sum::<u64>());
         for (k, (probed, witness)) in far.into_iter().zip(all) {
             let (piece, known) = &mut open[k];
             known.probed = true;

@@ -1,6 +1,6 @@
 //! The deviation of a closed mesh by the sandwich prover: the upper bound from the sandwich, the lower ones
 //! from points.
-use super::probe::probe_distances;
+use super::probe::{ProbeSharpness, probe_distances};
 use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
 use super::surface_ball::project_to_surface;
@@ -98,9 +98,8 @@ fn lower_ends(
     let mut ends = LowerBounds { forward: 0.0, from_mesh: centre, backward: 0.0, from_field: centre };
     let middles: Vec<[f64; 3]> = worst.iter().map(|face| middle(&search.mesh.corners(*face))).collect();
     let most: Vec<f64> = worst.iter().map(|face| verdict.bounds[*face]).collect();
-    for (p, probed) in
-        middles.iter().zip(probe_distances(&search.tape, &middles, &most).map_err(leaf_failure)?)
-    {
+    let probed = probe_distances(&search.tape, &middles, &most, ProbeSharpness::ROUGH);
+    for (p, probed) in middles.iter().zip(probed.map_err(leaf_failure)?) {
         // A rounded centroid is off the triangle by less than the floor.
         let least = sub_down(probed.at_least, search.floor);
         if least > ends.forward {

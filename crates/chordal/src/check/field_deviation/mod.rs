@@ -1,5 +1,6 @@
 //! `field_deviation`: the Hausdorff distance between a mesh and the surface of a field, certified from both
 //! sides.
+mod at_point;
 mod backward;
 mod cell_growth;
 mod copy_mesh;
@@ -28,6 +29,7 @@ use crate::budget::{Bound, Evidence, Job, JobError, Message, Reference, Refusal,
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, flushes_subnormals, greater, lesser};
+pub use at_point::field_deviation_at;
 pub(crate) use prover::{SandwichProver, SandwichVerdict};
 pub(crate) use sampled::MeasuredDeviation;
 pub(crate) use sandwich::{SandwichGoal, is_hopeless};
@@ -56,6 +58,9 @@ pub struct FieldDeviation {
 const CHUNK: usize = 256;
 /// The same for fields with leaves, which are evaluated in large batches.
 const LEAF_CHUNK: usize = 1 << 16;
+/// Points that take as long as a box, which is looked at with the whole field. Chosen: as for a piece of a triangle, without
+/// its search.
+const POINTS_A_BOX: u64 = 16;
 /// The rounding of a distance that is 0, relative to the largest coordinate: derived from the slack of pieces
 /// (32 ε), taken twice.
 const FLOOR: f64 = 64.0 * f64::EPSILON;

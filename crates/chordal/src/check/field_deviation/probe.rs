@@ -12,13 +12,6 @@ use crate::math::{Box3, Interval, add_down, greater, lesser, mul_down, sqrt_down
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// The most boxes split into 64 for one point.
-const CUTS: usize = 64;
-/// Knowing this share of the distance suffices.
-const ENOUGH: f64 = 0.97;
-/// Boxes whose diagonal is below this share of the distance are not split.
-const SMALL: f64 = 0.03;
-
 /// The lower bound for a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceProbe {
@@ -26,6 +19,26 @@ pub(super) struct DistanceProbe {
     pub at_least: f64,
     /// Where it may be nearest.
     pub towards: [f64; 3],
+    /// Boxes that were looked at.
+    pub n_boxes: u64,
+}
+
+/// How closely a point is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ProbeSharpness {
+    /// The most boxes split into 64 for one point.
+    pub most_cuts: usize,
+    /// Knowing this share of the distance suffices.
+    pub enough: f64,
+    /// Boxes whose diagonal is below this share of the distance are not split.
+    pub small: f64,
+}
+
+impl ProbeSharpness {
+    /// For many points, of which one will do. Chosen.
+    pub const ROUGH: Self = Self { most_cuts: 64, enough: 0.97, small: 0.03 };
+    /// For one point of which all is to be known. Chosen: a tenth of a second.
+    pub const CLOSE: Self = Self { most_cuts: 1 << 11, enough: 1.0, small: 1e-4 };
 }
 
 /// A box that may hold a part of the surface, ordered by distance: the nearest is the greatest.
@@ -61,22 +74,24 @@ struct ProbeSearch {
     open: BinaryHeap<ProbeBox>,
     cut: usize,
     done: bool,
+    sharpness: ProbeSharpness,
 }
 
 impl ProbeSearch {
-    fn new(from: [f64; 3], most: f64) -> Self {
+    fn new(from: [f64; 3], most: f64, sharpness: ProbeSharpness) -> Self {
         let half = 1.01 * most;
         let cube =
             Box3 { min: from.map(|x| (x - half).next_down()), max: from.map(|x| (x + half).next_up()) };
         let open = BinaryHeap::from([ProbeBox { far: 0.0, number: 0, bounds: cube }]);
-        Self { from, most, side: most, open, cut: 0, done: !half.is_finite() }
+        Self { from, most, side: most, open, cut: 0, done: !half.is_finite(), sharpness }
     }
 
     /// The next box to be split.
     fn next(&mut self) -> Option<Box3> {
-        let small = |near: &ProbeBox| near.bounds.diagonal() < SMALL * greater(near.far, 0.1 * self.most);
-        let enough = |near: &ProbeBox| near.far >= ENOUGH * self.most || small(near);
-        if self.done || self.cut >= CUTS || self.open.peek().is_none_or(enough) {
+        let ProbeSharpness { most_cuts, enough, small } = self.sharpness;
+        let small = |near: &ProbeBox| near.bounds.diagonal() < small * greater(near.far, 0.1 * self.most);
+        let enough = |near: &ProbeBox| near.far >= enough * self.most || small(near);
+        if self.done || self.cut >= most_cuts || self.open.peek().is_none_or(enough) {
             self.done = true;
             return None;
         }
@@ -100,11 +115,14 @@ impl ProbeSearch {
     }
 
     fn result(&self) -> DistanceProbe {
+        let n_boxes = 64 * self.cut as u64;
         match self.open.peek() {
-            Some(near) => {
-                DistanceProbe { at_least: lesser(near.far, self.side), towards: near.bounds.centre() }
-            }
-            None => DistanceProbe { at_least: self.side, towards: self.from },
+            Some(near) => DistanceProbe {
+                at_least: lesser(near.far, self.side),
+                towards: near.bounds.centre(),
+                n_boxes,
+            },
+            None => DistanceProbe { at_least: self.side, towards: self.from, n_boxes },
         }
     }
 }
@@ -114,9 +132,10 @@ pub(super) fn probe_distances(
     tape: &Tape,
     points: &[[f64; 3]],
     most: &[f64],
+    sharpness: ProbeSharpness,
 ) -> Result<Vec<DistanceProbe>, LeafError> {
     let mut walks: Vec<ProbeSearch> =
-        points.iter().zip(most).map(|(p, most)| ProbeSearch::new(*p, *most)).collect();
+        points.iter().zip(most).map(|(p, most)| ProbeSearch::new(*p, *most, sharpness)).collect();
     loop {
         let cut: Vec<(usize, Box3)> =
             walks.iter_mut().enumerate().filter_map(|(k, walk)| walk.next().map(|b| (k, b))).collect();
