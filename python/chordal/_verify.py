@@ -38,7 +38,8 @@ def verify(
     `certificate` is a report, or the file of one, for formats that hold none. The verdict is "re-proved", "not re-proved" or
     "refuted"; every claim has one of its own. Of a mesh that was moved, joined or put in a scene, `against` is the mesh as it
     was before, and what that was made of. Files alone are judged by the command in a process of its own; `options` are more
-    options of it by their names, as in `{"surface": "catmull-clark"}`. `progress` is as for `Shape.mesh`.
+    options of it by their names, as in `{"surface": "catmull-clark"}`; `{"effort": "best"}` goes on with every look to its end.
+    `progress` is as for `Shape.mesh`.
 
     Raises `ReadError` where there is no certificate.
 

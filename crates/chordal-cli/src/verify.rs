@@ -5,12 +5,14 @@ use crate::execution;
 use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
+use crate::mesh::EffortArg;
 use crate::numbers::{RoundingDirection, short};
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::SummaryLines;
 use crate::volume::VolumeArgs;
 use chordal::budget::advice::Spell;
+use chordal::budget::proof::ProofEffort;
 use chordal_verbs::{
     ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, n_coarser_levels, verify_levels,
 };
@@ -36,6 +38,11 @@ pub struct VerifyArgs {
     #[arg(long, value_name = "REPORT")]
     pub certificate: Option<PathBuf>,
 
+    /// Go on with every look to its end (best), however long that is; else one takes at most about as long as the work that
+    /// it looks at, counted and not by a clock, and what is then open is not re-proved
+    #[arg(long, value_name = "HOW")]
+    pub effort: Option<EffortArg>,
+
     /// Threads to use; 0 means all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
@@ -53,7 +60,10 @@ pub struct VerifyArgs {
 /// Reads all files, verifies, reports.
 pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let console = Console::new(&args.console);
-    let job = execution::job(&args.input, None, &console).with_threads(args.threads);
+    let mut job = execution::job(&args.input, None, &console).with_threads(args.threads);
+    if args.effort == Some(EffortArg::Best) {
+        job.proof_effort = ProofEffort::Full;
+    }
     let name = InputSource::from_arg(&args.input.input).name();
     let given = args.certificate.as_deref().map(read_report).transpose()?;
     // What polygons stand for is said of inputs that were read as cages, and of nothing that was made of them.

@@ -4,6 +4,7 @@ use crate::placements::distance_up;
 use crate::volume::{ValueRange, VolumeShape};
 use crate::zero_set::level_field;
 use crate::{Input, MeshFailure, Shape, field, flatten, merged_parts};
+use chordal::budget::proof::ProofEffort;
 use chordal::budget::{Bound, Failure, JobError, Metric, Reference, Tolerance};
 use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::convert::has_meshes;
@@ -11,6 +12,7 @@ use chordal::convert::{self, Inside};
 use chordal::explicit::Cage;
 use chordal::explicit::nurbs::{NurbsSurface, TrimmedSurface};
 use chordal::explicit::query::Bvh;
+use chordal::implicit::Field;
 use chordal::math::{add_up, greater, sub_down};
 use chordal::{Budget, Job, Mesh};
 use chordal_io::{Frame, Scene};
@@ -25,6 +27,23 @@ pub(super) struct BoundJudge<'a> {
     pub job: &'a Job,
     /// How near both ends are to be; `None` where it only matters whether the claim holds.
     relative: Option<f64>,
+}
+
+/// How many evaluations of one point a look may take: counted, so that a verdict does not depend on the machine.
+#[derive(Clone, Copy)]
+pub(super) struct LookLimit {
+    /// In any case.
+    pub least: u64,
+    /// For each triangle beside.
+    pub a_triangle: u64,
+}
+
+impl LookLimit {
+    /// Whether a claim holds. Chosen: some ten seconds of one core; for each triangle eight times what copies of a mesh take
+    /// for a tight bound, or 64 triangles of a tessellation of a smooth surface.
+    pub const OF_CLAIM: Self = Self { least: 1 << 29, a_triangle: 1 << 15 };
+    /// How far the shapes are apart at least, of which no promise is made. Chosen: about a second, an eighth of that beside.
+    pub const CLOSER: Self = Self { least: 1 << 26, a_triangle: 1 << 12 };
 }
 
 /// What a judge found.
@@ -125,30 +144,61 @@ impl<'a> BoundJudge<'a> {
         }
     }
 
-    /// How far triangles are at least from those that they were made of, as one point near either shows; `None` for other
-    /// shapes. Where it lies beside both, that is taken off.
+    /// How far triangles are at least from what they were made of, as one point near either shows; `None` where nothing
+    /// looks at one point. Where it lies beside both, that is taken off.
     pub fn seen_from(&self, p: [f64; 3], said: &Bound) -> Result<Option<f64>, MeshFailure> {
-        let (Shape::Scene(read), Shape::Scene(written)) = (&self.reference.shape, &self.result.shape) else {
-            return Ok(None);
+        let Shape::Scene(written) = &self.result.shape else { return Ok(None) };
+        let result = self.result_triangles(written)?;
+        let mesh = &result.mesh;
+        let mut moved = vec![result.moved];
+        // From the result to the true shape, and back.
+        let of_field = |solid: &Field| check::field_deviation_at(mesh, solid, p, self.job);
+        let seen = match &self.reference.shape {
+            Shape::Scene(read) => {
+                let reference = JudgedMesh::new(read.clone())?;
+                moved.push(reference.moved);
+                triangles_at([mesh, &reference.mesh], p, self.job).map(Some)
+            }
+            Shape::Patches { patches, .. } => check::patch_deviation_at(mesh, patches, p, self.job).map(Some),
+            Shape::Cage(polygons) => check::cage_deviation_at(mesh, &polygons.cage, p, self.job).map(Some),
+            Shape::Field(implicit) if implicit.bodies.is_empty() => {
+                let solid = field::finite(implicit).ok().filter(|solid| !has_meshes(solid));
+                solid.map(|solid| of_field(&solid)).transpose()
+            }
+            Shape::Volume(sampled) => {
+                let level = level_of(sampled);
+                let solid = level.and_then(|(at, inside)| level_field(&sampled.volume.grid, at, inside));
+                solid.map(|solid| of_field(&solid)).transpose()
+            }
+            _ => Ok(None),
         };
-        let [reference, result] = [JudgedMesh::new(read.clone())?, self.result_triangles(written)?];
-        let from_p = |of: &JudgedMesh| -> Result<Option<[f64; 2]>, MeshFailure> {
-            let bvh = Bvh::build(&of.mesh, self.job)?;
-            Ok(bvh.closest_distance_down(p).zip(bvh.closest_distance_up(p)).map(|(low, high)| [low, high]))
+        let [back, forth] = match seen {
+            Ok(Some(seen)) => seen,
+            Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+            Ok(None) | Err(JobError::Refused(_)) => return Ok(None),
         };
-        let Some((of_reference, of_result)) = from_p(&reference)?.zip(from_p(&result)?) else {
-            return Ok(None);
-        };
-        // From a point of the true shape to the result, and for a distance of both ways the other way as well.
-        let forth = sub_down(of_result[0], of_reference[1]);
-        let back = sub_down(of_reference[0], of_result[1]);
+        // From the true shape to the result, and for a distance of both ways the other way as well.
         let least = match said.metric {
             Metric::OneSided => forth,
             Metric::Hausdorff => greater(forth, back),
             Metric::Parametric | Metric::Solid => return Ok(None),
         };
-        let moved = [reference.moved, result.moved].into_iter().filter(|moved| *moved > 0.0);
+        let moved = moved.into_iter().filter(|moved| *moved > 0.0);
         Ok(Some(greater(moved.fold(least, sub_down), 0.0)))
+    }
+
+    /// The same by no more work than a look may take, unless the job takes proofs to their ends; and whether that ended it.
+    pub fn judge_within(&self, look: LookLimit, said: &Bound) -> Result<(JudgedBound, bool), MeshFailure> {
+        if self.job.proof_effort == ProofEffort::Full {
+            return Ok((self.judge(said)?, false));
+        }
+        let n_triangles =
+            [self.reference, self.result].into_iter().map(|of| of.shape.n_triangles().unwrap_or(0));
+        let n_triangles = n_triangles.fold(0, u64::saturating_add);
+        let most = look.least.saturating_add(look.a_triangle.saturating_mul(n_triangles));
+        let job = self.job.with_work_limit(most);
+        let found = BoundJudge { job: &job, ..*self }.judge(said)?;
+        Ok((found, job.work_left() == 0))
     }
 
     /// The triangles of the result, as they were before a glTF turned and scaled them.
@@ -267,6 +317,16 @@ impl<'a> BoundJudge<'a> {
         let found = check::field_deviation(&mesh.mesh, &solid, goal, self.job);
         conclude(found.map(|found| (found.bound, found.backward)), mesh.moved, said)
     }
+}
+
+/// Lower bounds on the distance from the first of two meshes to the second and back, as a point near either shows.
+fn triangles_at(meshes: [&Mesh; 2], p: [f64; 3], job: &Job) -> Result<[f64; 2], JobError> {
+    let from_p = |mesh: &Mesh| -> Result<Option<[f64; 2]>, JobError> {
+        let bvh = Bvh::build(mesh, job)?;
+        Ok(bvh.closest_distance_down(p).zip(bvh.closest_distance_up(p)).map(|(low, high)| [low, high]))
+    };
+    let Some((a, b)) = from_p(meshes[0])?.zip(from_p(meshes[1])?) else { return Ok([0.0; 2]) };
+    Ok([greater(sub_down(b[0], a[1]), 0.0), greater(sub_down(a[0], b[1]), 0.0)])
 }
 
 /// The level of the surface that a volume stands for, and its inside, as `mesh` has them.

@@ -1,5 +1,5 @@
 //! The steps of a history, proved again one by one, and their sum.
-use super::bound_judge::{BoundJudge, JudgedBound};
+use super::bound_judge::{BoundJudge, JudgedBound, LookLimit};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
 use super::composed_reference::ComposedReference;
 use crate::geometry_digest::{digest_in_frame, geometry_digest};
@@ -277,11 +277,6 @@ impl<'a> ProvedSteps<'a> {
         claims: &mut ClaimList,
     ) -> Result<bool, MeshFailure> {
         let claim = format!("{name}/bound");
-        let Some(said) = &step.bound else { return Ok(true) };
-        let Some(bound) = said.bound() else {
-            claims.refute(&claim, "what the certificate says is no bound");
-            return Ok(true);
-        };
         let (is, stated) = (ends.read.shape.frame(), (frame.up, frame.metres_per_unit));
         let differs = is.up.zip(stated.0).is_some_and(|(a, b)| a != b)
             || is.metres_per_unit.zip(stated.1).is_some_and(|(a, b)| a != b);
@@ -291,12 +286,17 @@ impl<'a> ProvedSteps<'a> {
                 "the certificate states another unit or another axis that is up than its input",
             );
         }
+        let Some(said) = &step.bound else { return Ok(true) };
+        let Some(bound) = said.bound() else {
+            claims.refute(&claim, "what the certificate says is no bound");
+            return Ok(true);
+        };
         // Of what was put together and rounded, from what is put together and rounded now.
         let bound = widened(&bound, ends.rounding);
         let judge = BoundJudge::new([ends.read, ends.written], frame, self.job);
-        let found = judge.judge(&bound)?;
+        let (found, is_cut_short) = judge.judge_within(LookLimit::OF_CLAIM, &bound)?;
         let least = found.at_least();
-        claims.add(verdict_on(claim.clone(), said, &bound, found));
+        claims.add(verdict_on(claim.clone(), said, &bound, (found, is_cut_short)));
         check_least(&format!("{claim}/at_least"), &bound, (least, judge, ends.witness), claims)
     }
 
@@ -313,7 +313,7 @@ impl<'a> ProvedSteps<'a> {
         };
         let Some(bound) = total.bound() else { return Ok(()) };
         let judge = BoundJudge::new([read, self.out], &self.frame, self.job);
-        let found = judge.judge(&bound)?;
+        let found = judge.judge_within(LookLimit::OF_CLAIM, &bound)?;
         let facts = verdict_on("history/total/direct".to_owned(), total, &bound, found);
         // Steps that were proved one by one prove the sum; that the ends are no farther apart is a second look,
         // and where no judge sees that far there is none.
@@ -343,7 +343,8 @@ fn check_least(
         known = greater(judge.seen_from(p, said)?.unwrap_or(0.0), known);
     }
     if known < needed
-        && let JudgedBound::Between(judged) = judge.closely(CLOSER).judge(said)?
+        && let (JudgedBound::Between(judged), _) =
+            judge.closely(CLOSER).judge_within(LookLimit::CLOSER, said)?
     {
         if let Some(most) = judged.at_most().filter(|most| *most < said.at_least()) {
             let reason = format!("the shapes are no more than {most:?} apart, less than is claimed at least");
@@ -441,14 +442,26 @@ fn check_kinds(name: &str, step: &StepFacts, (read, written): (&Input, &Input), 
     }
 }
 
+/// Why a claim stays open whose judge used up its work.
+const CUT_SHORT: &str =
+    "it was not checked to its end, which takes more than a look may take: the best effort has no limit";
+
 /// What a judged distance says of a claimed bound.
-fn verdict_on(claim: String, said: &StepBound, bound: &Bound, found: JudgedBound) -> ClaimFacts {
+fn verdict_on(
+    claim: String,
+    said: &StepBound,
+    bound: &Bound,
+    (found, is_cut_short): (JudgedBound, bool),
+) -> ClaimFacts {
     let claimed = said.at_most;
     let (verdict, reason, found) = match found {
         JudgedBound::Unable(why) => (ClaimVerdict::Open, Some(why), None),
         JudgedBound::Between(judged) => {
             let ends = Some((judged.at_least(), judged.at_most()));
-            let (verdict, reason) = compare(bound, &judged);
+            let (verdict, reason) = match compare(bound, &judged) {
+                (ClaimVerdict::Open, _) if is_cut_short => (ClaimVerdict::Open, Some(CUT_SHORT.to_owned())),
+                found => found,
+            };
             (verdict, reason, ends)
         }
     };
