@@ -229,13 +229,20 @@ fn check_last_step(certificate: &Value, history: &HistoryFacts, claims: &mut Cla
     if let ([input], None) = (&last.inputs[..], &last.composed) {
         let is_same = own("/input/sha256").as_str() == input.sha256.as_deref()
             && own("/input/kind") == input.kind.as_str()
-            && own("/input/format") == input.format.as_str();
+            && own("/input/format") == input.format.as_str()
+            && digests_of(&own("/input/files")) == input.files;
         claims.decide(
             "history/last/input",
             is_same,
             "the last step of the history has another input than the certificate",
         );
     }
+}
+
+/// The digests of files beside an input.
+fn digests_of(files: &Value) -> Vec<&str> {
+    let files = files.as_array().into_iter().flatten();
+    files.map(|file| file.get("sha256").and_then(Value::as_str).unwrap_or("")).collect()
 }
 
 /// Whether a step's bound says what the facts of a certificate's bound say.

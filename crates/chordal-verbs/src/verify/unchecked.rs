@@ -21,17 +21,71 @@ const TOLD: [&str; 11] = [
 ];
 
 /// Parts of the others that are not looked at.
-const PARTS: [&str; 5] =
-    ["/input/warnings", "/bound/pixels", "/bound/angle_deg", "/bound/at", "/baked/bricks"];
+const PARTS: [&str; 8] = [
+    "/input/letters",
+    "/input/warnings",
+    "/bound/pixels",
+    "/bound/angle_deg",
+    "/bound/samples",
+    "/bound/at",
+    "/bound/open",
+    "/baked/bricks",
+];
 
-/// Words in a history, wherever they stand in it.
-const WORDS: [&str; 3] = ["verb", "version", "reason"];
+/// What is in a history without being looked at, wherever it stands: words, and how many samples were taken, of which a judge
+/// needs none.
+const WORDS: [&str; 4] = ["verb", "version", "reason", "samples"];
+
+/// The facts of the groups that are looked at one by one; those of others are compared with all that was counted, and a
+/// history with more cannot be read.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("/input", &["kind", "format", "letters", "sha256", "files", "warnings"]),
+    ("/frame", &["up", "metres_per_unit"]),
+    (
+        "/bound",
+        &[
+            "at_least",
+            "at_most",
+            "pixels",
+            "angle_deg",
+            "evidence",
+            "assumptions",
+            "samples",
+            "metric",
+            "reference",
+            "at",
+            "open",
+        ],
+    ),
+    (
+        "/baked",
+        &[
+            "route",
+            "size",
+            "origin",
+            "spacing",
+            "band",
+            "distances",
+            "off_at_most",
+            "evidence",
+            "interpolant",
+            "bricks",
+            "solid",
+        ],
+    ),
+    ("/baked/interpolant", &["at_most", "evidence", "of"]),
+];
 
 /// A fact that nobody knows may claim anything.
 pub(super) fn check_known(certificate: &Value, claims: &mut ClaimList) {
-    let members = certificate.as_object().into_iter().flatten();
-    for (key, _) in members.filter(|(key, _)| !CHECKED.contains(&&key[..]) && !TOLD.contains(&&key[..])) {
-        claims.open(key, "a certificate of this version has no such fact");
+    let all = [&CHECKED[..], &TOLD].concat();
+    let of_all = [("", &all[..])];
+    for (group, known) in of_all.into_iter().chain(GROUPS) {
+        let members = certificate.pointer(group).and_then(Value::as_object).into_iter().flatten();
+        for (key, _) in members.filter(|(key, _)| !known.contains(&&key[..])) {
+            let claim = format!("{group}/{key}");
+            claims.open(claim.trim_start_matches('/'), "a certificate of this version has no such fact");
+        }
     }
 }
 
@@ -54,6 +108,8 @@ pub(super) fn unchecked(certificate: &Value) -> Vec<String> {
         let named = |i: usize| ["format", "kind"].map(|key| format!("/history/steps/{k}/inputs/{i}/{key}"));
         words.extend((0..n_inputs).flat_map(named));
     }
+    let files = certificate.pointer("/input/files").and_then(Value::as_array).map_or(0, Vec::len);
+    words.extend((0..files).map(|k| format!("/input/files/{k}/path")));
     if let Some(history) = certificate.get("history") {
         collect_words(history, "/history", &mut words);
     }
