@@ -19,3 +19,4 @@ mod prescribed;
 mod quantized;
 mod skins;
 mod verify_edits;
+mod verify_formats;

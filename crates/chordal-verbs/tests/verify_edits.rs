@@ -19,17 +19,17 @@ struct Made {
     against: Vec<Input>,
 }
 
-fn loaded(bytes: &[u8], name: &str) -> Input {
+pub(super) fn loaded(bytes: &[u8], name: &str) -> Input {
     at_level(bytes, name, 0)
 }
 
-fn at_level(bytes: &[u8], name: &str, level: usize) -> Input {
+pub(super) fn at_level(bytes: &[u8], name: &str, level: usize) -> Input {
     let hint = FormatHint { name: Some(name), ..FormatHint::default() };
     load(bytes, hint, &Limits { level, ..Limits::default() }).expect("readable")
 }
 
 /// A bumpy sphere of many triangles, `n` of which stand apart.
-fn bumpy(n: usize) -> Vec<u8> {
+pub(super) fn bumpy(n: usize) -> Vec<u8> {
     let (around, up) = (32, 16);
     let mut text = String::new();
     for body in 0..n {
@@ -71,14 +71,14 @@ fn meshed(input: &Input, length: &str) -> Vec<u8> {
 const PATCH: &str = "1\n3 3\n0 0 0\n1 0 0\n2 0 0\n3 0 0\n0 1 0\n1 1 2\n2 1 2\n3 1 0\n\
     0 2 0\n1 2 2\n2 2 2\n3 2 0\n0 3 0\n1 3 0\n2 3 0\n3 3 0\n";
 
-const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
+pub(super) const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
     f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 const BALL: &str = "0 var-x\n1 var-y\n2 var-z\n3 square 0\n4 square 1\n5 square 2\n6 add 3 4\n7 add 6 5\n8 sqrt 7\n\
     9 const 0.75\na sub 8 9\n";
 
 /// An octahedron as samples of a sum of distances, four voxels across.
-fn volume() -> Vec<u8> {
+pub(super) fn volume() -> Vec<u8> {
     let n = 4;
     let mut text = format!(
         "NRRD0004\ntype: double\ndimension: 3\nsizes: {n} {n} {n}\nspacings: 1 1 1\nencoding: text\n\n"
@@ -163,7 +163,7 @@ fn all() -> Vec<Made> {
     ]
 }
 
-fn certificate_of(input: &mut Input) -> &mut Option<Value> {
+pub(super) fn certificate_of(input: &mut Input) -> &mut Option<Value> {
     match &mut input.shape {
         Shape::Scene(scene) => &mut scene.certificate,
         Shape::Volume(sampled) => &mut sampled.volume.certificate,
