@@ -31,6 +31,8 @@ use std::sync::Arc;
 pub struct Field {
     expr: Expr,
     sign: Option<Expr>,
+    /// Whether the sign expression is the value wherever that is negative.
+    sign_is_depth: bool,
     /// Whether a part has a sign expression of its own, with creases that the value does not show.
     has_creases: bool,
     /// Set for a shape that is repeated without end, or nearly so.
@@ -53,6 +55,7 @@ impl Field {
         Self {
             expr,
             sign: None,
+            sign_is_depth: false,
             has_creases: false,
             pattern: None,
             distance: Distance::SIGN,
@@ -169,9 +172,29 @@ impl Field {
         Self { has_creases, ..self.replace_sign(sign) }
     }
 
+    /// The same, of an expression that is the value, too, wherever that is negative: in a box the largest distance of its
+    /// planes, which its value is only inside.
+    pub(super) fn known_depth(self, sign: Expr) -> Self {
+        Self { sign_is_depth: true, ..self.known_sign(sign) }
+    }
+
     /// Sets a sign expression that is made of those of the parts, or of the value.
     pub(super) fn replace_sign(self, sign: Expr) -> Self {
-        Self { sign: Some(sign), ..self }
+        Self { sign: Some(sign), sign_is_depth: false, ..self }
+    }
+
+    /// The same, where the sign expression is known to be the value wherever that is negative.
+    pub(super) fn with_depth(self, is_depth: bool) -> Self {
+        Self { sign_is_depth: is_depth && self.sign.is_some(), ..self }
+    }
+
+    /// An expression of the sign of the value that is the value itself wherever that is negative: what is deeper than a
+    /// length can be told by it, and its creases are seen.
+    pub(super) fn depth(&self) -> Option<&Expr> {
+        match &self.sign {
+            None => Some(&self.expr),
+            Some(sign) => self.sign_is_depth.then_some(sign),
+        }
     }
 
     /// What a proof about the surface is worth: the weakest evidence among the leaves of [`Field::sign`] and

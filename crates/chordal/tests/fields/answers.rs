@@ -4,6 +4,7 @@ use chordal::budget::{Evidence, RequiredEvidence};
 use chordal::check::validity;
 use chordal::convert::{field_to_mesh, redistance};
 use chordal::explicit::Topology;
+use chordal::implicit::shapes::{cuboid, cylinder, rectangle};
 use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
@@ -126,4 +127,34 @@ fn a_contact_is_named_where_a_proof_does_not_end() {
     let contact = open.largest.iter().find_map(|place| place.contact).expect("a contact");
     let off = (contact.at[0].powi(2) + (contact.at[1] - 2.0).powi(2)).sqrt();
     assert!(!contact.is_flush && off < 0.02 && contact.at[2].abs() < 2.1, "{contact:?}");
+}
+
+/// The value of a box has kinks inside where the nearest side changes, on the surface of what is shrunk, too.
+#[test]
+fn shells_and_shrunk_solids_with_flat_sides_are_proved_with_few_triangles() {
+    let (box_of, pi) = (|size: [f64; 3]| cuboid(size).unwrap(), std::f64::consts::PI);
+    // A box of half sides a, b, c grown by r: itself, its sides, quarters of cylinders along its edges, and a ball.
+    let grown = |[a, b, c]: [f64; 3], r: f64| {
+        8.0 * (a * b * c + r * (a * b + b * c + c * a))
+            + 2.0 * pi * r * r * (a + b + c)
+            + 4.0 / 3.0 * pi * r.powi(3)
+    };
+    let turned =
+        box_of([10.0; 3]).rotated_deg([1.0, 2.0, 3.0], 40.0).unwrap().moved([5.0, 0.0, 1.0]).unwrap();
+    let cases = [
+        (box_of([10.0; 3]).offset(-1.0).unwrap(), 512.0),
+        (box_of([10.0; 3]).shell(2.0).unwrap(), grown([5.0; 3], 1.0) - 512.0),
+        (turned.shell(2.0).unwrap(), grown([5.0; 3], 1.0) - 512.0),
+        (rectangle([10.0, 6.0]).unwrap().extruded(4.0).unwrap().offset(-1.0).unwrap(), 8.0 * 4.0 * 2.0),
+        (box_of([4.0; 3]).union(&box_of([2.0, 2.0, 8.0])).offset(-0.5).unwrap(), 27.0 + 4.0),
+        (cylinder(5.0, 6.0).unwrap().offset(-1.0).unwrap(), pi * 16.0 * 4.0),
+    ];
+    for (number, (field, expected)) in cases.iter().enumerate() {
+        let made = field_to_mesh(field, &budget(RequiredEvidence::ProvedOrMeasured, 0.1), &Job::default());
+        let Bounded { shape, bound } = made.unwrap_or_else(|failure| panic!("{number}: {failure:?}"));
+        assert!(is_closed(&shape) && *bound.evidence() == Evidence::Proved, "{number}: {bound}");
+        assert!(shape.faces().len() < 3000, "{number}: {}", shape.faces().len());
+        let found = volume(&shape);
+        assert!((found / expected - 1.0).abs() < 0.02, "{number}: {found}, not {expected}");
+    }
 }

@@ -41,7 +41,9 @@ impl Field {
             .known_distance(self.distance().union(other.distance()))
             .known_bounds(self.bounds().union(other.bounds()));
         if self.has_sign() || other.has_sign() {
-            both.replace_sign(self.sign().min(other.sign()))
+            // Where one of both is inside, the smaller of their depths is its own.
+            let has_depth = self.depth().is_some() && other.depth().is_some();
+            both.replace_sign(self.sign().min(other.sign())).with_depth(has_depth)
         } else {
             both
         }
@@ -56,8 +58,11 @@ impl Field {
         // Outside the bounds one of both is not inside, whatever the sign of the other.
         let sign = |field: &Self| field.sign_within(&both.bounds());
         if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
+            // A pattern lists in its sign what its value has steps for.
+            let has_depth =
+                [self, other].iter().all(|field| field.depth().is_some() && field.pattern().is_none());
             let sign = sign(self).max(&sign(other));
-            both.replace_sign(sign)
+            both.replace_sign(sign).with_depth(has_depth)
         } else {
             both
         }

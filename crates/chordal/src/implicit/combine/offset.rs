@@ -36,9 +36,13 @@ impl Field {
             return Err(InvalidShape::NeedsDistance { operation: "an offset", side: "inside" });
         }
         let outside = weaker(outside, DistanceQuality::Bound);
-        Ok(Self::from_parts(self.expr() - by, &[self])
-            .known_distance(Distance { outside, inside })
-            .known_bounds(self.bounds()))
+        let shrunk = Self::from_parts(self.expr() - by, &[self]);
+        // The value has kinks where the nearest side changes, which the planes of a box do not have.
+        let shrunk = match self.depth() {
+            Some(depth) if self.has_own_sign() => shrunk.known_depth(depth - by),
+            _ => shrunk,
+        };
+        Ok(shrunk.known_distance(Distance { outside, inside }).known_bounds(self.bounds()))
     }
 
     /// A wall around the surface, with half of `thickness` on each side of it: `|a| − thickness/2`. The value
@@ -53,9 +57,13 @@ impl Field {
         }
         let held = self.with_box_bound("a shell")?;
         let distance = Distance { outside: self.distance().weakest(), inside: DistanceQuality::Bound };
-        Ok(Self::from_parts(held.expr().abs() - half, &[&held])
-            .known_distance(distance)
-            .known_bounds(grown(held.bounds(), half)))
+        let wall = Self::from_parts(held.expr().abs() - half, &[&held]);
+        // Nearer than half of it outside, and no deeper than that inside.
+        let wall = match held.depth() {
+            Some(depth) if held.has_own_sign() => wall.known_sign((held.expr() - half).max(&(-depth - half))),
+            _ => wall,
+        };
+        Ok(wall.known_distance(distance).known_bounds(grown(held.bounds(), half)))
     }
 
     /// The value plus an expression that lowers it by at most `amplitude` anywhere. The result is a sign
@@ -127,6 +135,7 @@ impl Field {
                 let sign = self.sign().clone();
                 Ok(Self::from_parts(value, &[&self.as_distance()])
                     .known_sign(sign)
+                    .with_depth(self.depth().is_some())
                     .known_distance(self.distance())
                     .known_bounds(self.bounds()))
             }

@@ -34,6 +34,7 @@ impl Field {
         let endless = Box3 { min: [min[0], min[1], f64::NEG_INFINITY], max: [max[0], max[1], f64::INFINITY] };
         Ok(Self::from_parts(value, &[self])
             .known_sign(flat.sign().max(&cap))
+            .with_depth(flat.depth().is_some())
             .known_distance(slice_distance(self))
             .known_bounds(common(endless, slab)))
     }

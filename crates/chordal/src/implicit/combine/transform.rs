@@ -70,6 +70,7 @@ impl Field {
         let scaled = self.at(&at);
         let value = scaled.expr() * least;
         let field = Self::from_parts(value, &[self]).map_sign(&scaled, |sign| sign * least);
+        let field = field.with_depth(self.depth().is_some());
         let (min, max) = (self.bounds().min, self.bounds().max);
         let ends = |k: usize| side(min[k], max[k]) * Interval::point(by[k]);
         let bounds = Box3 { min: [0, 1, 2].map(|k| ends(k).lo()), max: [0, 1, 2].map(|k| ends(k).hi()) };
@@ -121,7 +122,8 @@ impl Field {
             placed
         } else {
             let value = placed.expr() / stretch;
-            Self::from_parts(value, &[self]).map_sign(&placed, |sign| sign / stretch)
+            let field = Self::from_parts(value, &[self]).map_sign(&placed, |sign| sign / stretch);
+            field.with_depth(self.depth().is_some())
         };
         let field = field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift));
         field.with_pattern_at(self, &at)
@@ -138,7 +140,8 @@ impl Field {
     /// The value and the sign at other points.
     pub(super) fn at(&self, at: &[Expr; 3]) -> Self {
         let value = self.expr().with_axes(at.clone());
-        Self::from_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()))
+        let placed = Self::from_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()));
+        placed.with_depth(self.depth().is_some())
     }
 }
 

@@ -29,7 +29,7 @@ pub fn circle(radius: f64) -> Result<Field, InvalidShape> {
 pub fn rectangle(sizes: [f64; 2]) -> Result<Field, InvalidShape> {
     let half = halves("a rectangle's size", sizes)?;
     let q = walls(half);
-    let field = Field::new(slabs(&q)).known_sign(largest(&q));
+    let field = Field::new(slabs(&q)).known_depth(largest(&q));
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless(half.map(|h| -h), half)))
 }
 

@@ -49,7 +49,7 @@ pub(in crate::implicit) fn unit(name: &str, v: [f64; 3]) -> Result<[f64; 3], Inv
 pub fn cuboid(sizes: [f64; 3]) -> Result<Field, InvalidShape> {
     let half = halves("a box's size", sizes)?;
     let q = walls(half);
-    let field = Field::new(slabs(&q)).known_sign(largest(&q));
+    let field = Field::new(slabs(&q)).known_depth(largest(&q));
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred(half)))
 }
 
@@ -78,7 +78,7 @@ pub fn cylinder(radius: f64, height: f64) -> Result<Field, InvalidShape> {
     let [x, y, z] = Expr::axes();
     let half = halved(height);
     let q = [length_of(&[&x, &y]) - radius, z.abs() - half];
-    let field = Field::new(slabs(&q)).known_sign(largest(&q));
+    let field = Field::new(slabs(&q)).known_depth(largest(&q));
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius, radius, half])))
 }
 
