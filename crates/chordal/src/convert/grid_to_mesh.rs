@@ -2,10 +2,11 @@
 use super::cubes::bound::{IsosurfaceDistance, IsosurfaceProof};
 use super::cubes::marching_cubes::{Coordinate, Isosurface, MarchingPlan, march, refusal};
 use super::cubes::normals::gradient_normals;
+use super::cubes::refinement::{
+    LevelLattice, MOST_HALVINGS, OctreeMesh, RefinedIsosurface, RefinementGoal, has_keys, refine,
+};
 use super::cubes::rule::{Normals, Polygonize};
-use super::cubes::sign_bits::SignBits;
 use super::cubes::source::{BrickSamples, DenseSamples, SampleSource};
-use super::cubes::upsample::UpsampledSource;
 use super::length_from_pixels::length_from_pixels;
 use crate::budget::{
     Bound, Bounded, Budget, Evidence, Failure, Job, JobError, Reference, RefusalCode, Tolerance,
@@ -13,7 +14,6 @@ use crate::budget::{
 use crate::explicit::{Attribute, Mesh};
 use crate::implicit::{Affine3, Grid, Samples, SparseGrid, with_samples};
 use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, greater, length, lesser, mul_up, sub_down};
-use std::sync::atomic::Ordering;
 
 /// Meshes the isosurface of a grid's trilinear interpolant.
 ///
@@ -29,11 +29,13 @@ use std::sync::atomic::Ordering;
 /// the front is outside.
 ///
 /// **Budgets.** Without one, the mesh is that of the lattice, with the bound that it has. With a length,
-/// cells that the surface passes are halved on the interpolant until the bound holds. A number of triangles
-/// is a limit.
+/// cells whose own bound is beyond it are halved on the interpolant, and so are their parts, until the bound
+/// holds; other cells stay as they are (`convert/cubes/refinement.rs`). Where levels meet, the mesh is closed
+/// as elsewhere (`transition_cells.rs`). A number of triangles is a limit.
 ///
 /// **Cost.** O(samples) to compare them and O(triangles) for the rest; a bit a sample and a byte a passed
-/// cell beside input and output. It runs on all threads of the job, with the same bytes on any number.
+/// cell beside input and output. Halving takes time and memory by the cells that are halved and those around
+/// them, in up to 12 rounds. It runs on all threads of the job, with the same bytes on any number.
 ///
 /// # Errors
 /// [`Failure::Refused`]: no surface, or an axis of one sample ([`RefusalCode::Empty`], with the reason); a
@@ -127,96 +129,112 @@ fn bounds(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Box3 {
 }
 
 /// Halves cells until the bound is within the budget's length: at the latest where their diagonal is. A halving may not
-/// improve the bound, and the next one does all the same.
+/// improve a cell's bound, and the next one does all the same.
 fn refine_to_budget<S: SampleSource>(
     source: &S,
-    coarse: &Affine3,
+    affine: &Affine3,
     rule: &Polygonize,
     wanted: &GridMeshGoal,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let GridMeshGoal { length, most, sample_precision: numbers } = *wanted;
-    let mut best = mesh_isosurface(source, coarse, rule, length, job)?;
-    let mut triangles = best.shape.faces().len() as u64;
-    for halvings in 1..=MOST_HALVINGS {
-        if triangles > most || upper_bound(&best) <= length {
-            break;
+    let GridMeshGoal { length, most, .. } = *wanted;
+    let is_met =
+        |made: &Bounded<Mesh>| made.shape.faces().len() as u64 <= most && upper_bound(made) <= length;
+    let refined = if length.is_finite() { refined_mesh(source, affine, rule, wanted, job)? } else { None };
+    let best = match refined {
+        Some(made) if is_met(&made) => made,
+        refined => {
+            let coarse = mesh_isosurface(source, affine, rule, length, job)?;
+            refined.filter(|made| upper_bound(made) < upper_bound(&coarse)).unwrap_or(coarse)
         }
-        // Halved cells have about four times the triangles.
-        if 3 * triangles > most.min(job.triangle_limit) {
-            break;
-        }
-        let finer = UpsampledSource::new(source, rule, halvings, numbers);
-        let Some(affine) = finer.affine(coarse) else { break };
-        if SignBits::bytes(finer.size()).saturating_add(4 * triangles * BYTES_OF_TRIANGLE) > job.memory_limit
-        {
-            break;
-        }
-        let rule = Polygonize { offset: rule.offset.map(|i| i << halvings), ..*rule };
-        if check(finer.size(), &affine, &rule).is_err() {
-            break;
-        }
-        match upsampled_mesh(&finer, &affine, &rule, length, job) {
-            // A cell without a steady slope counts with its diagonal, which halves with it.
-            Ok(next) => {
-                triangles = next.shape.faces().len() as u64;
-                if upper_bound(&next) < upper_bound(&best) {
-                    best = next;
-                }
-            }
-            Err(JobError::Refused(_)) => break,
-            Err(JobError::Cancelled) => return Err(Failure::Cancelled),
-        }
-    }
-    let fits = best.shape.faces().len() as u64 <= most && upper_bound(&best) <= length;
-    if fits { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
+    };
+    if is_met(&best) { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
 }
 
-/// What a triangle takes while its mesh is made and proved: 12 bytes of indices and half a vertex of 24 to 48 bytes, twice
-/// where arrays grow, and the bound of its cell. Derived, and rounded up to a power of two.
-const BYTES_OF_TRIANGLE: u64 = 128;
-
-/// The most halvings of a cell: 4,096 parts along each edge.
-const MOST_HALVINGS: u32 = 12;
-
-fn upper_bound(made: &Bounded<Mesh>) -> f64 {
-    made.bound.at_most().unwrap_or(f64::INFINITY)
-}
-
-/// The mesh of a finer lattice. Where its values are rounded, the proof holds for all values that they may
-/// stand for, or else under the promise that they are taken as they are.
-fn upsampled_mesh(
-    finer: &UpsampledSource<'_>,
+/// The mesh with cells halved as far as that is needed and allowed; none where the lattice's own has too many triangles, or
+/// no cell with both sides.
+fn refined_mesh<S: SampleSource>(
+    source: &S,
     affine: &Affine3,
     rule: &Polygonize,
-    length: f64,
+    wanted: &GridMeshGoal,
     job: &Job,
-) -> Result<Bounded<Mesh>, JobError> {
-    let enough = sufficient_length(length, affine, rule, finer.size());
-    let Isosurface { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
-    let proof = || {
-        IsosurfaceProof::new(finer, affine, rule, vertex_errors(affine, rule, finer.size()))
-            .with_enough(enough)
-    };
-    let farthest = proof().max_distance(&plan, job);
-    let sure = finer.slack == 0.0 || !finer.unsure.load(Ordering::Relaxed);
-    let farthest = if finer.slack == 0.0 || !sure {
-        farthest
-    } else {
-        proof().with_slack(finer.slack).max_distance(&plan, job)
-    };
+) -> Result<Option<Bounded<Mesh>>, JobError> {
+    let GridMeshGoal { length, most, sample_precision } = *wanted;
+    let levels = level_lattices(source.size(), affine, rule, length);
+    if levels.is_empty() || MarchingPlan::new(source, rule, job)?.triangles as u64 > most {
+        return Ok(None);
+    }
+    let triangles = lesser(most, job.triangle_limit);
+    let goal =
+        RefinementGoal { levels: &levels, length, triangles, bytes: job.memory_limit, sample_precision };
+    let refined = refine(source, (affine, rule), &goal, job);
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    let evidence = if sure {
+    let Some(refined) = refined else { return Ok(None) };
+    let made = match bounded_mesh(refined) {
+        (Some(mesh), bound) => Bounded { shape: mesh, bound },
+        (None, bound) => {
+            let Isosurface { positions, faces, plan } = march::<f64, S>(source, affine, rule, job)?;
+            let mesh = Mesh::by_construction(positions, faces);
+            Bounded { shape: with_normals(mesh, source, affine, rule, &plan, job), bound }
+        }
+    };
+    // Caps are counted only now, and numbers of half-edges have 31 bits.
+    let n_triangles = made.shape.faces().len() as u64;
+    let is_allowed = n_triangles <= triangles && n_triangles <= u64::from(u32::MAX) / 6;
+    Ok(is_allowed.then_some(made))
+}
+
+/// The lattice and those of its cells halved, until every cell is within the length by its diagonal, or as often as their
+/// steps are not lost beside the coordinates.
+fn level_lattices(size: [usize; 3], affine: &Affine3, rule: &Polygonize, length: f64) -> Vec<LevelLattice> {
+    let mut levels = Vec::new();
+    for level in 0..=MOST_HALVINGS as u32 {
+        let parts = f64::from(1_u32 << level);
+        let finer = size.map(|n| ((n - 1) << level) + 1);
+        // Indices are exact in f64.
+        let has_indices = (0..3).all(|k| rule.offset[k].unsigned_abs() < 1 << 40) && has_keys(finer);
+        let rows = affine.rows().map(|[a, b, c, d]| [a / parts, b / parts, c / parts, d]);
+        let Ok(affine) = Affine3::new(rows) else { break };
+        let rule = Polygonize { offset: rule.offset.map(|i| i << level), ..*rule };
+        if !has_indices || check(finer, &affine, &rule).is_err() {
+            break;
+        }
+        let errors = vertex_errors(&affine, &rule, finer);
+        levels.push(LevelLattice::new(affine, rule, errors, length));
+        if levels.last().is_some_and(|level| level.is_within(length)) {
+            break;
+        }
+    }
+    levels
+}
+
+/// A refined mesh, if cells were halved, and the bound. Where values between samples are rounded, and one is so near to the
+/// level that its side is uncertain, the bound holds under the promise that they are taken as they are.
+fn bounded_mesh(refined: RefinedIsosurface) -> (Option<Mesh>, Bound) {
+    let evidence = if refined.is_sure {
         Evidence::Proved
     } else {
         Evidence::ProvedIf(vec![
             "values of the interpolant between samples are taken as rounded to f64".into(),
         ])
     };
-    let mesh = with_normals(Mesh::by_construction(positions, faces), finer, affine, rule, &plan, job);
-    Ok(Bounded { shape: mesh, bound: bound(farthest, evidence, affine, rule, finer.size()) })
+    let mut bound = Bound::with_evidence(refined.least, Some(refined.most), evidence, Reference::Trilinear);
+    bound.at = Some(refined.at);
+    let mesh = refined.mesh.map(|OctreeMesh { positions, faces, normals }| {
+        let mesh = Mesh::by_construction(positions, faces);
+        if normals.is_empty() {
+            return mesh;
+        }
+        mesh.with_attribute(Attribute::vertex_normals(&normals)).expect("one normal for each vertex")
+    });
+    (mesh, bound)
+}
+
+fn upper_bound(made: &Bounded<Mesh>) -> f64 {
+    made.bound.at_most().unwrap_or(f64::INFINITY)
 }
 
 /// The largest size of a sample, and the bits of integer samples.

@@ -43,6 +43,8 @@
 //! **The rest**, cells where no row works and those with the largest bounds, are cut up (`cell_prover.rs`),
 //! aiming at an eighth more than the lower bound of the distance. So the result depends on the actual shape,
 //! not on the worst case of a formula.
+//!
+//! Where cells are halved and several levels meet, see `octree_bound.rs`.
 use super::cell_prover::CellProver;
 use super::marching_cubes::MarchingPlan;
 use super::rule::{Border, Polygonize};
@@ -127,15 +129,18 @@ impl<'a> IsosurfaceProof<'a> {
     ) -> Self {
         let diagonal = diagonal(affine);
         let lengths = affine.steps().map(|step| length_up(step.map(f64::abs)));
-        let local =
-            CellProver { source, rule, affine, diagonal, moved, rounding, slack: 0.0, gives_up: false };
+        let local = CellProver {
+            source,
+            rule,
+            affine,
+            diagonal,
+            moved,
+            rounding,
+            slack: 0.0,
+            gives_up: false,
+            octree: None,
+        };
         Self { local, size: source.size(), lengths, enough: 0.0, some: SOME, fine: FINE, goes_on: false }
-    }
-
-    /// The same proof for values that differ from another function's by up to `slack`, on the same sides of
-    /// the level.
-    pub fn with_slack(self, slack: f64) -> Self {
-        Self { local: CellProver { slack, ..self.local }, ..self }
     }
 
     /// The same proof, where a bound of `enough` suffices.
@@ -308,6 +313,7 @@ impl<'a> IsosurfaceProof<'a> {
             rounding,
             slack,
             gives_up: true,
+            octree: None,
         };
         let mut most = diagonal;
         let mut aim = STORED * greater(self.enough, self.fine * diagonal);
@@ -327,7 +333,7 @@ impl<'a> IsosurfaceProof<'a> {
         for axis in 0..3 {
             if most > aim {
                 let planes = self.planes(at, axis, &corners);
-                most = lesser(mul_up(shift(&planes, self.local.slack), self.lengths[axis]), most);
+                most = lesser(mul_up(shift(&planes, [0.0; 2], self.local.slack), self.lengths[axis]), most);
             }
         }
         // The aim may be out of reach: then it grows by a quarter.

@@ -23,8 +23,10 @@
 use super::caps::{CapVertex, squares_of, triangles};
 use super::case_table::{EDGES, TABLE};
 use super::marching_cubes::vertex_at;
+use super::octree::OctreeCell;
 use super::rule::{Border, Inside, LatticeTransform, Polygonize};
 use super::source::SampleSource;
+use super::transition_cells::{OctreeSurface, OctreeTriangle, is_certain};
 use crate::check::{distance_up, triangle_at_least};
 use crate::implicit::Affine3;
 use crate::math::{add_up, cross, dot, greater, length, lesser, mul_up, sub_down};
@@ -48,6 +50,15 @@ pub(super) struct CellProver<'a> {
     pub slack: f64,
     /// Whether a bound above the target is of no use.
     pub gives_up: bool,
+    /// The mesh, where it is not that of the lattice alone but of an octree, whose cells of one level are those of `source`.
+    pub octree: Option<OctreeLevel<'a>>,
+}
+
+/// A surface in the cells of an octree, and a level of it.
+#[derive(Clone, Copy)]
+pub(super) struct OctreeLevel<'a> {
+    pub surface: &'a OctreeSurface<'a>,
+    pub level: u8,
 }
 
 /// g at the corners of a cell, and the size beyond which a value in it has a certain side.
@@ -60,6 +71,8 @@ struct CellInterpolant {
 struct CellTriangle {
     index: TriangleCoords,
     space: TriangleCoords,
+    /// Which corners are points of S, but for their margin and rounding.
+    is_zero: [bool; 3],
 }
 
 /// The most boxes or pieces examined in one cell.
@@ -103,10 +116,9 @@ impl CellInterpolant {
 impl CellProver<'_> {
     fn corners(&self, [i, j, k]: [usize; 3]) -> CellInterpolant {
         let flip = if self.rule.inside == Inside::High { -1.0 } else { 1.0 };
-        let g: [f64; 8] = std::array::from_fn(|c| {
-            let sample = self.source.at([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]);
-            flip * (self.rule.finite_sample(sample) - self.rule.level)
-        });
+        let samples = self.source.corners([i, j, k]);
+        let g: [f64; 8] =
+            std::array::from_fn(|c| flip * (self.rule.finite_sample(samples[c]) - self.rule.level));
         let most = g.iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
         // The roundings of a value, derived above; the smallest number covers underflow.
         let off = add_up(mul_up(32.0 * f64::EPSILON, most), add_up(self.slack, f64::MIN_POSITIVE));
@@ -167,6 +179,13 @@ impl CellProver<'_> {
 
     /// The triangles of a cell, including those of its squares in capped borders.
     fn triangles(&self, cell: [usize; 3]) -> Vec<CellTriangle> {
+        if let Some(OctreeLevel { surface, level }) = self.octree {
+            let mut pieces = Vec::new();
+            surface.for_each_piece(OctreeCell { level, at: cell.map(|i| i as u32) }, |triangle| {
+                pieces.push(self.piece(surface, triangle));
+            });
+            return pieces;
+        }
         let place = LatticeTransform::new(self.affine, self.rule.offset);
         let mut signs = 0;
         let corner = |c: usize| [cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)];
@@ -175,15 +194,21 @@ impl CellProver<'_> {
         }
         let vertex = |kind: usize, at: [usize; 3]| {
             let mut index = at.map(|i| i as f64);
+            let mut is_zero = true;
             if kind < 3 {
                 let mut ahead = at;
                 ahead[kind] += 1;
-                index[kind] += self.rule.crossing(self.source.at(at), self.source.at(ahead));
+                let [from, to] = [at, ahead].map(|at| self.source.at(at));
+                index[kind] += self.rule.crossing(from, to);
+                is_zero = is_certain([from, to], self.slack, self.rule.margin);
             }
-            (index, vertex_at(self.source, self.rule, &place, kind, at))
+            (index, vertex_at(self.source, self.rule, &place, kind, at), is_zero)
         };
-        let piece =
-            |v: [([f64; 3], [f64; 3]); 3]| CellTriangle { index: v.map(|v| v.0), space: v.map(|v| v.1) };
+        let piece = |v: [([f64; 3], [f64; 3], bool); 3]| CellTriangle {
+            index: v.map(|v| v.0),
+            space: v.map(|v| v.1),
+            is_zero: v.map(|v| v.2),
+        };
         let case = &TABLE.upright[signs];
         let edge = |edge: u8| vertex(usize::from(edge / 4), corner(usize::from(EDGES[usize::from(edge)][0])));
         let mut pieces: Vec<CellTriangle> =
@@ -210,11 +235,27 @@ impl CellProver<'_> {
         pieces
     }
 
+    fn piece(&self, surface: &OctreeSurface<'_>, triangle: OctreeTriangle) -> CellTriangle {
+        let place = surface.place();
+        let parts = self.octree.map_or(1.0, |octree| (1_u64 << octree.level) as f64);
+        CellTriangle {
+            index: triangle.map(|vertex| vertex.index().map(|x| x * parts)),
+            space: triangle.map(|vertex| vertex.point(&place, surface.rule.offset)),
+            is_zero: triangle.map(|vertex| vertex.is_zero),
+        }
+    }
+
     /// The triangles of a cell and of those around it.
     fn neighbour_triangles(&self, cell: [usize; 3]) -> Vec<TriangleCoords> {
         let size = self.source.size();
         let span = |k: usize| cell[k].saturating_sub(1)..(cell[k] + 2).min(size[k] - 1);
         let mut all = Vec::new();
+        if let Some(OctreeLevel { surface, level }) = self.octree {
+            for leaf in surface.leaves_around(OctreeCell { level, at: cell.map(|i| i as u32) }) {
+                surface.for_each_piece(leaf, |triangle| all.push(self.piece(surface, triangle).space));
+            }
+            return all;
+        }
         for k in span(2) {
             for j in span(1) {
                 all.extend(
@@ -233,7 +274,10 @@ impl CellProver<'_> {
         let there = self.surface_to_mesh(cell, &own, target);
         // Derived: points of a triangle are within 1/√3 of its longest side of a corner (Jung), which is a
         // point of S.
-        let always = add_up(mul_up(0.577_351, self.diagonal), self.moved);
+        // A triangle at a vertex inside the cell has none there.
+        let has_zeros = own.iter().all(|piece| piece.is_zero == [true; 3]);
+        let always =
+            if has_zeros { add_up(mul_up(0.577_351, self.diagonal), self.moved) } else { f64::INFINITY };
         let back = if always <= target || there >= self.diagonal {
             always
         } else {
@@ -315,7 +359,8 @@ impl CellProver<'_> {
                 .into_iter()
                 .fold(0.0, |m, r| greater(r, m));
             let reach = sub_down(target, radius);
-            let vertices = own.iter().flat_map(|piece| piece.index);
+            let vertices =
+                own.iter().flat_map(|piece| (0..3).filter(|v| piece.is_zero[*v]).map(|v| piece.index[v]));
             let nearest = vertices
                 .map(|v| self.space_length([0, 1, 2].map(|k| v[k] - middle[k])))
                 .fold(f64::INFINITY, least);

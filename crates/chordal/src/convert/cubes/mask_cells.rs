@@ -90,6 +90,7 @@ impl MaskCellBounds {
                 rounding,
                 slack: 0.0,
                 gives_up: true,
+                octree: None,
             };
             let (mut most, mut aim) = (diagonal, FIRST_AIM * diagonal);
             while most > aim {

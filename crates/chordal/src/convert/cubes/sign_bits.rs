@@ -22,7 +22,7 @@ impl SignBits {
         8 * (size[0].div_ceil(64) as u64).saturating_mul(size[1] as u64).saturating_mul(size[2] as u64)
     }
 
-    pub fn new<S: SampleSource>(source: &S, rule: &Polygonize, job: &Job) -> Self {
+    pub fn new<S: SampleSource + ?Sized>(source: &S, rule: &Polygonize, job: &Job) -> Self {
         let size = source.size();
         let width = size[0].div_ceil(64);
         let mut words = vec![0; width * size[1] * size[2]];

@@ -60,14 +60,15 @@ impl Kernel for ShiftKernel<'_> {
         let Self { planes, slack, out } = self;
         for lane in 0..LANES {
             let w: [[f64; 4]; 4] = std::array::from_fn(|p| std::array::from_fn(|c| planes[p][c][lane]));
-            out[lane] = shift(&w, slack);
+            out[lane] = shift(&w, [0.0; 2], slack);
         }
     }
 }
 
-/// [`ShiftKernel`] for one cell.
+/// [`ShiftKernel`] for one cell. The mesh in the cells before and behind may be that of larger cells, on whose triangles |g|
+/// is up to `beside`.
 #[inline(always)]
-pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
+pub(super) fn shift(w: &[[f64; 4]; 4], beside: [f64; 2], slack: f64) -> f64 {
     let (mut low, mut high) = (w[0][0], w[0][0]);
     for x in w.as_flattened() {
         low = lesser(low, *x);
@@ -91,6 +92,8 @@ pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
         error[p] = 0.25 * ((greater(across[p], across[p + 1]) + first) + second);
         slope[p] = lesser(lesser(s[0], s[1]), lesser(s[2], s[3]));
     }
+    error[0] = greater(beside[0], error[0]);
+    error[2] = greater(beside[1], error[2]);
     // 3. Corners are rounded once, and |g| is no more than the range, for the cell in the middle has both
     // signs; each mixed difference is rounded three times more, by half a unit in the last place of four
     // times the range at most, and the sum twice.

@@ -13,6 +13,11 @@ pub(crate) trait SampleSource: Sync {
 
     /// One sample.
     fn at(&self, index: [usize; 3]) -> f64;
+
+    /// The samples at the corners of a cell, numbered as in `case_table.rs`.
+    fn corners(&self, [i, j, k]: [usize; 3]) -> [f64; 8] {
+        std::array::from_fn(|c| self.at([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]))
+    }
 }
 
 /// Samples in one slice, the first index running fastest.
