@@ -7,8 +7,8 @@ mod hostile;
 mod labels;
 mod leaves;
 mod lines;
+mod local_refinement;
 mod parts;
-
 mod random;
 mod shapes;
 mod smooth;

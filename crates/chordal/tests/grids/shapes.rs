@@ -84,7 +84,7 @@ pub fn surface_points(grid: &Grid, random: &mut Random, lines: usize) -> Vec<[f6
     points
 }
 
-fn to_triangle(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
+pub fn to_triangle(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
     let sub = |u: [f64; 3], v: [f64; 3]| [u[0] - v[0], u[1] - v[1], u[2] - v[2]];
     let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     let segment = |a: [f64; 3], b: [f64; 3]| {
@@ -115,7 +115,7 @@ pub fn one_sided(points: &[[f64; 3]], mesh: &Mesh) -> f64 {
 }
 
 /// The place of a point between indices.
-fn indices(grid: &Grid, p: [f64; 3]) -> [f64; 3] {
+pub fn indices(grid: &Grid, p: [f64; 3]) -> [f64; 3] {
     // By Newton's steps on the affine map: exact up to rounding after one for a linear map.
     let s = grid.affine().steps();
     let d: [f64; 3] = std::array::from_fn(|k| p[k] - grid.affine().at([0.0; 3])[k]);
