@@ -1,5 +1,6 @@
 //! `Field`: a signed number for every point, negative inside, with what is known about it.
 use super::combine::PeriodicPattern;
+use super::construction::Construction;
 use super::distance::Distance;
 use super::expr::Expr;
 use super::outside::is_empty_outside;
@@ -43,6 +44,8 @@ pub struct Field {
     /// Promises about the value as a distance. Proofs depend on them only once an operation uses the
     /// distance.
     distance_promises: Promises,
+    /// Of what solids it is made, if that is known.
+    construction: Option<Construction>,
 }
 
 impl Field {
@@ -62,6 +65,7 @@ impl Field {
             bounds: Self::EVERYWHERE,
             promises: Promises::default(),
             distance_promises: Promises::default(),
+            construction: None,
         }
     }
 
@@ -227,6 +231,17 @@ impl Field {
     #[must_use]
     pub fn sign(&self) -> &Expr {
         self.sign.as_ref().unwrap_or(&self.expr)
+    }
+
+    /// How the shape is put together from solids, if it is a combination of some: see [`Construction`].
+    #[must_use]
+    pub fn construction(&self) -> Option<&Construction> {
+        self.construction.as_ref()
+    }
+
+    /// Sets how the shape is put together, where it is known.
+    pub(super) fn known_construction(self, construction: Option<Construction>) -> Self {
+        Self { construction, ..self }
     }
 
     /// The pattern that it repeats without end, if it does.

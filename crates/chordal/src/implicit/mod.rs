@@ -2,6 +2,7 @@
 mod affine;
 mod block;
 mod combine;
+pub mod construction;
 pub mod csg;
 mod distance;
 mod dual;

@@ -1,5 +1,6 @@
 //! Shapes clipped to a box.
 use super::common;
+use crate::implicit::construction::{Construction, SolidForm};
 use crate::implicit::{Expr, Field};
 use crate::math::Box3;
 
@@ -33,16 +34,24 @@ impl Field {
     fn within(&self, region: Box3, axes: usize) -> Self {
         let known = self.bounds();
         let mut sign = self.sign().clone();
+        let mut sides = Vec::new();
+        let mut side = |axis: usize, direction: f64, offset: f64| {
+            let normal = std::array::from_fn(|k| if k == axis { direction } else { 0.0 });
+            sides.extend(Construction::solid(SolidForm::HalfSpace { normal, offset }));
+        };
         for (k, axis) in Expr::axes().iter().enumerate().take(axes) {
             // The field comes second: where it is undefined, so is the result, which counts as outside.
             if region.min[k] > known.min[k] {
                 sign = (Expr::constant(region.min[k]) - axis).max(&sign);
+                side(k, -1.0, -region.min[k]);
             }
             if region.max[k] < known.max[k] {
                 sign = (axis - region.max[k]).max(&sign);
+                side(k, 1.0, region.max[k]);
             }
         }
         // The value is worth nothing as a distance any more.
-        Self::from_parts(sign, &[self]).known_bounds(common(known, region))
+        let construction = self.construction().and_then(|own| own.clipped(sides));
+        Self::from_parts(sign, &[self]).known_bounds(common(known, region)).known_construction(construction)
     }
 }

@@ -21,6 +21,7 @@ pub use fillet::Seam;
 pub(super) use repeat::PeriodicPattern;
 pub use repeat::Repeat;
 
+use super::construction::Construction;
 use super::expr::Expr;
 use super::field::Field;
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
@@ -39,7 +40,8 @@ impl Field {
     pub fn union(&self, other: &Self) -> Self {
         let both = Self::from_parts(self.expr().min(other.expr()), &[self, other])
             .known_distance(self.distance().union(other.distance()))
-            .known_bounds(self.bounds().union(other.bounds()));
+            .known_bounds(self.bounds().union(other.bounds()))
+            .known_construction(Construction::union(self, other));
         if self.has_sign() || other.has_sign() {
             // Where one of both is inside, the smaller of their depths is its own.
             let has_depth = self.depth().is_some() && other.depth().is_some();
@@ -54,7 +56,8 @@ impl Field {
     pub fn intersection(&self, other: &Self) -> Self {
         let both = Self::from_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
-            .known_bounds(common(self.bounds(), other.bounds()));
+            .known_bounds(common(self.bounds(), other.bounds()))
+            .known_construction(Construction::intersection(self, other));
         // Outside the bounds one of both is not inside, whatever the sign of the other.
         let sign = |field: &Self| field.sign_within(&both.bounds());
         if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
@@ -78,7 +81,8 @@ impl Field {
     #[must_use]
     pub fn complement(&self) -> Self {
         let other = Self::from_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
-        let other = other.map_sign(self, |sign| -sign);
+        let construction = self.construction().and_then(Construction::complement);
+        let other = other.map_sign(self, |sign| -sign).known_construction(construction);
         match self.pattern() {
             Some(pattern) => other.with_pattern(pattern.complement()),
             None => other,

@@ -1,5 +1,6 @@
 //! Shapes repeated along the axes.
 use super::common;
+use crate::implicit::construction::{Construction, ConstructionNode};
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
 use crate::implicit::{Csg, Distance, DistanceQuality, Expr, Field, Tape};
@@ -75,6 +76,7 @@ impl Field {
             all
         };
         let all = all.known_bounds(common(bounds, Field::EVERYWHERE));
+        let all = all.known_construction(self.repeated_construction(along, n_copies));
         let is_endless = along.iter().any(|repeat| matches!(repeat, Repeat::Every(_)));
         Ok(if is_endless {
             all.with_pattern(PeriodicPattern {
@@ -86,6 +88,25 @@ impl Field {
         } else {
             all
         })
+    }
+}
+
+impl Field {
+    /// How the copies are put together, if their number is finite.
+    fn repeated_construction(&self, along: [Repeat; 3], n_copies: u64) -> Option<Construction> {
+        let own = self.construction().filter(|_| n_copies <= MOST)?;
+        let steps = along.map(|repeat| match repeat {
+            Repeat::Times(count, period) => (count, period),
+            Repeat::Once | Repeat::Every(_) => (1, 0.0),
+        });
+        let shift = |axis: usize, k: u64| if k == 0 { 0.0 } else { k as f64 * steps[axis].1 };
+        let [nx, ny] = [0, 1].map(|axis| u64::from(steps[axis].0));
+        let copy = |k: u64| {
+            let [x, y, z] = [(0, k % nx), (1, k / nx % ny), (2, k / nx / ny)].map(|(axis, k)| shift(axis, k));
+            own.placed([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]])
+        };
+        let copies: Option<Vec<Construction>> = (0..n_copies).map(copy).collect();
+        Construction::new(ConstructionNode::Union(copies?.into()))
     }
 }
 

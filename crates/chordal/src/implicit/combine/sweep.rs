@@ -3,6 +3,7 @@ use super::common;
 use super::fillet::round_blend;
 use super::profile::without_axis;
 use super::transform::bounds_at_most;
+use crate::implicit::construction::Construction;
 use crate::implicit::shapes::{InvalidShape, axis_distance, positive, slabs};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, Interval, add_up, greater, lesser, sqrt_up};
@@ -36,7 +37,8 @@ impl Field {
             .known_sign(flat.sign().max(&cap))
             .with_depth(flat.depth().is_some())
             .known_distance(slice_distance(self))
-            .known_bounds(common(endless, slab)))
+            .known_bounds(common(endless, slab))
+            .known_construction(self.construction().and_then(|own| own.extruded(half))))
     }
 
     /// As [`Field::extruded`], with the edges of both ends cut off at 45°, `bevel` wide and high: over a point at a depth of
@@ -150,7 +152,11 @@ impl Field {
             Box3 { min: [-max[0], -max[0], min[1]], max: [max[0], max[0], max[1]] }
         };
         let turned = Self::from_parts(value, &[self]);
-        turned.known_sign(sign).known_distance(distance).known_bounds(bounds)
+        turned
+            .known_sign(sign)
+            .known_distance(distance)
+            .known_bounds(bounds)
+            .known_construction(self.construction().and_then(Construction::revolved))
     }
 }
 

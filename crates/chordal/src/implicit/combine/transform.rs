@@ -1,4 +1,5 @@
 //! Shapes moved, rotated, scaled and mirrored.
+use crate::implicit::construction::Construction;
 use crate::implicit::shapes::{InvalidShape, finite_point, sum, unit};
 use crate::implicit::{Affine3, Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, Interval, add_down, add_up, elementary, greater, lesser, mul_up, sqrt_up};
@@ -21,6 +22,9 @@ impl Field {
             max: std::array::from_fn(|k| shift(bounds.max[k], by[k], add_up)),
         };
         let moved = self.at(&at).known_distance(self.distance()).known_bounds(bounds);
+        let shift =
+            |k: usize| std::array::from_fn(|j| if j == 3 { by[k] } else { f64::from(u8::from(j == k)) });
+        let moved = moved.known_construction(self.placed([0, 1, 2].map(shift)));
         Ok(moved.with_pattern_at(self, &at))
     }
 
@@ -48,7 +52,9 @@ impl Field {
                 if i == j { n[i] * n[j] * rest + cos } else { n[i] * n[j] * rest + cross }
             })
         });
-        Ok(self.map_linear(rows, [0.0; 3]))
+        // Its inverse is its transpose.
+        let construction = self.placed([0, 1, 2].map(|i| [rows[0][i], rows[1][i], rows[2][i], 0.0]));
+        Ok(self.map_linear(rows, [0.0; 3]).known_construction(construction))
     }
 
     /// The shape scaled about the origin, by one factor along each axis; a negative factor mirrors. Equal
@@ -75,6 +81,8 @@ impl Field {
         let ends = |k: usize| side(min[k], max[k]) * Interval::point(by[k]);
         let bounds = Box3 { min: [0, 1, 2].map(|k| ends(k).lo()), max: [0, 1, 2].map(|k| ends(k).hi()) };
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
+        let factor = |k: usize| std::array::from_fn(|j| if j == k { by[k] } else { 0.0 });
+        let field = field.known_construction(if even { self.placed([0, 1, 2].map(factor)) } else { None });
         Ok(field.known_distance(distance).known_bounds(bounds).with_pattern_at(self, &at))
     }
 
@@ -87,7 +95,8 @@ impl Field {
         let rows = std::array::from_fn(|i| {
             std::array::from_fn(|j| if i == j { 1.0 - 2.0 * n[i] * n[j] } else { -2.0 * n[i] * n[j] })
         });
-        Ok(self.map_linear(rows, [0.0; 3]))
+        let construction = self.placed(rows.map(|[a, b, c]: [f64; 3]| [a, b, c, 0.0]));
+        Ok(self.map_linear(rows, [0.0; 3]).known_construction(construction))
     }
 
     /// The shape under an affine map: its point `p` goes to `map.at(p)`. The rounded inverse of the map
@@ -106,6 +115,11 @@ impl Field {
             return Err(flat());
         }
         Ok(self.map_linear(inverse, shift))
+    }
+
+    /// How the shape is put together under a further map.
+    fn placed(&self, rows: [[f64; 4]; 3]) -> Option<Construction> {
+        self.construction()?.placed(rows)
     }
 
     /// The points that `rows` and `shift` map into this shape, with the value divided by the largest stretch.

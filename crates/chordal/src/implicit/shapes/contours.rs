@@ -4,6 +4,7 @@ use super::half_planes;
 use super::planar::endless;
 use super::{InvalidShape, finite_point};
 use crate::budget::Evidence;
+use crate::implicit::construction::{Construction, PlanarForm};
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{Box3, Interval, Orientation, add_up, greater, orient2d};
 use std::sync::Arc;
@@ -113,8 +114,11 @@ impl Contours {
     /// The value at these two coordinates.
     #[must_use]
     pub fn expr(self, at: [Expr; 2]) -> Expr {
-        let [x, y] = at;
-        Expr::leaf(Arc::new(self), [x, y, Expr::constant(0.0)])
+        Self::shared_expr(Arc::new(self), at)
+    }
+
+    fn shared_expr(own: Arc<Self>, [x, y]: [Expr; 2]) -> Expr {
+        Expr::leaf(own, [x, y, Expr::constant(0.0)])
     }
 
     /// The shape, unbounded along z.
@@ -123,8 +127,39 @@ impl Contours {
         let (distance, [min, max]) = (self.distance, self.bounds);
         let [x, y, _] = Expr::axes();
         let sign = half_planes::half_plane_formula(&self.edges, [&x, &y]);
-        let field = Field::new(self.expr([x, y])).known_distance(distance).known_bounds(endless(min, max));
+        let own = Arc::new(self);
+        let construction = Construction::planar(PlanarForm::Contours(Arc::clone(&own)));
+        let field = Field::new(Self::shared_expr(own, [x, y])).known_construction(construction);
+        let field = field.known_distance(distance).known_bounds(endless(min, max));
         sign.map_or(field.clone(), |sign| field.known_sign(sign))
+    }
+
+    /// Its contours, each with the inside to the left of its sides. None where they cross or touch, so that this is not
+    /// known.
+    pub(crate) fn loops(&self) -> Option<Vec<Vec<[f64; 2]>>> {
+        let mut is_done = vec![false; self.edges.len()];
+        let mut loops = Vec::new();
+        for first in 0..self.edges.len() {
+            if is_done[first] {
+                continue;
+            }
+            let outside = self.edges[first].outside;
+            let (mut points, mut row) = (Vec::new(), first);
+            while !is_done[row] {
+                is_done[row] = true;
+                let edge = &self.edges[row];
+                if edge.outside == 0 || edge.outside != outside {
+                    return None;
+                }
+                points.push(edge.a);
+                row = edge.after as usize;
+            }
+            if outside < 0 {
+                points.reverse();
+            }
+            loops.push(points);
+        }
+        Some(loops)
     }
 
     /// The winding number of the contours around `p`, counter-clockwise, without the edges that `counts`

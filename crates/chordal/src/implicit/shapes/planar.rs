@@ -3,6 +3,7 @@ use super::solid::{fitting, halved, halves, walls};
 use super::{
     ContourFill, Contours, InvalidShape, capsule, finite_point, largest, length_of, positive, slabs,
 };
+use crate::implicit::construction::{Construction, PlanarForm};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, elementary};
 
@@ -18,7 +19,8 @@ pub(super) fn endless(min: [f64; 2], max: [f64; 2]) -> Box3 {
 pub fn circle(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("a circle's radius", radius)?;
     let [x, y, _] = Expr::axes();
-    let field = Field::new(length_of(&[&x, &y]) - radius);
+    let construction = Construction::planar(PlanarForm::Disc { radius });
+    let field = Field::new(length_of(&[&x, &y]) - radius).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless([-radius; 2], [radius; 2])))
 }
 
@@ -29,7 +31,8 @@ pub fn circle(radius: f64) -> Result<Field, InvalidShape> {
 pub fn rectangle(sizes: [f64; 2]) -> Result<Field, InvalidShape> {
     let half = halves("a rectangle's size", sizes)?;
     let q = walls(half);
-    let field = Field::new(slabs(&q)).known_depth(largest(&q));
+    let construction = Construction::planar(PlanarForm::Rectangle { half, radius: 0.0 });
+    let field = Field::new(slabs(&q)).known_depth(largest(&q)).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless(half.map(|h| -h), half)))
 }
 
@@ -45,7 +48,8 @@ pub fn rounded_rectangle(sizes: [f64; 2], radius: f64) -> Result<Field, InvalidS
     }
     let inner = half.map(|h| h - radius);
     let outer = inner.map(|h| add_up(h, radius));
-    let field = Field::new(slabs(&walls(inner)) - radius);
+    let construction = Construction::planar(PlanarForm::Rectangle { half: inner, radius });
+    let field = Field::new(slabs(&walls(inner)) - radius).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless(outer.map(|h| -h), outer)))
 }
 
@@ -58,7 +62,9 @@ pub fn segment(a: [f64; 2], b: [f64; 2], radius: f64) -> Result<Field, InvalidSh
     let solid = capsule([a[0], a[1], 0.0], [b[0], b[1], 0.0], radius)?;
     let [x, y, _] = Expr::axes();
     let Box3 { min, max } = solid.bounds();
+    let construction = Construction::planar(PlanarForm::Segment { ends: [a, b], radius });
     let field = Field::new(solid.expr().with_axes([x, y, Expr::constant(0.0)]));
+    let field = field.known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless([min[0], min[1]], [max[0], max[1]])))
 }
 

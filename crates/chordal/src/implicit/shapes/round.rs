@@ -1,5 +1,6 @@
 //! Round shapes: sphere, capsule, torus, ellipsoid.
 use super::{InvalidShape, centred, finite_point, length_of, positive, sum};
+use crate::implicit::construction::{Construction, SolidForm};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
@@ -17,7 +18,8 @@ use crate::math::{Box3, add_up, greater, lesser, sub_down};
 pub fn sphere(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("a sphere's radius", radius)?;
     let [x, y, z] = Expr::axes();
-    let field = Field::new(length_of(&[&x, &y, &z]) - radius);
+    let construction = Construction::solid(SolidForm::Sphere { radius });
+    let field = Field::new(length_of(&[&x, &y, &z]) - radius).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius; 3])))
 }
 
@@ -42,7 +44,9 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
     } else {
         from
     };
+    let construction = Construction::solid(SolidForm::Capsule { ends: [a, b], radius });
     let field = Field::new(length_of(&[&from[0], &from[1], &from[2]]) - radius);
+    let field = field.known_construction(construction);
     // The other end is `a + along`, rounded once each: a unit in the last place of the larger is more than
     // enough.
     let mut bounds = Box3 { min: a, max: a };
@@ -64,7 +68,8 @@ pub fn torus(major: f64, minor: f64) -> Result<Field, InvalidShape> {
         (positive("a torus's major radius", major)?, positive("a torus's minor radius", minor)?);
     let [x, y, z] = Expr::axes();
     let off = length_of(&[&x, &y]) - major;
-    let field = Field::new(length_of(&[&off, &z]) - minor);
+    let construction = Construction::solid(SolidForm::Torus { major, minor });
+    let field = Field::new(length_of(&[&off, &z]) - minor).known_construction(construction);
     let inside = if minor <= major { DistanceQuality::Exact } else { DistanceQuality::Bound };
     let reach = add_up(major, minor);
     let distance = Distance { outside: DistanceQuality::Exact, inside };

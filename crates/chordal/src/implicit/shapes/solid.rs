@@ -4,6 +4,7 @@ use super::{
     positive,
 };
 use super::{axis_distance, slabs, sum};
+use crate::implicit::construction::{Construction, SolidForm};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, greater};
 
@@ -26,7 +27,8 @@ pub fn plane(normal: [f64; 3], offset: f64) -> Result<Field, InvalidShape> {
             bounds.min[k] = -offset;
         }
     }
-    Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
+    let construction = Construction::solid(SolidForm::HalfSpace { normal, offset });
+    Ok(field.known_distance(Distance::EXACT).known_bounds(bounds).known_construction(construction))
 }
 
 /// The vector scaled to length 1, rounded.
@@ -50,6 +52,8 @@ pub fn cuboid(sizes: [f64; 3]) -> Result<Field, InvalidShape> {
     let half = halves("a box's size", sizes)?;
     let q = walls(half);
     let field = Field::new(slabs(&q)).known_depth(largest(&q));
+    let construction = Construction::solid(SolidForm::Cuboid { half });
+    let field = field.known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred(half)))
 }
 
@@ -64,7 +68,8 @@ pub fn rounded_cuboid(sizes: [f64; 3], radius: f64) -> Result<Field, InvalidShap
         return cuboid(sizes);
     }
     let inner = half.map(|h| h - radius);
-    let field = Field::new(slabs(&walls(inner)) - radius);
+    let construction = Construction::solid(SolidForm::RoundedCuboid { half: inner, radius });
+    let field = Field::new(slabs(&walls(inner)) - radius).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred(inner.map(|h| add_up(h, radius)))))
 }
 
@@ -78,7 +83,8 @@ pub fn cylinder(radius: f64, height: f64) -> Result<Field, InvalidShape> {
     let [x, y, z] = Expr::axes();
     let half = halved(height);
     let q = [length_of(&[&x, &y]) - radius, z.abs() - half];
-    let field = Field::new(slabs(&q)).known_depth(largest(&q));
+    let construction = Construction::solid(SolidForm::Cone { bottom: radius, top: radius, half });
+    let field = Field::new(slabs(&q)).known_depth(largest(&q)).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius, radius, half])))
 }
 
@@ -107,7 +113,9 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     // In exact arithmetic the side runs through (bottom, -half) and (top, half): nothing is divided. Its
     // slope is known on the axis too, where the apex of a cone is.
     let side = axis_distance() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;
+    let construction = Construction::solid(SolidForm::Cone { bottom, top, half });
     let field = Field::new(value).known_sign(side.max(&(z.abs() - half))).known_distance(distance);
+    let field = field.known_construction(construction);
     Ok(field.known_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
 }
 
