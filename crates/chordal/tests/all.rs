@@ -56,6 +56,7 @@ mod rounding_laws;
 mod seams;
 mod segments;
 mod self_intersections;
+mod solid_forms;
 mod solids;
 mod spline_laws;
 mod surface_at_least;

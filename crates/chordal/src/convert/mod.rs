@@ -95,10 +95,7 @@ pub mod sweeps {
     pub use super::curve_to_swept_surface::{ProfilePlace, SweepPath};
 }
 
-/// Fields as booleans of solids.
-pub mod solids {
-    pub use super::fields_with_meshes::{SolidNode, SolidTree};
-}
+pub mod solids;
 
 /// Buffers for graphics processors.
 pub mod gpu {

@@ -116,7 +116,7 @@ fn too_large(bytes: f64) -> String {
     )
 }
 
-pub(super) fn leaf_failure(error: LeafError) -> Failure<Mesh> {
+pub(in crate::convert) fn leaf_failure(error: LeafError) -> Failure<Mesh> {
     Failure::refused(RefusalCode::LeafFailed, error.message)
 }
 

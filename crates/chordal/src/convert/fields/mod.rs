@@ -29,5 +29,6 @@ mod tests;
 pub(super) use draft::{draft, measured_draft};
 pub(super) use face_materials::FaceMaterials;
 pub(super) use field_sampler::FieldSampler;
-pub(super) use mesher::FieldMeshGoal;
+pub(super) use mesher::{FieldMeshGoal, leaf_failure};
+pub(super) use open_places::open_places;
 pub(super) use search::search;

@@ -8,7 +8,12 @@ use crate::math::{Box3, cross, difference, length};
 
 /// The connected parts of the faces that a verdict left open, and the boxes in which a part of the surface may be missed,
 /// and how primitives touch there.
-pub(super) fn open_places(mesh: &Mesh, verdict: &SandwichVerdict, csg: &Csg, job: &Job) -> OpenPlaces {
+pub(in crate::convert) fn open_places(
+    mesh: &Mesh,
+    verdict: &SandwichVerdict,
+    csg: &Csg,
+    job: &Job,
+) -> OpenPlaces {
     let mut faces: Vec<u32> = verdict.open.iter().flatten().copied().collect();
     faces.sort_unstable();
     faces.dedup();

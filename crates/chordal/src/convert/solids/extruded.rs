@@ -1,0 +1,67 @@
+//! Plane shapes between two heights.
+use super::FormMesh;
+use super::profile::{ProfileLoops, doubled_area};
+use crate::explicit::polygons::winding_number;
+use crate::explicit::triangulate::polygon_with_holes;
+use crate::implicit::construction::PlanarForm;
+
+/// The solid from minus a height to the height. None where the shape's loops are not simple and disjoint.
+///
+/// What it is off by is what its loops are: both are raised to the same heights, which are exact.
+pub(super) fn extruded(profile: &PlanarForm, half: f64, length: f64) -> Option<FormMesh> {
+    let ProfileLoops { loops, off } = ProfileLoops::new(profile, length)?;
+    let plane: Vec<[f64; 2]> = loops.concat();
+    let n = u32::try_from(plane.len()).ok().filter(|n| *n < u32::MAX / 2)?;
+    let mut faces = Vec::new();
+    for [a, b, c] in filled(&loops)? {
+        faces.push([a, c, b]);
+        faces.push([a + n, b + n, c + n]);
+    }
+    let mut first = 0;
+    for own in &loops {
+        let count = own.len() as u32;
+        for k in 0..count {
+            let (a, b) = (first + k, first + (k + 1) % count);
+            faces.push([a, b, b + n]);
+            faces.push([a, b + n, a + n]);
+        }
+        first += count;
+    }
+    let at = |z: f64| plane.iter().map(move |[x, y]| [*x, *y, z]);
+    Some(FormMesh { positions: at(-half).chain(at(half)).collect(), faces, off })
+}
+
+/// Triangles between loops, as rows of all their points one after the other. None where they are not simple and disjoint.
+fn filled(loops: &[Vec<[f64; 2]>]) -> Option<Vec<[u32; 3]>> {
+    let mut first = 0;
+    let firsts: Vec<u32> = loops
+        .iter()
+        .map(|own| {
+            let row = first;
+            first += own.len() as u32;
+            row
+        })
+        .collect();
+    let areas: Vec<f64> = loops.iter().map(|own| doubled_area(own)).collect();
+    // Each hole belongs to the smallest loop around it.
+    let mut holes_of: Vec<Vec<usize>> = vec![Vec::new(); loops.len()];
+    for hole in (0..loops.len()).filter(|own| areas[*own] < 0.0) {
+        let around = (0..loops.len()).filter(|own| {
+            areas[*own] > -areas[hole] && winding_number(&loops[*own], loops[hole][0]).is_some_and(|n| n != 0)
+        });
+        let around = around.reduce(|best, own| if areas[own] < areas[best] { own } else { best })?;
+        holes_of[around].push(hole);
+    }
+    let mut triangles = Vec::new();
+    for outer in (0..loops.len()).filter(|own| areas[*own] > 0.0) {
+        let holes: Vec<&[[f64; 2]]> = holes_of[outer].iter().map(|hole| loops[*hole].as_slice()).collect();
+        let made = polygon_with_holes(&loops[outer], &holes).ok().filter(|made| made.is_clean())?;
+        let rows: Vec<u32> = std::iter::once(&outer)
+            .chain(&holes_of[outer])
+            .flat_map(|own| (0..loops[*own].len() as u32).map(|k| firsts[*own] + k))
+            .collect();
+        triangles.extend(made.triangles.iter().map(|face| face.map(|k| rows[k as usize])));
+    }
+    // A loop without an area has no triangles, and would leave a hole.
+    areas.iter().all(|area| *area != 0.0).then_some(triangles)
+}

@@ -1,0 +1,146 @@
+//! `judged_against_field`: meshes that something else made, proved or measured against a field.
+use super::split::with_faces_split;
+use crate::budget::{Bounded, Failure, Job, ProofEffort, RequiredEvidence, Tolerance};
+use crate::check::{SandwichGoal, SandwichProver, SandwichVerdict, measured_field_deviation, sandwich_bound};
+use crate::convert::fields::{leaf_failure, open_places};
+use crate::explicit::Mesh;
+use crate::implicit::{Csg, Field};
+
+/// The first margin of the proof, relative to what samples suggest: that of meshes that are made for a field.
+const MARGIN: f64 = 0.5;
+/// The evaluations of a proof beside which a measurement would do, for each triangle of the first mesh, in points. Measured:
+/// proofs that end take below a quarter of it.
+const WORK_OF_TRIANGLE: u64 = 1 << 13;
+/// And at least so many.
+const LEAST_WORK: u64 = 1 << 22;
+/// The most rounds in which open faces are split.
+const MOST_ROUNDS: usize = 6;
+/// The last mesh is split as long as less than one face in so many is open. Chosen: of a mesh that is too coarse more are.
+const FEW: usize = 3;
+
+/// The first of several meshes that is proved to be within a length of the surface of a field; else the first, measured, with
+/// the places that the proof of the last one leaves open, in the same form as from
+/// [`field_to_mesh`](crate::convert::field_to_mesh()).
+///
+/// Each mesh is asked for when those before it are not proved; the last one's open faces are split until it is. The proofs
+/// take so many evaluations for each triangle at most, unless nothing but a proof will do ([`RequiredEvidence::Proved`]) or
+/// [`ProofEffort::Full`] asks for their end. Whatever made the meshes, the bound is that of the judge.
+///
+/// # Errors
+/// [`Failure::Unmet`] with the mesh where it is measured to be farther than the length, and where a proof is required and there
+/// is none; what [`field_deviation`](crate::check::field_deviation()) refuses, and an empty list of meshes;
+/// [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::budget::RequiredEvidence;
+/// use chordal::convert::solids::judged_against_field;
+/// use chordal::implicit::shapes::cuboid;
+/// use chordal::{Job, Mesh, Tolerance};
+/// let corners = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 });
+/// let faces = vec![[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2],
+///     [2, 4, 6], [1, 3, 5], [3, 7, 5]];
+/// let mesh = Mesh::new((0..8).map(corners).collect(), faces)?;
+/// let goal = (Tolerance::new(0.01)?, RequiredEvidence::Proved);
+/// let made = judged_against_field(&mut std::iter::once(mesh), &cuboid([2.0; 3])?, goal, &Job::default());
+/// assert!(made.is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn judged_against_field(
+    meshes: &mut (dyn Iterator<Item = Mesh> + Send),
+    field: &Field,
+    (length, require): (Tolerance, RequiredEvidence),
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    job.run(|| {
+        let Some(first) = meshes.next() else {
+            let message = "there is no mesh to be judged";
+            return Err(Failure::refused(crate::budget::RefusalCode::Empty, message));
+        };
+        let is_strict = require == RequiredEvidence::Proved;
+        let mut left = (first, None);
+        if require != RequiredEvidence::Measured && field.evidence().bounds_above() {
+            let csg = Csg::from_expr(field.sign());
+            let most = WORK_OF_TRIANGLE.saturating_mul(left.0.faces().len() as u64).max(LEAST_WORK);
+            let is_unlimited = is_strict || job.proof_effort == ProofEffort::Full;
+            let proof = if is_unlimited { job.clone() } else { job.with_work_limit(most) };
+            let mut judge = SandwichProver::new(&csg, &field.bounds(), &proof).map_err(leaf_failure)?;
+            let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
+            let mut search = ProofSearch { field, judge: &mut judge, goal, proof: &proof, job };
+            match search.proved(left.0, meshes)? {
+                Ok(made) => return Ok(made),
+                Err((mesh, verdict)) => {
+                    let places = open_places(&mesh, &verdict, &csg, job);
+                    left = (mesh, Some(Box::new(places)));
+                }
+            }
+        }
+        let (mesh, places) = left;
+        let mut bound = measured_field_deviation(&mesh, field, (f64::INFINITY, 0), job)?.whole.bound;
+        bound.open = places;
+        let is_met = !is_strict && bound.at_least() <= length.get();
+        let made = Bounded { shape: mesh, bound };
+        if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    })
+}
+
+struct ProofSearch<'a, 'b> {
+    field: &'a Field,
+    judge: &'a mut SandwichProver<'b>,
+    goal: SandwichGoal,
+    proof: &'a Job,
+    job: &'a Job,
+}
+
+/// A mesh that is proved, or the last one with what its proof left open.
+type Searched = Result<Result<Bounded<Mesh>, (Mesh, SandwichVerdict)>, Failure<Mesh>>;
+
+impl ProofSearch<'_, '_> {
+    fn proved(&mut self, first: Mesh, others: &mut (dyn Iterator<Item = Mesh> + Send)) -> Searched {
+        let (mut mesh, mut verdict) = match self.prove(first)? {
+            Ok(made) => return Ok(Ok(made)),
+            Err(open) => open,
+        };
+        while !self.proof.is_over()
+            && let Some(next) = others.next()
+        {
+            // What is no finer is not proved either.
+            if next.faces().len() == mesh.faces().len() {
+                continue;
+            }
+            match self.prove(next)? {
+                Ok(made) => return Ok(Ok(made)),
+                Err(open) => (mesh, verdict) = open,
+            }
+        }
+        let mut n_open = usize::MAX;
+        for _ in 0..MOST_ROUNDS {
+            let mut open = verdict.open.concat();
+            open.sort_unstable();
+            open.dedup();
+            let is_hopeless = FEW * open.len() > mesh.faces().len() || open.len() > 2 * n_open;
+            if open.is_empty() || is_hopeless || self.proof.is_over() {
+                break;
+            }
+            n_open = open.len();
+            let Ok(split) = with_faces_split(&mesh, &open) else { break };
+            match self.prove(split)? {
+                Ok(made) => return Ok(Ok(made)),
+                Err(open) => (mesh, verdict) = open,
+            }
+        }
+        Ok(Err((mesh, verdict)))
+    }
+
+    fn prove(&mut self, mesh: Mesh) -> Searched {
+        if self.job.is_cancelled() {
+            return Err(Failure::Cancelled);
+        }
+        let verdict = self.judge.prove(&mesh, &self.goal)?;
+        if verdict.is_proved()
+            && let Some(bound) = sandwich_bound(&mesh, self.field, &verdict, self.job)?
+        {
+            return Ok(Ok(Bounded { shape: mesh, bound }));
+        }
+        Ok(Err((mesh, verdict)))
+    }
+}

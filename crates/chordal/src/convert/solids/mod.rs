@@ -1,0 +1,107 @@
+//! Solids whose surfaces are known in closed form as triangles, and triangles of combinations of solids judged against
+//! their fields.
+//!
+//! Nothing is searched here: how many triangles a round surface takes for a length follows from its sagitta, and the
+//! bound from the numbers of the mesh. What combines the meshes ([`boolean`](crate::boolean)) comes after.
+mod arcs;
+mod extruded;
+mod judge;
+mod placed;
+mod polyhedra;
+mod profile;
+mod revolved;
+mod rounded;
+mod split;
+
+use crate::budget::{Bound, Bounded, Reference, Tolerance};
+use crate::explicit::Mesh;
+use crate::implicit::Affine3;
+use crate::implicit::construction::SolidForm;
+use crate::math::{Box3, add_up, greater, mul_up};
+
+pub use super::fields_with_meshes::{SolidNode, SolidTree};
+pub use judge::judged_against_field;
+
+/// Meshes solids within a length.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidMesher {
+    /// What surfaces may be off by.
+    pub length: Tolerance,
+    /// A box that holds the whole: what has no ends is cut off well outside of it.
+    pub room: Box3,
+}
+
+/// The share of a length that counts are chosen for. Chosen: the rest is for rounding.
+const SHARE: f64 = 1.0 - 1.0 / (1 << 20) as f64;
+
+/// Rounding of the coordinates of one solid relative to its largest one: derived, a sine or cosine (2 u), its angle
+/// (3 u, of at most π/2), a product and two sums are below 12 u; twice that.
+const ROUNDING: f64 = 12.0 * f64::EPSILON;
+
+impl SolidMesher {
+    /// The surface of a solid in its own coordinates. None for what has no mesh of its own: plane shapes that cross
+    /// themselves, curved profiles that cross the axis they are turned about, a ring that meets itself, and what would take
+    /// more than 65,536 segments a turn.
+    ///
+    /// **Bound.** The Hausdorff distance between the surface and the triangles, *proved*, rounding included. Polyhedra are
+    /// exact but for rounding; vertices on curved surfaces lie on them, so that solids that are flush stay so.
+    ///
+    /// **Triangles.** Closed, manifold, all facing outwards. **Cost.** Linear in the triangles.
+    ///
+    /// ```
+    /// use chordal::convert::solids::SolidMesher;
+    /// use chordal::implicit::{construction::ConstructionNode, shapes};
+    /// use chordal::{Tolerance, check};
+    /// let drill = shapes::cylinder(2.0, 10.0)?;
+    /// let Some(ConstructionNode::Solid(form)) = drill.construction().map(|made| made.node()) else { panic!() };
+    /// let mesher = SolidMesher { length: Tolerance::new(0.01)?, room: drill.bounds() };
+    /// let made = mesher.mesh(form).expect("a cylinder has a mesh");
+    /// assert!(made.bound.at_most().unwrap() <= 0.01);
+    /// let volume = check::findings::measure(&made.shape).signed_volume;
+    /// assert!((volume - 40.0 * std::f64::consts::PI).abs() < 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn mesh(&self, form: &SolidForm) -> Option<Bounded<Mesh>> {
+        let length = SHARE * self.length.get();
+        let made = match form {
+            SolidForm::Cuboid { half } => polyhedra::cuboid(*half),
+            SolidForm::HalfSpace { normal, offset } => polyhedra::half_space(*normal, *offset, &self.room)?,
+            SolidForm::Cone { bottom, top, half } => revolved::cone([*bottom, *top], *half, length)?,
+            SolidForm::Sphere { radius } => rounded::rounded_cuboid([0.0; 3], *radius, length)?,
+            SolidForm::RoundedCuboid { half, radius } => rounded::rounded_cuboid(*half, *radius, length)?,
+            SolidForm::Capsule { ends, radius } => rounded::capsule(*ends, *radius, length)?,
+            SolidForm::Torus { major, minor } => revolved::torus(*major, *minor, length)?,
+            SolidForm::Extruded { profile, half } => extruded::extruded(profile, *half, length)?,
+            SolidForm::Revolved { profile, place } => revolved::revolved(profile, place.as_ref(), length)?,
+        };
+        let bounded = made.bounded()?;
+        // The counts were chosen for it.
+        bounded.bound.at_most().is_some_and(|most| most <= self.length.get()).then_some(bounded)
+    }
+
+    /// A mesh under a map that keeps shapes: a rotation, a mirror, a translation, one scale. The bound is scaled, and
+    /// holds what rounding moves.
+    #[must_use]
+    pub fn placed(made: &Bounded<Mesh>, map: &Affine3) -> Option<Bounded<Mesh>> {
+        placed::placed(made, map)
+    }
+}
+
+/// Triangles of a solid, and what they are off by but for rounding.
+struct FormMesh {
+    positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    /// The distance of the exact vertices' triangles from the surface, rounded up.
+    off: f64,
+}
+
+impl FormMesh {
+    /// The mesh with its bound. None where a coordinate is not finite.
+    fn bounded(self) -> Option<Bounded<Mesh>> {
+        let reach = self.positions.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let most = add_up(self.off, mul_up(ROUNDING, reach));
+        let mesh = Mesh::new(self.positions, self.faces).ok()?;
+        Some(Bounded { shape: mesh, bound: Bound::proved(0.0, most, Reference::Field) })
+    }
+}

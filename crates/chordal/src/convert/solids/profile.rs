@@ -1,0 +1,74 @@
+//! Plane shapes as polygons: inscribed where they are curved.
+use super::arcs::{quarter, quarter_sides, sagitta, turn};
+use crate::implicit::construction::PlanarForm;
+use crate::math::unit;
+
+/// Closed polygons, with the inside to the left of their sides.
+pub(super) struct ProfileLoops {
+    pub loops: Vec<Vec<[f64; 2]>>,
+    /// What they are off by but for rounding.
+    pub off: f64,
+}
+
+impl ProfileLoops {
+    /// The polygons of a plane shape within a length. None for contours that cross or touch themselves, and for too many
+    /// sides.
+    pub fn new(form: &PlanarForm, length: f64) -> Option<Self> {
+        match form {
+            PlanarForm::Disc { radius } => {
+                let n = quarter_sides(*radius, length)?;
+                let loops = vec![turn(n).iter().map(|p| p.map(|x| radius * x)).collect()];
+                Some(Self { loops, off: sagitta(*radius, n) })
+            }
+            PlanarForm::Rectangle { half: [x, y], radius } => {
+                let corners = [[*x, *y], [-x, *y], [-x, -y], [*x, -y]];
+                if *radius == 0.0 {
+                    return Some(Self { loops: vec![corners.to_vec()], off: 0.0 });
+                }
+                let n = quarter_sides(*radius, length)?;
+                let around = turn(n);
+                let arc = |k: usize| {
+                    let n = n as usize;
+                    let points = around.iter().cycle().skip(k * n).take(n + 1);
+                    points.map(move |p| [0, 1].map(|axis| corners[k][axis] + radius * p[axis]))
+                };
+                let mut points: Vec<[f64; 2]> = (0..4).flat_map(arc).collect();
+                // A side without a length has one corner.
+                points.dedup();
+                if points.first() == points.last() {
+                    points.pop();
+                }
+                Some(Self { loops: vec![points], off: sagitta(*radius, n) })
+            }
+            PlanarForm::Segment { ends: [a, b], radius } => {
+                let n = quarter_sides(*radius, length)?;
+                let off = sagitta(*radius, n);
+                let along = [b[0] - a[0], b[1] - a[1], 0.0];
+                let Some([c, s, _]) = unit(along) else {
+                    let loops = vec![turn(n).iter().map(|p| [0, 1].map(|k| a[k] + radius * p[k])).collect()];
+                    return Some(Self { loops, off });
+                };
+                // Half a turn around each end, from right to left of the direction.
+                let quarter = quarter(n);
+                let right = quarter.iter().rev().map(|[x, y]| [*x, -y]);
+                let half: Vec<[f64; 2]> = right.chain(quarter.iter().copied().skip(1)).collect();
+                let at = |end: &[f64; 2], [x, y]: [f64; 2]| {
+                    [end[0] + radius * (c * x - s * y), end[1] + radius * (s * x + c * y)]
+                };
+                let front = half.iter().map(|p| at(b, *p));
+                let back = half.iter().map(|[x, y]| at(a, [-x, -y]));
+                Some(Self { loops: vec![front.chain(back).collect()], off })
+            }
+            PlanarForm::Contours(contours) => Some(Self { loops: contours.loops()?, off: 0.0 }),
+        }
+    }
+}
+
+/// Twice the area that a loop encloses, rounded: positive where it runs counter-clockwise.
+pub(super) fn doubled_area(points: &[[f64; 2]]) -> f64 {
+    let Some([x, y]) = points.first() else { return 0.0 };
+    points.windows(2).fold(0.0, |sum, pair| {
+        let [a, b] = [pair[0], pair[1]].map(|p| [p[0] - x, p[1] - y]);
+        sum + (a[0] * b[1] - a[1] * b[0])
+    })
+}

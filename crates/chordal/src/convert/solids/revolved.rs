@@ -1,0 +1,137 @@
+//! Plane shapes turned about an axis: cones, rings, and what has a profile of its own.
+use super::FormMesh;
+use super::arcs::{quarter_sides, sagitta, turn};
+use super::profile::ProfileLoops;
+use crate::implicit::Affine3;
+use crate::implicit::construction::PlanarForm;
+use crate::math::{add_up, greater};
+
+/// The share of a length that a curved profile takes. Chosen: both curves of a ring cost alike.
+const SHARE: f64 = 0.5;
+
+/// A cone from one radius to another, between minus a height and the height.
+pub(super) fn cone([bottom, top]: [f64; 2], half: f64, length: f64) -> Option<FormMesh> {
+    let profile = vec![[0.0, -half], [bottom, -half], [top, half], [0.0, half]];
+    swept(&[without_repeats(profile)], 0.0, length)
+}
+
+/// A ring around z. None where it meets itself.
+pub(super) fn torus(major: f64, minor: f64, length: f64) -> Option<FormMesh> {
+    if minor >= major {
+        return None;
+    }
+    let profile = ProfileLoops::new(&PlanarForm::Disc { radius: minor }, SHARE * length)?;
+    let moved: Vec<Vec<[f64; 2]>> =
+        profile.loops.iter().map(|own| own.iter().map(|[x, y]| [major + x, *y]).collect()).collect();
+    swept(&moved, profile.off, length)
+}
+
+/// A plane shape, placed in the plane first, turned about its y axis. None where a curved one crosses the axis.
+pub(super) fn revolved(profile: &PlanarForm, place: Option<&Affine3>, length: f64) -> Option<FormMesh> {
+    let is_straight = matches!(profile, PlanarForm::Contours(_) | PlanarForm::Rectangle { radius: 0.0, .. });
+    let scale = place.map_or(1.0, |map| {
+        let [x, y, _] = map.rows();
+        (x[0] * x[0] + y[0] * y[0]).sqrt()
+    });
+    let share = if is_straight { length } else { SHARE * length / scale };
+    let mut made = ProfileLoops::new(profile, share)?;
+    // The scale is rounded.
+    made.off = made.off * scale * (1.0 + 8.0 * f64::EPSILON);
+    if let Some(map) = place {
+        let is_mirrored = map.orientation() < 0;
+        for own in &mut made.loops {
+            for p in own.iter_mut() {
+                let [x, y, _] = map.at([p[0], p[1], 0.0]);
+                *p = [x, y];
+            }
+            if is_mirrored {
+                own.reverse();
+            }
+        }
+    }
+    let crosses = |own: &Vec<[f64; 2]>| own.iter().any(|p| p[0] < 0.0) && own.iter().any(|p| p[0] > 0.0);
+    if !is_straight && made.loops.iter().any(crosses) {
+        return None;
+    }
+    let loops: Vec<Vec<[f64; 2]>> =
+        made.loops.iter().map(|own| without_repeats(beyond_axis(own))).filter(|own| own.len() > 2).collect();
+    swept(&loops, made.off, length)
+}
+
+/// The part of a polygon at x ≥ 0. Where it leaves the half-plane several times, sides on the axis overlap.
+///
+/// Source: I. Sutherland, G. Hodgman, *Reentrant polygon clipping*, 1974.
+fn beyond_axis(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut kept = Vec::with_capacity(points.len());
+    for (k, p) in points.iter().enumerate() {
+        let q = points[(k + 1) % points.len()];
+        if p[0] >= 0.0 {
+            kept.push(*p);
+        }
+        if (p[0] > 0.0 && q[0] < 0.0) || (p[0] < 0.0 && q[0] > 0.0) {
+            let share = p[0] / (p[0] - q[0]);
+            kept.push([0.0, p[1] + share * (q[1] - p[1])]);
+        }
+    }
+    kept
+}
+
+fn without_repeats(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.dedup();
+    while points.len() > 1 && points.first() == points.last() {
+        points.pop();
+    }
+    points
+}
+
+/// The surface that loops at x ≥ 0 sweep about the axis.
+///
+/// All rings have corners in the same directions, so that the part between two is flat, and every point of it is off the
+/// cone through both rings along its radius, by the sagitta of the largest ring at most. The cones are off the surface by
+/// what the loops are.
+fn swept(loops: &[Vec<[f64; 2]>], off: f64, length: f64) -> Option<FormMesh> {
+    let widest = loops.iter().flatten().fold(0.0, |most, p| greater(p[0], most));
+    let n = quarter_sides(widest, length - off)?;
+    let around = turn(n);
+    let n_ring = around.len() as u32;
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for own in loops {
+        // The row of the first vertex of each corner's ring; corners on the axis have one.
+        let mut rows = Vec::with_capacity(own.len());
+        for [x, z] in own {
+            rows.push(u32::try_from(positions.len()).ok().filter(|row| *row < u32::MAX - n_ring)?);
+            if *x == 0.0 {
+                positions.push([0.0, 0.0, *z]);
+            } else {
+                positions.extend(around.iter().map(|[c, s]| [x * c, x * s, *z]));
+            }
+        }
+        for k in 0..own.len() {
+            let next = (k + 1) % own.len();
+            let (p, q, first, second) = (own[k], own[next], rows[k], rows[next]);
+            let corner = |row: u32, k: u32| row + k % n_ring;
+            match (p[0] == 0.0, q[0] == 0.0) {
+                (true, true) => {}
+                // Flat ends need no vertex in their middle.
+                (true, false) if p[1] == q[1] => {
+                    faces.extend((1..n_ring - 1).map(|k| [second, second + k + 1, second + k]));
+                }
+                (false, true) if p[1] == q[1] => {
+                    faces.extend((1..n_ring - 1).map(|k| [first, first + k, first + k + 1]));
+                }
+                (true, false) => {
+                    faces.extend((0..n_ring).map(|k| [first, corner(second, k + 1), corner(second, k)]));
+                }
+                (false, true) => {
+                    faces.extend((0..n_ring).map(|k| [corner(first, k), corner(first, k + 1), second]));
+                }
+                (false, false) => faces.extend((0..n_ring).flat_map(|k| {
+                    let [a, b] = [k, k + 1].map(|k| corner(first, k));
+                    let [c, d] = [k, k + 1].map(|k| corner(second, k));
+                    [[a, b, d], [a, d, c]]
+                })),
+            }
+        }
+    }
+    Some(FormMesh { positions, faces, off: add_up(off, sagitta(widest, n)) })
+}

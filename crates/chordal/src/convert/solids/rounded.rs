@@ -1,0 +1,164 @@
+//! Boxes with rounded edges and corners, which balls and capsules are as well.
+use super::FormMesh;
+use super::arcs::{quarter, quarter_sides};
+use crate::implicit::Affine3;
+use crate::math::{cross, difference, dot, length as norm, sub_up, unit};
+use std::collections::BTreeMap;
+
+/// Sides of a quarter beyond those of a circle that are tried. Measured: the middle of an octant takes half as many again.
+const MOST_TRIALS: u32 = 1 << 14;
+
+/// All points nearer than a radius to the box of these half sizes, some of which may be 0.
+pub(super) fn rounded_cuboid(half: [f64; 3], radius: f64, length: f64) -> Option<FormMesh> {
+    // Triangles of an octant are up to √2 times as long as sides of a circle, and off by twice as much.
+    let mut n = quarter_sides(radius, 0.5 * length)?;
+    let first = n;
+    while octant_sagitta(radius, n) > length {
+        n += 1;
+        if n > first + MOST_TRIALS {
+            return None;
+        }
+    }
+    let mut builder =
+        RoundedBuilder { half, radius, n, quarter: quarter(n), rows: BTreeMap::new(), positions: Vec::new() };
+    let faces = builder.faces();
+    let off = octant_sagitta(radius, n);
+    Some(FormMesh { positions: builder.positions, faces, off })
+}
+
+/// All points nearer than a radius to the segment between two points.
+pub(super) fn capsule([a, b]: [[f64; 3]; 2], radius: f64, length: f64) -> Option<FormMesh> {
+    let along = difference(b, a);
+    let reach = norm(along);
+    let upright = rounded_cuboid([0.0, 0.0, 0.5 * reach], radius, length)?;
+    let middle: [f64; 3] = std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]);
+    let Some(z) = unit(along) else {
+        let positions = upright.positions.iter().map(|p| std::array::from_fn(|k| a[k] + p[k])).collect();
+        return Some(FormMesh { positions, ..upright });
+    };
+    let flattest = (0..3).fold(0, |best, k| if z[k].abs() < z[best].abs() { k } else { best });
+    // For a direction along an axis both others are axes.
+    let axis: [f64; 3] = std::array::from_fn(|k| f64::from(u8::from(k == flattest)));
+    let x = unit(cross(cross(z, axis), z))?;
+    let y = cross(z, x);
+    let map = Affine3::new(std::array::from_fn(|k| [x[k], y[k], z[k], middle[k]])).ok()?;
+    let positions: Vec<[f64; 3]> = upright.positions.iter().map(|p| map.at(*p)).collect();
+    // The frame is of unit vectors across each other but for rounding.
+    let off = upright.off + 32.0 * f64::EPSILON * (reach + radius);
+    Some(FormMesh { positions, off, ..upright })
+}
+
+/// The direction of a point of the octant's lattice, whose indices add up to n: on each side of the octant the corners of a
+/// quarter circle.
+fn direction(quarter: &[[f64; 2]], index: [u32; 3]) -> [f64; 3] {
+    // The sine of each share of a right angle.
+    let sines = index.map(|k| quarter[k as usize][1]);
+    if index.contains(&0) {
+        return sines;
+    }
+    let size = norm(sines);
+    sines.map(|x| x / size)
+}
+
+/// What the triangles of an octant are off the sphere by, rounded up: they are seen from its middle all around it, and a
+/// ray through one of them has the sphere between its vertices' distance and that of its plane.
+fn octant_sagitta(radius: f64, n: u32) -> f64 {
+    let quarter = quarter(n);
+    let mut least = 1.0;
+    for face in octant_faces(n) {
+        let [a, b, c] = face.map(|index| direction(&quarter, index));
+        let normal = cross(difference(b, a), difference(c, a));
+        let height = dot(normal, a) / norm(normal);
+        least = if height < least { height } else { least };
+    }
+    // Derived: corners are off by 8 u; a plane through corners of n sides a quarter tilts by that over their distance,
+    // which is above 1/n, and over the triangle's size this is as much again.
+    let rounding = 256.0 * f64::EPSILON;
+    radius * (sub_up(1.0, least) + rounding)
+}
+
+/// The triangles of an octant, counter-clockwise as seen from outside, by indices along x, y and z that add up to n.
+fn octant_faces(n: u32) -> impl Iterator<Item = [[u32; 3]; 3]> {
+    (0..n).flat_map(move |i| {
+        (0..n - i).flat_map(move |j| {
+            let k = n - 1 - i - j;
+            let up = [[i + 1, j, k], [i, j + 1, k], [i, j, k + 1]];
+            let down = (k > 0).then(|| [[i + 1, j + 1, k - 1], [i, j + 1, k], [i + 1, j, k]]);
+            std::iter::once(up).chain(down.map(|[a, b, c]| [a, b, c]))
+        })
+    })
+}
+
+struct RoundedBuilder {
+    half: [f64; 3],
+    radius: f64,
+    n: u32,
+    quarter: Vec<[f64; 2]>,
+    /// Rows by the bits of their numbers: corners of a box without a size along an axis are one.
+    rows: BTreeMap<[u64; 3], u32>,
+    positions: Vec<[f64; 3]>,
+}
+
+impl RoundedBuilder {
+    /// The vertex of an octant's lattice point; the octant's signs are bits, set for plus.
+    fn row(&mut self, octant: usize, index: [u32; 3]) -> u32 {
+        let towards = direction(&self.quarter, index);
+        let p: [f64; 3] = std::array::from_fn(|k| {
+            let sign = if octant >> k & 1 == 1 { 1.0 } else { -1.0 };
+            sign * (self.half[k] + self.radius * towards[k]) + 0.0
+        });
+        *self.rows.entry(p.map(f64::to_bits)).or_insert_with(|| {
+            self.positions.push(p);
+            self.positions.len() as u32 - 1
+        })
+    }
+
+    fn faces(&mut self) -> Vec<[u32; 3]> {
+        let n = self.n;
+        let mut faces = Vec::new();
+        for octant in 0..8_usize {
+            // An odd number of minus signs mirrors.
+            let is_mirrored = octant.count_ones() % 2 == 0;
+            for face in octant_faces(n) {
+                let [a, b, c] = face.map(|index| self.row(octant, index));
+                faces.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
+            }
+        }
+        // Strips along each axis, between octants that differ in its sign alone.
+        let half = self.half;
+        for axis in (0..3).filter(|axis| half[*axis] > 0.0) {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            for low in (0..8_usize).filter(|octant| octant >> axis & 1 == 0) {
+                let high = low | 1 << axis;
+                let is_mirrored = (low >> next & 1) + (low >> last & 1) == 1;
+                for k in 0..n {
+                    let index = |k: u32| {
+                        let mut index = [0; 3];
+                        (index[next], index[last]) = (n - k, k);
+                        index
+                    };
+                    let [a, b] = [k, k + 1].map(|k| self.row(low, index(k)));
+                    let [c, d] = [k, k + 1].map(|k| self.row(high, index(k)));
+                    let two = [[a, d, b], [a, c, d]];
+                    faces.extend(two.map(|[a, b, c]| if is_mirrored { [a, b, c] } else { [a, c, b] }));
+                }
+            }
+        }
+        // Flat sides.
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            if self.half[next] == 0.0 || self.half[last] == 0.0 {
+                continue;
+            }
+            for side in 0..2_usize {
+                let mut index = [0; 3];
+                index[axis] = n;
+                let corner =
+                    |own: &mut Self, a: usize, b: usize| own.row(side << axis | a << next | b << last, index);
+                let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(u, v)| corner(self, u, v));
+                faces.extend(if side == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+            }
+        }
+        faces
+    }
+}

@@ -1,0 +1,291 @@
+//! Closed-form solids as triangles, against distances and points of their surfaces that are computed here.
+use chordal::budget::{Failure, RequiredEvidence};
+use chordal::check::findings::measure;
+use chordal::check::validity;
+use chordal::convert::solids::{SolidMesher, judged_against_field};
+use chordal::explicit::Topology;
+use chordal::implicit::construction::{Construction, ConstructionNode};
+use chordal::implicit::{Affine3, Field, shapes};
+use chordal::{Bounded, Job, Mesh, Tolerance};
+use chordal_testkit::Random;
+
+type Point = [f64; 3];
+
+fn sub(a: Point, b: Point) -> Point {
+    [0, 1, 2].map(|k| a[k] - b[k])
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn mesh_of(construction: &Construction, field: &Field, length: f64) -> Option<Bounded<Mesh>> {
+    let length = Tolerance::new(length).unwrap();
+    match construction.node() {
+        ConstructionNode::Solid(form) => SolidMesher { length, room: field.bounds() }.mesh(form),
+        ConstructionNode::Placed(map, below) => {
+            SolidMesher::placed(&mesh_of(below, field, length.get())?, map)
+        }
+        _ => None,
+    }
+}
+
+fn mesh(field: &Field, length: f64) -> Bounded<Mesh> {
+    mesh_of(field.construction().unwrap(), field, length).unwrap()
+}
+
+/// The distance of a point from a triangle: the nearest of its inside, sides and corners.
+fn distance_to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
+    let to_side = |a: Point, b: Point| {
+        let (along, to) = (sub(b, a), sub(p, a));
+        let t = (dot(to, along) / dot(along, along)).clamp(0.0, 1.0);
+        norm(sub(to, along.map(|x| t * x)))
+    };
+    let (u, v, w) = (sub(b, a), sub(c, a), sub(p, a));
+    let (uu, uv, vv, wu, wv) = (dot(u, u), dot(u, v), dot(v, v), dot(w, u), dot(w, v));
+    let det = uu * vv - uv * uv;
+    let (s, t) = ((vv * wu - uv * wv) / det, (uu * wv - uv * wu) / det);
+    let sides = [to_side(a, b), to_side(b, c), to_side(c, a)].into_iter().fold(f64::INFINITY, f64::min);
+    if det > 0.0 && s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+        let inside = norm([0, 1, 2].map(|k| w[k] - s * u[k] - t * v[k]));
+        return if inside < sides { inside } else { sides };
+    }
+    sides
+}
+
+/// The distance of a point of the plane from the segment between two others.
+fn from_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (u, w) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let t = ((w[0] * u[0] + w[1] * u[1]) / (u[0] * u[0] + u[1] * u[1])).clamp(0.0, 1.0);
+    (w[0] - t * u[0]).hypot(w[1] - t * u[1])
+}
+
+/// A shape with the distance of points from its surface, and points of it from three numbers between 0 and 1.
+struct Referee {
+    name: &'static str,
+    field: Field,
+    volume: f64,
+    distance: Box<dyn Fn(Point) -> f64>,
+    at: Box<dyn Fn(Point) -> Point>,
+}
+
+const PI: f64 = std::f64::consts::PI;
+
+/// Points of the outline of a profile in the half-plane (radius, height), turned.
+fn turned(outline: Vec<[f64; 2]>) -> (Box<dyn Fn(Point) -> f64>, Box<dyn Fn(Point) -> Point>) {
+    let lines: Vec<[[f64; 2]; 2]> = outline.windows(2).map(|ends| [ends[0], ends[1]]).collect();
+    let other = lines.clone();
+    let distance = move |[x, y, z]: Point| {
+        let p = [x.hypot(y), z];
+        lines.iter().map(|[a, b]| from_segment(p, *a, *b)).fold(f64::INFINITY, f64::min)
+    };
+    let at = move |[s, t, u]: Point| {
+        let [a, b] = other[(s * other.len() as f64) as usize % other.len()];
+        let (r, z) = (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));
+        [r * (2.0 * PI * u).cos(), r * (2.0 * PI * u).sin(), z]
+    };
+    (Box::new(distance), Box::new(at))
+}
+
+/// All points that far from a box.
+fn around_box(half: Point, radius: f64) -> (Box<dyn Fn(Point) -> f64>, Box<dyn Fn(Point) -> Point>) {
+    let distance = move |p: Point| {
+        let q = [0, 1, 2].map(|k| p[k].abs() - half[k]);
+        let inside = q[0].max(q[1]).max(q[2]).min(0.0);
+        (norm(q.map(|x| x.max(0.0))) + inside - radius).abs()
+    };
+    let at = move |[s, t, u]: Point| {
+        // A direction, and the box's point that is farthest in it or near to that.
+        let z = 2.0 * s - 1.0;
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        let towards = [r * (2.0 * PI * t).cos(), r * (2.0 * PI * t).sin(), z];
+        let towards = match (u * 12.0) as usize {
+            axis @ 0..=2 => [0, 1, 2].map(|k| if k == axis { 1.0 } else { 0.0 }),
+            axis @ 3..=5 => {
+                let flat = [0, 1, 2].map(|k| if k == axis - 3 { 0.0 } else { towards[k] });
+                flat.map(|x| x / norm(flat))
+            }
+            _ => towards,
+        };
+        [0, 1, 2].map(|k| {
+            let side = if towards[k] == 0.0 { 2.0 * [s, t, u][k] - 1.0 } else { towards[k].signum() };
+            side * half[k] + radius * towards[k]
+        })
+    };
+    (Box::new(distance), Box::new(at))
+}
+
+fn referees() -> Vec<Referee> {
+    let mut all = Vec::new();
+    let mut add = |name, field: Field, volume, (distance, at)| {
+        all.push(Referee { name, field, volume, distance, at });
+    };
+    add("box", shapes::cuboid([2.0, 3.0, 5.0]).unwrap(), 30.0, around_box([1.0, 1.5, 2.5], 0.0));
+    add("ball", shapes::sphere(3.0).unwrap(), 36.0 * PI, around_box([0.0; 3], 3.0));
+    let rounded = shapes::rounded_cuboid([4.0, 5.0, 6.0], 1.0).unwrap();
+    let of_rounded = 24.0 + 2.0 * (6.0 + 8.0 + 12.0) + PI * (2.0 + 3.0 + 4.0) + 4.0 / 3.0 * PI;
+    add("rounded box", rounded, of_rounded, around_box([1.0, 1.5, 2.0], 1.0));
+    let capsule = shapes::capsule([0.0, 0.0, -2.0], [0.0, 0.0, 2.0], 1.5).unwrap();
+    add("capsule", capsule, PI * 2.25 * (4.0 + 2.0), around_box([0.0, 0.0, 2.0], 1.5));
+    let cylinder = shapes::cylinder(2.0, 6.0).unwrap();
+    let outline = vec![[0.0, -3.0], [2.0, -3.0], [2.0, 3.0], [0.0, 3.0]];
+    add("cylinder", cylinder, 24.0 * PI, turned(outline));
+    let cone = shapes::capped_cone(2.0, 0.5, 4.0).unwrap();
+    let outline = vec![[0.0, -2.0], [2.0, -2.0], [0.5, 2.0], [0.0, 2.0]];
+    add("cone", cone, PI * 4.0 / 3.0 * (4.0 + 1.0 + 0.25), turned(outline));
+    let tip = shapes::capped_cone(0.0, 2.0, 3.0).unwrap();
+    add("cone with a tip", tip, PI * 4.0, turned(vec![[0.0, -1.5], [2.0, 1.5], [0.0, 1.5]]));
+    let torus = shapes::torus(5.0, 1.0).unwrap();
+    let distance = |[x, y, z]: Point| ((x.hypot(y) - 5.0).hypot(z) - 1.0).abs();
+    let at = |[s, t, _]: Point| {
+        let (a, b) = (2.0 * PI * s, 2.0 * PI * t);
+        let r = 5.0 + b.cos();
+        [r * a.cos(), r * a.sin(), b.sin()]
+    };
+    add("torus", torus, 10.0 * PI * PI, (Box::new(distance), Box::new(at)));
+    let stadium = shapes::segment([-1.0, 0.0], [2.0, 0.0], 1.0).and_then(|flat| flat.extruded(2.0)).unwrap();
+    let distance = |[x, y, z]: Point| {
+        let d = from_segment([x, y], [-1.0, 0.0], [2.0, 0.0]) - 1.0;
+        let q = [d, z.abs() - 1.0];
+        (q[0].max(0.0).hypot(q[1].max(0.0)) + q[0].max(q[1]).min(0.0)).abs()
+    };
+    let at = |[s, t, u]: Point| {
+        let angle = 2.0 * PI * s;
+        let end = if angle.cos() > 0.0 { 2.0 } else { -1.0 };
+        let r = if u < 0.5 { 1.0 } else { (2.0 * u - 1.0).sqrt() };
+        let z = if u < 0.5 { 2.0 * t - 1.0 } else { 1.0 };
+        [end + r * angle.cos(), r * angle.sin(), z]
+    };
+    add("stadium", stadium, 2.0 * (6.0 + PI), (Box::new(distance), Box::new(at)));
+    let vase = shapes::polygon(&[[0.0, 0.0], [2.0, 0.0], [1.0, 2.0], [3.0, 4.0], [0.0, 3.0]]).unwrap();
+    let outline = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 2.0], [3.0, 4.0], [0.0, 3.0]];
+    // By frusta: 2 (4 + 2 + 1) π/3, 2 (1 + 3 + 9) π/3, without the cone of height 1 below the top.
+    let volume = PI / 3.0 * (14.0 + 26.0 - 9.0);
+    add("revolved", vase.revolved(), volume, turned(outline));
+    all
+}
+
+/// The largest distance of points of the triangles from the surface, and of points of that from the triangles.
+fn both_ways(referee: &Referee, mesh: &Mesh) -> [f64; 2] {
+    let mut random = Random::new(7);
+    let mut number = || random.below(1 << 20) as f64 / f64::from(1 << 20);
+    let triangles: Vec<[Point; 3]> = (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect();
+    let mut far = [0.0_f64; 2];
+    for [a, b, c] in &triangles {
+        for k in 0..16 {
+            let (mut s, mut t) = if k == 0 { (1.0 / 3.0, 1.0 / 3.0) } else { (number(), number()) };
+            if s + t > 1.0 {
+                (s, t) = (1.0 - s, 1.0 - t);
+            }
+            let p = [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
+            far[0] = far[0].max((referee.distance)(p));
+        }
+    }
+    for _ in 0..600 {
+        let p = (referee.at)([number(), number(), number()]);
+        assert!((referee.distance)(p) < 1e-12, "{}: {p:?} is not on the surface", referee.name);
+        let near = triangles.iter().map(|t| distance_to_triangle(p, *t)).fold(f64::INFINITY, f64::min);
+        far[1] = far[1].max(near);
+    }
+    far
+}
+
+#[test]
+fn closed_forms_are_within_their_bounds_both_ways() {
+    for referee in referees() {
+        for length in [0.3, 0.01] {
+            let made = mesh(&referee.field, length);
+            let most = made.bound.at_most().unwrap();
+            assert!(most <= length && made.bound.evidence().bounds_above(), "{}", referee.name);
+            let found = validity(&made.shape, Topology::Indices);
+            assert!(found.closed && found.manifold && found.oriented, "{}: {found:?}", referee.name);
+            let measured = measure(&made.shape);
+            let off = (measured.signed_volume - referee.volume).abs();
+            assert!(off <= most * measured.area * 1.1 + 1e-9, "{}: {off}", referee.name);
+            for (way, far) in both_ways(&referee, &made.shape).into_iter().enumerate() {
+                assert!(far <= most + 1e-14, "{} {length} {way}: {far} > {most}", referee.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn bounds_are_not_much_larger_than_what_they_bound() {
+    for referee in referees() {
+        let made = mesh(&referee.field, 0.01);
+        let most = made.bound.at_most().unwrap();
+        let [there, back] = both_ways(&referee, &made.shape);
+        assert!(most < 1e-13 || 2.5 * there.max(back) > most, "{}: {there} {back} {most}", referee.name);
+    }
+}
+
+#[test]
+fn the_referee_sees_a_surface_that_is_moved() {
+    for referee in referees() {
+        let made = mesh(&referee.field, 0.01);
+        let moved = made.shape.positions().iter().map(|p| p.map(|x| 0.98 * x)).collect();
+        let moved = Mesh::new(moved, made.shape.faces().to_vec()).unwrap();
+        let [there, back] = both_ways(&referee, &moved);
+        assert!(there > 0.01 && back > 0.01, "{}: {there} {back}", referee.name);
+    }
+}
+
+#[test]
+fn placed_solids_keep_their_bounds() {
+    let ball = shapes::rounded_cuboid([4.0, 5.0, 6.0], 1.0).unwrap();
+    let own = mesh(&ball, 0.02);
+    for scale in [1.0, 2.0, -1.0] {
+        let map = Affine3::new([
+            [0.6 * scale, -0.8 * scale, 0.0, 3.0],
+            [0.8 * scale, 0.6 * scale, 0.0, -5.0],
+            [0.0, 0.0, scale, 7.0],
+        ])
+        .unwrap();
+        let placed = SolidMesher::placed(&own, &map).unwrap();
+        let most = placed.bound.at_most().unwrap();
+        assert!(most <= 0.02 * scale.abs() * (1.0 + 1e-9));
+        let volume = measure(&placed.shape).signed_volume;
+        assert!((volume / measure(&own.shape).signed_volume - scale.abs().powi(3)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn what_has_no_closed_form_has_no_mesh() {
+    let within = |field: &Field| mesh_of(field.construction().unwrap(), field, 0.01);
+    // A ring that meets itself, an outline that crosses itself, a circle that crosses the axis it is turned about.
+    assert!(within(&shapes::torus(1.0, 2.0).unwrap()).is_none());
+    let bow_tie = shapes::polygon(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]).unwrap();
+    assert!(within(&bow_tie.extruded(1.0).unwrap()).is_none());
+    assert!(within(&shapes::circle(1.0).unwrap().revolved()).is_none());
+    // More segments than are made.
+    let ball = shapes::sphere(1.0).unwrap();
+    assert!(mesh_of(ball.construction().unwrap(), &ball, 1e-12).is_none());
+    // Combinations that are known, and operations that drop it.
+    let cube = shapes::cuboid([1.0; 3]).unwrap();
+    assert!(cube.difference(&ball).construction().is_some_and(|known| !known.has_other()));
+    assert!(cube.smooth_union(&ball, 0.5).unwrap().construction().is_none());
+    assert!(cube.offset(0.5).unwrap().construction().is_none());
+    assert!(cube.scaled([1.0, 2.0, 1.0]).unwrap().construction().is_none());
+    assert!(cube.union(&cube.offset(0.5).unwrap()).construction().is_some_and(Construction::has_other));
+}
+
+#[test]
+fn a_solid_that_is_a_little_too_small_is_not_proved() {
+    let judged = |field: &Field, mesh: Mesh, length: f64| {
+        let goal = (Tolerance::new(length).unwrap(), RequiredEvidence::ProvedOrMeasured);
+        judged_against_field(&mut std::iter::once(mesh), field, goal, &Job::default())
+    };
+    for field in [shapes::cuboid([4.0; 3]).unwrap(), shapes::cylinder(2.0, 4.0).unwrap()] {
+        let made = mesh(&field, 0.002);
+        let right = judged(&field, made.shape.clone(), 0.005).unwrap();
+        assert!(right.bound.at_most().is_some_and(|most| most <= 0.005), "{:?}", right.bound);
+        let smaller = made.shape.positions().iter().map(|p| p.map(|x| x * 1.99 / 2.0)).collect();
+        let smaller = Mesh::new(smaller, made.shape.faces().to_vec()).unwrap();
+        let made = judged(&field, smaller, 0.005).or_else(Failure::best_effort).unwrap();
+        assert!(made.bound.at_most().is_none() && made.bound.at_least() > 0.005, "{:?}", made.bound);
+    }
+}
