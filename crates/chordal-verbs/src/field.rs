@@ -1,4 +1,6 @@
 //! Fields: meshed within a budget, and measured against triangles.
+#[cfg(feature = "booleans")]
+use crate::construction_by_booleans::mesh_by_construction;
 use crate::contact_lines::name_lines;
 #[cfg(feature = "booleans")]
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
@@ -74,7 +76,7 @@ fn mesh_parts(
     let field = finite(implicit)?;
     let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, request, notes, job)? {
         Some(made) => made,
-        None => mesh_whole((&field, &implicit.lines), request, notes, job)?,
+        None => mesh_of_field((&field, &implicit.lines), request, notes, job)?,
     };
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
@@ -87,6 +89,46 @@ fn mesh_parts(
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     let mesh = renumber(mesh, &field, materials).map_err(unsupported)?;
     Ok((Scene::from_mesh("field", mesh, implicit.frame), bound))
+}
+
+/// The shares of a length within which solids are meshed, one after the other until the whole is proved. Measured: half
+/// leaves the proof room to go around most edges, and a quarter around nearly all.
+#[cfg(feature = "booleans")]
+const SOLID_SHARES: [f64; 2] = [0.5, 0.25];
+
+/// A combination of solids, whose triangles are cut along each other and judged as a whole. None where some part has no
+/// triangles of its own, where cuts fail or leave nothing, and where the surface is measured to be too far.
+#[cfg(feature = "booleans")]
+fn mesh_of_solids(
+    field: &Field,
+    request: &MeshRequest,
+    job: &Job,
+) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+    let Some(construction) = field.construction().filter(|own| !own.has_other()) else { return Ok(None) };
+    let budget = &request.budget;
+    let is_by_length = budget.pixels.is_none() && budget.triangles.is_none();
+    // Materials are told apart by labels that cuts do not keep.
+    if !is_by_length || budget.require == RequiredEvidence::Estimated || !field.materials().is_empty() {
+        return Ok(None);
+    }
+    let Some(length) = request.reserve_rounding(request.rounding())?.length else { return Ok(None) };
+    let room = field.bounds();
+    let mut meshes = SOLID_SHARES.into_iter().map_while(|share| {
+        let own = Tolerance::new(share * length.get()).ok()?;
+        let mesh = mesh_by_construction(construction, &room, own, job)?;
+        (!mesh.faces().is_empty()).then_some(mesh)
+    });
+    match convert::solids::judged_against_field(&mut meshes, field, (length, budget.require), job) {
+        Ok(made) => request.snap(&made.shape, made.bound, job).map(Some),
+        Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
+        Err(Failure::Unmet(_) | Failure::Refused(_)) => Ok(None),
+    }
+}
+
+/// Without booleans every field is meshed as a whole.
+#[cfg(not(feature = "booleans"))]
+fn mesh_of_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+    Ok(None)
 }
 
 /// What is said of a mesh that is measured although a proof was tried; `None` of others.
@@ -117,20 +159,32 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
     )
 }
 
-/// The surface of a field by itself; the lines of its script are for sentences.
-fn mesh_whole(
+/// The surface of a field: of a combination of solids by their triangles, or else by itself. Where the first are not
+/// proved, the second may be. The lines of its script are for sentences.
+fn mesh_of_field(
     (field, lines): (&Field, &[ShapeLine]),
     request: &MeshRequest,
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
-    let mut words = None;
-    let mut made = request.run(job, |budget| {
-        let way = if convert::has_meshes(field) { simplified_field } else { mesh_in_detail };
-        let (made, said) = way(field, (budget, request), job)?;
-        words = said;
-        Ok(made)
-    })?;
+    let is_proved = |made: &Bounded<Mesh>| made.bound.at_most().is_some();
+    let of_solids = mesh_of_solids(field, request, job)?;
+    let is_enough = |made: &Bounded<Mesh>| {
+        is_proved(made) || request.budget.require == RequiredEvidence::Measured || job.is_finishing()
+    };
+    let (mut made, words) = match of_solids {
+        Some(made) if is_enough(&made) => (made, None),
+        Some(made) => {
+            // Where solids touch, their union may be tied there.
+            let is_tied = check::validity(&made.shape, Topology::Positions).non_manifold_edges.count > 0;
+            match mesh_whole(field, request, job) {
+                Ok((whole, words)) if is_proved(&whole) || is_tied => (whole, words),
+                Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
+                Ok(_) | Err(_) => (made, None),
+            }
+        }
+        None => mesh_whole(field, request, job)?,
+    };
     notes.extend(words);
     name_lines(&mut made.bound, lines);
     if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
@@ -138,6 +192,22 @@ fn mesh_whole(
     }
     notes.extend(shape_notes(&made.shape, request));
     Ok(made)
+}
+
+/// The surface of a field by itself, and what is to be said of it.
+fn mesh_whole(
+    field: &Field,
+    request: &MeshRequest,
+    job: &Job,
+) -> Result<(Bounded<Mesh>, Option<Message>), MeshFailure> {
+    let mut words = None;
+    let made = request.run(job, |budget| {
+        let way = if convert::has_meshes(field) { simplified_field } else { mesh_in_detail };
+        let (made, said) = way(field, (budget, request), job)?;
+        words = said;
+        Ok(made)
+    })?;
+    Ok((made, words))
 }
 
 /// What is to be said of the triangles of a shape, as they are written: ties that their digits make, and in a draft, whose

@@ -26,6 +26,8 @@ mod cage_size;
 mod collapsed_faces;
 mod compose;
 mod composed;
+#[cfg(feature = "booleans")]
+mod construction_by_booleans;
 mod contact_lines;
 mod convert;
 mod cubic_paths;

@@ -18,5 +18,6 @@ mod open_scan;
 mod prescribed;
 mod quantized;
 mod skins;
+mod solids;
 mod verify_edits;
 mod verify_formats;

@@ -1,0 +1,382 @@
+//! `mesh_by_construction`: a field that is a combination of solids, as their triangles cut along each other.
+use crate::format_rounding::RoundingTarget;
+use crate::solid_cut::cut;
+use chordal::boolean::BooleanOp;
+use chordal::budget::{Bound, Bounded, Reference, Tolerance};
+use chordal::convert::solids::SolidMesher;
+use chordal::implicit::Affine3;
+use chordal::implicit::construction::{Construction, ConstructionNode, SolidForm};
+use chordal::math::{Box3, greater};
+use chordal::{Job, Mesh};
+use chordal_io::Format;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The triangles of a combination of solids, each within a length. None where a part has no mesh of its own or a cut fails,
+/// and when the job is cancelled; without faces where nothing is left.
+///
+/// Nothing is said of how far the whole is from its field: distances of parts are none of what is cut from them where they
+/// cross at a small angle. Rotations come after what they turn is combined, so that planes that are equal in the numbers of
+/// a script are equal when they are cut. Cost: the cuts, each n log n in its triangles; solids whose boxes do not meet are
+/// put together without one.
+pub(crate) fn mesh_by_construction(
+    construction: &Construction,
+    room: &Box3,
+    length: Tolerance,
+    job: &Job,
+) -> Option<Mesh> {
+    let mut assembler = SolidAssembler { job, known: BTreeMap::new() };
+    let whole = assembler.solid(construction, &Place { map: Affine3::IDENTITY, room: *room }, length);
+    match whole {
+        // All of space but something has no triangles that end.
+        Ok(SidedSolid { mesh, is_complement: false }) => Some(Arc::unwrap_or_clone(mesh)),
+        Ok(_) | Err(NoTriangles) => None,
+    }
+}
+
+/// A part has no triangles of its own, a cut failed, or the job was cancelled.
+struct NoTriangles;
+
+/// A solid, or all but it.
+#[derive(Clone)]
+struct SidedSolid {
+    mesh: Arc<Mesh>,
+    is_complement: bool,
+}
+
+/// Where a part is placed before it is combined with others.
+#[derive(Clone, Copy)]
+struct Place {
+    map: Affine3,
+    /// The room of the whole, in the coordinates that the map leads to.
+    room: Box3,
+}
+
+/// A part of a union or an intersection.
+struct Part<'a> {
+    construction: &'a Construction,
+    place: Place,
+    is_complement: bool,
+}
+
+struct SolidAssembler<'a> {
+    job: &'a Job,
+    /// What is used several times in coordinates of its own, by its address and the bits of its room and length.
+    known: BTreeMap<(usize, [u64; 7]), SidedSolid>,
+}
+
+type Assembled = Result<SidedSolid, NoTriangles>;
+
+impl SolidAssembler<'_> {
+    /// The triangles of a part where it is placed.
+    fn solid(&mut self, part: &Construction, place: &Place, length: Tolerance) -> Assembled {
+        match part.node() {
+            ConstructionNode::Solid(form) => {
+                let scale = scale_of(&place.map);
+                let own = Tolerance::new(length.get() / scale).map_err(|_| NoTriangles)?;
+                let mesher = SolidMesher { length: own, room: preimage(&place.map, &place.room) };
+                let made = mesher.mesh(form).ok_or(NoTriangles)?;
+                placed(made.shape, &place.map)
+                    .map(|mesh| SidedSolid { mesh: mesh.into(), is_complement: false })
+            }
+            ConstructionNode::Placed(map, below) if is_exact(map) && is_form(below) => {
+                let map = composed(&place.map, map)?;
+                self.solid(below, &Place { map, ..*place }, length)
+            }
+            ConstructionNode::Placed(map, below) => {
+                let map = composed(&place.map, map)?;
+                let own = self.in_own_coordinates(below, &Place { map, ..*place }, length)?;
+                self.at(own, &map)
+            }
+            ConstructionNode::Complement(below) => {
+                let own = self.solid(below, place, length)?;
+                Ok(SidedSolid { is_complement: !own.is_complement, ..own })
+            }
+            ConstructionNode::Union(_) => self.combined(part, place, length, BooleanOp::Union),
+            ConstructionNode::Intersection(_) => self.combined(part, place, length, BooleanOp::Intersection),
+            ConstructionNode::Planar(_) | ConstructionNode::Other(_) => Err(NoTriangles),
+        }
+    }
+
+    /// A part in its own coordinates, made once for all its places.
+    fn in_own_coordinates(&mut self, part: &Construction, place: &Place, length: Tolerance) -> Assembled {
+        let room = preimage(&place.map, &place.room);
+        let length = Tolerance::new(length.get() / scale_of(&place.map)).map_err(|_| NoTriangles)?;
+        // The room matters to what has no ends alone.
+        let ends = if has_half_space(part) { [room.min, room.max] } else { [[0.0; 3]; 2] };
+        let mut key = [length.get().to_bits(); 7];
+        key.iter_mut().zip(ends.as_flattened()).for_each(|(bits, x)| *bits = x.to_bits());
+        let key = (part.address(), key);
+        if let Some(known) = self.known.get(&key) {
+            return Ok(known.clone());
+        }
+        let made = self.solid(part, &Place { map: Affine3::IDENTITY, room }, length)?;
+        self.known.insert(key, made.clone());
+        Ok(made)
+    }
+
+    fn at(&self, solid: SidedSolid, map: &Affine3) -> Assembled {
+        let mesh = placed(Arc::unwrap_or_clone(solid.mesh), map)?.into();
+        Ok(SidedSolid { mesh, ..solid })
+    }
+
+    /// A union or an intersection, with all parts of unions in unions and of intersections in intersections.
+    fn combined(
+        &mut self,
+        whole: &Construction,
+        place: &Place,
+        length: Tolerance,
+        op: BooleanOp,
+    ) -> Assembled {
+        let first = Part { construction: whole, place: *place, is_complement: false };
+        let (mut todo, mut parts) = (vec![first], Vec::new());
+        while let Some(part) = todo.pop() {
+            let Part { construction, place, is_complement } = part;
+            match construction.node() {
+                ConstructionNode::Union(below) if is_complement == (op != BooleanOp::Union) => {
+                    todo.extend(below.iter().rev().map(|construction| Part { construction, ..part }));
+                }
+                ConstructionNode::Intersection(below) if is_complement == (op == BooleanOp::Union) => {
+                    todo.extend(below.iter().rev().map(|construction| Part { construction, ..part }));
+                }
+                ConstructionNode::Complement(below) => {
+                    todo.push(Part { construction: below, is_complement: !is_complement, place });
+                }
+                // Patterns and moved unions are one union.
+                ConstructionNode::Placed(map, below)
+                    if is_exact(map) && !is_form(below) && !is_cut(below) =>
+                {
+                    let map = composed(&place.map, map)?;
+                    todo.push(Part { construction: below, place: Place { map, ..place }, is_complement });
+                }
+                _ => parts.push(part),
+            }
+        }
+        let mut solids: Vec<SidedSolid> = Vec::with_capacity(parts.len());
+        let mut rest = parts.as_slice();
+        while let Some(first) = rest.first() {
+            if self.job.is_cancelled() {
+                return Err(NoTriangles);
+            }
+            // Parts in a row that are turned alike are combined before they are turned.
+            let n_alike = rest.iter().take_while(|part| first.is_turned_like(part)).count();
+            let made = match first.construction.node() {
+                ConstructionNode::Placed(map, _) if n_alike > 1 => {
+                    let map = composed(&first.place.map, map)?;
+                    let scale = scale_of(&map);
+                    let own = Place { map: Affine3::IDENTITY, room: preimage(&map, &first.place.room) };
+                    let own_length = Tolerance::new(length.get() / scale).map_err(|_| NoTriangles)?;
+                    let alike = rest[..n_alike].iter().map(|part| {
+                        let ConstructionNode::Placed(_, below) = part.construction.node() else {
+                            return Err(NoTriangles);
+                        };
+                        let own = self.solid(below, &own, own_length)?;
+                        Ok(SidedSolid { is_complement: own.is_complement != part.is_complement, ..own })
+                    });
+                    let alike: Vec<SidedSolid> = alike.collect::<Result<_, _>>()?;
+                    let own = self.join(alike, op)?;
+                    vec![self.at(own, &map)?]
+                }
+                _ => {
+                    let own = self.solid(first.construction, &first.place, length)?;
+                    vec![SidedSolid { is_complement: own.is_complement != first.is_complement, ..own }]
+                }
+            };
+            let is_turned = matches!(first.construction.node(), ConstructionNode::Placed(..)) && n_alike > 1;
+            rest = &rest[if is_turned { n_alike } else { 1 }..];
+            solids.extend(made);
+        }
+        self.join(solids, op)
+    }
+
+    /// Cuts solids along each other.
+    fn join(&self, solids: Vec<SidedSolid>, op: BooleanOp) -> Assembled {
+        let (outer, inner): (Vec<_>, Vec<_>) = solids.into_iter().partition(|solid| solid.is_complement);
+        let mut meshes: Vec<Mesh> =
+            [&inner, &outer].into_iter().flatten().map(|solid| solid.mesh.as_ref().clone()).collect();
+        tie_coordinates(&mut meshes);
+        let outer = meshes.split_off(inner.len());
+        let inner = meshes;
+        // In a union of complements and solids, all is outside of what the complements leave out and the solids do not fill.
+        let (common, taken, is_complement) = match op {
+            BooleanOp::Union if outer.is_empty() => {
+                return self.cut(apart(inner), BooleanOp::Union, Vec::new(), false);
+            }
+            BooleanOp::Union => (outer, inner, true),
+            _ if inner.is_empty() => return self.cut(apart(outer), BooleanOp::Union, Vec::new(), true),
+            _ => (inner, outer, false),
+        };
+        self.cut(common, BooleanOp::Intersection, apart(taken), is_complement)
+    }
+
+    /// Combines meshes by one operation, and takes others away.
+    fn cut(&self, first: Vec<Mesh>, op: BooleanOp, taken: Vec<Mesh>, is_complement: bool) -> Assembled {
+        let n_first = first.len();
+        let all: Vec<Mesh> = first.into_iter().chain(taken).collect();
+        if all.iter().all(|mesh| mesh.faces().is_empty()) {
+            return Ok(SidedSolid { mesh: Mesh::default().into(), is_complement });
+        }
+        if let [one] = all.as_slice() {
+            return Ok(SidedSolid { mesh: one.clone().into(), is_complement });
+        }
+        let ops: Vec<BooleanOp> =
+            (1..all.len()).map(|k| if k < n_first { op } else { BooleanOp::Difference }).collect();
+        let meshes: Vec<&Mesh> = all.iter().collect();
+        // Rounded to no format: only the whole is written.
+        match cut(&meshes, &ops, RoundingTarget::format(Format::Ply), self.job) {
+            Ok(made) if made.bound.evidence().bounds_above() => {
+                Ok(SidedSolid { mesh: made.mesh.into(), is_complement })
+            }
+            Ok(_) | Err(_) => Err(NoTriangles),
+        }
+    }
+}
+
+impl Part<'_> {
+    /// Whether both are turned by the same map that is not exact.
+    fn is_turned_like(&self, other: &Self) -> bool {
+        match (self.construction.node(), other.construction.node()) {
+            (ConstructionNode::Placed(own, _), ConstructionNode::Placed(map, _)) => {
+                !is_exact(own) && own == map && self.place.map == other.place.map
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Whether equal coordinates stay equal under a map: each coordinate is one of those before, or its negative, and a shift.
+fn is_exact(map: &Affine3) -> bool {
+    map.rows().iter().all(|row| row[..3].iter().filter(|x| **x != 0.0).count() == 1)
+}
+
+fn is_form(part: &Construction) -> bool {
+    match part.node() {
+        ConstructionNode::Solid(_) => true,
+        ConstructionNode::Placed(map, below) => is_exact(map) && is_form(below),
+        _ => false,
+    }
+}
+
+/// Whether it is neither a union nor one that is moved.
+fn is_cut(part: &Construction) -> bool {
+    match part.node() {
+        ConstructionNode::Union(_) => false,
+        ConstructionNode::Placed(map, below) => !is_exact(map) || is_cut(below),
+        _ => true,
+    }
+}
+
+fn has_half_space(part: &Construction) -> bool {
+    match part.node() {
+        ConstructionNode::Solid(form) => matches!(form, SolidForm::HalfSpace { .. }),
+        ConstructionNode::Placed(_, below) | ConstructionNode::Complement(below) => has_half_space(below),
+        ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => {
+            parts.iter().any(has_half_space)
+        }
+        ConstructionNode::Planar(_) | ConstructionNode::Other(_) => false,
+    }
+}
+
+/// How much longer a map that keeps shapes makes lengths.
+fn scale_of(map: &Affine3) -> f64 {
+    let [x, y, z] = map.steps()[0];
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// A box around what a map that keeps shapes takes into a box, roughly.
+fn preimage(map: &Affine3, room: &Box3) -> Box3 {
+    let [x, y, z] = map.rows();
+    let scale = scale_of(map);
+    let back = |p: [f64; 3]| {
+        let q = [p[0] - x[3], p[1] - y[3], p[2] - z[3]];
+        std::array::from_fn(|k| (x[k] * q[0] + y[k] * q[1] + z[k] * q[2]) / (scale * scale))
+    };
+    let corner = |k: usize| {
+        std::array::from_fn(|axis| if k >> axis & 1 == 1 { room.max[axis] } else { room.min[axis] })
+    };
+    Box3::from_points(&(0..8).map(|k| back(corner(k))).collect::<Vec<_>>())
+}
+
+/// First `inner`, then `outer`.
+fn composed(outer: &Affine3, inner: &Affine3) -> Result<Affine3, NoTriangles> {
+    let (a, b) = (outer.rows(), inner.rows());
+    let entry = |i: usize, j: usize| (a[i][0] * b[0][j] + a[i][1] * b[1][j]) + a[i][2] * b[2][j];
+    let row = |i: usize| std::array::from_fn(|j| if j == 3 { entry(i, j) + a[i][3] } else { entry(i, j) });
+    Affine3::new([0, 1, 2].map(row)).map_err(|_| NoTriangles)
+}
+
+fn placed(mesh: Mesh, map: &Affine3) -> Result<Mesh, NoTriangles> {
+    if *map == Affine3::IDENTITY {
+        return Ok(mesh);
+    }
+    let made = Bounded { shape: mesh, bound: Bound::exact(Reference::Field) };
+    SolidMesher::placed(&made, map).map(|placed| placed.shape).ok_or(NoTriangles)
+}
+
+/// Meshes whose boxes do not meet as one mesh: as few as a simple search finds, in the order of their first.
+fn apart(meshes: Vec<Mesh>) -> Vec<Mesh> {
+    let mut groups: Vec<(Vec<Box3>, Vec<Mesh>)> = Vec::new();
+    let meets = |a: &Box3, b: &Box3| (0..3).all(|k| a.min[k] <= b.max[k] && b.min[k] <= a.max[k]);
+    for mesh in meshes.into_iter().filter(|mesh| !mesh.faces().is_empty()) {
+        let own = mesh.bounds();
+        match groups.iter_mut().find(|(boxes, _)| !boxes.iter().any(|other| meets(&own, other))) {
+            Some((boxes, members)) => {
+                boxes.push(own);
+                members.push(mesh);
+            }
+            None => groups.push((vec![own], vec![mesh])),
+        }
+    }
+    groups.into_iter().map(|(_, members)| together(members)).collect()
+}
+
+fn together(mut meshes: Vec<Mesh>) -> Mesh {
+    if meshes.len() == 1 {
+        return meshes.remove(0);
+    }
+    let (mut positions, mut faces): (Vec<[f64; 3]>, Vec<[u32; 3]>) = Default::default();
+    for mesh in &meshes {
+        let first = positions.len() as u32;
+        positions.extend_from_slice(mesh.positions());
+        faces.extend(mesh.faces().iter().map(|face| face.map(|row| row + first)));
+    }
+    Mesh::new(positions, faces).unwrap_or_default()
+}
+
+/// Coordinates that differ by less than this, relative to the largest one, are the same in what a script means: derived, some
+/// dozen roundings of placements; as planes of fields are told apart.
+const TIED: f64 = 1.0 / (1_u64 << 48) as f64;
+
+/// Makes coordinates that differ by rounding alone the same, so that planes across the axes that are meant to be one are.
+fn tie_coordinates(meshes: &mut [Mesh]) {
+    let all = || meshes.iter().flat_map(|mesh| mesh.positions());
+    let largest = all().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
+    let near = TIED * largest;
+    let ties: [Vec<(f64, f64)>; 3] = std::array::from_fn(|axis| {
+        let mut values: Vec<f64> = all().map(|p| p[axis]).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values.dedup();
+        let mut first = f64::NEG_INFINITY;
+        let mut tied = Vec::new();
+        for value in values {
+            if value - first <= near {
+                tied.push((value, first));
+            } else {
+                first = value;
+            }
+        }
+        tied
+    });
+    if ties.iter().all(Vec::is_empty) {
+        return;
+    }
+    for mesh in meshes {
+        let moved = |axis: usize, x: f64| {
+            ties[axis].binary_search_by(|(from, _)| from.total_cmp(&x)).map_or(x, |row| ties[axis][row].1)
+        };
+        let positions = mesh.positions().iter().map(|p| [0, 1, 2].map(|axis| moved(axis, p[axis]))).collect();
+        if let Ok(tied) = Mesh::new(positions, mesh.faces().to_vec()) {
+            *mesh = tied;
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Scripts that combine solids: cut along each other, and judged against the field. The volumes are by formulas.
+use chordal::check::findings::measure;
+use chordal::check::validity;
+use chordal::explicit::Topology;
+use chordal::{Job, Mesh};
+use chordal_io::{Format, Limits};
+use chordal_verbs::{BudgetSpec, FormatHint, MeshFailure, MeshOutcome, load, mesh};
+
+const LENGTH: &str = "0.05";
+const PI: f64 = std::f64::consts::PI;
+
+fn made_with(text: &str, length: &str, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+    let hint = FormatHint { name: Some("a.star"), ..FormatHint::default() };
+    let input = load(text.as_bytes(), hint, &Limits::default()).unwrap();
+    let spec = BudgetSpec { length: Some(length.parse().unwrap()), ..BudgetSpec::default() };
+    mesh(input, &spec, Format::Ply, job)
+}
+
+fn made(text: &str) -> MeshOutcome {
+    made_with(text, LENGTH, &Job::default()).unwrap_or_else(|why| panic!("{text}: {why:?}"))
+}
+
+fn only_mesh(outcome: &MeshOutcome) -> &Mesh {
+    &outcome.scene().unwrap().parts[0].mesh
+}
+
+/// Closed, manifold, and of a volume that differs by no more than the length times the area.
+fn check_solid(text: &str, volume: f64) -> MeshOutcome {
+    let outcome = made(text);
+    let mesh = only_mesh(&outcome);
+    let found = validity(mesh, Topology::Positions);
+    assert!(found.closed && found.manifold && found.oriented, "{text}: {found:?}");
+    let measured = measure(mesh);
+    let off = (measured.signed_volume - volume).abs();
+    assert!(off <= 0.05 * measured.area + 1e-9, "{text}: {} for {volume}", measured.signed_volume);
+    outcome
+}
+
+#[test]
+fn volumes_of_combinations_are_those_of_formulas() {
+    let lens = |r: f64, d: f64| PI * (4.0 * r + d) * (2.0 * r - d) * (2.0 * r - d) / 12.0;
+    let parts: [(&str, f64); 12] = [
+        ("box(10, 20, 5) - cylinder(3, 9)", 1000.0 - 45.0 * PI),
+        ("sphere(5) & move(sphere(5), 4, 0)", lens(5.0, 4.0)),
+        ("sphere(5) | move(sphere(5), 4, 0)", 2.0 * 500.0 / 3.0 * PI - lens(5.0, 4.0)),
+        ("extrude(circle(6) - circle(4), 8)", 160.0 * PI),
+        ("cylinder(6, 8) - cylinder(4, 9) - move(box(12, 3, 10), 6, 0)", {
+            // Half of the strip |y| < 1.5, x > 0, in the ring.
+            let part = |r: f64| 1.5 * (r * r - 2.25).sqrt() + r * r * (1.5 / r).asin();
+            160.0 * PI - 8.0 * (part(6.0) - part(4.0))
+        }),
+        ("torus(10, 2) & plane([0, 0, 1], 0)", 40.0 * PI * PI),
+        ("polar(move(cylinder(1, 4), 8, 0), 6) | cylinder(5, 4)", 6.0 * 4.0 * PI + 100.0 * PI),
+        ("box(10, 10, 10) - repeat(move(cylinder(1, 20), -3, 0), x=3, nx=3)", 1000.0 - 30.0 * PI),
+        ("symmetric(move(box(2, 2, 2), 3, 0), 1, 0) | box(10, 1, 1)", 16.0 + 10.0 - 4.0),
+        ("revolve(move(rectangle(2, 6), 5, 0)) - rotate_x(cylinder(1, 4), 90)", 2.0 * PI * 5.0 * 12.0),
+        ("rounded_box(10, 10, 10, 2) & box(20, 20, 2)", 2.0 * (100.0 - (4.0 - PI) * 4.0)),
+        ("scale(prism(6, 2, 3), 2) - box(1, 1, 20)", 6.0 * 0.5 * 16.0 * (PI / 3.0).sin() * 6.0 - 6.0),
+    ];
+    for (text, volume) in parts {
+        let outcome = check_solid(text, volume);
+        assert!(outcome.bound.at_most().is_some_and(|most| most <= 0.05), "{text}: {}", outcome.bound);
+    }
+}
+
+#[test]
+fn flush_solids_are_one_whatever_they_were_turned_by() {
+    let parts = [
+        ("box(10, 10, 10) | move(box(6, 4, 12), 0, 7)", 1000.0 + 6.0 * 4.0 * 12.0),
+        ("box(10, 10, 10) | move(box(10, 10, 0.2), 0, 0, 5.1)", 1020.0),
+        ("box(4, 4, 0.6) | move(box(4, 4, 0.2), 0, 0, 0.4)", 16.0 * 0.8),
+        ("union([move(box(3, 3, 1), 0, 0, k * 0.1 * 10) for k in range(9)])", 81.0),
+        ("box(20, 20, 3) | move(rotate_z(box(20, 20, 3), 45), 0, 0, 3)", 2400.0),
+        ("cylinder(3, 4) | move(cylinder(3, 4), 0, 0, 4)", 72.0 * PI),
+        ("box(10, 10, 10) - move(box(4, 4, 4), 3, 3, 3)", 1000.0 - 64.0),
+        ("box(6, 6, 6) - move(cylinder(3, 6), 3, 3)", 216.0 - 6.0 * 9.0 * PI / 4.0),
+    ];
+    for (text, volume) in parts {
+        for turn in [0, 30] {
+            check_solid(&format!("rotate_z({text}, {turn})"), volume);
+            check_solid(
+                &format!("rotate([1, 2, 3], {turn})").replace("rotate(", &format!("rotate({text}, ")),
+                volume,
+            );
+        }
+    }
+    // Each turned by itself.
+    let turned = "rotate_z(box(10, 10, 10), 30) | rotate_z(move(box(6, 4, 12), 0, 7), 30)";
+    check_solid(turned, 1000.0 + 6.0 * 4.0 * 12.0);
+}
+
+#[test]
+fn a_combination_that_leaves_nothing_says_so() {
+    for text in ["box(1, 1, 1) - box(2, 2, 2)", "sphere(1) & move(sphere(1), 5, 0)"] {
+        let Err(MeshFailure::Refused(refusal)) = made_with(text, LENGTH, &Job::default()) else {
+            panic!("{text} has a mesh")
+        };
+        assert_eq!(refusal.code, chordal::budget::RefusalCode::Empty, "{text}");
+    }
+}
+
+#[test]
+fn a_thousand_boxes_are_one_solid() {
+    let stack = "union([move(box(2, 2, 1), 0, 0, k) for k in range(1000)])";
+    check_solid(stack, 4000.0);
+    let grid = "union([move(box(1.25, 1.25, 1.25), i, j, k) for i in range(10) for j in range(10) for k in range(10)])";
+    check_solid(grid, 10.25 * 10.25 * 10.25);
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_threads() {
+    let text = "rotate_x(polar(move(cylinder(1, 4), 5, 0), 7) | cylinder(5.5, 4), 20) - move(sphere(3), 0, 0, 2) - plane([0, 1, 1], -4)";
+    let bytes = |threads: usize| {
+        let mut out = Vec::new();
+        let job = Job { threads, ..Job::default() };
+        made_with(text, LENGTH, &job).unwrap().write(&mut out).unwrap();
+        out
+    };
+    let one = bytes(1);
+    assert!(one.len() > 1000);
+    assert_eq!(one, bytes(4));
+}
