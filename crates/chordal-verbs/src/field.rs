@@ -159,31 +159,25 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
     )
 }
 
-/// The surface of a field: of a combination of solids by their triangles, or else by itself. Where the first are not
-/// proved, the second may be. The lines of its script are for sentences.
+/// The surface of a field: by itself, or where that is not proved, by the triangles of the solids that it combines if these
+/// are. The lines of its script are for sentences.
 fn mesh_of_field(
     (field, lines): (&Field, &[ShapeLine]),
     request: &MeshRequest,
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
+    let whole = mesh_whole(field, request, job);
     let is_proved = |made: &Bounded<Mesh>| made.bound.at_most().is_some();
-    let of_solids = mesh_of_solids(field, request, job)?;
-    let is_enough = |made: &Bounded<Mesh>| {
-        is_proved(made) || request.budget.require == RequiredEvidence::Measured || job.is_finishing()
+    let is_enough = match &whole {
+        Ok((made, _)) => is_proved(made) || request.budget.require == RequiredEvidence::Measured,
+        Err(failure) => matches!(failure, MeshFailure::Cancelled),
     };
-    let (mut made, words) = match of_solids {
-        Some(made) if is_enough(&made) => (made, None),
-        Some(made) => {
-            // Where solids touch, their union may be tied there.
-            let is_tied = check::validity(&made.shape, Topology::Positions).non_manifold_edges.count > 0;
-            match mesh_whole(field, request, job) {
-                Ok((whole, words)) if is_proved(&whole) || is_tied => (whole, words),
-                Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
-                Ok(_) | Err(_) => (made, None),
-            }
-        }
-        None => mesh_whole(field, request, job)?,
+    // Flush faces and crossing edges, on which the proof of a field may not end, are exact there.
+    let of_solids = if is_enough || job.is_finishing() { None } else { mesh_of_solids(field, request, job)? };
+    let (mut made, words) = match of_solids.filter(is_proved) {
+        Some(made) => (made, None),
+        None => whole?,
     };
     notes.extend(words);
     name_lines(&mut made.bound, lines);

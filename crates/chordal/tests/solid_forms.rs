@@ -202,7 +202,7 @@ fn closed_forms_are_within_their_bounds_both_ways() {
             let most = made.bound.at_most().unwrap();
             assert!(most <= length && made.bound.evidence().bounds_above(), "{}", referee.name);
             let found = validity(&made.shape, Topology::Indices);
-            assert!(found.closed && found.manifold && found.oriented, "{}: {found:?}", referee.name);
+            assert!(found.closed && found.manifold() && found.oriented, "{}: {found:?}", referee.name);
             let measured = measure(&made.shape);
             let off = (measured.signed_volume - referee.volume).abs();
             assert!(off <= most * measured.area * 1.1 + 1e-9, "{}: {off}", referee.name);
