@@ -26,7 +26,7 @@ pub(crate) fn mesh_by_construction(
     job: &Job,
 ) -> Option<Mesh> {
     let mut assembler = SolidAssembler { job, known: BTreeMap::new() };
-    let whole = assembler.solid(construction, &Place { map: Affine3::IDENTITY, room: *room }, length);
+    let whole = assembler.solid(construction, &PartPlace { map: Affine3::IDENTITY, room: *room }, length);
     match whole {
         // All of space but something has no triangles that end.
         Ok(SidedSolid { mesh, is_complement: false }) => Some(Arc::unwrap_or_clone(mesh)),
@@ -46,16 +46,16 @@ struct SidedSolid {
 
 /// Where a part is placed before it is combined with others.
 #[derive(Clone, Copy)]
-struct Place {
+struct PartPlace {
     map: Affine3,
     /// The room of the whole, in the coordinates that the map leads to.
     room: Box3,
 }
 
 /// A part of a union or an intersection.
-struct Part<'a> {
+struct PlacedPart<'a> {
     construction: &'a Construction,
-    place: Place,
+    place: PartPlace,
     is_complement: bool,
 }
 
@@ -69,7 +69,7 @@ type Assembled = Result<SidedSolid, NoTriangles>;
 
 impl SolidAssembler<'_> {
     /// The triangles of a part where it is placed.
-    fn solid(&mut self, part: &Construction, place: &Place, length: Tolerance) -> Assembled {
+    fn solid(&mut self, part: &Construction, place: &PartPlace, length: Tolerance) -> Assembled {
         match part.node() {
             ConstructionNode::Solid(form) => {
                 let scale = scale_of(&place.map);
@@ -81,11 +81,11 @@ impl SolidAssembler<'_> {
             }
             ConstructionNode::Placed(map, below) if is_exact(map) && is_form(below) => {
                 let map = composed(&place.map, map)?;
-                self.solid(below, &Place { map, ..*place }, length)
+                self.solid(below, &PartPlace { map, ..*place }, length)
             }
             ConstructionNode::Placed(map, below) => {
                 let map = composed(&place.map, map)?;
-                let own = self.in_own_coordinates(below, &Place { map, ..*place }, length)?;
+                let own = self.in_own_coordinates(below, &PartPlace { map, ..*place }, length)?;
                 self.at(own, &map)
             }
             ConstructionNode::Complement(below) => {
@@ -99,7 +99,7 @@ impl SolidAssembler<'_> {
     }
 
     /// A part in its own coordinates, made once for all its places.
-    fn in_own_coordinates(&mut self, part: &Construction, place: &Place, length: Tolerance) -> Assembled {
+    fn in_own_coordinates(&mut self, part: &Construction, place: &PartPlace, length: Tolerance) -> Assembled {
         let room = preimage(&place.map, &place.room);
         let length = Tolerance::new(length.get() / scale_of(&place.map)).map_err(|_| NoTriangles)?;
         // The room matters to what has no ends alone.
@@ -110,7 +110,7 @@ impl SolidAssembler<'_> {
         if let Some(known) = self.known.get(&key) {
             return Ok(known.clone());
         }
-        let made = self.solid(part, &Place { map: Affine3::IDENTITY, room }, length)?;
+        let made = self.solid(part, &PartPlace { map: Affine3::IDENTITY, room }, length)?;
         self.known.insert(key, made.clone());
         Ok(made)
     }
@@ -124,30 +124,34 @@ impl SolidAssembler<'_> {
     fn combined(
         &mut self,
         whole: &Construction,
-        place: &Place,
+        place: &PartPlace,
         length: Tolerance,
         op: BooleanOp,
     ) -> Assembled {
-        let first = Part { construction: whole, place: *place, is_complement: false };
+        let first = PlacedPart { construction: whole, place: *place, is_complement: false };
         let (mut todo, mut parts) = (vec![first], Vec::new());
         while let Some(part) = todo.pop() {
-            let Part { construction, place, is_complement } = part;
+            let PlacedPart { construction, place, is_complement } = part;
             match construction.node() {
                 ConstructionNode::Union(below) if is_complement == (op != BooleanOp::Union) => {
-                    todo.extend(below.iter().rev().map(|construction| Part { construction, ..part }));
+                    todo.extend(below.iter().rev().map(|construction| PlacedPart { construction, ..part }));
                 }
                 ConstructionNode::Intersection(below) if is_complement == (op == BooleanOp::Union) => {
-                    todo.extend(below.iter().rev().map(|construction| Part { construction, ..part }));
+                    todo.extend(below.iter().rev().map(|construction| PlacedPart { construction, ..part }));
                 }
                 ConstructionNode::Complement(below) => {
-                    todo.push(Part { construction: below, is_complement: !is_complement, place });
+                    todo.push(PlacedPart { construction: below, is_complement: !is_complement, place });
                 }
                 // Patterns and moved unions are one union.
                 ConstructionNode::Placed(map, below)
                     if is_exact(map) && !is_form(below) && !is_cut(below) =>
                 {
                     let map = composed(&place.map, map)?;
-                    todo.push(Part { construction: below, place: Place { map, ..place }, is_complement });
+                    todo.push(PlacedPart {
+                        construction: below,
+                        place: PartPlace { map, ..place },
+                        is_complement,
+                    });
                 }
                 _ => parts.push(part),
             }
@@ -164,7 +168,7 @@ impl SolidAssembler<'_> {
                 ConstructionNode::Placed(map, _) if n_alike > 1 => {
                     let map = composed(&first.place.map, map)?;
                     let scale = scale_of(&map);
-                    let own = Place { map: Affine3::IDENTITY, room: preimage(&map, &first.place.room) };
+                    let own = PartPlace { map: Affine3::IDENTITY, room: preimage(&map, &first.place.room) };
                     let own_length = Tolerance::new(length.get() / scale).map_err(|_| NoTriangles)?;
                     let alike = rest[..n_alike].iter().map(|part| {
                         let ConstructionNode::Placed(_, below) = part.construction.node() else {
@@ -232,7 +236,7 @@ impl SolidAssembler<'_> {
     }
 }
 
-impl Part<'_> {
+impl PlacedPart<'_> {
     /// Whether both are turned by the same map that is not exact.
     fn is_turned_like(&self, other: &Self) -> bool {
         match (self.construction.node(), other.construction.node()) {
