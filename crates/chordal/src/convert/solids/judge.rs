@@ -117,7 +117,7 @@ impl ProofSearch<'_, '_> {
             let mut open = verdict.open.concat();
             open.sort_unstable();
             open.dedup();
-            let is_hopeless = FEW * open.len() > mesh.faces().len() || open.len() > 2 * n_open;
+            let is_hopeless = FEW * open.len() > mesh.faces().len() || open.len() / 2 > n_open;
             if open.is_empty() || is_hopeless || self.proof.is_over() {
                 break;
             }
