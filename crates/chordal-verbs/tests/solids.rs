@@ -29,7 +29,7 @@ fn check_solid(text: &str, volume: f64) -> MeshOutcome {
     let outcome = made(text);
     let mesh = only_mesh(&outcome);
     let found = validity(mesh, Topology::Positions);
-    assert!(found.closed && found.manifold && found.oriented, "{text}: {found:?}");
+    assert!(found.closed && found.manifold() && found.oriented, "{text}: {found:?}");
     let measured = measure(mesh);
     let off = (measured.signed_volume - volume).abs();
     assert!(off <= 0.05 * measured.area + 1e-9, "{text}: {} for {volume}", measured.signed_volume);
@@ -112,7 +112,7 @@ fn the_bytes_do_not_depend_on_the_threads() {
     let text = "rotate_x(polar(move(cylinder(1, 4), 5, 0), 7) | cylinder(5.5, 4), 20) - move(sphere(3), 0, 0, 2) - plane([0, 1, 1], -4)";
     let bytes = |threads: usize| {
         let mut out = Vec::new();
-        let job = Job { threads, ..Job::default() };
+        let job = Job::default().with_threads(threads);
         made_with(text, LENGTH, &job).unwrap().write(&mut out).unwrap();
         out
     };

@@ -171,7 +171,7 @@ fn what_is_baked_is_re_proved_in_every_format() {
         made.write(&mut bytes).expect("written");
         let mut out = read(&alone(bytes), format);
         let given = certificate_of(&mut out).is_none().then_some(&report);
-        let found = verify(&out, given, &[source.clone()], &Job::default()).expect("verified");
+        let found = verify(&out, given, std::slice::from_ref(&source), &Job::default()).expect("verified");
         assert_eq!(found.verdict, ClaimVerdict::Proved, "{format}: {:?}", found.worst());
     }
 }

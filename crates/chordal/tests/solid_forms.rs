@@ -69,14 +69,19 @@ struct Referee {
     name: &'static str,
     field: Field,
     volume: f64,
-    distance: Box<dyn Fn(Point) -> f64>,
-    at: Box<dyn Fn(Point) -> Point>,
+    distance: PointDistance,
+    at: SurfacePoint,
 }
 
 const PI: f64 = std::f64::consts::PI;
 
+/// How far a point is from a surface.
+type PointDistance = Box<dyn Fn(Point) -> f64>;
+/// A point of a surface, by three numbers from 0 to 1.
+type SurfacePoint = Box<dyn Fn(Point) -> Point>;
+
 /// Points of the outline of a profile in the half-plane (radius, height), turned.
-fn turned(outline: Vec<[f64; 2]>) -> (Box<dyn Fn(Point) -> f64>, Box<dyn Fn(Point) -> Point>) {
+fn turned(outline: Vec<[f64; 2]>) -> (PointDistance, SurfacePoint) {
     let lines: Vec<[[f64; 2]; 2]> = outline.windows(2).map(|ends| [ends[0], ends[1]]).collect();
     let other = lines.clone();
     let distance = move |[x, y, z]: Point| {
@@ -92,7 +97,7 @@ fn turned(outline: Vec<[f64; 2]>) -> (Box<dyn Fn(Point) -> f64>, Box<dyn Fn(Poin
 }
 
 /// All points that far from a box.
-fn around_box(half: Point, radius: f64) -> (Box<dyn Fn(Point) -> f64>, Box<dyn Fn(Point) -> Point>) {
+fn around_box(half: Point, radius: f64) -> (PointDistance, SurfacePoint) {
     let distance = move |p: Point| {
         let q = [0, 1, 2].map(|k| p[k].abs() - half[k]);
         let inside = q[0].max(q[1]).max(q[2]).min(0.0);

@@ -30,9 +30,9 @@ impl HalvedLattice<'_> {
         let mut values = self.coarse.corners(root).map(|value| self.rule.finite_sample(value));
         let mut exact = [true; 8];
         for bit in (0..self.level).rev() {
-            for axis in 0..3 {
+            for (axis, index) in cell.iter().enumerate() {
                 // The half of a box along an axis keeps one end, and its other end is the middle.
-                let keeps_low = cell[axis] >> bit & 1 == 0;
+                let keeps_low = index >> bit & 1 == 0;
                 for low in (0..8_usize).filter(|c| c >> axis & 1 == 0) {
                     let high = low | 1 << axis;
                     let (middle, is_exact) = exact_mean(values[low], values[high]);

@@ -124,7 +124,7 @@ fn capped_leaves(surface: &OctreeSurface<'_>) -> Vec<OctreeCell> {
     for k in 0..nz {
         for j in 0..ny {
             // Between its ends a row has no side in a border unless all of it has.
-            let is_row = [j, k].iter().any(|i| *i == 0) || j + 1 == ny || k + 1 == nz;
+            let is_row = [j, k].contains(&0) || j + 1 == ny || k + 1 == nz;
             let step = if is_row || nx == 1 { 1 } else { nx as usize - 1 };
             for i in (0..nx).step_by(step) {
                 open.push(OctreeCell { level: 0, at: [i, j, k] });

@@ -8,13 +8,13 @@ use crate::implicit::{Csg, Field};
 
 /// The first margin of the proof, relative to what samples suggest: that of meshes that are made for a field.
 const MARGIN: f64 = 0.5;
-/// The evaluations of a proof beside which a measurement would do, for each triangle of the first mesh, in points. Measured:
-/// proofs that end take below a quarter of it.
-const WORK_OF_TRIANGLE: u64 = 1 << 13;
+/// The evaluations of a proof beside which a measurement would do, for each triangle of the first mesh, in points. Chosen: about
+/// twice what proofs that end take, by their time.
+const WORK_OF_TRIANGLE: u64 = 1 << 12;
 /// And at least so many.
 const LEAST_WORK: u64 = 1 << 22;
-/// The most rounds in which open faces are split.
-const MOST_ROUNDS: usize = 6;
+/// The most rounds in which open faces are split. Chosen: a side is halved twice, or once more.
+const MOST_ROUNDS: usize = 4;
 /// The last mesh is split as long as less than one face in so many is open. Chosen: of a mesh that is too coarse more are.
 const FEW: usize = 3;
 

@@ -84,7 +84,7 @@ fn octant_faces(n: u32) -> impl Iterator<Item = [[u32; 3]; 3]> {
             let k = n - 1 - i - j;
             let up = [[i + 1, j, k], [i, j + 1, k], [i, j, k + 1]];
             let down = (k > 0).then(|| [[i + 1, j + 1, k - 1], [i, j + 1, k], [i + 1, j, k]]);
-            std::iter::once(up).chain(down.map(|[a, b, c]| [a, b, c]))
+            std::iter::once(up).chain(down)
         })
     })
 }
