@@ -76,6 +76,7 @@ fn surface_within(tape: &Tape, bounds: &Box3, p: [f64; 3], size: f64) -> Result<
     if !(length > 0.0 && length.is_finite()) {
         return Ok(None);
     }
+    // The last place of the largest coordinate.
     let mut step = f64::EPSILON * size;
     let mut pairs = Vec::with_capacity(STEPS);
     for _ in 0..STEPS {

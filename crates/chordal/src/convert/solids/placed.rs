@@ -14,6 +14,7 @@ pub(super) fn placed(made: &Bounded<Mesh>, map: &Affine3) -> Option<Bounded<Mesh
     let rows = map.rows();
     // Of a map that keeps shapes all columns are as long.
     let scale = (rows[0][0] * rows[0][0] + rows[1][0] * rows[1][0] + rows[2][0] * rows[2][0]).sqrt();
+    // Derived: matrices made of rounded sines and unit vectors are off by some 20 roundings, and a length by 8 more.
     let scale = mul_up(scale, 1.0 + 64.0 * f64::EPSILON);
     // Terms may be larger than what they add up to.
     let reach =
