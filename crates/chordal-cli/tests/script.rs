@@ -319,7 +319,7 @@ fn straight_borders_of_colours_take_few_triangles() {
     let file = folder.file("star.star", star);
     let obj = folder.text("star.obj");
     let report = run(&["mesh", &file, "--tol", "0.1", "-o", &obj, "--json"]).report();
-    assert_eq!(report["bound"]["evidence"], "proved", "{report}");
+    assert_eq!(report["certificate"]["bound"]["evidence"], "proved", "{report}");
     let text = std::fs::read_to_string(&obj).expect("it is there");
     // Each face has 20 corners of the star and 4 of the plate, which is 24 triangles outside and 18 inside; the sides 8.
     let n_faces = text.lines().filter(|line| line.starts_with("f ")).count();

@@ -4,9 +4,9 @@ use super::verify_edits::{CUBE, at_level, bumpy, certificate_of, loaded, volume}
 use chordal::{Job, View};
 use chordal_io::{FileSet, Format, Limits};
 use chordal_verbs::{
-    BakeSpec, BudgetSpec, ClaimVerdict, FormatHint, Input, LodParts, LodSpec, Normals, PolygonSurface, Shape,
-    TileErrors, VerifyReport, bake, convert, geometry_digest, load, load_with, lod, mesh, n_coarser_levels,
-    seal_of, transform_input, verify, verify_levels,
+    BakeSpec, BudgetSpec, ClaimFacts, ClaimVerdict, FormatHint, Input, LodParts, LodSpec, Normals,
+    PolygonSurface, Shape, TileErrors, VerifyReport, bake, convert, geometry_digest, load, load_with, lod,
+    mesh, n_coarser_levels, seal_of, transform_input, verify, verify_levels,
 };
 use serde_json::{Value, json};
 
@@ -30,7 +30,7 @@ fn sources() -> Vec<Source> {
     vec![
         of("triangles", loaded(&bumpy(1), "a.obj"), "0.05"),
         of("patches", loaded(&example("teapot.bpt"), "a.bpt"), "2%"),
-        of("cage", cage, "5%"),
+        of("cage", cage, "1%"),
         of("script", loaded(script, "a.star"), "0.05"),
         of("volume", loaded(&volume(), "a.nrrd"), "0.1"),
     ]
@@ -172,6 +172,12 @@ fn what_is_baked_is_re_proved_in_every_format() {
         let mut out = read(&alone(bytes), format);
         let given = certificate_of(&mut out).is_none().then_some(&report);
         let found = verify(&out, given, std::slice::from_ref(&source), &Job::default()).expect("verified");
-        assert_eq!(found.verdict, ClaimVerdict::Proved, "{format}: {:?}", found.worst());
+        // An array holds samples without a place, so no digest of both is in its certificate.
+        let is_expected = |own: &ClaimFacts| {
+            own.verdict == ClaimVerdict::Proved || format == Format::Npy && own.claim == "geometry"
+        };
+        let missed: Vec<_> = found.claims.iter().filter(|own| !is_expected(own)).collect();
+        assert!(missed.is_empty(), "{format}: {missed:?}");
+        assert!(found.claims.iter().any(|own| own.claim == "baked/off_at_most"), "{format}");
     }
 }

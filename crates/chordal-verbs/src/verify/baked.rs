@@ -7,10 +7,10 @@ use crate::seal::seal_of;
 use crate::{Input, MeshFailure, Shape, flatten, merged_parts};
 use chordal::convert::SolidReport;
 use chordal::explicit::query::{Bvh, Containment, Enclosure};
-use chordal::implicit::Grid;
+use chordal::implicit::{Affine3, Grid};
 use chordal::math::{add_up, greater, sub_down};
 use chordal::{Job, Mesh};
-use chordal_io::Scene;
+use chordal_io::{Format, Scene};
 use serde_json::Value;
 
 /// Compares what a certificate says of a baked grid with its samples and with the triangles.
@@ -28,7 +28,10 @@ pub(super) fn check_baked(
         );
         return Ok(());
     };
-    let grid = &sampled.volume.grid;
+    // An array has no place and no step: those that are claimed are proved with the distances, which no others have.
+    let placed = if written.format == Format::Npy { said_place(baked) } else { None };
+    let placed = placed.map(|affine| sampled.volume.grid.clone().with_affine(affine));
+    let grid = placed.as_ref().unwrap_or(&sampled.volume.grid);
     if let Shape::Scene(scene) = &read.shape {
         check_distances(baked, (scene, grid), rounding, claims, job)?;
     } else {
@@ -54,6 +57,16 @@ pub(super) fn check_baked(
         );
     }
     Ok(())
+}
+
+/// Where a certificate says that a baked lattice begins, and its step.
+fn said_place(baked: &Value) -> Option<Affine3> {
+    let origin: [f64; 3] = serde_json::from_value(baked.get("origin")?.clone()).ok()?;
+    let spacing = baked.get("spacing")?.as_f64()?;
+    let row = |k: usize| {
+        std::array::from_fn(|j| if j == 3 { origin[k] } else { f64::from(u8::from(j == k)) * spacing })
+    };
+    Affine3::new([0, 1, 2].map(row)).ok()
 }
 
 fn band_of(baked: &Value) -> f64 {
