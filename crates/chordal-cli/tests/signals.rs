@@ -127,6 +127,10 @@ fn a_failed_allocation_is_an_exit_code_and_no_abort() {
         seen.insert(code);
         assert!([0, 3, 5].contains(&code), "{kilobytes} kB: {limited:?}");
         assert_eq!(out.exists(), code == 0, "{kilobytes} kB: {limited:?}");
+        // Hardly started, it may have no memory for the report that is prepared.
+        if code == 5 && kilobytes == starts && limited.stdout.is_empty() {
+            continue;
+        }
         let report: serde_json::Value = serde_json::from_slice(&limited.stdout)
             .unwrap_or_else(|error| panic!("{kilobytes} kB, {error}: {limited:?}"));
         let error = &report["error"];
