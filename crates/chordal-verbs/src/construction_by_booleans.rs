@@ -80,11 +80,11 @@ impl SolidAssembler<'_> {
                     .map(|mesh| SidedSolid { mesh: mesh.into(), is_complement: false })
             }
             ConstructionNode::Placed(map, below) if is_exact(map) && is_form(below) => {
-                let map = composed(&place.map, map)?;
+                let map = place.map.after(map).map_err(|_| NoTriangles)?;
                 self.solid(below, &PartPlace { map, ..*place }, length)
             }
             ConstructionNode::Placed(map, below) => {
-                let map = composed(&place.map, map)?;
+                let map = place.map.after(map).map_err(|_| NoTriangles)?;
                 let own = self.in_own_coordinates(below, &PartPlace { map, ..*place }, length)?;
                 self.at(own, &map)
             }
@@ -146,7 +146,7 @@ impl SolidAssembler<'_> {
                 ConstructionNode::Placed(map, below)
                     if is_exact(map) && !is_form(below) && !is_cut(below) =>
                 {
-                    let map = composed(&place.map, map)?;
+                    let map = place.map.after(map).map_err(|_| NoTriangles)?;
                     todo.push(PlacedPart {
                         construction: below,
                         place: PartPlace { map, ..place },
@@ -166,7 +166,7 @@ impl SolidAssembler<'_> {
             let n_alike = rest.iter().take_while(|part| first.is_turned_like(part)).count();
             let made = match first.construction.node() {
                 ConstructionNode::Placed(map, _) if n_alike > 1 => {
-                    let map = composed(&first.place.map, map)?;
+                    let map = first.place.map.after(map).map_err(|_| NoTriangles)?;
                     let scale = scale_of(&map);
                     let own = PartPlace { map: Affine3::IDENTITY, room: preimage(&map, &first.place.room) };
                     let own_length = Tolerance::new(length.get() / scale).map_err(|_| NoTriangles)?;
@@ -299,14 +299,6 @@ fn preimage(map: &Affine3, room: &Box3) -> Box3 {
         std::array::from_fn(|axis| if k >> axis & 1 == 1 { room.max[axis] } else { room.min[axis] })
     };
     Box3::from_points(&(0..8).map(|k| back(corner(k))).collect::<Vec<_>>())
-}
-
-/// First `inner`, then `outer`.
-fn composed(outer: &Affine3, inner: &Affine3) -> Result<Affine3, NoTriangles> {
-    let (a, b) = (outer.rows(), inner.rows());
-    let entry = |i: usize, j: usize| (a[i][0] * b[0][j] + a[i][1] * b[1][j]) + a[i][2] * b[2][j];
-    let row = |i: usize| std::array::from_fn(|j| if j == 3 { entry(i, j) + a[i][3] } else { entry(i, j) });
-    Affine3::new([0, 1, 2].map(row)).map_err(|_| NoTriangles)
 }
 
 fn placed(mesh: Mesh, map: &Affine3) -> Result<Mesh, NoTriangles> {

@@ -109,7 +109,8 @@ fn a_thousand_boxes_are_one_solid() {
 
 #[test]
 fn the_bytes_do_not_depend_on_the_threads() {
-    let text = "rotate_x(polar(move(cylinder(1, 4), 5, 0), 7) | cylinder(5.5, 4), 20) - move(sphere(3), 0, 0, 2) - plane([0, 1, 1], -4)";
+    let text = "rotate_x(polar(move(cylinder(1, 4), 5, 0), 7) | cylinder(5.5, 4), 20) - move(sphere(3), 0, 0, 2) - \
+        plane([0, 1, 1], -4)";
     let bytes = |threads: usize| {
         let mut out = Vec::new();
         let job = Job::default().with_threads(threads);

@@ -100,14 +100,14 @@ fn simplified() -> Made {
     Made { name: "simplified", out, coarser: Vec::new(), against: vec![source] }
 }
 
-fn levels() -> (Vec<u8>, Made) {
-    let source = loaded(&bumpy(1), "a.obj");
+/// Levels of a shape, the first within this length.
+pub(super) fn levels_within(length: &str) -> LodSpec {
     let chordal::View::MinDistance(lens) = "1920x1080 fov=60 dist=1".parse().unwrap() else { unreachable!() };
-    let spec = LodSpec {
+    LodSpec {
         pixels: "1px".parse().unwrap(),
         lens,
         nearest: None,
-        length: Some("0.01".parse().unwrap()),
+        length: Some(length.parse().unwrap()),
         distances: Vec::new(),
         normals: Normals::Auto,
         attributes: Default::default(),
@@ -116,7 +116,12 @@ fn levels() -> (Vec<u8>, Made) {
         parts: LodParts::Separate,
         place: None,
         packing: Default::default(),
-    };
+    }
+}
+
+fn levels() -> (Vec<u8>, Made) {
+    let source = loaded(&bumpy(1), "a.obj");
+    let spec = levels_within("0.01");
     let mut bytes = Vec::new();
     lod(source.clone(), &spec, &Job::default()).unwrap().write(Format::Glb, &mut bytes).unwrap();
     let out = loaded(&bytes, "b.glb");

@@ -1,12 +1,12 @@
 //! Honest files of every kind of shape in every format that is written: `verify` re-proves them, and refutes each whose
 //! surface was moved, whatever its certificate says.
-use super::verify_edits::{CUBE, at_level, bumpy, certificate_of, loaded, volume};
-use chordal::{Job, View};
+use super::verify_edits::{CUBE, at_level, bumpy, certificate_of, levels_within, loaded, volume};
+use chordal::Job;
 use chordal_io::{FileSet, Format, Limits};
 use chordal_verbs::{
-    BakeSpec, BudgetSpec, ClaimFacts, ClaimVerdict, FormatHint, Input, LodParts, LodSpec, Normals,
-    PolygonSurface, Shape, TileErrors, VerifyReport, bake, convert, geometry_digest, load, load_with, lod,
-    mesh, n_coarser_levels, seal_of, transform_input, verify, verify_levels,
+    BakeSpec, BudgetSpec, ClaimFacts, ClaimVerdict, FormatHint, Input, PolygonSurface, Shape, VerifyReport,
+    bake, convert, geometry_digest, load, load_with, lod, mesh, n_coarser_levels, seal_of, transform_input,
+    verify, verify_levels,
 };
 use serde_json::{Value, json};
 
@@ -131,21 +131,7 @@ fn what_was_moved_is_re_proved_in_every_format() {
 #[test]
 fn levels_are_re_proved_in_both_forms_of_gltf() {
     let source = loaded(&bumpy(1), "a.obj");
-    let View::MinDistance(lens) = "1920x1080 fov=60 dist=1".parse().unwrap() else { unreachable!() };
-    let spec = LodSpec {
-        pixels: "1px".parse().unwrap(),
-        lens,
-        nearest: None,
-        length: Some("0.02".parse().unwrap()),
-        distances: Vec::new(),
-        normals: Normals::Auto,
-        attributes: Default::default(),
-        errors: TileErrors::Plain,
-        tile_triangles: None,
-        parts: LodParts::Separate,
-        place: None,
-        packing: Default::default(),
-    };
+    let spec = levels_within("0.02");
     let made = lod(source.clone(), &spec, &Job::default()).expect("levels");
     for format in Format::all().filter(|format| format.is_gltf()) {
         let mut bytes = Vec::new();

@@ -41,6 +41,25 @@ impl Affine3 {
         self.0
     }
 
+    /// The map that does `first`, then this, rounded.
+    ///
+    /// # Errors
+    /// As for [`Affine3::new`].
+    ///
+    /// ```
+    /// use chordal::implicit::Affine3;
+    /// let (doubled, moved) = (Affine3::cubes([0.0; 3], 2.0)?, Affine3::cubes([1.0, 0.0, 0.0], 1.0)?);
+    /// assert_eq!(doubled.after(&moved)?.at([0.0; 3]), [2.0, 0.0, 0.0]);
+    /// # Ok::<(), chordal::implicit::InvalidAffine>(())
+    /// ```
+    pub fn after(&self, first: &Self) -> Result<Self, InvalidAffine> {
+        let (a, b) = (self.rows(), first.rows());
+        let entry = |i: usize, j: usize| (a[i][0] * b[0][j] + a[i][1] * b[1][j]) + a[i][2] * b[2][j];
+        let row =
+            |i: usize| std::array::from_fn(|j| if j == 3 { entry(i, j) + a[i][3] } else { entry(i, j) });
+        Self::new([0, 1, 2].map(row))
+    }
+
     /// The point of an index, rounded. The index may be fractional.
     #[inline]
     #[must_use]

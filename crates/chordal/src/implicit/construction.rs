@@ -272,7 +272,7 @@ impl Construction {
             ConstructionNode::Placed(map, below) => {
                 let map = flat_map(map)?;
                 let place = match place {
-                    Some(outer) => flat_map(&composed(&outer, &map)?)?,
+                    Some(outer) => flat_map(&outer.after(&map).ok()?)?,
                     None => map,
                 };
                 below.map_planar(Some(place), make)
@@ -295,14 +295,4 @@ fn flat_map(map: &Affine3) -> Option<Affine3> {
     let keeps_axis = x[2] == 0.0 && y[2] == 0.0 && z[0] == 0.0 && z[1] == 0.0;
     let rows = [x, y, [0.0, 0.0, 1.0, 0.0]];
     if keeps_axis { Affine3::new(rows).ok() } else { None }
-}
-
-/// First `inner`, then `outer`, rounded.
-fn composed(outer: &Affine3, inner: &Affine3) -> Option<Affine3> {
-    let (a, b) = (outer.rows(), inner.rows());
-    let entry = |i: usize, j: usize| (a[i][0] * b[0][j] + a[i][1] * b[1][j]) + a[i][2] * b[2][j];
-    let rows = std::array::from_fn(|i| {
-        std::array::from_fn(|j| if j == 3 { entry(i, j) + a[i][3] } else { entry(i, j) })
-    });
-    Affine3::new(rows).ok()
 }
