@@ -65,7 +65,7 @@ def test_runs_as_a_module() -> None:
     assert done.stdout == run("--version").stdout
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="looks for a thread in /proc")
+@pytest.mark.skipif(sys.platform != "linux", reason="only /proc shows when it waits for signals")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_with_130_and_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
     # More than any machine has, so that it is not refused for its memory instead.

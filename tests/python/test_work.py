@@ -206,7 +206,7 @@ print(shape.mesh(tol=0.01).vertices.tobytes() == before)
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux" or os.uname().machine != "x86_64", reason="MXCSR is x86-64's")
+@pytest.mark.skipif(sys.platform != "linux" or os.uname().machine != "x86_64", reason="sets MXCSR in glibc's fenv_t")
 def test_a_thread_that_flushes_subnormals_changes_no_result() -> None:
     done = subprocess.run(
         [sys.executable, "-c", FLUSH, TEAPOT], capture_output=True, text=True, check=False, timeout=120
