@@ -1,7 +1,7 @@
-//! Plane shapes as polygons: inscribed where they are curved.
-use super::arcs::{quarter, quarter_sides, sagitta, turn};
+//! Plane shapes as polygons, with corners on both sides of what is curved.
+use super::arcs::UnitCircle;
 use crate::implicit::construction::PlanarForm;
-use crate::math::unit;
+use crate::math::{mul_up, unit};
 
 /// Closed polygons, with the inside to the left of their sides.
 pub(super) struct ProfileLoops {
@@ -16,19 +16,18 @@ impl ProfileLoops {
     pub fn new(form: &PlanarForm, length: f64) -> Option<Self> {
         match form {
             PlanarForm::Disc { radius } => {
-                let n = quarter_sides(*radius, length)?;
-                let loops = vec![turn(n).iter().map(|p| p.map(|x| radius * x)).collect()];
-                Some(Self { loops, off: sagitta(*radius, n) })
+                let circle = UnitCircle::new(*radius, length)?;
+                let loops = vec![circle.turn().iter().map(|p| p.map(|x| radius * x)).collect()];
+                Some(Self { loops, off: mul_up(circle.off, *radius) })
             }
             PlanarForm::Rectangle { half: [x, y], radius } => {
                 let corners = [[*x, *y], [-x, *y], [-x, -y], [*x, -y]];
                 if *radius == 0.0 {
                     return Some(Self { loops: vec![corners.to_vec()], off: 0.0 });
                 }
-                let n = quarter_sides(*radius, length)?;
-                let around = turn(n);
+                let circle = UnitCircle::new(*radius, length)?;
+                let (around, n) = (circle.turn(), circle.quarter.len() - 1);
                 let arc = |k: usize| {
-                    let n = n as usize;
                     let points = around.iter().cycle().skip(k * n).take(n + 1);
                     points.map(move |p| [0, 1].map(|axis| corners[k][axis] + radius * p[axis]))
                 };
@@ -38,18 +37,18 @@ impl ProfileLoops {
                 if points.first() == points.last() {
                     points.pop();
                 }
-                Some(Self { loops: vec![points], off: sagitta(*radius, n) })
+                Some(Self { loops: vec![points], off: mul_up(circle.off, *radius) })
             }
             PlanarForm::Segment { ends: [a, b], radius } => {
-                let n = quarter_sides(*radius, length)?;
-                let off = sagitta(*radius, n);
+                let circle = UnitCircle::new(*radius, length)?;
+                let off = mul_up(circle.off, *radius);
                 let along = [b[0] - a[0], b[1] - a[1], 0.0];
                 let Some([c, s, _]) = unit(along) else {
-                    let loops = vec![turn(n).iter().map(|p| [0, 1].map(|k| a[k] + radius * p[k])).collect()];
+                    let loops = vec![circle.turn().iter().map(|p| [0, 1].map(|k| a[k] + radius * p[k])).collect()];
                     return Some(Self { loops, off });
                 };
                 // Half a turn around each end, from right to left of the direction.
-                let quarter = quarter(n);
+                let quarter = &circle.quarter;
                 let right = quarter.iter().rev().map(|[x, y]| [*x, -y]);
                 let half: Vec<[f64; 2]> = right.chain(quarter.iter().copied().skip(1)).collect();
                 let at = |end: &[f64; 2], [x, y]: [f64; 2]| {

@@ -1,10 +1,10 @@
 //! Plane shapes turned about an axis: cones, rings, and what has a profile of its own.
 use super::FormMesh;
-use super::arcs::{quarter_sides, sagitta, turn};
+use super::arcs::UnitCircle;
 use super::profile::ProfileLoops;
 use crate::implicit::Affine3;
 use crate::implicit::construction::PlanarForm;
-use crate::math::{add_up, greater};
+use crate::math::{add_up, greater, mul_up};
 
 /// The share of a length that a curved profile takes. Chosen: both curves of a ring cost alike.
 const SHARE: f64 = 0.5;
@@ -87,12 +87,12 @@ fn without_repeats(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// The surface that loops at x ≥ 0 sweep about the axis.
 ///
 /// All rings have corners in the same directions, so that the part between two is flat, and every point of it is off the
-/// cone through both rings along its radius, by the sagitta of the largest ring at most. The cones are off the surface by
+/// cone through both rings along its radius, by what the largest ring is off by at most. The cones are off the surface by
 /// what the loops are.
 fn swept(loops: &[Vec<[f64; 2]>], off: f64, length: f64) -> Option<FormMesh> {
     let widest = loops.iter().flatten().fold(0.0, |most, p| greater(p[0], most));
-    let n = quarter_sides(widest, length - off)?;
-    let around = turn(n);
+    let circle = UnitCircle::new(widest, length - off)?;
+    let around = circle.turn();
     let n_ring = around.len() as u32;
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for own in loops {
@@ -133,5 +133,5 @@ fn swept(loops: &[Vec<[f64; 2]>], off: f64, length: f64) -> Option<FormMesh> {
             }
         }
     }
-    Some(FormMesh { positions, faces, off: add_up(off, sagitta(widest, n)) })
+    Some(FormMesh { positions, faces, off: add_up(off, mul_up(circle.off, widest)) })
 }

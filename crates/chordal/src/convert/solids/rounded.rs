@@ -1,29 +1,46 @@
 //! Boxes with rounded edges and corners, which balls and capsules are as well.
-use super::FormMesh;
+use super::{FormMesh, ROUNDING};
 use super::arcs::{quarter, quarter_sides};
 use crate::implicit::Affine3;
-use crate::math::{cross, difference, dot, length as norm, sub_up, unit};
+use crate::math::{cross, difference, dot, length as norm, mul_up, sub_up, unit};
 use std::collections::BTreeMap;
 
 /// Sides of a quarter beyond those of a circle that are tried. Measured: the middle of an octant takes half as many again.
 const MOST_TRIALS: u32 = 1 << 14;
 
 /// All points nearer than a radius to the box of these half sizes, some of which may be 0.
+///
+/// Corners lie on the surface where there is a flat or straight part, which so stays flush; those of a ball lie outside of it
+/// as far as its triangles are inside.
 pub(super) fn rounded_cuboid(half: [f64; 3], radius: f64, length: f64) -> Option<FormMesh> {
-    // Triangles of an octant are up to √2 times as long as sides of a circle, and off by twice as much.
-    let mut n = quarter_sides(radius, 0.5 * length)?;
+    let is_ball = half == [0.0; 3];
+    let off_of = |n: u32| {
+        let sagitta = octant_sagitta(n);
+        if is_ball { sagitta / (2.0 - sagitta) } else { sagitta }
+    };
+    // Triangles of an octant are up to √2 times as long as sides of a circle, and off by twice as much; half of that where
+    // corners lie outside.
+    let mut n = quarter_sides(radius, if is_ball { length } else { 0.5 * length })?;
     let first = n;
-    while octant_sagitta(radius, n) > length {
+    let mut off = off_of(n);
+    while radius * off + ROUNDING * radius > length {
         n += 1;
+        off = off_of(n);
         if n > first + MOST_TRIALS {
             return None;
         }
     }
-    let mut builder =
-        RoundedBuilder { half, radius, n, quarter: quarter(n), rows: BTreeMap::new(), positions: Vec::new() };
+    let far = if is_ball { radius * (1.0 + off) } else { radius };
+    let mut builder = RoundedBuilder {
+        half,
+        radius: far,
+        n,
+        quarter: quarter(n),
+        rows: BTreeMap::new(),
+        positions: Vec::new(),
+    };
     let faces = builder.faces();
-    let off = octant_sagitta(radius, n);
-    Some(FormMesh { positions: builder.positions, faces, off })
+    Some(FormMesh { positions: builder.positions, faces, off: mul_up(radius, off) })
 }
 
 /// All points nearer than a radius to the segment between two points.
@@ -60,9 +77,9 @@ fn direction(quarter: &[[f64; 2]], index: [u32; 3]) -> [f64; 3] {
     sines.map(|x| x / size)
 }
 
-/// What the triangles of an octant are off the sphere by, rounded up: they are seen from its middle all around it, and a
-/// ray through one of them has the sphere between its vertices' distance and that of its plane.
-fn octant_sagitta(radius: f64, n: u32) -> f64 {
+/// How deep the triangles of an octant with corners on the unit sphere are in it, rounded up: they are seen from its middle
+/// all around it, and a ray through one of them has the sphere between its vertices' distance and that of its plane.
+fn octant_sagitta(n: u32) -> f64 {
     let quarter = quarter(n);
     let mut least = 1.0;
     for face in octant_faces(n) {
@@ -74,7 +91,7 @@ fn octant_sagitta(radius: f64, n: u32) -> f64 {
     // Derived: corners are off by 8 u; a plane through corners of n sides a quarter tilts by that over their distance,
     // which is above 1/n, and over the triangle's size this is as much again.
     let rounding = 256.0 * f64::EPSILON;
-    radius * (sub_up(1.0, least) + rounding)
+    sub_up(1.0, least) + rounding
 }
 
 /// The triangles of an octant, counter-clockwise as seen from outside, by indices along x, y and z that add up to n.
