@@ -9,13 +9,13 @@ use chordal::implicit::construction::{Construction, ConstructionNode, SolidForm}
 use chordal::math::{Box3, greater};
 use chordal::{Job, Mesh};
 use chordal_io::Format;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The triangles of a combination of solids, each within a length. None where a part has no mesh of its own or a cut fails,
 /// and when the job is cancelled; without faces where nothing is left.
 ///
-/// Nothing is said of how far the whole is from its field: distances of parts are none of what is cut from them where they
+/// Of what is cut nothing is said how far it is from its field: distances of parts are none of what is cut from them where they
 /// cross at a small angle. Rotations come after what they turn is combined, so that planes that are equal in the numbers of
 /// a script are equal when they are cut. Cost: the cuts, each n log n in its triangles; solids whose boxes do not meet are
 /// put together without one.
@@ -24,14 +24,23 @@ pub(crate) fn mesh_by_construction(
     room: &Box3,
     length: Tolerance,
     job: &Job,
-) -> Option<Mesh> {
+) -> Option<AssembledMesh> {
     let mut assembler = SolidAssembler { job, known: BTreeMap::new() };
     let whole = assembler.solid(construction, &PartPlace { map: Affine3::IDENTITY, room: *room }, length);
     match whole {
         // All of space but something has no triangles that end.
-        Ok(SidedSolid { mesh, is_complement: false }) => Some(Arc::unwrap_or_clone(mesh)),
+        Ok(SidedSolid { mesh, is_complement: false, off }) => {
+            Some(AssembledMesh { mesh: Arc::unwrap_or_clone(mesh), off })
+        }
         Ok(_) | Err(NoTriangles) => None,
     }
+}
+
+/// The triangles of a combination of solids.
+pub(crate) struct AssembledMesh {
+    pub mesh: Mesh,
+    /// The distance of its surface from them, proved, where no solid is cut by another.
+    pub off: Option<f64>,
 }
 
 /// A part has no triangles of its own, a cut failed, or the job was cancelled.
@@ -42,6 +51,8 @@ struct NoTriangles;
 struct SidedSolid {
     mesh: Arc<Mesh>,
     is_complement: bool,
+    /// As of an [`AssembledMesh`].
+    off: Option<f64>,
 }
 
 /// Where a part is placed before it is combined with others.
@@ -76,8 +87,8 @@ impl SolidAssembler<'_> {
                 let own = Tolerance::new(length.get() / scale).map_err(|_| NoTriangles)?;
                 let mesher = SolidMesher { length: own, room: preimage(&place.map, &place.room) };
                 let made = mesher.mesh(form).ok_or(NoTriangles)?;
-                placed(made.shape, &place.map)
-                    .map(|mesh| SidedSolid { mesh: mesh.into(), is_complement: false })
+                let off = made.bound.at_most();
+                self.at(SidedSolid { mesh: made.shape.into(), is_complement: false, off }, &place.map)
             }
             ConstructionNode::Placed(map, below) if is_exact(map) && is_form(below) => {
                 let map = place.map.after(map).map_err(|_| NoTriangles)?;
@@ -116,8 +127,14 @@ impl SolidAssembler<'_> {
     }
 
     fn at(&self, solid: SidedSolid, map: &Affine3) -> Assembled {
-        let mesh = placed(Arc::unwrap_or_clone(solid.mesh), map)?.into();
-        Ok(SidedSolid { mesh, ..solid })
+        if *map == Affine3::IDENTITY {
+            return Ok(solid);
+        }
+        let own = Bound::proved(0.0, solid.off.unwrap_or(0.0), Reference::Field);
+        let made = Bounded { shape: Arc::unwrap_or_clone(solid.mesh), bound: own };
+        let placed = SolidMesher::placed(&made, map).ok_or(NoTriangles)?;
+        let off = solid.off.and(placed.bound.at_most());
+        Ok(SidedSolid { mesh: placed.shape.into(), off, ..solid })
     }
 
     /// A union or an intersection, with all parts of unions in unions and of intersections in intersections.
@@ -130,6 +147,7 @@ impl SolidAssembler<'_> {
     ) -> Assembled {
         let first = PlacedPart { construction: whole, place: *place, is_complement: false };
         let (mut todo, mut parts) = (vec![first], Vec::new());
+        let repeated = repeated_parts(whole);
         while let Some(part) = todo.pop() {
             let PlacedPart { construction, place, is_complement } = part;
             match construction.node() {
@@ -142,9 +160,12 @@ impl SolidAssembler<'_> {
                 ConstructionNode::Complement(below) => {
                     todo.push(PlacedPart { construction: below, is_complement: !is_complement, place });
                 }
-                // Patterns and moved unions are one union.
+                // Moved unions are one union, but for those that stand at several places: they are made once.
                 ConstructionNode::Placed(map, below)
-                    if is_exact(map) && !is_form(below) && !is_cut(below) =>
+                    if is_exact(map)
+                        && !is_form(below)
+                        && !is_cut(below)
+                        && !repeated.contains(&below.address()) =>
                 {
                     let map = place.map.after(map).map_err(|_| NoTriangles)?;
                     todo.push(PlacedPart {
@@ -159,7 +180,7 @@ impl SolidAssembler<'_> {
         let mut solids: Vec<SidedSolid> = Vec::with_capacity(parts.len());
         let mut rest = parts.as_slice();
         while let Some(first) = rest.first() {
-            if self.job.is_cancelled() {
+            if self.is_over() {
                 return Err(NoTriangles);
             }
             // Parts in a row that are turned alike are combined before they are turned.
@@ -178,7 +199,7 @@ impl SolidAssembler<'_> {
                         Ok(SidedSolid { is_complement: own.is_complement != part.is_complement, ..own })
                     });
                     let alike: Vec<SidedSolid> = alike.collect::<Result<_, _>>()?;
-                    let own = self.join(alike, op)?;
+                    let own = self.join(alike, op, own_length)?;
                     vec![self.at(own, &map)?]
                 }
                 _ => {
@@ -190,11 +211,16 @@ impl SolidAssembler<'_> {
             rest = &rest[if is_turned { n_alike } else { 1 }..];
             solids.extend(made);
         }
-        self.join(solids, op)
+        self.join(solids, op, length)
     }
 
-    /// Cuts solids along each other.
-    fn join(&self, solids: Vec<SidedSolid>, op: BooleanOp) -> Assembled {
+    /// Cuts solids along each other that are each within a length of theirs.
+    fn join(&self, solids: Vec<SidedSolid>, op: BooleanOp, length: Tolerance) -> Assembled {
+        if op == BooleanOp::Union
+            && let Some(apart) = all_apart(&solids, length)
+        {
+            return Ok(apart);
+        }
         let (outer, inner): (Vec<_>, Vec<_>) = solids.into_iter().partition(|solid| solid.is_complement);
         let mut meshes: Vec<Mesh> =
             [&inner, &outer].into_iter().flatten().map(|solid| solid.mesh.as_ref().clone()).collect();
@@ -213,15 +239,47 @@ impl SolidAssembler<'_> {
         self.cut(common, BooleanOp::Intersection, apart(taken), is_complement)
     }
 
+    /// The meshes as few meshes: unions of halves, so that each triangle goes through as many cuts as there are halvings.
+    fn united(&self, mut meshes: Vec<Mesh>) -> Result<Vec<Mesh>, NoTriangles> {
+        if meshes.len() <= MOST_IN_A_ROW {
+            return Ok(meshes);
+        }
+        let second = meshes.split_off(meshes.len() / 2);
+        let mut both = self.united(meshes)?;
+        both.extend(self.united(second)?);
+        let whole = self.cut_in_a_row(both, BooleanOp::Union, Vec::new(), false)?;
+        Ok(vec![Arc::unwrap_or_clone(whole.mesh)])
+    }
+
     /// Combines meshes by one operation, and takes others away.
     fn cut(&self, first: Vec<Mesh>, op: BooleanOp, taken: Vec<Mesh>, is_complement: bool) -> Assembled {
+        let first = if op == BooleanOp::Union { self.united(first)? } else { first };
+        let taken = self.united(taken)?;
+        self.cut_in_a_row(first, op, taken, is_complement)
+    }
+
+    /// The job is cancelled, or its time has ended.
+    fn is_over(&self) -> bool {
+        self.job.is_cancelled() || self.job.is_finishing()
+    }
+
+    fn cut_in_a_row(
+        &self,
+        first: Vec<Mesh>,
+        op: BooleanOp,
+        taken: Vec<Mesh>,
+        is_complement: bool,
+    ) -> Assembled {
+        if self.is_over() {
+            return Err(NoTriangles);
+        }
         let n_first = first.len();
         let all: Vec<Mesh> = first.into_iter().chain(taken).collect();
         if all.iter().all(|mesh| mesh.faces().is_empty()) {
-            return Ok(SidedSolid { mesh: Mesh::default().into(), is_complement });
+            return Ok(SidedSolid { mesh: Mesh::default().into(), is_complement, off: None });
         }
         if let [one] = all.as_slice() {
-            return Ok(SidedSolid { mesh: one.clone().into(), is_complement });
+            return Ok(SidedSolid { mesh: one.clone().into(), is_complement, off: None });
         }
         let ops: Vec<BooleanOp> =
             (1..all.len()).map(|k| if k < n_first { op } else { BooleanOp::Difference }).collect();
@@ -229,11 +287,35 @@ impl SolidAssembler<'_> {
         // Rounded to no format: only the whole is written.
         match cut(&meshes, &ops, RoundingTarget::format(Format::Ply), self.job) {
             Ok(made) if made.bound.evidence().bounds_above() => {
-                Ok(SidedSolid { mesh: made.mesh.into(), is_complement })
+                Ok(SidedSolid { mesh: made.mesh.into(), is_complement, off: None })
             }
             Ok(_) | Err(_) => Err(NoTriangles),
         }
     }
+}
+
+/// The most meshes that are united one after the other. Chosen: one check at the end is for all of them.
+const MOST_IN_A_ROW: usize = 4;
+
+/// Unions, by their addresses, that are at several places below unions.
+fn repeated_parts(whole: &Construction) -> BTreeSet<usize> {
+    let (mut seen, mut repeated) = (BTreeSet::new(), BTreeSet::new());
+    let mut todo = vec![whole];
+    while let Some(part) = todo.pop() {
+        match part.node() {
+            ConstructionNode::Placed(_, below) if !is_form(below) => {
+                if seen.insert(below.address()) {
+                    todo.push(below);
+                } else {
+                    repeated.insert(below.address());
+                }
+            }
+            ConstructionNode::Complement(below) => todo.push(below),
+            ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => todo.extend(parts.iter()),
+            _ => {}
+        }
+    }
+    repeated
 }
 
 impl PlacedPart<'_> {
@@ -301,13 +383,26 @@ fn preimage(map: &Affine3, room: &Box3) -> Box3 {
     Box3::from_points(&(0..8).map(|k| back(corner(k))).collect::<Vec<_>>())
 }
 
-fn placed(mesh: Mesh, map: &Affine3) -> Result<Mesh, NoTriangles> {
-    if *map == Affine3::IDENTITY {
-        return Ok(mesh);
+/// Solids that are farther from each other than twice a length, by their boxes, as one. None of others.
+///
+/// Each is within the length of its surface, so that no surface reaches another solid, and the bound is the largest.
+fn all_apart(solids: &[SidedSolid], length: Tolerance) -> Option<SidedSolid> {
+    let parts: Vec<&SidedSolid> = solids.iter().filter(|part| !part.mesh.faces().is_empty()).collect();
+    if parts.len() > MOST_APART || parts.iter().any(|part| part.is_complement || part.off.is_none()) {
+        return None;
     }
-    let made = Bounded { shape: mesh, bound: Bound::exact(Reference::Field) };
-    SolidMesher::placed(&made, map).map(|placed| placed.shape).ok_or(NoTriangles)
+    let boxes: Vec<Box3> = parts.iter().map(|part| part.mesh.bounds()).collect();
+    let far = 2.0 * length.get().next_up();
+    let is_far = |a: &Box3, b: &Box3| (0..3).any(|k| b.min[k] - a.max[k] > far || a.min[k] - b.max[k] > far);
+    let is_apart = |(k, own): (usize, &Box3)| boxes[..k].iter().all(|other| is_far(own, other));
+    let off = parts.iter().try_fold(0.0, |most, part| Some(greater(part.off?, most)))?;
+    let is_within = off <= length.get() && boxes.iter().enumerate().all(is_apart);
+    let whole = || together(parts.iter().map(|part| part.mesh.as_ref().clone()).collect());
+    is_within.then(|| SidedSolid { mesh: whole().into(), is_complement: false, off: Some(off) })
 }
+
+/// The most solids whose boxes are compared with all others. Chosen: half a million pairs.
+const MOST_APART: usize = 1024;
 
 /// Meshes whose boxes do not meet as one mesh: as few as a simple search finds, in the order of their first.
 fn apart(meshes: Vec<Mesh>) -> Vec<Mesh> {

@@ -1,9 +1,9 @@
 //! Fields: meshed within a budget, and measured against triangles.
-#[cfg(feature = "booleans")]
-use crate::construction_by_booleans::mesh_by_construction;
 use crate::contact_lines::name_lines;
 #[cfg(feature = "booleans")]
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
+#[cfg(feature = "booleans")]
+use crate::field_by_solids::mesh_by_solids;
 use crate::field_looks::{renumber, with_materials};
 use crate::file_rows::unsupported;
 use crate::report::OpenPlacesFacts;
@@ -91,45 +91,14 @@ fn mesh_parts(
     Ok((Scene::from_mesh("field", mesh, implicit.frame), bound))
 }
 
-/// The shares of a length within which solids are meshed, one after the other until the whole is proved. Chosen: at
-/// seven tenths most round parts that were tried needed a finer mesh, at half few.
-#[cfg(feature = "booleans")]
-const SOLID_SHARES: [f64; 2] = [0.5, 0.25];
-
-/// A combination of solids, whose triangles are cut along each other and judged as a whole. None where some part has no
-/// triangles of its own, where cuts fail or leave nothing, and where the surface is measured to be too far.
-#[cfg(feature = "booleans")]
-fn mesh_of_solids(
-    field: &Field,
-    request: &MeshRequest,
-    job: &Job,
-) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
-    let Some(construction) = field.construction().filter(|own| !own.has_other()) else { return Ok(None) };
-    let budget = &request.budget;
-    let is_by_length = budget.pixels.is_none() && budget.triangles.is_none();
-    // Materials are told apart by labels that cuts do not keep.
-    if !is_by_length || budget.require == RequiredEvidence::Estimated || !field.materials().is_empty() {
-        return Ok(None);
-    }
-    let Some(length) = request.reserve_rounding(request.rounding())?.length else { return Ok(None) };
-    let room = field.bounds();
-    let mut meshes = SOLID_SHARES.into_iter().map_while(|share| {
-        let own = Tolerance::new(share * length.get()).ok()?;
-        let mesh = mesh_by_construction(construction, &room, own, job)?;
-        (!mesh.faces().is_empty()).then_some(mesh)
-    });
-    match convert::solids::judged_against_field(&mut meshes, field, (length, budget.require), job) {
-        Ok(made) => request.snap(&made.shape, made.bound, job).map(Some),
-        Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
-        Err(Failure::Unmet(_) | Failure::Refused(_)) => Ok(None),
-    }
-}
-
 /// Without booleans every field is meshed as a whole.
 #[cfg(not(feature = "booleans"))]
-fn mesh_of_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+fn mesh_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<MadeMesh>, MeshFailure> {
     Ok(None)
 }
+
+/// A mesh, and what is to be said of it.
+type MadeMesh = (Bounded<Mesh>, Option<Message>);
 
 /// What is said of a mesh that is measured although a proof was tried; `None` of others.
 fn unproved_note(bound: &Bound) -> Option<Message> {
@@ -159,32 +128,26 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
     )
 }
 
-/// The surface of a field: by itself, or where that is not proved, by the triangles of the solids that it combines if these
-/// are. The lines of its script are for sentences.
+/// The surface of a field: the triangles of the solids that it combines, or where it has others, or these are not proved, its
+/// own. The lines of its script are for sentences.
 fn mesh_of_field(
     (field, lines): (&Field, &[ShapeLine]),
     request: &MeshRequest,
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
-    let whole = mesh_whole(field, request, job);
-    let is_proved = |made: &Bounded<Mesh>| made.bound.at_most().is_some();
-    let is_enough = match &whole {
-        Ok((made, _)) => is_proved(made) || request.budget.require == RequiredEvidence::Measured,
-        Err(failure) => matches!(failure, MeshFailure::Cancelled),
-    };
-    // Flush faces and crossing edges, on which the proof of a field may not end, are exact there.
-    let of_solids = match is_enough || job.is_finishing() {
-        true => None,
-        false => match mesh_of_solids(field, request, job) {
+    let is_proved = |made: &MadeMesh| made.0.bound.at_most().is_some();
+    let is_enough =
+        |made: &MadeMesh| is_proved(made) || request.budget.require == RequiredEvidence::Measured;
+    let (mut made, words) = match mesh_by_solids(field, request, job)? {
+        Some(made) if is_enough(&made) || job.is_finishing() => made,
+        None => mesh_whole(field, request, job)?,
+        // The proof of a field ends at places where that of its solids does not.
+        Some(made) => match mesh_whole(field, request, job) {
             Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
-            // What goes wrong with a second way takes nothing from the first.
-            other => other.unwrap_or(None),
+            Ok(whole) if is_proved(&whole) => whole,
+            _ => made,
         },
-    };
-    let (mut made, words) = match of_solids.filter(is_proved) {
-        Some(made) => (made, None),
-        None => whole?,
     };
     notes.extend(words);
     name_lines(&mut made.bound, lines);
@@ -200,7 +163,7 @@ fn mesh_whole(
     field: &Field,
     request: &MeshRequest,
     job: &Job,
-) -> Result<(Bounded<Mesh>, Option<Message>), MeshFailure> {
+) -> Result<MadeMesh, MeshFailure> {
     let mut words = None;
     let made = request.run(job, |budget| {
         let way = if convert::has_meshes(field) { simplified_field } else { mesh_in_detail };

@@ -40,6 +40,8 @@ mod failure;
 mod field;
 #[cfg(feature = "booleans")]
 mod field_by_booleans;
+#[cfg(feature = "booleans")]
+mod field_by_solids;
 mod field_digest;
 mod field_looks;
 mod file_extension;

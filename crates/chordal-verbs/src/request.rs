@@ -80,6 +80,13 @@ impl MeshRequest {
         Self { bounds: self.reach, ..self }
     }
 
+    /// The same request for what may leave the box by a length.
+    #[cfg(feature = "booleans")]
+    pub fn with_reach(self, length: f64) -> Self {
+        let Box3 { min, max } = self.reach;
+        Self { reach: Box3 { min: min.map(|x| x - length), max: max.map(|x| x + length) }, ..self }
+    }
+
     pub fn with_spacing(self, spacing: Spacing) -> Self {
         Self { spacing, ..self }
     }

@@ -1,0 +1,103 @@
+//! `mesh_by_solids`: a field that is a combination of solids, by their triangles.
+use crate::MeshFailure;
+use crate::construction_by_booleans::{AssembledMesh, mesh_by_construction};
+use crate::request::MeshRequest;
+use crate::simplified_isosurface::simplified;
+use crate::simplify::simplify_mesh;
+use chordal::budget::advice::Message;
+use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RequiredEvidence, Tolerance};
+use chordal::check;
+use chordal::explicit::Topology;
+use chordal::implicit::Field;
+use chordal::{Bounded, Job, Mesh, convert};
+
+/// The shares of a length within which solids are meshed, one after the other until the whole is proved. Chosen: what the
+/// first leaves is for proofs of edges at which faces meet at some angle.
+const SHARES: [f64; 2] = [0.7, 0.35];
+
+/// A combination of solids, whose triangles are cut along each other and judged as a whole, as few as the budget allows, with
+/// what is to be said of them. None where some part has no triangles of its own, where cuts fail or leave nothing, and where
+/// the surface is measured to be too far.
+///
+/// Solids that are cut by no others need no judge: their own bounds are known.
+pub(crate) fn mesh_by_solids(
+    field: &Field,
+    request: &MeshRequest,
+    job: &Job,
+) -> Result<Option<(Bounded<Mesh>, Option<Message>)>, MeshFailure> {
+    let Some(construction) = field.construction().filter(|own| !own.has_other()) else { return Ok(None) };
+    let budget = &request.budget;
+    let is_by_length = budget.pixels.is_none() && budget.triangles.is_none();
+    // Materials are told apart by labels that cuts do not keep.
+    if !is_by_length || budget.require == RequiredEvidence::Estimated || !field.materials().is_empty() {
+        return Ok(None);
+    }
+    // Vertices lie outside of round solids.
+    let Some(asked) = budget.length else { return Ok(None) };
+    let request = request.with_reach(asked.get());
+    let Ok(inner) = request.reserve_rounding(request.rounding()) else { return Ok(None) };
+    let Some(length) = inner.length else { return Ok(None) };
+    let room = field.bounds();
+    let made = |share: f64| {
+        let own = Tolerance::new(share * length.get()).ok()?;
+        mesh_by_construction(construction, &room, own, job).filter(|made| !made.mesh.faces().is_empty())
+    };
+    let judged = match made(SHARES[0]) {
+        None => return Ok(None),
+        Some(AssembledMesh { off: Some(_), .. }) => match made(1.0) {
+            Some(AssembledMesh { mesh, off: Some(off) }) => {
+                Ok(Bounded { shape: mesh, bound: Bound::proved(0.0, off, Reference::Field) })
+            }
+            _ => return Ok(None),
+        },
+        Some(first) => {
+            let others = SHARES[1..].iter().map_while(|share| made(*share));
+            let all = std::iter::once(first).chain(others);
+            let mut meshes = all.map(|made| tidied(made.mesh, length, &request, job));
+            convert::solids::judged_against_field(&mut meshes, field, (length, budget.require), job)
+        }
+    };
+    let judged = match judged {
+        Ok(judged) => judged,
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(Failure::Unmet(_) | Failure::Refused(_)) => return Ok(None),
+    };
+    let (made, words) = with_fewer_triangles(judged, (&inner, length), &request, job)?;
+    Ok(Some((request.snap(&made.shape, made.bound, job)?, words)))
+}
+
+/// The share of a length within which cuts are tidied up. Chosen: cuts leave vertices on flat faces and triangles that are
+/// thinner than any length that is asked for.
+const TIDY_SHARE: f64 = 1.0 / 64.0;
+
+/// The mesh without most of the triangles that cuts leave in flat faces; what judges it does not ask how it came about.
+fn tidied(mesh: Mesh, length: Tolerance, request: &MeshRequest, job: &Job) -> Mesh {
+    let Ok(little) = Tolerance::new(TIDY_SHARE * length.get()) else { return mesh };
+    match simplify_mesh(&mesh, (&Budget::length(little), request.effort), Topology::Indices, job) {
+        Ok(made) => made.shape.mesh,
+        Err(_) => mesh,
+    }
+}
+
+/// Collapses within what a bound leaves of the length.
+fn with_fewer_triangles(
+    made: Bounded<Mesh>,
+    (budget, length): (&Budget, Tolerance),
+    request: &MeshRequest,
+    job: &Job,
+) -> Result<(Bounded<Mesh>, Option<Message>), MeshFailure> {
+    if made.bound.at_most().is_none() {
+        return Ok((made, None));
+    }
+    let fewer = match simplified(made.clone(), (budget, length.get(), request.effort), job) {
+        Ok(fewer) => fewer,
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(Failure::Unmet(_) | Failure::Refused(_)) => return Ok((made, None)),
+    };
+    // Collapses look at distances, and triangles of a shape do not cross.
+    match check::self_intersections(&fewer.0.shape, job) {
+        Ok(crossing) if crossing.count == 0 => Ok(fewer),
+        Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
+        Ok(_) | Err(JobError::Refused(_)) => Ok((made, None)),
+    }
+}
