@@ -145,6 +145,40 @@ fn every_dependency_has_an_allowed_licence() {
     expect_none(&refused_licences(&metadata, &allowed_licences(&deny)));
 }
 
+/// The crates that a package depends on by a lock file, where the package is in it.
+fn locked_dependencies<'a>(lock: &'a str, name: &str) -> Option<Vec<&'a str>> {
+    let head = format!("name = \"{name}\"\n");
+    let package = lock.split("[[package]]\n").find(|package| package.starts_with(&head))?;
+    let entries = package.split_once("dependencies = [").map_or("", |(_, rest)| rest);
+    let words = entries.lines().map(|line| line.trim().trim_matches(['"', ',']));
+    Some(words.filter_map(|entry| entry.split(' ').next()).collect())
+}
+
+/// Every dependency of a crate that a lock file has the crate without.
+fn unlocked_dependencies(metadata: &Value, lock: &str) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for package in list(&metadata["packages"]) {
+        let name = text(&package["name"]);
+        let Some(locked) = locked_dependencies(lock, name) else { continue };
+        for dependency in list(&package["dependencies"]) {
+            let is_always = dependency["kind"].is_null() && dependency["optional"] == false && dependency["target"].is_null();
+            let other = text(&dependency["name"]);
+            if is_always && !locked.contains(&other) {
+                complaints.push(format!("bench/Cargo.lock: {name} without {other}"));
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn the_benches_lock_what_the_crates_depend_on() {
+    let lock = std::fs::read_to_string(gates::root().join("bench/Cargo.lock")).expect("the benches have one");
+    let metadata = metadata(&["--no-deps"]);
+    expect_none(&unlocked_dependencies(&metadata, &lock));
+    assert!(!unlocked_dependencies(&metadata, &lock.replace("\"rayon\",", "")).is_empty());
+}
+
 #[test]
 fn a_crate_that_depends_upwards_is_found() {
     let metadata = |name: &str, on: &str| serde_json::json!({"packages": [{"name": name, "dependencies": [{"name": on, "kind": "dev"}]}]});

@@ -325,7 +325,7 @@ fn judge(model: &Model, path: &str) -> Value {
     })
 }
 
-fn main() {
+pub fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let number = |text: &str| text.parse::<f64>().expect("a number");

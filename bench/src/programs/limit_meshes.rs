@@ -316,6 +316,6 @@ fn compare(path: &str) {
     }
 }
 
-fn main() {
+pub fn main() {
     std::env::args().skip(1).for_each(|path| compare(&path));
 }

@@ -95,7 +95,7 @@ fn seconds(run: fn(&Rings) -> usize, rings: &Rings) -> (f64, usize) {
     (times[times.len() / 2], found)
 }
 
-fn main() {
+pub fn main() {
     let folder = std::env::args().nth(1).expect("polygons FIXTURES");
     let mut all = fixtures(&folder);
     all.push(("star of 10k".to_owned(), vec![star(10_000, [0.0; 2], 1.0)]));

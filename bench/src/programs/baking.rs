@@ -16,7 +16,7 @@ const CELLS: usize = 128;
 /// FieldOctree that a band reaches on each side.
 const BAND: f64 = 3.0;
 
-fn main() {
+pub fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     if words[0] == "make" {
         // 102,400 triangles.

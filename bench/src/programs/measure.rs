@@ -51,7 +51,7 @@ fn summary(shapes: &[(usize, f64)]) -> String {
     format!("{},{triangles},{over},{worst:.3},{median:.3}", ratios.len())
 }
 
-fn main() {
+pub fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [corpus, tolerance, engines @ ..] = args.as_slice() else {
         panic!("measure CORPUS TOLERANCE ENGINE...")

@@ -229,7 +229,7 @@ fn judge(a: &str, b: &str, max: Option<&str>) -> Value {
     })
 }
 
-fn main() {
+pub fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let answer = match args[..] {

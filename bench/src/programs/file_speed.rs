@@ -169,7 +169,7 @@ fn size(path: &Path) -> u64 {
     length(path) + beside
 }
 
-fn main() {
+pub fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     if let ["make", folder] = args[..] {

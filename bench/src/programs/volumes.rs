@@ -59,7 +59,7 @@ fn timed<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     (seconds[runs / 2], last.expect("a run"))
 }
 
-fn main() {
+pub fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let n: usize = words.last().and_then(|text| text.parse().ok()).expect("a number of samples");
     if words[0] == "make" {

@@ -117,7 +117,7 @@ fn timed<T>(repeats: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     (times[repeats / 2], last.expect("at least one"))
 }
 
-fn main() {
+pub fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     if let ["make", folder] = args[..] {

@@ -50,7 +50,7 @@ fn run(corpus: &str, tolerance: &str) -> std::io::Result<()> {
     Ok(())
 }
 
-fn main() -> std::io::Result<()> {
+pub fn main() -> std::io::Result<()> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [corpus, tolerances @ ..] = args.as_slice() else { panic!("patches CORPUS TOLERANCE...") };
     tolerances.iter().try_for_each(|tolerance| run(corpus, tolerance))

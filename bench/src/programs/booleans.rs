@@ -20,7 +20,7 @@ const OPS: [(&str, BooleanOp); 3] = [
     ("intersection", BooleanOp::Intersection),
 ];
 
-fn main() {
+pub fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     match words[0].as_str() {
         "make" => make(Path::new(&words[1])),

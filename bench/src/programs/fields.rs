@@ -131,7 +131,7 @@ fn bench(model: &str, text: &str) {
     row(model, "ranges of gradients", BOXES, &times[3..]);
 }
 
-fn main() {
+pub fn main() {
     let folder = std::env::args().nth(1).expect("fields FOLDER");
     println!("model,what,chordal,fidget_vm,fidget_jit");
     bench("CSG of 6 solids", &csg(6));

@@ -85,7 +85,7 @@ fn run(corpus: &str, all: &Prepared, text: &str) {
     }
 }
 
-fn main() {
+pub fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [corpus, tolerances @ ..] = args.as_slice() else { panic!("curves CORPUS TOLERANCE...") };
     let all = Prepared::new(cubics(corpus));

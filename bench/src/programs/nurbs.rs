@@ -41,7 +41,7 @@ fn flattened<const D: usize>(curves: &[Curve<D>], budget: &Budget, job: &Job) ->
     Some((shapes, n, bound))
 }
 
-fn main() -> std::io::Result<()> {
+pub fn main() -> std::io::Result<()> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [file, tolerances @ ..] = args.as_slice() else { panic!("nurbs FILE TOLERANCE...") };
     let content = shape_json::read(&std::fs::read(file)?, &Limits::default()).expect("a file of shapes").content;

@@ -33,7 +33,7 @@ fn rate(n: usize, work: &dyn Fn() -> usize) -> f64 {
     n as f64 / best / 1e6
 }
 
-fn main() {
+pub fn main() {
     let quads: u32 = std::env::args().nth(1).map_or(707, |n| n.parse().expect("a number"));
     let mesh = torus(quads);
     let job = Job::default().with_threads(1);

@@ -134,7 +134,7 @@ fn run(args: &[String]) {
     );
 }
 
-fn main() {
+pub fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     match args.first().map(String::as_str) {
         Some("make") => std::fs::write(&args[1], torus()).expect("a file"),
