@@ -58,6 +58,22 @@ fn a_time_has_a_unit() {
     assert_eq!(folder.names(), ["a.star"]);
 }
 
+/// The place that is left open is as long as the wall, which belongs to what is cut out.
+#[test]
+fn a_post_that_touches_the_wall_of_a_tray_is_named_with_what_made_the_wall() {
+    let folder = Folder::new("answers-tray");
+    let text = "body = box(40, 24, 15)\npocket = move(box(36, 20, 15), 0, 0, 2)\n\
+        tray = difference(body, pocket)\npost = move(cylinder(3, 13), 14, 7, 0)\nunion(tray, post)\n";
+    let (input, output) = (folder.file("a.star", text), folder.text("a.ply"));
+    let made = run(&["mesh", &input, "--tol", "0.1", "-o", &output, "--json"]);
+    made.succeeds();
+    let notes = made.report()["certificate"]["notes"].to_string();
+    assert!(
+        notes.contains("two surfaces touch at (14.0000, 10.0000") && notes.contains("lines 2 and 4"),
+        "{notes}"
+    );
+}
+
 #[test]
 fn solids_that_touch_are_named_with_their_lines() {
     let folder = Folder::new("answers-touching");
@@ -74,6 +90,16 @@ fn solids_that_touch_are_named_with_their_lines() {
     let said = run(&["mesh", &input, "--tol", "0.1", "-o", &output, "--force"]);
     said.succeeds();
     assert!(said.stdout.contains("two surfaces touch at (5.0"), "{}", said.stdout);
+    // The same where nothing but a proof will do, instead of some place that is far.
+    let asked = ["mesh", &input, "--tol", "0.1", "--require", "proved", "-o", &output, "--force", "--json"];
+    let strict = run(&asked);
+    strict
+        .fails_with(5, &["not proved at", "two surfaces touch at (5.0", "lines 1 and 2", "let them overlap"]);
+    assert!(!strict.stderr.contains("the worst known place"), "{}", strict.stderr);
+    let report = strict.report();
+    let places = report["certificate"]["bound"]["open"]["largest"].as_array().unwrap();
+    let lines = |place: &&serde_json::Value| place["contact"]["lines"] == serde_json::json!([1, 2]);
+    assert!(places.iter().any(|place| lines(&place)), "{report}");
     // What helps, as the note says.
     let text = text.replace(", 8, 0, 0)", ", 7.9, 0, 0)");
     let made =

@@ -1,21 +1,97 @@
 //! `name_lines`: which lines of a script made the surfaces that touch where a proof did not end.
 use crate::ShapeLine;
 use chordal::budget::Bound;
+use chordal::implicit::evaluation::Tape;
+use chordal::math::greater;
 
 /// A line is said to have made a surface that passes a contact nearer than this fraction of the open place. Chosen: what
 /// found the contact comes as near.
 const NEAR: f64 = 2e-3;
+/// Two shapes that pass a contact have one surface there where their values, but for the sign, are the same at points around
+/// it, as far as this fraction of the open place. Chosen: parts that touch bend away from each other, and what cuts or joins
+/// them is mostly farther.
+const AROUND: f64 = 1.0 / 32.0;
+/// They are the same where they differ by less than this, relative to the larger one. Chosen: far above rounding.
+const SAME: f64 = 1e-9;
 
-/// Adds the lines of the first two shapes that pass through each contact: what combines them comes later.
+/// The shape of a line near a contact: the sizes of its values at points around it.
+struct PassingLine {
+    line: u64,
+    around: [f64; 6],
+}
+
+/// Adds to each contact the lines of the first two shapes that pass through it and differ around it: a solid differs from what
+/// touches it, and not from what is cut out of it, or from the whole that it is combined to later. Where all are alike, as
+/// where faces lie against each other, those of the first two.
 pub(crate) fn name_lines(bound: &mut Bound, lines: &[ShapeLine]) {
     let Some(open) = bound.open.as_deref_mut() else { return };
     for place in &mut open.largest {
         let Some(contact) = &mut place.contact else { continue };
-        let (at, near) = (contact.at, NEAR * place.size);
-        let passes = |shape: &&ShapeLine| {
-            shape.field.sign().at(at).is_ok_and(|value| value.abs() <= near && value.is_finite())
-        };
-        let mut through = lines.iter().filter(passes).map(|shape| shape.line);
-        contact.lines = through.next().zip(through.next()).map(|(a, b)| [a, b]);
+        let passing = passing_lines(lines, contact.at, place.size);
+        let differing = (0..passing.len())
+            .find_map(|k| Some((passing[..k].iter().find(|one| differ(one, &passing[k]))?, &passing[k])));
+        let first_two = || Some((passing.first()?, passing.get(1)?));
+        contact.lines = differing.or_else(first_two).map(|(a, b)| [a.line, b.line]);
+    }
+}
+
+/// The shapes whose surface passes a contact in a place of some size, in their order.
+fn passing_lines(lines: &[ShapeLine], at: [f64; 3], size: f64) -> Vec<PassingLine> {
+    let aside = |k: usize| {
+        let by = if k < 3 { AROUND * size } else { -AROUND * size };
+        [0, 1, 2].map(|axis| if axis == k % 3 { at[axis] + by } else { at[axis] })
+    };
+    let points: Vec<[f64; 3]> = std::iter::once(at).chain((0..6).map(aside)).collect();
+    let passing = |shape: &ShapeLine| {
+        let mut values = [0.0; 7];
+        Tape::new(shape.field.sign()).at(&points, &mut values).ok()?;
+        let [here, around @ ..] = values;
+        let passes = here.abs() <= NEAR * size && values.iter().all(|value| value.is_finite());
+        passes.then_some(PassingLine { line: shape.line, around: around.map(f64::abs) })
+    };
+    lines.iter().filter_map(passing).collect()
+}
+
+fn differ(a: &PassingLine, b: &PassingLine) -> bool {
+    a.around.iter().zip(&b.around).any(|(x, y)| (x - y).abs() > SAME * greater(*x, *y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal::budget::proof::{OpenPlace, OpenPlaces, SurfaceContact};
+    use chordal::budget::{Evidence, Reference};
+    use chordal::implicit::Field;
+    use chordal::implicit::shapes::{cuboid, cylinder};
+
+    fn lines_at(at: [f64; 3], shapes: &[&Field]) -> Option<[u64; 2]> {
+        let contact = Some(SurfaceContact { at, is_flush: false, lines: None });
+        let place = OpenPlace { at, size: 20.0, area: 1.0, contact };
+        let mut bound = Bound::with_evidence(0.0, None, Evidence::Measured { samples: 1 }, Reference::Field);
+        bound.open = Some(Box::new(OpenPlaces::new(vec![place], 1.0)));
+        let line = |(k, field): (usize, &&Field)| ShapeLine { line: k as u64 + 1, field: (*field).clone() };
+        let lines: Vec<ShapeLine> = shapes.iter().enumerate().map(line).collect();
+        name_lines(&mut bound, &lines);
+        bound.open.unwrap().largest[0].contact.unwrap().lines
+    }
+
+    #[test]
+    fn a_pocket_and_the_post_in_it_are_named_and_not_the_pocket_and_what_it_is_cut_from() {
+        let body = cuboid([40.0, 24.0, 15.0]).unwrap();
+        let pocket = cuboid([36.0, 20.0, 15.0]).unwrap().moved([0.0, 0.0, 2.0]).unwrap();
+        let tray = body.difference(&pocket);
+        let post = cylinder(3.0, 13.0).unwrap();
+        let moved = post.moved([14.0, 7.0, 0.0]).unwrap();
+        let whole = tray.union(&moved);
+        let shapes = [&body, &pocket, &tray, &post, &moved, &whole];
+        assert_eq!(lines_at([14.0, 10.0, 1.0], &shapes), Some([2, 5]));
+        assert_eq!(lines_at([14.0, 9.0, 1.0], &shapes), None);
+    }
+
+    #[test]
+    fn of_faces_that_lie_against_each_other_the_first_two_are_named() {
+        let low = cuboid([10.0; 3]).unwrap();
+        let high = low.moved([0.0, 0.0, 10.0]).unwrap();
+        assert_eq!(lines_at([1.0, 2.0, 5.0], &[&low, &high, &low.union(&high)]), Some([1, 2]));
     }
 }

@@ -1,7 +1,8 @@
 //! `MeshFailure`: why a verb made no result within the budget.
 use crate::MeshOutcome;
-use crate::report::Output;
+use crate::report::{OpenPlacesFacts, Output};
 use chordal::budget::advice::Message;
+use chordal::budget::proof::OpenPlaces;
 use chordal::budget::{Failure, InvalidLength, JobError, Refusal, RefusalCode};
 use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
@@ -120,8 +121,14 @@ impl fmt::Display for MeshFailure {
                     }
                     _ => write!(f, "without an upper bound, with {made}")?,
                 }
-                if let Some([x, y, z]) = best.bound.at {
+                let open = best.bound.open.as_deref();
+                // Beside a contact, which is why, a place says nothing.
+                let at = best.bound.at.filter(|_| open.and_then(OpenPlaces::tangent).is_none());
+                if let Some([x, y, z]) = at {
                     write!(f, "; the worst known place is about ({x:.4e}, {y:.4e}, {z:.4e})")?;
+                }
+                if let Some(open) = open {
+                    write!(f, "; {}", OpenPlacesFacts::new(open).why_unproved())?;
                 }
                 best.certificate.stayed.iter().try_for_each(|why| write!(f, "; {why}"))
             }

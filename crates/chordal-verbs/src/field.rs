@@ -318,6 +318,10 @@ fn wider(a: Bound, b: Bound) -> Bound {
     let pixels = larger.pixels.zip(other.pixels).map(|(a, b)| greater(a, b));
     let mut all = Bound::with_evidence(at_least, at_most, evidence, larger.reference);
     (all.metric, all.angle_deg, all.pixels) = (metric, angle_deg, pixels);
+    all.open = match (larger.open, other.open) {
+        (Some(a), Some(b)) => Some(Box::new(a.beside(&b))),
+        (a, b) => a.or(b),
+    };
     all
 }
 

@@ -31,7 +31,7 @@ pub struct BoundFacts {
     pub reference: &'static str,
     /// The point of the largest known loss.
     pub at: Option<[f64; 3]>,
-    /// The places that a proof left open; present where there are some.
+    /// The places that a proof within a length left open; present where there are some.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub open: Option<OpenPlacesFacts>,
 }
@@ -75,30 +75,21 @@ pub struct ContactFacts {
     pub lines: Option<[u64; 2]>,
 }
 
+/// The kind of contacts from opposite sides.
+const TANGENT: &str = "tangent";
+
 impl ContactFacts {
     fn new(contact: SurfaceContact) -> Self {
-        let kind = if contact.is_flush { "flush" } else { "tangent" };
+        let kind = if contact.is_flush { "flush" } else { TANGENT };
         Self { kind, at: contact.at, lines: contact.lines }
     }
-}
 
-impl fmt::Display for ContactFacts {
-    /// That solids touch from opposite sides, with what helps; nothing of faces that lie in one another, as is mostly meant.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.kind == "flush" {
-            return Ok(());
-        }
-        let [x, y, z] = self.at;
-        let who = match self.lines {
-            Some([a, b]) if a == b => format!(" (line {a} of the script)"),
-            Some([a, b]) => format!(" (lines {a} and {b} of the script)"),
-            None => String::new(),
-        };
-        write!(
-            f,
-            "; two surfaces touch at ({x:.4}, {y:.4}, {z:.4}){who}: let them overlap by a little more than the length, or \
-             leave as much between them"
-        )
+    fn is_tangent(&self) -> bool {
+        self.kind == TANGENT
+    }
+
+    fn contact(self) -> SurfaceContact {
+        SurfaceContact { at: self.at, is_flush: !self.is_tangent(), lines: self.lines }
     }
 }
 
@@ -117,11 +108,17 @@ impl OpenPlacesFacts {
             largest: places.largest.iter().map(facts).collect(),
         }
     }
+
+    /// `not proved at 2 places …`, or why nothing is proved where no place is open.
+    pub(crate) fn why_unproved(&self) -> String {
+        let at = if self.count == 0 { ":" } else { " at" };
+        format!("not proved{at} {self}")
+    }
 }
 
 impl fmt::Display for OpenPlacesFacts {
-    /// `2 places (3.000 of 5900.000 in area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`; where no place
-    /// is open, why nothing is proved all the same.
+    /// `2 places (3.000 of 5900.000 in area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`, and where surfaces
+    /// touch there; where no place is open, why nothing is proved all the same.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.count == 0 {
             return f.write_str(
@@ -134,10 +131,12 @@ impl fmt::Display for OpenPlacesFacts {
         let Some(place) = self.largest.first() else { return Ok(()) };
         let [x, y, z] = place.at;
         write!(f, ", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)?;
-        self.largest
-            .iter()
-            .find_map(|place| place.contact.filter(|contact| contact.kind != "flush"))
-            .map_or(Ok(()), |contact| contact.fmt(f))
+        let contact = self.largest.iter().filter_map(|place| place.contact).find(ContactFacts::is_tangent);
+        match contact.map(ContactFacts::contact) {
+            Some(contact) => write!(f, "; {contact}"),
+            // Faces that lie in one another are mostly meant.
+            None => Ok(()),
+        }
     }
 }
 

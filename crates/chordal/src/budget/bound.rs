@@ -166,8 +166,8 @@ pub struct Bound {
     /// middle, in degrees. Set where the budget limits an angle. It is measured, whatever the evidence of the
     /// distance.
     pub angle_deg: Option<f64>,
-    /// Where a proof was tried and found for a part only: the places where it was not. The evidence is then
-    /// [`Evidence::Measured`], that of the weakest place.
+    /// Where a proof within a length was tried and found for a part only: the places where it was not. The evidence is then
+    /// [`Evidence::Measured`], that of the weakest place; or what is proved of the whole is more than that length.
     pub open: Option<Box<OpenPlaces>>,
 }
 

@@ -1,4 +1,5 @@
 //! `OpenPlaces`: where a bound is not proved although a proof was tried.
+use std::fmt;
 
 /// A connected part of a result for which no proof was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,25 @@ pub struct SurfaceContact {
     pub is_flush: bool,
     /// The lines of a script that made the two, if they are known.
     pub lines: Option<[u64; 2]>,
+}
+
+/// Half of the last digit that is shown: derived.
+const SHOWN: f64 = 0.5e-4;
+
+impl fmt::Display for SurfaceContact {
+    /// `two surfaces touch at (5.0000, 0.0000, 1.0000) (lines 1 and 2 of the script): …`, with what helps where they are on
+    /// opposite sides of its plane.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // What is shown as 0 has no sign.
+        let [x, y, z] = self.at.map(|x| if x.abs() < SHOWN { 0.0 } else { x });
+        write!(f, "two surfaces touch at ({x:.4}, {y:.4}, {z:.4})")?;
+        match self.lines {
+            Some([a, b]) if a == b => write!(f, " (line {a} of the script)")?,
+            Some([a, b]) => write!(f, " (lines {a} and {b} of the script)")?,
+            None => {}
+        }
+        f.write_str(": let them overlap by a little more than the length, or leave as much between them")
+    }
 }
 
 /// The places where a bound is not proved. Elsewhere each triangle is proved to be near the true shape.
@@ -58,6 +78,13 @@ impl OpenPlaces {
         places.sort_by(|a, b| b.size.total_cmp(&a.size));
         places.truncate(Self::MOST);
         Self { count, area, whole_area, largest: places }
+    }
+
+    /// The first contact from opposite sides, which mostly is what can be mended: faces that lie in one another are mostly
+    /// meant.
+    #[must_use]
+    pub fn tangent(&self) -> Option<&SurfaceContact> {
+        self.largest.iter().filter_map(|place| place.contact.as_ref()).find(|contact| !contact.is_flush)
     }
 
     /// Those of two results next to each other.

@@ -1,5 +1,5 @@
 //! Fields always become a mesh: proved, or measured with the places that a proof left open.
-use chordal::budget::proof::ProofEffort;
+use chordal::budget::proof::{OpenPlaces, ProofEffort};
 use chordal::budget::{Evidence, RequiredEvidence};
 use chordal::check::validity;
 use chordal::convert::{field_to_mesh, redistance};
@@ -127,6 +127,17 @@ fn a_contact_is_named_where_a_proof_does_not_end() {
     let contact = open.largest.iter().find_map(|place| place.contact).expect("a contact");
     let off = (contact.at[0].powi(2) + (contact.at[1] - 2.0).powi(2)).sqrt();
     assert!(!contact.is_flush && off < 0.02 && contact.at[2].abs() < 2.1, "{contact:?}");
+}
+
+#[test]
+fn a_contact_is_named_where_nothing_but_a_proof_will_do() {
+    let [x, y, z] = Expr::axes();
+    let post = (x.square() + (y - 5.0).square()).sqrt() - 3.0;
+    let field = within(plate([0.0; 3], [2.0; 3]).min(&post.max(&(z.abs() - 2.0))), 9.0);
+    let made = field_to_mesh(&field, &budget(RequiredEvidence::Proved, 0.1), &Job::default());
+    let Err(Failure::Unmet(best)) = made else { panic!("proved: {made:?}") };
+    let contact = best.bound.open.as_deref().and_then(OpenPlaces::tangent).expect("a contact");
+    assert!(contact.at[0].abs() < 1e-3 && (contact.at[1] - 2.0).abs() < 1e-3, "{contact:?}");
 }
 
 /// The value of a box has kinks inside where the nearest side changes, on the surface of what is shrunk, too.

@@ -1,31 +1,43 @@
 //! From what a proof left open to the places that a bound lists.
-use super::contacts::find_contacts;
+use super::contacts::ContactSearch;
 use crate::budget::{Job, OpenPlace, OpenPlaces};
 use crate::check::SandwichVerdict;
 use crate::explicit::Mesh;
-use crate::implicit::Csg;
+use crate::implicit::{Csg, Expr};
 use crate::math::{Box3, cross, difference, length};
 
+/// A place with points of it, from which contacts are looked for.
+type PlaceWithPoints = (OpenPlace, Vec<[f64; 3]>);
+
 /// The connected parts of the faces that a verdict left open, and the boxes in which a part of the surface may be missed,
-/// and how primitives touch there.
+/// and how primitives of the sign touch there.
 pub(in crate::convert) fn open_places(
     mesh: &Mesh,
     verdict: &SandwichVerdict,
-    csg: &Csg,
+    sign: &Expr,
     job: &Job,
 ) -> OpenPlaces {
     let mut faces: Vec<u32> = verdict.open.iter().flatten().copied().collect();
     faces.sort_unstable();
     faces.dedup();
     let mut places = places_of_faces(mesh, &faces);
-    places.extend(touching(verdict.unresolved.clone()).iter().map(|bounds| place(bounds, 0.0)));
+    places.extend(
+        touching(verdict.unresolved.clone()).iter().map(|bounds| (place(bounds, 0.0), points_of(bounds))),
+    );
     let at_points =
         verdict.wrong.iter().map(|probe| OpenPlace { at: probe.at, size: 0.0, area: 0.0, contact: None });
-    places.extend(at_points);
+    places.extend(at_points.map(|place| (place, Vec::new())));
     let whole = (0..mesh.faces().len() as u32).map(|face| area(mesh, face)).sum();
-    let mut open = OpenPlaces::new(places, whole);
-    find_contacts(&mut open.largest, csg, job);
-    open
+    let csg = Csg::from_expr(sign);
+    let search = ContactSearch::new(&csg, sign, job);
+    // Those that are listed.
+    let mut by_size: Vec<usize> = (0..places.len()).collect();
+    by_size.sort_by(|a, b| places[*b].0.size.total_cmp(&places[*a].0.size));
+    for number in by_size.into_iter().take(OpenPlaces::MOST) {
+        let (place, points) = &mut places[number];
+        place.contact = search.contact(place, points);
+    }
+    OpenPlaces::new(places.into_iter().map(|(place, _)| place).collect(), whole)
 }
 
 /// The most boxes that are put together by their sides; of more, all are one place. Chosen: some milliseconds.
@@ -56,8 +68,18 @@ fn touching(mut boxes: Vec<Box3>) -> Vec<Box3> {
     done
 }
 
+/// The middle and the corners of a box.
+fn points_of(bounds: &Box3) -> Vec<[f64; 3]> {
+    let corner =
+        |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { bounds.max[axis] } else { bounds.min[axis] });
+    std::iter::once(bounds.centre()).chain((0..8).map(corner)).collect()
+}
+
+/// The most points of the faces of a place. Chosen: all of few large faces, some of many small ones.
+const MOST_POINTS: usize = 64;
+
 /// One place for each set of faces that hang together by vertices.
-fn places_of_faces(mesh: &Mesh, faces: &[u32]) -> Vec<OpenPlace> {
+fn places_of_faces(mesh: &Mesh, faces: &[u32]) -> Vec<PlaceWithPoints> {
     let mut parts = VertexSets { parent: (0..mesh.positions().len() as u32).collect() };
     for face in faces {
         let [a, b, c] = mesh.faces()[*face as usize];
@@ -70,9 +92,22 @@ fn places_of_faces(mesh: &Mesh, faces: &[u32]) -> Vec<OpenPlace> {
     let whole = |part: &[(u32, u32)]| {
         let all = part.iter().flat_map(|(_, face)| mesh.corners(*face as usize));
         let bounds = Box3::from_points(&all.collect::<Vec<_>>());
-        place(&bounds, part.iter().map(|(_, face)| area(mesh, *face)).sum())
+        let found = place(&bounds, part.iter().map(|(_, face)| area(mesh, *face)).sum());
+        let points = part.iter().flat_map(|(_, face)| points_of_face(mesh.corners(*face as usize)));
+        let every = (POINTS_OF_FACE * part.len()).div_ceil(MOST_POINTS);
+        (found, points.step_by(every).collect())
     };
     of_part.chunk_by(|a, b| a.0 == b.0).map(whole).collect()
+}
+
+const POINTS_OF_FACE: usize = 7;
+
+/// The corners of a triangle, the middles of its sides, and its own.
+fn points_of_face([a, b, c]: [[f64; 3]; 3]) -> [[f64; 3]; POINTS_OF_FACE] {
+    let middle = |points: &[[f64; 3]]| {
+        [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64)
+    };
+    [a, b, c, middle(&[a, b]), middle(&[b, c]), middle(&[c, a]), middle(&[a, b, c])]
 }
 
 fn place(bounds: &Box3, area: f64) -> OpenPlace {

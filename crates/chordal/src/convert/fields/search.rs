@@ -4,7 +4,9 @@ use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
 use super::mesher::{FieldMeshGoal, FieldMesher, ImprovedSurface, leaf_failure, longest};
 use super::open_places::open_places;
-use crate::budget::{Bounded, Failure, Job, Progress, ProofEffort, RefusalCode, RequiredEvidence, Tolerance};
+use crate::budget::{
+    Bounded, Failure, Job, OpenPlaces, Progress, ProofEffort, RefusalCode, RequiredEvidence, Tolerance,
+};
 use crate::check::{
     Goal, MeasuredDeviation, SandwichGoal, SandwichProver, SandwichVerdict, field_deviation, is_hopeless,
     measured_field_deviation, sandwich_bound,
@@ -180,7 +182,8 @@ impl<'s> FieldMeshSearch<'s> {
         }
         match beyond {
             // Nothing less would do, or it is certainly too far.
-            Some(bound) if self.is_strict() || bound.at_least() > length.get() => {
+            Some(mut bound) if self.is_strict() || bound.at_least() > length.get() => {
+                bound.open = self.places_of(&left);
                 Err(Failure::Unmet(Box::new(Bounded { shape: left.mesh, bound })))
             }
             _ => self.measured_instead(*left, length.get()),
@@ -194,15 +197,20 @@ impl<'s> FieldMeshSearch<'s> {
 
     /// A mesh whose proof did not end, measured as a whole, with the places that the proof left open.
     fn measured_instead(&self, left: UnprovedMesh, length: f64) -> FieldMeshResult {
-        let csg = Csg::from_expr(self.field.sign());
-        let places = left.verdict.as_ref().map(|verdict| open_places(&left.mesh, verdict, &csg, self.job));
+        let places = self.places_of(&left);
         let mut made = self.measure(left.mesh)?;
+        made.bound.open = places;
         if self.is_strict() {
             made.bound.at = left.place.or(made.bound.at);
             return Err(Failure::Unmet(Box::new(made)));
         }
-        made.bound.open = places.map(Box::new);
         if made.bound.at_least() <= length { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    }
+
+    /// The places that a proof left open, if one was begun.
+    fn places_of(&self, left: &UnprovedMesh) -> Option<Box<OpenPlaces>> {
+        let verdict = left.verdict.as_ref()?;
+        Some(Box::new(open_places(&left.mesh, verdict, self.field.sign(), self.job)))
     }
 
     /// The conditions of a proof that begins now.

@@ -69,7 +69,7 @@ pub fn judged_against_field(
             match search.proved(left.0, meshes)? {
                 Ok(made) => return Ok(made),
                 Err((mesh, verdict)) => {
-                    let places = open_places(&mesh, &verdict, &csg, job);
+                    let places = open_places(&mesh, &verdict, field.sign(), job);
                     left = (mesh, Some(Box::new(places)));
                 }
             }
