@@ -448,3 +448,20 @@ fn limits_on_attributes_that_make_no_sense_are_refused() {
         assert!(!folder.names().iter().any(|name| name.ends_with(".glb")));
     }
 }
+
+#[test]
+fn levels_of_solids_that_touch_say_why_they_are_not_proved() {
+    let folder = Folder::new("lod-touching");
+    let text = "body = box(10, 10, 10)\npost = move(cylinder(3, 10), 8, 0, 0)\nbody | post\n";
+    let (input, output) = (folder.file("a.star", text), folder.text("a.glb"));
+    run(&["lod", &input, "--tol", "0.1", "-o", &output]).fails_with(
+        5,
+        &[
+            "levels need a proved bound",
+            "two surfaces touch at (5.0",
+            "lines 1 and 2",
+            "let them overlap",
+            "--keep-best",
+        ],
+    );
+}

@@ -14,7 +14,7 @@ use crate::finish::NOT_MET;
 use crate::format_rounding::single_precision_note;
 use crate::geometry_digest::written_digest;
 use crate::notes::packing_note;
-use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, OpenPlacesFacts, Output};
 use crate::too_fine::too_fine_note;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, OutputForm, Shape};
 use chordal::Job;
@@ -180,9 +180,20 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     Ok(outcome)
 }
 
-/// What is said where the finest level is off by more than was asked.
+/// What is said where the finest level is off by more than was asked, and why where its proof did not end.
 fn unmet(bound: &Bound, finest: Tolerance) -> Message {
-    format!("the budget of the finest level, {finest}, was not met; the best reached is {bound}").into()
+    let said = format!("the budget of the finest level, {finest}, was not met; the best reached is {bound}");
+    let Some(open) = bound.open.as_deref() else { return said.into() };
+    let why = OpenPlacesFacts::new(open).why_unproved();
+    // What helps where surfaces touch is said with the contact.
+    let helps = match open.tangent() {
+        Some(_) => "",
+        None => {
+            "; allow a larger error, or mesh the shape by itself and make levels of that mesh, whose errors are then counted \
+             from its triangles"
+        }
+    };
+    format!("{said}: levels need a proved bound, and within less the shape is {why}{helps}").into()
 }
 
 /// The tolerance of the finest level.

@@ -214,7 +214,8 @@ pub(super) fn needs_a_proof(what: &str, bound: &Bound) -> String {
                 let [x, y, z] = place.at;
                 format!(", the largest about ({x:.4}, {y:.4}, {z:.4})")
             });
-            format!("its proof is left open at {places}{near}, and they are only measured")
+            let touch = open.tangent().map_or(String::new(), |contact| format!("; {contact}"));
+            format!("its proof is left open at {places}{near}, and they are only measured{touch}")
         }
         (Evidence::Measured { samples }, None) => format!("they are only measured, at {samples} points"),
         _ => "their distance from it is only estimated".to_owned(),
