@@ -28,15 +28,27 @@ pub(crate) fn why_nothing(text: &str) -> String {
             let name = rest.split('(').next().unwrap_or("").trim();
             format!("it ends with what {name}() is: let the last line be a call of it")
         }
-        name if rest.starts_with('(') && returns_nothing(text, name) => {
-            format!("{name}() returns nothing: let it end with 'return' and a shape")
-        }
+        name if rest.starts_with('(') && returns_nothing(text, name) => without_return(name),
         name if rest.starts_with('=') && !name.is_empty() => {
             format!("its last line must be an expression, not an assignment: add a line '{name}'")
         }
         "" | "load" => "it has no last line that is a shape".to_owned(),
         _ => "its last line must be an expression whose value is a shape".to_owned(),
     }
+}
+
+fn without_return(name: &str) -> String {
+    format!("{name}() returns nothing: let it end with 'return' and a shape")
+}
+
+/// A message about nothing where a shape is needed, with the functions of a text that return nothing.
+pub(crate) fn with_missing_return(message: String, text: &str) -> String {
+    if !message.contains("what a function without 'return' gives") {
+        return message;
+    }
+    let heads = text.lines().filter_map(|line| line.strip_prefix("def ")?.split('(').next());
+    let names = heads.map(str::trim).filter(|name| returns_nothing(text, name));
+    names.fold(message, |said, name| format!("{said}; {}", without_return(name)))
 }
 
 /// Whether a line starts a statement of the script itself: it is not indented, and closes nothing.

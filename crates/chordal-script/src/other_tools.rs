@@ -1,8 +1,21 @@
 //! Names of other tools (OpenSCAD, CadQuery, build123d, ManifoldCAD, SDF libraries), and what does the same here.
+use crate::language::{self, Function};
 
-/// What stands here for a name that a script does not know: calls as they are written here, in half a sentence.
-pub(crate) fn here_instead(name: &str) -> Option<&'static str> {
-    NAMES.iter().find(|(names, _)| names.contains(&name)).map(|(_, here)| *here)
+/// What stands here for a name that a script does not know: calls as they are written here, in half a sentence. Tools differ
+/// in capitals and underscores as well, so that a name counts as it is spelled first, and by its letters then.
+pub(crate) fn here_instead(name: &str) -> Option<String> {
+    let known = |is_same: &dyn Fn(&str) -> bool| {
+        let row = NAMES.iter().find(|(names, _)| names.iter().any(|known| is_same(known)));
+        row.map(|(_, here)| (*here).to_owned())
+    };
+    let letters = letters_of(name);
+    let is_alike = |other: &str| letters_of(other) == letters;
+    let own = || language::functions().find(|function| is_alike(function.name)).map(Function::usage);
+    known(&|other| other == name).or_else(own).or_else(|| known(&is_alike))
+}
+
+fn letters_of(name: &str) -> String {
+    name.chars().filter(|c| *c != '_').map(|c| c.to_ascii_lowercase()).collect()
 }
 
 /// Names by what does the same. Signatures and names are those of the language, which a test holds them to.

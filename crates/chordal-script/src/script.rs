@@ -4,7 +4,7 @@ use crate::advice::{POWERS, why_nothing};
 use crate::builtins::builtins;
 use crate::files::{FileError, MAIN, NoFiles, ScriptFiles};
 use crate::grammar::Program;
-use crate::language::{Arg, CallError, functions};
+use crate::language::{Arg, CallError, NOTHING_GIVEN, functions};
 use crate::library::Library;
 use crate::meter::{LimitError, Meter};
 use crate::operators::{OPERATORS, StarlarkOperator};
@@ -295,7 +295,7 @@ fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
         Some(StarlarkShape(Arg::Shape(solid))) => return Ok(solid.field.clone()),
         Some(StarlarkShape(Arg::Path(_))) => "a path; polygon() fills it, and sweep() follows it",
         Some(_) => "a formula; field() makes a shape of it",
-        None if value.is_none() => "nothing",
+        None if value.is_none() => NOTHING_GIVEN,
         None if elements(value).is_some() => "a list of lists; union() joins shapes",
         None => "something else",
     };

@@ -1,4 +1,5 @@
 //! `ScriptSource`: the text of a script, what is parsed in its place, and the way back from there.
+use crate::advice::with_missing_return;
 use crate::error::position;
 use crate::other_tools::here_instead;
 use crate::parentheses::Parentheses;
@@ -163,7 +164,7 @@ impl ScriptSource {
     pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
         let message = error.without_diagnostic().to_string();
         let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
-        let message = with_name_of_here(message);
+        let message = with_missing_return(with_name_of_here(message), &self.text);
         match error.span() {
             Some(span) => self.error(code, message, span.span),
             None => ScriptError::new(code, message),

@@ -35,6 +35,9 @@ impl<'v> StarlarkValue<'v> for StarlarkShape {
     }
 }
 
+/// What is said where one of two operands is nothing.
+const OF_NOTHING: &str = ": nothing is what a function without 'return' gives";
+
 /// The error for an operator that is undefined for these values.
 pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::Error {
     let hint = match (operator, a, b) {
@@ -42,6 +45,7 @@ pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::
         (_, Arg::Shape(_), Arg::Number(_)) | (_, Arg::Number(_), Arg::Shape(_)) => {
             ": see scale, offset and move for what numbers do to shapes"
         }
+        (_, Arg::Nothing, _) | (_, _, Arg::Nothing) => OF_NOTHING,
         _ => "",
     };
     let what = match operator {

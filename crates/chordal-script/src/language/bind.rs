@@ -322,7 +322,7 @@ impl BoundArgs {
     pub(super) fn shape(&self, k: usize) -> Result<&Solid, CallError> {
         match &self.args[k] {
             Arg::Shape(solid) => Ok(solid),
-            other => Err(self.wrong(k, "a shape", other.kind())),
+            other => Err(self.wrong(k, "a shape", other.instead_of_shape())),
         }
     }
 
@@ -337,7 +337,10 @@ impl BoundArgs {
             for part in parts {
                 match part {
                     Arg::Shape(solid) => all.push(solid),
-                    other => return Err(self.function.fault(format!("needs shapes, not {}", other.kind()))),
+                    other => {
+                        let what = format!("needs shapes, not {}", other.instead_of_shape());
+                        return Err(self.function.fault(what));
+                    }
                 }
             }
         }

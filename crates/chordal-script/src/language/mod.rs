@@ -100,6 +100,14 @@ impl Arg {
         }
     }
 
+    /// Its kind, for an error where a shape is needed.
+    pub(crate) fn instead_of_shape(&self) -> &str {
+        match self {
+            Self::Nothing => NOTHING_GIVEN,
+            other => other.kind(),
+        }
+    }
+
     /// An upper bound of the terms of the expression.
     pub(crate) fn weight(&self) -> u64 {
         match self {
@@ -120,6 +128,9 @@ impl Arg {
         }
     }
 }
+
+/// What stands where a shape is needed and there is nothing.
+pub(crate) const NOTHING_GIVEN: &str = "nothing, which is what a function without 'return' gives";
 
 /// What is wrong with a call, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
