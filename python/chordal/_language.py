@@ -149,8 +149,9 @@ def triangle(
     return called("triangle", a, b, c, thickness)  # type: ignore[no-any-return]
 
 
-def hull(points: _Points, radius: SupportsFloat = 0) -> Field:
-    """The convex hull of points, or of balls of one radius around them.
+def hull(points: _Points | Field | Sequence[Field], radius: SupportsFloat = 0) -> Field:
+    """The convex hull of points, or of balls of one radius around them. Or of a list of shapes that are such hulls:
+    boxes, prisms, extruded polygons, balls, capsules.
 
     The value is worth: exact.
     """

@@ -520,3 +520,32 @@ fn every_script_on_the_page_for_users_of_openscad_is_a_shape() {
         assert!(made.field.bounds().diagonal().is_finite(), "{text}");
     }
 }
+
+#[test]
+fn a_hull_is_of_points_or_of_shapes() {
+    let p = [2.0, 0.5, 0.2];
+    for (text, same) in [
+        ("hull([box(1, 1, 1), move(box(1, 1, 1), 3, 0, 0)])", "move(box(4, 1, 1), 1.5, 0, 0)"),
+        ("hull([move(sphere(1), -2, 0, 0), move(sphere(1), 2, 0, 0)])", "capsule([-2, 0, 0], [2, 0, 0], 1)"),
+        (
+            "hull(box(1, 1, 1) | move(box(1, 1, 1), 3, 0, 0), 0.5)",
+            "move(rounded_box(5, 2, 2, 0.5), 1.5, 0, 0)",
+        ),
+        ("hull([[-2, 0, 0], [2, 0, 0]], 1)", "capsule([-2, 0, 0], [2, 0, 0], 1)"),
+    ] {
+        assert!((at(text, p) - at(same, p)).abs() < 1e-14, "{text}");
+    }
+    for (text, what) in [
+        ("hull([cylinder(1, 2), box(1, 1, 1)])", "hull(): a hull of shapes takes boxes"),
+        ("hull([cylinder(1, 2), box(1, 1, 1)])", "extrude(segment(a, b, radius), height)"),
+        ("hull([sphere(1), move(sphere(2), 3, 0, 0)])", "of one radius, and here are 1 and 2"),
+        (
+            "hull(box(1, 1, 1), move(box(1, 1, 1), 3, 0, 0))",
+            "takes several shapes as a list, as in hull([a, b])",
+        ),
+        ("hull([[0, 0, 0], sphere(1)])", "hull() needs 3 numbers for 'points', not a shape"),
+    ] {
+        let told = script(text).unwrap_err();
+        assert!(told.message.contains(what), "{text}: {told}");
+    }
+}

@@ -326,6 +326,14 @@ impl BoundArgs {
         }
     }
 
+    /// Whether there is a shape at index `k`, or a list that begins with one.
+    pub(super) fn has_shapes(&self, k: usize) -> bool {
+        match &self.args[k] {
+            Arg::List(list) => matches!(list.first(), Some(Arg::Shape(_))),
+            arg => matches!(arg, Arg::Shape(_)),
+        }
+    }
+
     /// All shapes: the first ones and the rest. A list of shapes stands for its elements.
     pub(super) fn shapes(&self) -> Result<Vec<&Solid>, CallError> {
         let mut all = Vec::new();

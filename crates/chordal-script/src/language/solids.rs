@@ -1,7 +1,7 @@
 //! Primitive solids and plane shapes.
-use super::bind::{Function, ParameterDefault, defaulting, optional, required};
-use super::{paths, sweep};
-use chordal::implicit::shapes;
+use super::bind::{BoundArgs, Function, ParameterDefault, defaulting, optional, required};
+use super::{Arg, CallError, paths, sweep};
+use chordal::implicit::{Field, shapes};
 
 const EXACT: &str = "exact";
 const BOUND: &str = "a lower bound";
@@ -114,9 +114,10 @@ pub(super) const SOLIDS: &[Function] = &[
     Function {
         name: "hull",
         parameters: &[required("points"), optional("radius", 0.0)],
-        about: "The convex hull of points, or of balls of one radius around them.",
+        about: "The convex hull of points, or of balls of one radius around them. Or of a list of shapes that are such \
+            hulls: boxes, prisms, extruded polygons, balls, capsules.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::hull(&given.points(0)?, given.number(1)?), &[]),
+        make: hull,
     },
     Function {
         name: "sweep",
@@ -166,6 +167,17 @@ pub(super) const SOLIDS: &[Function] = &[
         make: |given| given.shape_result(shapes::diamond(given.number(0)?, given.number(1)?), &[]),
     },
 ];
+
+fn hull(given: &BoundArgs) -> Result<Arg, CallError> {
+    if !given.has_shapes(0) {
+        return given.shape_result(shapes::hull(&given.points(0)?, given.number(1)?), &[]);
+    }
+    if given.has_shapes(1) {
+        return Err(given.fault("takes several shapes as a list, as in hull([a, b])"));
+    }
+    let parts: Vec<Field> = given.shapes()?.into_iter().map(|solid| solid.field.clone()).collect();
+    given.shape_result(shapes::hull_of(&parts, given.number(1)?), &[])
+}
 
 /// Plane shapes.
 pub(super) const FLAT: &[Function] = &[

@@ -153,6 +153,12 @@ impl Field {
         self
     }
 
+    /// The same, made of numbers of other fields: proofs depend on what was promised of those.
+    pub(super) fn with_promises_of(mut self, parts: &[Self]) -> Self {
+        parts.iter().for_each(|part| self.promises.extend(&part.promises));
+        self
+    }
+
     /// The same, for an operation that uses the distance: from now on proofs depend on promises about it too.
     pub(super) fn as_distance(&self) -> Self {
         let mut field = self.clone();

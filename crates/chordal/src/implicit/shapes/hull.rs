@@ -8,7 +8,7 @@ use crate::math::{
 use std::sync::Arc;
 
 /// The most points of a hull in space. Chosen: each of its planes is found by trying triples of points.
-const MOST_POINTS: usize = 128;
+pub(super) const MOST_POINTS: usize = 128;
 
 /// The convex hull of points of the plane, unbounded along z. The value is the exact distance.
 ///
@@ -25,7 +25,7 @@ pub fn planar_hull(points: &[[f64; 2]]) -> Result<Field, InvalidShape> {
 
 /// The corners of the hull, counter-clockwise. Source: A. Andrew, *Another efficient algorithm for convex hulls
 /// in two dimensions*, 1979.
-fn planar_corners(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+pub(super) fn planar_corners(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();

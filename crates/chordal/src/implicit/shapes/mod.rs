@@ -10,7 +10,7 @@
 //! | [`gyroid`], [`schwarz_p`], [`diamond`] | a bound |
 //! | [`circle`], [`rectangle`], [`rounded_rectangle`], [`segment`] | exact, unbounded along z |
 //! | [`regular_polygon`], [`polygon`] | exact, unbounded along z |
-//! | [`prism`], [`hull`] | exact |
+//! | [`prism`], [`hull`], [`hull_of`] | exact |
 //! | [`planar_hull`] | exact, unbounded along z |
 //! | [`thread`] | a sign |
 //!
@@ -29,6 +29,7 @@ mod contours_build;
 mod contours_gradient;
 mod half_planes;
 mod hull;
+mod hull_of;
 mod periodic;
 mod planar;
 mod platonic;
@@ -44,6 +45,7 @@ use std::fmt;
 pub(super) use axis_distance::axis_distance;
 pub use contours::{ContourFill, Contours};
 pub use hull::{hull, planar_hull};
+pub use hull_of::hull_of;
 pub use periodic::{diamond, gyroid, schwarz_p};
 pub use planar::{circle, polygon, prism, rectangle, regular_polygon, rounded_rectangle, segment};
 pub use platonic::{octahedron, tetrahedron};
