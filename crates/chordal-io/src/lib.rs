@@ -10,6 +10,7 @@ mod certificate_room;
 pub mod collada;
 pub mod dicom;
 mod draco_stream;
+mod draw_order;
 mod drawing;
 pub mod drc;
 mod error;
@@ -86,6 +87,7 @@ mod zip;
 
 pub use assets::{FaceKind, ImageContent, MATERIAL, PackedAccessor, SceneAssets, SceneImage, plain_material};
 pub use certificate_room::most_certificate_bytes;
+pub use draw_order::for_vertex_caches;
 pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
 pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use faces::BENT_POLYGONS;

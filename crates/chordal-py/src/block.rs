@@ -8,12 +8,13 @@ use chordal::convert::lattices::{
 use chordal::convert::{Border, Inside, Polygonize};
 use chordal::implicit::{Affine3, Grid};
 use chordal::{Mesh, Tolerance};
-use chordal_io::{Format, Frame, Scene};
+use chordal_io::{Format, Frame, Scene, for_vertex_caches};
 use chordal_verbs::report::BoundFacts;
 use chordal_verbs::{Input, Shape, made_of};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Where a block is in its volume, and which surface is meant.
@@ -130,11 +131,15 @@ pub(crate) fn joined(
     Ok((Source::from_input(input, Vec::new()), bound))
 }
 
-/// Triangles as what was read, and their bound as JSON.
+/// Triangles as what was read, in the order in which the command writes new ones, and their bound as JSON.
 pub(crate) fn scene_of(mesh: Mesh, bound_of_it: &Bound, metres_per_unit: Option<f64>) -> (Input, String) {
     let bound = serde_json::to_string(&BoundFacts::new(bound_of_it)).unwrap_or_default();
     let frame = Frame { metres_per_unit, ..Frame::default() };
-    let shape = Shape::Scene(Scene::from_mesh("surface", mesh, frame));
+    let ordered = match for_vertex_caches(&mesh) {
+        Ok(Cow::Owned(ordered)) => Some(ordered),
+        Ok(Cow::Borrowed(_)) | Err(_) => None,
+    };
+    let shape = Shape::Scene(Scene::from_mesh("surface", ordered.unwrap_or(mesh), frame));
     let mut made = Input::made(shape, Format::Ply);
     made.composed = made_of(&made, "volume", bound_of_it).ok().map(Arc::new);
     (made, bound)

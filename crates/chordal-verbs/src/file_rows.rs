@@ -1,11 +1,11 @@
 //! Triangles in the rows that a format gives them, so that counts match those of a reader of the file.
 use chordal::Mesh;
 use chordal::explicit::InvalidMesh;
-use chordal_io::{Format, Scene, VertexRows, WriteError, glb};
+use chordal_io::{Format, Scene, VertexRows, WriteError, for_vertex_caches, glb};
 use std::borrow::Cow;
 
-/// The scene in the rows of its file. GLB has separate vertices for corners with different attributes and materials, in an
-/// order that graphics processors draw fast. STL
+/// The scene in the rows of its file. glTF has separate vertices for corners with different attributes and materials, in an
+/// order that graphics processors draw fast wherever the triangles are from. STL
 /// has separate vertices for every corner, a single part and no attributes.
 ///
 /// # Errors
@@ -19,7 +19,7 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
         VertexRows::Split => {
             for part in &mut scene.parts {
                 let split = glb::split(&part.mesh).map_err(unsupported)?;
-                let ordered = match glb::for_vertex_caches(&split).map_err(unsupported)? {
+                let ordered = match for_vertex_caches(&split).map_err(unsupported)? {
                     Cow::Owned(ordered) => Some(ordered),
                     Cow::Borrowed(_) => None,
                 };
@@ -35,6 +35,28 @@ pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteE
         VertexRows::Mesh | VertexRows::Positions => {}
     }
     Ok(scene)
+}
+
+/// Triangles that a verb has made, in an order that graphics processors draw fast, whatever the format. Those that pass
+/// through a verb keep the order of their file, which may mean something there.
+///
+/// # Errors
+/// None for parts of a scene: that a mesh refuses what it had is the error of the type.
+pub(crate) fn order_new_triangles(scene: &mut Scene) -> Result<(), WriteError> {
+    for part in &mut scene.parts {
+        order_new_mesh(&mut part.mesh)?;
+    }
+    Ok(())
+}
+
+/// The same of one mesh.
+pub(crate) fn order_new_mesh(mesh: &mut Mesh) -> Result<(), WriteError> {
+    let ordered = match for_vertex_caches(mesh).map_err(unsupported)? {
+        Cow::Owned(ordered) => ordered,
+        Cow::Borrowed(_) => return Ok(()),
+    };
+    *mesh = ordered;
+    Ok(())
 }
 
 /// The position rows of a mesh in a file of that format. OBJ has one for tied positions, and its attributes

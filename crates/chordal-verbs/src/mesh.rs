@@ -1,6 +1,7 @@
 //! `mesh`: any shape into triangles, or curves into polylines, within a budget, as the result reads back from
 //! a format.
 use crate::drop_attributes::drop_normals;
+use crate::file_rows::order_new_triangles;
 use crate::finish::finish_triangles;
 use crate::isosurface::SurfaceForm;
 use crate::pass_through::pass_through;
@@ -63,6 +64,8 @@ pub fn mesh(
     let request = MeshRequest::new(budget, form, input.shape.bounds()?)
         .with_spacing(spec.spacing)
         .with_effort(spec.effort);
+    // Those of a scene are put in order where they were simplified.
+    let are_all_new = !matches!(input.shape, Shape::Scene(_));
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
             return polylines::flatten_drawing(drawing, &request, certificate, job);
@@ -75,6 +78,7 @@ pub fn mesh(
             let (mut scene, bound, request) =
                 filled_regions::fill((&drawing, solid), &request, &mut certificate, job)?;
             spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
+            order_new_triangles(&mut scene)?;
             return finish_triangles(scene, bound, &request, certificate);
         }
         Shape::Patches { patches, frame } => {
@@ -114,6 +118,9 @@ pub fn mesh(
     };
     // At the positions that will be written, and before rows are counted: hard edges double some.
     spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
+    if are_all_new {
+        order_new_triangles(&mut scene)?;
+    }
     certificate.notes.extend(too_fine_note(&scene, &budget, job)?);
     finish_triangles(scene, bound, &request, certificate)
 }

@@ -1,6 +1,6 @@
 //! Simplifies the triangles of a scene, part by part: the `mesh` verb for triangles.
 use crate::MeshFailure;
-use crate::file_rows::unsupported;
+use crate::file_rows::{order_new_mesh, unsupported};
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget, length_for_lattice, limits_left, storage_within};
 use crate::held_faces::{HeldFaces, pieces_note};
@@ -84,7 +84,7 @@ pub(crate) fn simplify_scene(
     {
         let shown = shown.as_ref().filter(|shown| shown.is_posed(number));
         let fitting = PartToFit { number, shown, length: lengths[number], target, effort: request.effort };
-        let Some(FittedPart { made, rounded, step, moved }) =
+        let Some(FittedPart { made, mut rounded, step, moved }) =
             fitting.fit(part, &share.budget, (&budget.attributes, job))?
         else {
             continue;
@@ -96,6 +96,9 @@ pub(crate) fn simplify_scene(
             let free = simplify_part(part, (&free, request.effort), job)?;
             let n_free = free.map_or(counts[1], |free| free.shape.mesh.faces().len());
             held.add([counts[0], counts[1], n_free]);
+        }
+        if rounded.faces().len() < part.mesh.faces().len() {
+            order_new_mesh(&mut rounded)?;
         }
         let before = std::mem::replace(&mut part.mesh, rounded);
         let snapped = placements::scaled_up(step.at_most().unwrap_or(f64::INFINITY), *stretch);

@@ -8,7 +8,8 @@ use chordal::{Bound, Evidence, Job, Mesh, Patch};
 use chordal_io::{Format, Frame, Limits, Node, Scene};
 use chordal_verbs::report::BoundFacts;
 use chordal_verbs::{
-    BudgetSpec, FormatHint, ImplicitShape, Input, MeshFailure, MeshOutcome, Normals, Shape, load, mesh,
+    BudgetSpec, ConvertedShape, FormatHint, ImplicitShape, Input, MeshFailure, MeshOutcome, Normals, Shape,
+    convert, inspect, load, mesh,
 };
 use std::sync::Arc;
 
@@ -170,6 +171,45 @@ fn what_is_written_is_what_was_certified() {
             assert_eq!(counts(&again), counts(&outcome), "{name}");
         }
     }
+}
+
+#[test]
+fn new_triangles_are_in_the_order_of_vertex_caches_in_every_format() {
+    let shaded = |outcome: &MeshOutcome, format: Format| {
+        let mut bytes = Vec::new();
+        outcome.write(&mut bytes).unwrap();
+        let hint = FormatHint { format: Some(format), ..FormatHint::default() };
+        let read = inspect(&load(&bytes, hint, &Limits::default()).unwrap());
+        assert!(read.certificate.output.unwrap().triangles().unwrap().triangles > 200);
+        read.inspection.unwrap().sizes.unwrap().acmr
+    };
+    let fine = mesh(patch_at([0.1, 0.2, 0.3]), &length("0.0001"), Format::Ply, &Job::default()).unwrap();
+    let fine = fine.scene().unwrap();
+    for (format, name) in FORMATS {
+        for shape in [patch_at([0.1, 0.2, 0.3]), input(Shape::Scene(fine.clone()))] {
+            let made = mesh(shape, &length("0.001"), format, &Job::default()).unwrap();
+            // As the mesher leaves them it is above 1.4.
+            let found = shaded(&made, format);
+            assert!(found < 0.85, "{name}: {found}");
+        }
+    }
+}
+
+#[test]
+fn what_passes_through_keeps_the_order_of_its_triangles() {
+    // Cells row by row, which suits no cache, and of heights that no triangle can do without.
+    const N: u32 = 30;
+    let at = |i: u32| [i % (N + 1), i / (N + 1), i * 7919 % 101].map(f64::from);
+    let cells =
+        (0..N * N).map(|i| i + i / N).flat_map(|a| [[a, a + 1, a + N + 2], [a, a + N + 2, a + N + 1]]);
+    let rows = Mesh::new((0..(N + 1) * (N + 1)).map(at).collect(), cells.collect()).unwrap();
+    let rough = || input(Shape::Scene(Scene::from_mesh("rough", rows.clone(), Frame::default())));
+    let made = mesh(rough(), &length("1e-6"), Format::Ply, &Job::default()).unwrap();
+    assert_eq!(made.scene().unwrap().parts[0].mesh.faces(), rows.faces());
+    let ConvertedShape::Triangles(scene) = convert(rough(), Format::Ply).unwrap().made else {
+        panic!("triangles stay triangles")
+    };
+    assert_eq!(scene.parts[0].mesh.faces(), rows.faces());
 }
 
 /// A tetrahedron, and another that hangs rotated, scaled and moved from a node of a node.

@@ -1,5 +1,4 @@
 //! `GltfPart`: a part in the form that glTF can hold, and the streams of its vertices.
-use super::draw_order::in_draw_order;
 use super::packing::GltfPacking;
 use super::primitive_mesh::PrimitiveMesh;
 use super::split::split;
@@ -7,6 +6,7 @@ use super::stored_positions::{StoredPositions, storage_of};
 use super::streams::AccessorStream;
 use super::vertex_storage::VertexStorage;
 use crate::assets::plain_material;
+use crate::draw_order::in_draw_order;
 use crate::{Frame, Marks, Part, Scene, TextureOrigin, WriteError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};

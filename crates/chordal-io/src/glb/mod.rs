@@ -7,7 +7,6 @@ mod dangling_references;
 pub(crate) mod deformation;
 mod document;
 mod draco;
-mod draw_order;
 mod external;
 mod face_kinds;
 mod format;
@@ -47,7 +46,6 @@ mod trs;
 mod vertex_storage;
 mod write;
 
-pub use draw_order::for_vertex_caches;
 pub use level_hosts::takes_levels;
 pub use level_set::GlbLevels;
 pub use levels::{write_levels, write_levels_embedded, write_levels_files};

@@ -2,6 +2,7 @@
 mod carried;
 mod operand;
 
+use crate::file_rows::order_new_triangles;
 use crate::finish::finish_triangles;
 use crate::format_rounding::RoundingTarget;
 use crate::report::{BooleanFacts, BooleanOperandFacts, BoundFacts, BudgetFacts, Certificate, InputFacts};
@@ -119,6 +120,7 @@ pub fn mesh_boolean(
     // 4. What its faces carry.
     let mut scene = carried::scene_of(&made, operands, frame, &mut certificate.notes)?;
     spec.normals.apply(&mut scene, [format, form.format], &mut certificate.notes)?;
+    order_new_triangles(&mut scene)?;
     let outcome = finish_triangles(scene, bound, &request, certificate)?;
     // Without a limit there is nothing to miss, but what fails its check is no result.
     if outcome.bound.evidence().bounds_above() {

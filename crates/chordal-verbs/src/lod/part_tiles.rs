@@ -3,6 +3,7 @@ use super::level_mesh::counts;
 use super::tile_hierarchy::{about, up};
 use super::tileset::{largest_error, placement_matrix, root_of, tile_extras};
 use crate::MeshFailure;
+use crate::file_rows::order_new_triangles;
 use crate::placements::scaled_up;
 use crate::report::BoundFacts;
 use chordal::budget::{Bound, Reference, RefusalCode};
@@ -64,7 +65,8 @@ pub fn part_tile(
     name: String,
     children: Vec<usize>,
 ) -> Result<PartTile, MeshFailure> {
-    let scene = Scene::from_mesh(super::level_finisher::NAME, part.mesh.clone(), frame);
+    let mut scene = Scene::from_mesh(super::level_finisher::NAME, part.mesh.clone(), frame);
+    order_new_triangles(&mut scene)?;
     let (triangles, vertices) = counts(&scene);
     let extras = json!({
         "version": env!("CARGO_PKG_VERSION"),
