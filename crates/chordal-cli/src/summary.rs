@@ -84,6 +84,7 @@ pub fn mesh(report: &Report) -> String {
     lines.add_if("smoothed", certificate.smoothed.as_ref().map(smoothed));
     certificate.attributes.iter().for_each(|facts| lines.add("attribute", attribute(facts)));
     certificate.stayed.iter().for_each(|note| lines.add("stayed", &**note));
+    certificate.warned.iter().for_each(|note| lines.add("note", &**note));
     if let Some(valid) = &certificate.valid {
         soundness(&mut lines, valid);
     }

@@ -118,6 +118,50 @@ fn a_count_that_is_not_reached_names_the_pieces_that_stand_in_the_way() {
 }
 
 #[test]
+fn a_sheet_with_a_back_says_why_it_stays_and_what_helps() {
+    const N: usize = 10;
+    let folder = Folder::new("backs");
+    let id = |i: usize, j: usize| i * (N + 1) + j + 1;
+    let mut text: String =
+        (0..(N + 1) * (N + 1)).map(|k| format!("v {} {} 0\n", k / (N + 1), k % (N + 1))).collect();
+    for (i, j) in (0..N * N).map(|k| (k / N, k % N)) {
+        let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\nf {c} {b} {a}\nf {d} {c} {a}\n");
+    }
+    let (input, output) = (folder.file("cloth.obj", text), folder.text("fewer.ply"));
+    let why = "400 of 400 triangles are left: where edges have three triangles or more (280x)";
+    let help = "200 of them lie on another one, as the backs of a sheet do: --drop-duplicates of mend leaves one of each";
+    // On the terminal, and not only in the report.
+    let told = run(&["mesh", &input, "--tol", "1%", "-o", &output]);
+    assert_eq!(told.code, 0, "{told:?}");
+    assert!(["stayed", why, help].iter().all(|part| told.stdout.contains(part)), "{told:?}");
+    let counted = run(&["mesh", &input, "--triangles", "20", "-o", &output, "--force", "--quiet"]);
+    counted.fails_with(5, &[why, help]);
+    assert!(!counted.stderr.contains("no separate piece"), "{counted:?}");
+    // What is advised does help.
+    let one = folder.text("one.ply");
+    assert_eq!(run(&["mend", &input, "--drop-duplicates", "-o", &one]).code, 0);
+    let fewer = run(&["mesh", &one, "--tol", "1%", "-o", &output, "--force", "--json"]);
+    assert_eq!(fewer.report()["certificate"]["output"]["triangles"], 2, "{fewer:?}");
+    assert!(!run(&["mesh", &one, "--tol", "1%", "-o", &output, "--force"]).stdout.contains("stayed"));
+}
+
+#[test]
+fn a_draft_says_on_the_terminal_that_its_triangles_may_cross() {
+    let folder = Folder::new("draft-note");
+    let (input, output) = (folder.file("ball.star", "sphere(1)\n"), folder.text("ball.ply"));
+    let args = ["mesh", &input, "--tol", "0.1", "--require", "estimated", "-o", &output];
+    let told = run(&args);
+    told.succeeds();
+    let note = "a draft: its triangles may cross each other";
+    assert!(told.stdout.contains(&format!("note        {note}")), "{told:?}");
+    let report = run(&[&args[..], &["--force", "--json"]].concat()).report();
+    assert_eq!(report["certificate"]["notes"].to_string().matches(note).count(), 1, "{report}");
+    let proved = run(&["mesh", &input, "--tol", "0.1", "-o", &output, "--force"]);
+    assert!(!proved.stdout.contains(note), "{proved:?}");
+}
+
+#[test]
 fn the_certified_bound_keeps_within_what_was_asked_in_every_format() {
     let folder = Folder::new("within");
     let input = folder.file("a.bpt", PATCH);

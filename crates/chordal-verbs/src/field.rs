@@ -174,8 +174,10 @@ fn mesh_whole(
     Ok((made, words))
 }
 
-/// What is to be said of the triangles of a shape, as they are written: ties that their digits make, and in a draft, whose
-/// vertices move by themselves, triangles that cross.
+/// What is to be said of a draft, whose vertices move by themselves. To count what crosses takes as long as the draft.
+pub(crate) const DRAFT: &str = "a draft: its triangles may cross each other, and `inspect` counts where";
+
+/// What is to be said of the triangles of a shape, as they are written: ties that their digits make.
 fn shape_notes(mesh: &Mesh, request: &MeshRequest) -> Vec<Message> {
     let mut notes = Vec::new();
     let ties = check::validity(mesh, Topology::Positions).non_manifold_edges.count;
@@ -186,10 +188,6 @@ fn shape_notes(mesh: &Mesh, request: &MeshRequest) -> Vec<Message> {
             request.to
         );
         notes.push(message.into());
-    }
-    // To count them takes as long as the draft.
-    if request.budget.require == RequiredEvidence::Estimated {
-        notes.push("a draft: its triangles may cross each other, and `inspect` counts where".into());
     }
     notes
 }

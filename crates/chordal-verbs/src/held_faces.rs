@@ -1,10 +1,11 @@
 //! Why triangles stay that a budget seems to let go, in sentences for whoever waits for fewer.
 use crate::placements;
 use chordal::budget::Budget;
-use chordal::budget::advice::{Message, Setting};
+use chordal::budget::advice::{Cure, Message, Setting};
 use chordal::budget::attributes::AttributeLimits;
-use chordal::check::components;
+use chordal::check::{components, validity};
 use chordal::explicit::Topology;
+use chordal::lod::ReductionStats;
 use chordal_io::{Part, Scene};
 
 /// If at least one triangle of so many is left, it is asked how many would be without limits on attributes, which takes some
@@ -65,6 +66,81 @@ impl HeldFaces {
     }
 }
 
+/// Triangles that no budget lets go, because the surface branches, touches or repeats itself there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FrozenFaces {
+    before: u64,
+    after: u64,
+    /// Edges with three triangles or more.
+    branches: u64,
+    /// Vertices with several fans.
+    fans: u64,
+    /// Edges of two triangles that are wound against each other.
+    opposed: u64,
+    /// Triangles that lie on another one.
+    repeated: u64,
+}
+
+impl FrozenFaces {
+    /// Counts them in a scene that was simplified, where much is left: `None` where they are few. Time O(n log n) then.
+    pub fn find(scene: &Scene, stats: &ReductionStats, [before, after]: [usize; 2]) -> Option<Self> {
+        let [before, after] = [before, after].map(|n| n as u64);
+        let is_worth_saying = |n: u64| after > 0 && n.saturating_mul(WORTH_SAYING) >= after;
+        // Each fan has a triangle at least, and each triangle is in three.
+        let is_locked = is_worth_saying(stats.locked_vertices / 3);
+        if after.saturating_mul(MANY_LEFT as u64) < before || !(is_locked || after == before) {
+            return None;
+        }
+        let mut found = Self { before, after, ..Self::default() };
+        for part in &scene.parts {
+            let valid = validity(&part.mesh, topology_of(part));
+            found.branches += valid.non_manifold_edges.count;
+            found.fans += valid.non_manifold_vertices.count;
+            found.opposed += valid.inconsistent_edges.count;
+            found.repeated += valid.duplicate_faces.count;
+        }
+        (is_locked || is_worth_saying(found.repeated)).then_some(found)
+    }
+
+    /// Whether these alone are more than a budget counts.
+    pub fn are_more_than(&self, budget: &Budget, stats: &ReductionStats) -> bool {
+        budget.triangles.is_some_and(|most| stats.locked_vertices / 3 > most)
+    }
+
+    /// The sentence.
+    pub fn note(&self) -> Message {
+        let Self { before, after, branches, fans, opposed, repeated } = self;
+        let places = [
+            (branches, "edges have three triangles or more"),
+            (fans, "vertices have several fans"),
+            (opposed, "neighbours are wound against each other"),
+        ];
+        let places: Vec<String> =
+            places.into_iter().filter(|(n, _)| **n > 0).map(|(n, what)| format!("{what} ({n}x)")).collect();
+        let mut text = format!("{after} of {before} triangles are left: ");
+        if !places.is_empty() {
+            text += &format!("where {} they stay as they are; ", places.join(" or "));
+        }
+        if *repeated > 0 {
+            text += &format!("{repeated} of them lie on another one, as the backs of a sheet do: ");
+            return Message::from(text).setting(Setting::Cure(Cure::DropDuplicates)).words(
+                " of mend leaves one of each, whose material then has to show both sides, and lets more go",
+            );
+        }
+        let (cure, does) = if *branches + *fans > 0 {
+            (Cure::SplitNonManifold, " of mend, into OBJ or PLY, takes such places apart")
+        } else {
+            (Cure::Orient, " of mend winds them alike")
+        };
+        Message::from(text).setting(Setting::Cure(cure)).words(does)
+    }
+}
+
+/// How the positions of a part are tied.
+fn topology_of(part: &Part) -> Topology {
+    if part.indexed { Topology::Indices } else { Topology::Positions }
+}
+
 /// What is said where more triangles are left than the budget counts: the pieces that have them.
 pub(crate) fn pieces_note(scene: &Scene, budget: &Budget) -> Option<Message> {
     let most = budget.triangles?;
@@ -102,10 +178,9 @@ fn pieces_of(scene: &Scene) -> Vec<(String, u64)> {
     let is_alone = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count() == 1;
     let mut pieces = Vec::new();
     for (number, part) in scene.parts.iter().enumerate() {
-        let Part { name, mesh, indexed, .. } = part;
-        let topology = if *indexed { Topology::Indices } else { Topology::Positions };
+        let Part { name, mesh, .. } = part;
         let owner = if name.is_empty() { format!("part {number}") } else { format!("'{name}'") };
-        let found = components(mesh, topology);
+        let found = components(mesh, topology_of(part));
         let is_whole = found.len() == 1;
         for (piece, component) in found.iter().enumerate() {
             let title = match (is_alone, is_whole) {

@@ -13,7 +13,7 @@ use crate::{
     BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, cage, field, filled_regions,
     formats, isosurface, polylines,
 };
-use chordal::budget::RefusalCode;
+use chordal::budget::{Evidence, RefusalCode, RequiredEvidence};
 use chordal::{Job, convert};
 use chordal_io::Scene;
 
@@ -102,7 +102,12 @@ pub fn mesh(
             (made.scene, made.bound)
         }
         Shape::Field(implicit) => {
-            field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?
+            let made = field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?;
+            if budget.require == RequiredEvidence::Estimated && *made.1.evidence() == Evidence::Estimated {
+                certificate.warned.push(field::DRAFT.into());
+                certificate.notes.push(field::DRAFT.into());
+            }
+            made
         }
         Shape::Scene(mut scene) => {
             if has_new_normals(spec.normals) {

@@ -55,8 +55,8 @@ pub(crate) fn reduction_notes(stats: &ReductionStats) -> Vec<Message> {
     let mut notes: Vec<Message> = Vec::new();
     if stats.locked_vertices > 0 {
         notes.push(format!(
-            "where the mesh is not a manifold or wound against itself it stays as it is: {} vertices; mend takes such \
-             places apart",
+            "where the mesh is not a manifold or wound against itself it stays as it is: {} fans of triangles; mend takes \
+             such places apart",
             stats.locked_vertices
         ).into());
     }
@@ -72,21 +72,23 @@ pub(crate) fn reduction_notes(stats: &ReductionStats) -> Vec<Message> {
                 .words(" of mend leaves them out"),
         );
     }
-    if stats.unsettled_faces > 0 {
-        let n = stats.unsettled_faces;
-        let start = format!(
-            "triangles stay as they are, since no attempt was proved to be within the length: {n} in the last one were not; "
-        );
-        notes.push(
-            Message::from(start)
-                .words("where triangles cross, as ")
-                .setting(Setting::SelfIntersections)
-                .words(" of inspect tells, another length or a boolean union of the pieces helps"),
-        );
-    }
+    notes.extend(unsettled_note(stats));
     if stats.dropped_components > 0 {
         let n = stats.dropped_components;
         notes.push(format!("separate pieces that the budget covers were left out ({n}x)").into());
     }
     notes
+}
+
+/// What is said where all attempts to simplify failed.
+pub(crate) fn unsettled_note(stats: &ReductionStats) -> Option<Message> {
+    let n = stats.unsettled_faces;
+    let start = format!(
+        "triangles stay as they are, since no attempt was proved to be within the length: {n} in the last one were not; "
+    );
+    let message = Message::from(start)
+        .words("where triangles cross, as ")
+        .setting(Setting::SelfIntersections)
+        .words(" of inspect tells, another length or a boolean union of the pieces helps");
+    (n > 0).then_some(message)
 }

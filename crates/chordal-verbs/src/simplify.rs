@@ -3,9 +3,9 @@ use crate::MeshFailure;
 use crate::file_rows::{order_new_mesh, unsupported};
 use crate::flatten::{self, TransformedScene};
 use crate::format_rounding::{self, RoundingTarget, length_for_lattice, limits_left, storage_within};
-use crate::held_faces::{HeldFaces, pieces_note};
+use crate::held_faces::{FrozenFaces, HeldFaces, pieces_note};
 use crate::merged_parts::MergedParts;
-use crate::notes::{deformation_notes, reduction_notes};
+use crate::notes::{deformation_notes, reduction_notes, unsettled_note};
 use crate::pass_through::rounded_deformation;
 use crate::placements;
 use crate::report::{AttributeFacts, Certificate};
@@ -130,8 +130,14 @@ pub(crate) fn simplify_scene(
     notes.push(format!("{before} triangles were simplified to {after}").into());
     notes.extend(reduction_notes(&all));
     stayed.extend(held.note(&budget.attributes));
-    stayed.extend(pieces_note(&scene, budget));
+    let frozen = FrozenFaces::find(&scene, &all, [before, after]);
+    stayed.extend(frozen.map(|frozen| frozen.note()));
+    if !frozen.is_some_and(|frozen| frozen.are_more_than(budget, &all)) {
+        stayed.extend(pieces_note(&scene, budget));
+    }
     notes.extend(stayed.iter().cloned());
+    // It is among the notes already.
+    stayed.extend(unsettled_note(&all).filter(|_| after == before));
     let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
     if after < before {
         worst = with_room(worst, budget.length);

@@ -64,6 +64,7 @@ impl Spell for Certificate {
         self.input.warnings.spell(spelling);
         self.notes.spell(spelling);
         self.stayed.spell(spelling);
+        self.warned.spell(spelling);
     }
 }
 

@@ -76,6 +76,9 @@ pub struct Certificate {
     /// Those of the notes that say why triangles stay which the budget seems to let go: people see them without asking.
     #[serde(skip)]
     pub stayed: Vec<Message>,
+    /// Those of the notes that say what may be wrong with the result: people see them without asking.
+    #[serde(skip)]
+    pub warned: Vec<Message>,
 }
 
 impl Certificate {
@@ -104,6 +107,7 @@ impl Certificate {
             history: None,
             notes: assumed_region(input).into_iter().chain(bent_polygons(input)).collect(),
             stayed: Vec::new(),
+            warned: Vec::new(),
         }
     }
 
