@@ -14,7 +14,7 @@ use crate::volume::VolumeArgs;
 use chordal::Job;
 use chordal::budget::JobError;
 use chordal::budget::advice::{Message, Spell};
-use chordal_io::font::fonts_in;
+use chordal_io::font::{fonts_in, letters_in};
 use chordal_verbs::report::{RunFacts, ValidityFacts};
 use chordal_verbs::{Input, Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 use clap::Args;
@@ -88,8 +88,8 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     check(&name, report.certificate.valid.as_ref(), &args.require)
 }
 
-/// Reads the first of the volumes, or the fonts, of a file that holds several, a font as its own name. Returns it with
-/// sentences that say what else there is.
+/// Reads the first of the volumes, or the fonts, of a file that holds several, a font as its own name or, where it lacks
+/// letters of that, as some that it has. Returns it with sentences that say what else there is.
 fn read_first(
     args: &InputArgs,
     fault: Fault,
@@ -103,26 +103,28 @@ fn read_first(
         let name = InputSource::from_arg(&args.input).name();
         choices.push(line.strip_prefix(&format!("{name}: ")).unwrap_or(&line).to_owned());
         choices.push("this is the first".to_owned());
-    } else {
-        let limits = load::limits(args);
-        let bytes = InputSource::from_arg(&args.input).read(limits.bytes)?;
-        let Ok(fonts) = fonts_in(&bytes, &limits) else { return Err(fault) };
-        let shown =
-            first.index.and_then(|index| usize::try_from(index).ok()).and_then(|index| fonts.get(index));
-        let Some(name) = shown.and_then(|font| font.split(", ").next()) else { return Err(fault) };
-        first.text = Some(name.to_owned());
-        choices.extend(fonts.iter().enumerate().map(|(i, font)| format!("font {i}: {font}")));
-        choices.push("this is its name as it sets it; --text sets another text".to_owned());
+        return load::read(&first, job, console).map(|input| (input, choices)).map_err(|_| fault);
     }
-    match load::read(&first, job, console) {
-        Ok(input) => Ok((input, choices)),
-        Err(_) if first.text.is_none() => Err(fault),
-        // A font of symbols has no letters for its name: then there is the list alone.
-        Err(_) => {
-            choices.pop();
-            Err(Fault { lines: fault.lines.into_iter().chain(choices).collect(), ..fault })
+    let limits = load::limits(&first);
+    let bytes = InputSource::from_arg(&args.input).read(limits.bytes)?;
+    let Ok(fonts) = fonts_in(&bytes, &limits) else { return Err(fault) };
+    let shown = first.index.and_then(|index| usize::try_from(index).ok()).and_then(|index| fonts.get(index));
+    let Some(name) = shown.and_then(|font| font.split(", ").next()) else { return Err(fault) };
+    choices.extend(fonts.iter().enumerate().map(|(i, font)| format!("font {i}: {font}")));
+    let has = letters_in(&bytes, &limits).unwrap_or_default();
+    let texts = [
+        (name.to_owned(), "this is its name as it sets it; --text sets another text".to_owned()),
+        (has.clone(), format!("it lacks letters of its name, and this is {has}; --text sets another text")),
+    ];
+    for (text, says) in texts.into_iter().filter(|(text, _)| !text.is_empty()) {
+        first.text = Some(text);
+        if let Ok(input) = load::read(&first, job, console) {
+            choices.push(says);
+            return Ok((input, choices));
         }
     }
+    // Then there is the list alone.
+    Err(Fault { lines: fault.lines.into_iter().chain(choices).collect(), ..fault })
 }
 
 fn fault(name: &str, stopped: &JobError) -> Fault {

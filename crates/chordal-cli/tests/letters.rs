@@ -204,6 +204,21 @@ fn a_font_with_a_broken_table_is_refused_in_a_sentence_or_set() {
 }
 
 #[test]
+fn a_font_that_lacks_the_letters_of_its_name_is_listed_and_shown_by_others() {
+    let folder = Folder::new("letters-listed");
+    let font = folder.file("tiny.ttf", tiny_font());
+    let seen = run(&["inspect", &font]);
+    assert_eq!(seen.code, 0, "{seen:?}");
+    assert!(seen.stdout.contains("drawing, ttf"), "{seen:?}");
+    let listed =
+        ["font 0: a font without a name, 6 glyphs", "it lacks letters of its name, and this is AOVX"];
+    assert!(listed.iter().all(|part| seen.stderr.contains(part)), "{seen:?}");
+    let report = run(&["inspect", &font, "--json"]).report();
+    let notes = report["certificate"]["notes"].to_string();
+    assert!(listed.iter().all(|part| notes.contains(part)), "{report}");
+}
+
+#[test]
 fn what_does_not_go_together_is_refused_in_a_sentence() {
     let folder = Folder::new("letters-refused");
     let font = folder.file("tiny.ttf", tiny_font());

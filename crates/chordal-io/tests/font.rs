@@ -1,6 +1,6 @@
 //! Letters of fonts: areas and places in closed form, pairs and axes, and what is refused.
 use chordal::explicit::{Curve, CurveSegment, FillRule};
-use chordal_io::font::{Letters, fonts_in, read_letters};
+use chordal_io::font::{Letters, fonts_in, letters_in, read_letters};
 use chordal_io::{Content, Drawing, ForeignFormat, Format, Limits, read};
 use chordal_testkit::{Random, cases, corpus, tiny_font, tiny_glyph_area};
 
@@ -262,4 +262,6 @@ fn the_fonts_of_a_file_are_listed_by_name_glyphs_and_axes() {
     let listed = fonts_in(&tiny_font(), &Limits::default()).unwrap();
     assert_eq!(listed, ["a font without a name, 6 glyphs, wght 400 to 900"]);
     assert_eq!(fonts_in(b"not a font", &Limits::default()).unwrap_err().code, "no-font");
+    // It lacks the letters of any name, and has these.
+    assert_eq!(letters_in(&tiny_font(), &Limits::default()).unwrap(), "AOVX");
 }

@@ -1,5 +1,7 @@
-//! What fonts a file holds, by their names.
+//! What fonts a file holds, by their names, and letters to show one by.
 use super::font_file::{COLLECTION, FontFile};
+use super::glyph_pen::GlyphPen;
+use super::typesetter::Typesetter;
 use crate::text::grouped;
 use crate::{Limits, ReadError};
 use read_fonts::types::NameId;
@@ -21,6 +23,47 @@ pub fn fonts_in(bytes: &[u8], limits: &Limits) -> Result<Vec<String>, ReadError>
         all.push(one(index).unwrap_or_else(|error| format!("a font that cannot be read: {}", error.message)));
     }
     Ok(all)
+}
+
+/// Characters that are looked at for letters to show a font by, and those that are tried. Chosen: in any script there are
+/// enough among them.
+const MOST_LOOKED_AT: usize = 2000;
+const MOST_TRIED: usize = 64;
+/// Letters that a font is shown by. Chosen: a word.
+const MOST_SHOWN: usize = 8;
+
+/// A few characters that a font can set and draw, letters before others; an empty text where it has none. For fonts that
+/// lack the letters of their own name.
+///
+/// # Errors
+/// When the font cannot be read.
+pub fn letters_in(bytes: &[u8], limits: &Limits) -> Result<String, ReadError> {
+    let file = FontFile::read(bytes, limits)?;
+    let characters = file.font().charmap().unicodes().filter_map(|(code, _)| char::from_u32(code));
+    let seen = characters.filter(|c| !c.is_whitespace() && !c.is_control()).take(MOST_LOOKED_AT);
+    let (letters, others): (Vec<char>, Vec<char>) = seen.partition(|c| c.is_alphabetic());
+    let is_drawn = |text: &str| {
+        let placed = Typesetter::new(&file).set(text, 0.0);
+        placed.is_ok_and(|placed| {
+            placed.iter().all(|glyph| {
+                let mut pen = GlyphPen::new(1.0, file.units_per_em());
+                file.draw(glyph, &mut pen).is_ok() && pen.n_pieces() > 0
+            })
+        })
+    };
+    let (mut text, mut n_letters) = (String::new(), 0);
+    for c in letters.into_iter().chain(others).take(MOST_TRIED) {
+        text.push(c);
+        if is_drawn(&text) {
+            n_letters += 1;
+        } else {
+            text.pop();
+        }
+        if n_letters == MOST_SHOWN {
+            break;
+        }
+    }
+    Ok(text)
 }
 
 /// `DejaVu Sans Bold, 5,343 glyphs`

@@ -14,7 +14,7 @@ use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::budget::advice::{Message, Setting};
 use chordal::explicit::FillRule;
 use font_file::FontFile;
-pub use font_list::fonts_in;
+pub use font_list::{fonts_in, letters_in};
 use glyph_pen::GlyphPen;
 use typesetter::Typesetter;
 
