@@ -25,7 +25,8 @@ File = str | os.PathLike[str] | bytes | bytearray | memoryview | _files.Readable
 if TYPE_CHECKING:
     # The names of formats by what `load` makes of them.
     _TriangleFormat = Literal[
-        "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "gii", "drc", "b3dm", "tileset"
+        "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "gii", "drc", "b3dm", "i3dm",
+        "cmpt", "tileset"
     ]
     _VolumeFormat = Literal["nrrd", "npy", "npz", "nii", "hdr", "mha", "mhd", "vti", "slc"]
     _FieldFormat = Literal["star", "vm"]

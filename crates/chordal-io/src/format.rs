@@ -31,6 +31,10 @@ pub enum Format {
     Gltf,
     /// A tile of 3D Tiles 1.0, with a GLB in it.
     B3dm,
+    /// Such a tile whose GLB is shown at several places.
+    I3dm,
+    /// Several such tiles in one file.
+    Cmpt,
     /// The list of the tiles of 3D Tiles, of which the finest are read.
     Tileset,
     /// Draco's compressed triangles.

@@ -200,7 +200,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, bez, teaset, json, obj, ply, stl, glb, gltf, b3dm, tileset, drc, off, 3mf, amf, dae, vtp, vtu, vtk, gii, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
+            "'dwg' is no format; they are bpt, bez, teaset, json, obj, ply, stl, glb, gltf, b3dm, i3dm, cmpt, tileset, drc, off, 3mf, amf, dae, vtp, vtu, vtk, gii, usda, usdc, usdz, svg, ttf, vm, npy, nrrd, nii, npz, mha, vti, dcm, slc and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -101,7 +101,7 @@ const USD_TRIANGLES: TriangleFormat = TriangleFormat {
 };
 
 /// The table of formats, in the order of the enum.
-pub(crate) static TABLE: [FormatRow; 35] = [
+pub(crate) static TABLE: [FormatRow; 37] = [
     only_read(Format::Bpt, "bpt", |bytes| bpt::looks_like(text_start(bytes)), bpt::read),
     FormatRow {
         extensions: &["bbp"],
@@ -185,10 +185,9 @@ pub(crate) static TABLE: [FormatRow; 35] = [
         }),
         ..only_read(Format::Gltf, "gltf", |bytes| glb::looks_like_json(text_start(bytes)), glb::read)
     },
-    FormatRow {
-        extensions: &["i3dm", "cmpt"],
-        ..only_read(Format::B3dm, "b3dm", tiles::old_tile::looks_like, tiles::old_tile::read)
-    },
+    only_read(Format::B3dm, "b3dm", |bytes| bytes.starts_with(b"b3dm"), tiles::old_tile::read),
+    only_read(Format::I3dm, "i3dm", |bytes| bytes.starts_with(b"i3dm"), tiles::old_tile::read),
+    only_read(Format::Cmpt, "cmpt", |bytes| bytes.starts_with(b"cmpt"), tiles::old_tile::read),
     FormatRow {
         read: Some(FormatReader::WithOthers(tiles::scene::read_scene)),
         ..only_read(
@@ -345,9 +344,11 @@ pub(crate) static TABLE: [FormatRow; 35] = [
 
 /// The order in which content is compared with formats: those that begin with a number of their own come before
 /// texts, and what nearly any text could be comes last.
-pub(crate) const BY_CONTENT: [Format; 34] = [
+pub(crate) const BY_CONTENT: [Format; 36] = [
     Format::Glb,
     Format::B3dm,
+    Format::I3dm,
+    Format::Cmpt,
     Format::Drc,
     Format::Usdc,
     Format::Usdz,

@@ -24,7 +24,7 @@ fn target_of(format: Format) -> &'static str {
         Format::Vtk => "vtk",
         Format::Gii => "gii",
         Format::Drc => "drc",
-        Format::B3dm => "b3dm",
+        Format::B3dm | Format::I3dm | Format::Cmpt => "b3dm",
         Format::Tileset => "tileset",
         Format::Usda | Format::Usdc | Format::Usdz => "usd",
         Format::Svg => "svg",

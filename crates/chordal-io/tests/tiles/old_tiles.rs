@@ -61,6 +61,7 @@ fn instances_and_composites_show_all_of_theirs() {
     let places = floats(&[0.0, 0.0, 0.0, 100.0, 0.0, 7.0, 1.0, 2.0]);
     let table = "{\"INSTANCES_LENGTH\":2,\"POSITION\":{\"byteOffset\":0},\"SCALE\":{\"byteOffset\":24}}";
     let instances = tile(b"i3dm", table, &places, &glb_at(0.0));
+    assert_eq!(Format::sniff(&instances), Some(Format::I3dm));
     let shown = corners(&scene_of(&instances, Format::B3dm).unwrap());
     assert_eq!(shown, [[0.0, 2.0, 3.0], [100.0, 11.0, 6.0]]);
     let turned = "{\"INSTANCES_LENGTH\":1,\"POSITION\":{\"byteOffset\":0},\"NORMAL_UP\":{\"byteOffset\":12},\
@@ -72,7 +73,13 @@ fn instances_and_composites_show_all_of_theirs() {
     // (1, 0, 0) that is 5 · right − 3 · up + 2 · forward.
     assert_eq!(shown, [[2.0, -3.0, -5.0]]);
     let both = composite(&[tile(b"b3dm", "", &[], &glb_at(-9.0)), composite(&[instances])]);
-    assert_eq!(corners(&scene_of(&both, Format::B3dm).unwrap()).len(), 3);
+    assert_eq!(corners(&scene_of(&both, Format::Cmpt).unwrap()).len(), 3);
+    // Each is called by its own kind, by its name as by its content.
+    assert_eq!(
+        (Format::sniff(&both), Format::from_extension("cmpt")),
+        (Some(Format::Cmpt), Some(Format::Cmpt))
+    );
+    assert_eq!(Format::Cmpt.to_string(), "cmpt");
 }
 
 #[test]
