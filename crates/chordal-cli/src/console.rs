@@ -154,7 +154,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// Fails where the process was started with stdout closed, or open only for reading. What goes to `/dev/null` was
-/// written.
+/// written, however that is open.
 ///
 /// # Errors
 /// Then.

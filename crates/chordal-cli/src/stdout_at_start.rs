@@ -25,14 +25,14 @@ pub fn was_closed() -> bool {
 }
 
 /// Whether stdout can be read and not written: a file that is open for reading, or a folder. The standard library
-/// takes the error of such a write for a success.
+/// takes the error of such a write for a success. Of `/dev/null` it is one: what it gets is discarded anyway.
 pub fn cannot_be_written() -> bool {
-    descriptor::is_read_only()
+    descriptor::is_read_only() && !descriptor::is_null_device()
 }
 
 #[cfg(unix)]
 mod descriptor {
-    use rustix::fs::{OFlags, fcntl_getfl};
+    use rustix::fs::{FileType, OFlags, fcntl_getfl, fstat, stat};
     use rustix::io::{Errno, fcntl_getfd};
     use rustix::stdio::stdout;
     use std::fs::OpenOptions;
@@ -55,6 +55,13 @@ mod descriptor {
     pub fn is_read_only() -> bool {
         fcntl_getfl(stdout()).is_ok_and(|flags| flags & OFlags::RWMODE == OFlags::RDONLY)
     }
+
+    pub fn is_null_device() -> bool {
+        let both = fstat(stdout()).and_then(|own| Ok((own, stat("/dev/null")?)));
+        both.is_ok_and(|(own, null)| {
+            FileType::from_raw_mode(own.st_mode) == FileType::CharacterDevice && own.st_rdev == null.st_rdev
+        })
+    }
 }
 
 #[cfg(not(unix))]
@@ -66,6 +73,10 @@ mod descriptor {
     pub fn fill_gaps() {}
 
     pub fn is_read_only() -> bool {
+        false
+    }
+
+    pub fn is_null_device() -> bool {
         false
     }
 }

@@ -57,10 +57,12 @@ mod unix {
         with_each_kind(|kind, args| {
             // Rust and shells open it for writing; Python's `DEVNULL` and Node's 'ignore' for reading as well.
             let both = OpenOptions::new().read(true).write(true).open("/dev/null").unwrap();
-            let all = [with_stdout(args, Stdio::null()), with_stdout(args, both)];
+            // `open("/dev/null")` of Python opens it for reading alone, and nothing is lost by that.
+            let read = File::open("/dev/null").unwrap();
+            let all = [with_stdout(args, Stdio::null()), with_stdout(args, both), with_stdout(args, read)];
             all.iter()
                 .for_each(|run| assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{kind}: {run:?}"));
-            let files = ["> /dev/null", "1<> /dev/null", "<&- 1<> /dev/null 2>&-"];
+            let files = ["> /dev/null", "1<> /dev/null", "1< /dev/null", "<&- 1<> /dev/null 2>&-"];
             for redirections in files {
                 let done = in_shell(args, redirections);
                 assert_eq!(done.status.code(), Some(0), "{kind} {redirections}: {done:?}");
