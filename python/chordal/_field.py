@@ -268,7 +268,7 @@ class Field(Shape):
 
         >>> import chordal
         >>> disc = chordal.shapes.polygon(chordal.shapes.arc(1), tolerance=0.01)
-        >>> disc.notes[0].endswith("(proved), and no bound of the result counts that")
+        >>> disc.notes[0].endswith("(proved)")
         True
         """
         return tuple(self._value.notes)

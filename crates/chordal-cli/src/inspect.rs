@@ -88,8 +88,8 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     check(&name, report.certificate.valid.as_ref(), &args.require)
 }
 
-/// Reads the first of the volumes, or the fonts, of a file that holds several, a font as its own name or, where it lacks
-/// letters of that, as some that it has. Returns it with sentences that say what else there is.
+/// Reads the first of the volumes, or the fonts, of a file that holds several, a font as its own name or, where it
+/// lacks letters of that, as some that it has. Returns it with sentences that say what else there is.
 fn read_first(
     args: &InputArgs,
     fault: Fault,

@@ -258,6 +258,66 @@ fn files_beside_a_script_are_read_and_none_elsewhere() {
     assert!(!secret.is_empty());
 }
 
+/// The points of an OBJ, and the corners of its triangles.
+fn triangles_of_obj(path: &str) -> Vec<[[f64; 3]; 3]> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let rows = |word: &str| -> Vec<Vec<f64>> {
+        let rows = text.lines().filter_map(|line| line.strip_prefix(word));
+        rows.map(|row| row.split(' ').map(|x| x.split('/').next().unwrap().parse().unwrap()).collect())
+            .collect()
+    };
+    let points = rows("v ");
+    let corner = |row: f64| <[f64; 3]>::try_from(&points[row as usize - 1][..3]).unwrap();
+    rows("f ").iter().map(|face| [0, 1, 2].map(|k| corner(face[k]))).collect()
+}
+
+#[test]
+fn the_bound_of_a_mesh_counts_that_lines_stand_for_curves() {
+    let folder = Folder::new("script-slack");
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg'><circle cx='0' cy='0' r='5'/></svg>";
+    folder.file("disc.svg", svg);
+    let out = folder.text("out.obj");
+    let meshed = |text: &str, length: &str| {
+        let file = folder.file("disc.star", text);
+        let made = run(&["mesh", &file, "--tol", length, "-o", &out, "--force", "--json"]);
+        assert!(made.code == 0 && made.stderr.contains("polygons within"), "{made:?}");
+        let report = made.report();
+        let most = report["certificate"]["bound"]["at_most"].as_f64().unwrap();
+        (most, report["certificate"]["notes"].to_string())
+    };
+    for (scale, length) in [(1.0, "0.1"), (3.0, "0.2")] {
+        let text = format!("move(scale(extrude(svg('disc.svg', 0.02), 3), {scale}), 1, 2)\n");
+        let (most, notes) = meshed(&text, length);
+        assert!(notes.contains("the bound counts that straight lines stand for curves"), "{notes}");
+        // How far the middles of edges along the wall are from the circle, which nothing of the program says.
+        let from_axis = |p: [f64; 3]| (p[0] - 1.0).hypot(p[1] - 2.0);
+        let mut off: f64 = 0.0;
+        for corners in triangles_of_obj(&out).into_iter().filter(|c| c.iter().any(|p| p[2] != c[0][2])) {
+            for (a, b) in [0, 1, 2].map(|k| (corners[k], corners[(k + 1) % 3])) {
+                if a[2] == b[2] {
+                    let middle = from_axis([0, 1, 2].map(|k| (a[k] + b[k]) / 2.0));
+                    off = off.max((5.0 * scale - middle).abs());
+                }
+            }
+        }
+        assert!(off > 0.001 && most >= off, "{most} {off}");
+        assert!(most <= length.parse().unwrap(), "{most}");
+    }
+    // Where nothing counts it, it is said on the terminal.
+    for (text, length, why) in [
+        ("extrude(svg('disc.svg', 0.02), 3)\n", "0.03", "a shorter tolerance of theirs"),
+        ("twist(extrude(svg('disc.svg', 0.02), 3), 3)\n", "0.2", "as by a blend or a twist"),
+    ] {
+        let (_, notes) = meshed(text, length);
+        let file = folder.file("disc.star", text);
+        let told = run(&["mesh", &file, "--tol", length, "-o", &out, "--force"]);
+        for said in [notes, told.stdout] {
+            assert!(said.contains("no bound counts that straight lines stand for curves"), "{said}");
+            assert!(said.contains(why), "{said}");
+        }
+    }
+}
+
 /// The JSON of a GLB.
 fn json_of_glb(path: &str) -> serde_json::Value {
     let bytes = std::fs::read(path).expect("it is there");

@@ -7,8 +7,9 @@ use chordal::math::greater;
 use chordal::{Budget, Job, Tolerance};
 use chordal_io::Drawing;
 
-/// What a drawing fills, with y up, as one shape of the plane: the distance to polygons within a length of its curves. With
-/// it come sentences about what it was made of: within how much the polygons are, which no bound of the field's mesh counts.
+/// What a drawing fills, with y up, as one shape of the plane: the distance to polygons within a length of its
+/// curves, which is its slack ([`Field::slack`]). With it come sentences about what it was made of: within how much
+/// the polygons are.
 ///
 /// # Errors
 /// In a sentence: when the drawing fills nothing, or its curves are not replaced within the length.
@@ -29,12 +30,11 @@ pub fn drawing_to_field(
         })?;
         let off = made.bound.at_most().ok_or("its polygons have no bound")?;
         worst = greater(worst, off);
-        shapes.push(made.shape);
+        shapes.push(made.shape.with_slack(off));
     }
     let mut sentences = Vec::new();
     if worst > 0.0 {
-        let place = "no bound of the result counts that";
-        sentences.push(format!("its curves are polygons within {worst:.3e} (proved), and {place}"));
+        sentences.push(format!("its curves are polygons within {worst:.3e} (proved)"));
     }
     Ok((Field::union_of(&shapes), sentences))
 }

@@ -5,6 +5,7 @@ use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 #[cfg(feature = "booleans")]
 use crate::field_by_solids::mesh_by_solids;
 use crate::field_looks::{renumber, with_materials};
+use crate::field_slack::SlackRequest;
 use crate::file_rows::unsupported;
 use crate::report::OpenPlacesFacts;
 use crate::request::MeshRequest;
@@ -74,10 +75,13 @@ fn mesh_parts(
         return mesh_bodies(implicit, request, (materials, notes), job);
     }
     let field = finite(implicit)?;
-    let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, request, notes, job)? {
+    let within = SlackRequest::new(&field, request)?;
+    let Bounded { shape: mesh, bound } = match cut_along_meshes(&field, &within.inner, notes, job)? {
         Some(made) => made,
-        None => mesh_of_field((&field, &implicit.lines), request, notes, job)?,
+        None => mesh_of_field((&field, &implicit.lines), &within.inner, notes, job)?,
     };
+    let (bound, counted) = within.count(bound);
+    notes.extend(counted);
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(

@@ -4,9 +4,9 @@ use chordal::explicit::InvalidMesh;
 use chordal_io::{Format, Scene, VertexRows, WriteError, for_vertex_caches, glb};
 use std::borrow::Cow;
 
-/// The scene in the rows of its file. glTF has separate vertices for corners with different attributes and materials, in an
-/// order that graphics processors draw fast wherever the triangles are from. STL
-/// has separate vertices for every corner, a single part and no attributes.
+/// The scene in the rows of its file. glTF has separate vertices for corners with different attributes and
+/// materials, in an order that graphics processors draw fast wherever the triangles are from. STL has separate
+/// vertices for every corner, a single part and no attributes.
 ///
 /// # Errors
 /// When there are more rows than one mesh can hold.

@@ -44,6 +44,7 @@ mod field_by_booleans;
 mod field_by_solids;
 mod field_digest;
 mod field_looks;
+mod field_slack;
 mod file_extension;
 mod file_rows;
 mod filled_regions;

@@ -1,6 +1,7 @@
 //! `mesh`: any shape into triangles, or curves into polylines, within a budget, as the result reads back from
 //! a format.
 use crate::drop_attributes::drop_normals;
+use crate::field_slack::NOT_COUNTED;
 use crate::file_rows::order_new_triangles;
 use crate::finish::finish_triangles;
 use crate::isosurface::SurfaceForm;
@@ -13,6 +14,7 @@ use crate::{
     BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, cage, field, filled_regions,
     formats, isosurface, polylines,
 };
+use chordal::budget::advice::Message;
 use chordal::budget::{Evidence, RefusalCode, RequiredEvidence};
 use chordal::{Job, convert};
 use chordal_io::Scene;
@@ -107,6 +109,8 @@ pub fn mesh(
                 certificate.warned.push(field::DRAFT.into());
                 certificate.notes.push(field::DRAFT.into());
             }
+            let is_told = |note: &&Message| note.starts_with(NOT_COUNTED);
+            certificate.warned.extend(certificate.notes.iter().filter(is_told).cloned());
             made
         }
         Shape::Scene(mut scene) => {

@@ -2,6 +2,7 @@
 use crate::ImplicitShape;
 use crate::MeshFailure;
 use crate::field::endless;
+use crate::field_slack::{NOT_COUNTED, SlackRequest};
 use crate::finish::finish_polylines;
 use crate::outcome::MeshOutcome;
 use crate::report::Certificate;
@@ -52,7 +53,11 @@ pub(crate) fn contour_field(
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
         return Err(MeshFailure::refused(RefusalCode::Unsupported, endless()));
     }
-    let made = convert::field_to_polyline(&field, &request.budget, job).or_else(Failure::best_effort)?;
+    let within = SlackRequest::new(&field, request)?;
+    let made = convert::field_to_polyline(&field, &within.inner.budget, job).or_else(Failure::best_effort)?;
+    let (bound, counted) = within.count(made.bound);
+    certificate.warned.extend(counted.clone().filter(|note| note.starts_with(NOT_COUNTED)));
+    certificate.notes.extend(counted);
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max].map(|corner| [corner[0], corner[1]]);
         certificate.notes.push(
@@ -80,7 +85,7 @@ pub(crate) fn contour_field(
     let place = Box3 { min: [min[0], min[1], 0.0], max: [max[0], max[1], 0.0] };
     finish_polylines(
         Polylines::Plane(drawn),
-        made.bound,
+        bound,
         &MeshRequest::new(request.budget, request.to, place),
         certificate,
     )

@@ -25,15 +25,15 @@ pub fn fonts_in(bytes: &[u8], limits: &Limits) -> Result<Vec<String>, ReadError>
     Ok(all)
 }
 
-/// Characters that are looked at for letters to show a font by, and those that are tried. Chosen: in any script there are
-/// enough among them.
+/// Characters that are looked at for letters to show a font by, and those that are tried. Chosen: in any script
+/// there are enough among them.
 const MOST_LOOKED_AT: usize = 2000;
 const MOST_TRIED: usize = 64;
 /// Letters that a font is shown by. Chosen: a word.
 const MOST_SHOWN: usize = 8;
 
-/// A few characters that a font can set and draw, letters before others; an empty text where it has none. For fonts that
-/// lack the letters of their own name.
+/// A few characters that a font can set and draw, letters before others; an empty text where it has none. For fonts
+/// that lack the letters of their own name.
 ///
 /// # Errors
 /// When the font cannot be read.

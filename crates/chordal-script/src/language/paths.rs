@@ -220,22 +220,21 @@ fn budget<const D: usize>(given: &BoundArgs, curve: &Curve<D>, k: usize) -> Resu
 /// Says how far polylines are off the paths that they stand for.
 fn note_bound(given: &BoundArgs, at_most: f64) {
     if at_most > 0.0 {
-        given.note(&format!(
-            "its path is straight lines within {at_most:.3e} (proved), and no bound of the result counts that"
-        ));
+        given.note(&format!("its path is straight lines within {at_most:.3e} (proved)"));
     }
 }
 
-/// The straight lines that stand for a path, within the tolerance at index `k`.
+/// The straight lines that stand for a path, within the tolerance at index `k`, and how far they are off it.
 pub(super) fn polyline<const D: usize>(
     given: &BoundArgs,
     curve: &Curve<D>,
     k: usize,
-) -> Result<Polyline<D>, CallError> {
+) -> Result<(Polyline<D>, f64), CallError> {
     let made = curve_to_polyline(curve, &budget(given, curve, k)?, given.job());
     let Bounded { shape, bound } = made.map_err(|failure| failed(given, &failure))?;
-    note_bound(given, bound.at_most().unwrap_or(f64::INFINITY));
-    Ok(shape)
+    let slack = bound.at_most().unwrap_or(f64::INFINITY);
+    note_bound(given, slack);
+    Ok((shape, slack))
 }
 
 /// The polygon of corners, or what a path encloses.
@@ -252,11 +251,11 @@ pub(super) fn polygon(given: &BoundArgs) -> Result<Arg, CallError> {
         // Its sides cross or touch.
         let made = contours_to_field(&[corners], FillRule::EvenOdd, given.job());
         let Bounded { shape, bound } = made.map_err(|failure| failed(given, &failure))?;
+        let slack = bound.at_most().unwrap_or(f64::INFINITY);
         given.note(&format!(
-            "its sides cross or touch, and it is taken as cut there, which moved it by {:.1e} at most",
-            bound.at_most().unwrap_or(f64::INFINITY)
+            "its sides cross or touch, and it is taken as cut there, which moved it by {slack:.1e} at most"
         ));
-        return counted_result(given, Ok(shape), &[]);
+        return counted_result(given, Ok(shape.with_slack(slack)), &[]);
     }
     let path = given.path(0)?;
     let ScriptPath::Plane(curve) = &*path else {
@@ -266,6 +265,7 @@ pub(super) fn polygon(given: &BoundArgs) -> Result<Arg, CallError> {
     let outline = Outline { contours: vec![curve.clone()], rule: FillRule::EvenOdd };
     let made = outline_to_field(&outline, &budget, given.job());
     let Bounded { shape, bound } = made.map_err(|failure| failed(given, &failure))?;
-    note_bound(given, bound.at_most().unwrap_or(f64::INFINITY));
-    counted_result(given, Ok(shape), &[])
+    let slack = bound.at_most().unwrap_or(f64::INFINITY);
+    note_bound(given, slack);
+    counted_result(given, Ok(shape.with_slack(slack)), &[])
 }

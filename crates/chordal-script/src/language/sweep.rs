@@ -17,14 +17,28 @@ const MOST_CAPSULES: usize = 513;
 struct SweptLines {
     points: Vec<[f64; 3]>,
     is_closed: bool,
+    /// How far they are off the path that they stand for.
+    slack: f64,
 }
 
 pub(super) fn sweep(given: &BoundArgs) -> Result<Arg, CallError> {
     let lines = lines(given)?;
     match given.any(1) {
-        Arg::Number(radius) => tube(given, &lines, *radius),
-        Arg::Shape(profile) => swept(given, &lines, profile),
+        // What is nearer to lines than a radius is as far off as these are.
+        Arg::Number(radius) => Ok(with_slack(tube(given, &lines, *radius)?, lines.slack)),
+        // A profile reaches out sideways, where frames turn otherwise along a path than along lines.
+        Arg::Shape(profile) => {
+            let slack = if lines.slack > 0.0 { f64::INFINITY } else { 0.0 };
+            Ok(with_slack(swept(given, &lines, profile)?, slack))
+        }
         other => Err(given.fault(&format!("needs a radius or a shape for 'profile', not {}", other.kind()))),
+    }
+}
+
+fn with_slack(made: Arg, slack: f64) -> Arg {
+    match made {
+        Arg::Shape(solid) => Arg::Shape(Solid { field: solid.field.with_slack(slack), ..solid }),
+        other => other,
     }
 }
 
@@ -32,18 +46,19 @@ fn lines(given: &BoundArgs) -> Result<SweptLines, CallError> {
     let lines = match given.any(0) {
         Arg::Path(path) => match &**path {
             ScriptPath::Plane(curve) => {
-                let Polyline { points, closed, .. } = polyline(given, curve, 2)?;
-                SweptLines { points: points.iter().map(|[x, y]| [*x, *y, 0.0]).collect(), is_closed: closed }
+                let (Polyline { points, closed, .. }, slack) = polyline(given, curve, 2)?;
+                let points = points.iter().map(|[x, y]| [*x, *y, 0.0]).collect();
+                SweptLines { points, is_closed: closed, slack }
             }
             ScriptPath::Space(curve) => {
-                let Polyline { points, closed, .. } = polyline(given, curve, 2)?;
-                SweptLines { points, is_closed: closed }
+                let (Polyline { points, closed, .. }, slack) = polyline(given, curve, 2)?;
+                SweptLines { points, is_closed: closed, slack }
             }
         },
         _ if given.given(2).is_some() => {
             return Err(given.fault("along straight lines is exact, and has no tolerance"));
         }
-        _ => SweptLines { points: given.points::<3>(0)?, is_closed: false },
+        _ => SweptLines { points: given.points::<3>(0)?, is_closed: false, slack: 0.0 },
     };
     let n = lines.points.len();
     if (1..=MOST_POINTS).contains(&n) {

@@ -40,5 +40,7 @@ pub fn redistance(field: &Field, within: Tolerance, job: &Job) -> Result<Bounded
     let solid = mesh_standing_for(&made.shape, Some(made.bound.clone()), job)?;
     // A mesh of a field is closed; where it touches itself its inner walls are thinner than rounding.
     debug_assert!(solid.field.distance().weakest() != DistanceQuality::Sign);
-    Ok(Bounded { shape: solid.field, bound: made.bound })
+    // The triangles are near the field, and that may be near another shape.
+    let shape = solid.field.with_slack(if field.slack() > 0.0 { f64::INFINITY } else { 0.0 });
+    Ok(Bounded { shape, bound: made.bound })
 }

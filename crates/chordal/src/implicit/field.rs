@@ -46,6 +46,8 @@ pub struct Field {
     distance_promises: Promises,
     /// Of what solids it is made, if that is known.
     construction: Option<Construction>,
+    /// How far it is from what it stands for; infinite where nothing is known of that.
+    slack: f64,
 }
 
 impl Field {
@@ -66,12 +68,17 @@ impl Field {
             promises: Promises::default(),
             distance_promises: Promises::default(),
             construction: None,
+            slack: 0.0,
         }
     }
 
-    /// The field of an expression made of other fields. It inherits their promises and creases.
+    /// The field of an expression made of other fields. It inherits their promises and creases. How far it is from
+    /// what it stands for is known only where the operation says so.
     pub(super) fn from_parts(expr: Expr, parts: &[&Self]) -> Self {
         let mut field = Self::new(expr);
+        if parts.iter().any(|part| part.slack > 0.0) {
+            field.slack = f64::INFINITY;
+        }
         for part in parts {
             field.has_creases |= part.has_creases;
             field.promises.extend(&part.promises);
@@ -156,7 +163,42 @@ impl Field {
     /// The same, made of numbers of other fields: proofs depend on what was promised of those.
     pub(super) fn with_promises_of(mut self, parts: &[Self]) -> Self {
         parts.iter().for_each(|part| self.promises.extend(&part.promises));
+        // Two hulls are no farther from each other than what they are of.
+        self.slack = parts.iter().fold(self.slack, |most, part| greater(most, part.slack));
         self
+    }
+
+    /// The same, which stands for another shape, as polygons do for curves: what is inside of one of both alone is
+    /// no farther than `slack` from their surfaces, and where the value is a distance, it is no more than that off.
+    ///
+    /// [`Field::slack`] keeps it through whatever is made of the field: moves, turns and extrusions leave it,
+    /// scales change it, and of shapes that are combined the largest counts. What is inside of a combined shape
+    /// alone, or of what that stands for, is no farther than it from the surface of a *part*, which the others may
+    /// hide.
+    #[must_use]
+    pub fn with_slack(self, slack: f64) -> Self {
+        Self { slack: greater(self.slack, slack), ..self }
+    }
+
+    /// How far it is from the shape that it stands for: see [`Field::with_slack`]. 0 where it stands for itself,
+    /// infinite after an operation that changes it in a way that nothing is known of, such as a blend.
+    ///
+    /// ```
+    /// use chordal::implicit::shapes::rectangle;
+    /// let drawn = rectangle([2.0, 1.0])?.with_slack(0.01);
+    /// assert_eq!(drawn.extruded(3.0)?.moved([5.0, 0.0, 0.0])?.slack(), 0.01);
+    /// assert!((0.03..0.0301).contains(&drawn.scaled([3.0, -2.0, 1.0])?.slack()));
+    /// assert_eq!(drawn.extruded(3.0)?.twisted(0.1)?.slack(), f64::INFINITY);
+    /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+    /// ```
+    #[must_use]
+    pub fn slack(&self) -> f64 {
+        self.slack
+    }
+
+    /// Sets how far it is from what it stands for, where an operation knows it.
+    pub(super) fn known_slack(self, slack: f64) -> Self {
+        Self { slack, ..self }
     }
 
     /// The same, for an operation that uses the distance: from now on proofs depend on promises about it too.

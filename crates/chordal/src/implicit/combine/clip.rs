@@ -52,6 +52,7 @@ impl Field {
         }
         // The value is worth nothing as a distance any more.
         let construction = self.construction().and_then(|own| own.clipped(sides));
-        Self::from_parts(sign, &[self]).known_bounds(common(known, region)).known_construction(construction)
+        let clipped = Self::from_parts(sign, &[self]).known_bounds(common(known, region));
+        clipped.known_construction(construction).known_slack(self.slack())
     }
 }

@@ -41,7 +41,8 @@ impl Field {
         let both = Self::from_parts(self.expr().min(other.expr()), &[self, other])
             .known_distance(self.distance().union(other.distance()))
             .known_bounds(self.bounds().union(other.bounds()))
-            .known_construction(Construction::union(self, other));
+            .known_construction(Construction::union(self, other))
+            .known_slack(greater(self.slack(), other.slack()));
         if self.has_sign() || other.has_sign() {
             // Where one of both is inside, the smaller of their depths is its own.
             let has_depth = self.depth().is_some() && other.depth().is_some();
@@ -57,7 +58,8 @@ impl Field {
         let both = Self::from_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
             .known_bounds(common(self.bounds(), other.bounds()))
-            .known_construction(Construction::intersection(self, other));
+            .known_construction(Construction::intersection(self, other))
+            .known_slack(greater(self.slack(), other.slack()));
         // Outside the bounds one of both is not inside, whatever the sign of the other.
         let sign = |field: &Self| field.sign_within(&both.bounds());
         if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
@@ -83,6 +85,7 @@ impl Field {
         let other = Self::from_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
         let construction = self.construction().and_then(Construction::complement);
         let other = other.map_sign(self, |sign| -sign).known_construction(construction);
+        let other = other.known_slack(self.slack());
         match self.pattern() {
             Some(pattern) => other.with_pattern(pattern.complement()),
             None => other,

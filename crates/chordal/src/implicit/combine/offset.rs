@@ -27,22 +27,31 @@ impl Field {
         let Distance { outside, inside } = self.distance();
         if by > 0.0 {
             let held = self.with_box_bound("an offset")?;
+            let slack = self.slack_of_distance(outside);
             let inside = weaker(inside, DistanceQuality::Bound);
             return Ok(Self::from_parts(held.expr() - by, &[&held])
                 .known_distance(Distance { outside, inside })
-                .known_bounds(grown(held.bounds(), by)));
+                .known_bounds(grown(held.bounds(), by))
+                .known_slack(slack));
         }
         if inside == DistanceQuality::Sign {
             return Err(InvalidShape::NeedsDistance { operation: "an offset", side: "inside" });
         }
         let outside = weaker(outside, DistanceQuality::Bound);
-        let shrunk = Self::from_parts(self.expr() - by, &[self]);
+        let slack = self.slack_of_distance(inside);
+        let shrunk = Self::from_parts(self.expr() - by, &[self]).known_slack(slack);
         // The value has kinks where the nearest side changes, which the planes of a box do not have.
         let shrunk = match self.depth() {
             Some(depth) if self.has_own_sign() => shrunk.known_depth(depth - by),
             _ => shrunk,
         };
         Ok(shrunk.known_distance(Distance { outside, inside }).known_bounds(self.bounds()))
+    }
+
+    /// How far what is nearer than a distance is from that of what it stands for: a step along an exact distance
+    /// takes off as much as the step is long.
+    fn slack_of_distance(&self, quality: DistanceQuality) -> f64 {
+        if quality == DistanceQuality::Exact || self.slack() == 0.0 { self.slack() } else { f64::INFINITY }
     }
 
     /// A wall around the surface, with half of `thickness` on each side of it: `|a| − thickness/2`. The value
@@ -57,7 +66,8 @@ impl Field {
         }
         let held = self.with_box_bound("a shell")?;
         let distance = Distance { outside: self.distance().weakest(), inside: DistanceQuality::Bound };
-        let wall = Self::from_parts(held.expr().abs() - half, &[&held]);
+        let slack = self.slack_of_distance(self.distance().weakest());
+        let wall = Self::from_parts(held.expr().abs() - half, &[&held]).known_slack(slack);
         // Nearer than half of it outside, and no deeper than that inside.
         let wall = match held.depth() {
             Some(depth) if held.has_own_sign() => wall.known_sign((held.expr() - half).max(&(-depth - half))),

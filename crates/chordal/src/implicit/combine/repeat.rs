@@ -76,7 +76,8 @@ impl Field {
             all
         };
         let all = all.known_bounds(common(bounds, Field::EVERYWHERE));
-        let all = all.known_construction(self.repeated_construction(along, n_copies));
+        let all =
+            all.known_construction(self.repeated_construction(along, n_copies)).known_slack(self.slack());
         let is_endless = along.iter().any(|repeat| matches!(repeat, Repeat::Every(_)));
         Ok(if is_endless {
             all.with_pattern(PeriodicPattern {

@@ -6,7 +6,7 @@ use super::transform::bounds_at_most;
 use crate::implicit::construction::Construction;
 use crate::implicit::shapes::{InvalidShape, axis_distance, positive, slabs};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
-use crate::math::{Box3, Interval, add_up, greater, lesser, sqrt_up};
+use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up, sqrt_up};
 
 impl Field {
     /// A planar shape (one that does not depend on z) extruded to half of `height` above and below 0. The
@@ -38,7 +38,13 @@ impl Field {
             .with_depth(flat.depth().is_some())
             .known_distance(slice_distance(self))
             .known_bounds(common(endless, slab))
-            .known_construction(self.construction().and_then(|own| own.extruded(half))))
+            .known_construction(self.construction().and_then(|own| own.extruded(half)))
+            .known_slack(self.slice_slack()))
+    }
+
+    /// How far its section is from that of what it stands for: unknown of a solid, whose surface may be flat there.
+    fn slice_slack(&self) -> f64 {
+        if self.slack() > 0.0 && self.tape().axes()[2] { f64::INFINITY } else { self.slack() }
     }
 
     /// As [`Field::extruded`], with the edges of both ends cut off at 45°, `bevel` wide and high: over a point at a depth of
@@ -63,7 +69,10 @@ impl Field {
         // The shape's value grows by 1 a length at most, and so does |z|, across it: by √2 both.
         let cut = depth + below + bevel;
         let scaled = &cut * std::f64::consts::FRAC_1_SQRT_2.next_down();
-        Ok(self.with_edges_cut(&plain, [&scaled, &cut]))
+        // At 45° the solid ends as much higher as a depth is more, and as much farther out: √2 of both.
+        let slack = plain.slack();
+        let slack = if slack == 0.0 { 0.0 } else { mul_up(slack, std::f64::consts::SQRT_2.next_up()) };
+        Ok(self.with_edges_cut(&plain, [&scaled, &cut]).known_slack(slack))
     }
 
     /// As [`Field::extruded`], with the edges of both ends rounded to a radius: over a point at a depth of less than that in
@@ -157,6 +166,11 @@ impl Field {
             .known_distance(distance)
             .known_bounds(bounds)
             .known_construction(self.construction().and_then(Construction::revolved))
+            .known_slack(if min[0] >= 0.0 || self.slack() == 0.0 {
+                self.slice_slack()
+            } else {
+                f64::INFINITY
+            })
     }
 }
 

@@ -24,7 +24,7 @@ impl Field {
         let moved = self.at(&at).known_distance(self.distance()).known_bounds(bounds);
         let shift =
             |k: usize| std::array::from_fn(|j| if j == 3 { by[k] } else { f64::from(u8::from(j == k)) });
-        let moved = moved.known_construction(self.placed([0, 1, 2].map(shift)));
+        let moved = moved.known_construction(self.placed([0, 1, 2].map(shift))).known_slack(self.slack());
         Ok(moved.with_pattern_at(self, &at))
     }
 
@@ -83,6 +83,8 @@ impl Field {
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
         let factor = |k: usize| std::array::from_fn(|j| if j == k { by[k] } else { 0.0 });
         let field = field.known_construction(if even { self.placed([0, 1, 2].map(factor)) } else { None });
+        let most = sizes.iter().fold(0.0, |most, size| greater(*size, most));
+        let field = field.known_slack(self.stretched_slack(most));
         Ok(field.known_distance(distance).known_bounds(bounds).with_pattern_at(self, &at))
     }
 
@@ -140,7 +142,16 @@ impl Field {
             field.with_depth(self.depth().is_some())
         };
         let field = field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift));
-        field.with_pattern_at(self, &at)
+        // The rows take points back into the shape.
+        let slack = if rigid { self.stretched_slack((1.0 / stretch).next_up()) } else { field.slack() };
+        field.known_slack(slack).with_pattern_at(self, &at)
+    }
+
+    /// How far it is from what it stands for once both are stretched alike.
+    fn stretched_slack(&self, factor: f64) -> f64 {
+        /// Derived: matrices of rounded sines and unit vectors are off by some 64 roundings.
+        const ROOM: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+        if self.slack() == 0.0 { 0.0 } else { mul_up(self.slack(), mul_up(factor, ROOM)) }
     }
 
     /// Adds the pattern of another field at mapped points, if it has one.
