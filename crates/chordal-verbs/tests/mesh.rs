@@ -188,9 +188,9 @@ fn new_triangles_are_in_the_order_of_vertex_caches_in_every_format() {
     for (format, name) in FORMATS {
         for shape in [patch_at([0.1, 0.2, 0.3]), input(Shape::Scene(fine.clone()))] {
             let made = mesh(shape, &length("0.001"), format, &Job::default()).unwrap();
-            // As the mesher leaves them it is above 1.4.
+            // As they are made it is 1.02, and after a simplification 0.76.
             let found = shaded(&made, format);
-            assert!(found < 0.85, "{name}: {found}");
+            assert!(found < 0.72, "{name}: {found}");
         }
     }
 }
