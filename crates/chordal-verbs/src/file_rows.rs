@@ -1,6 +1,6 @@
 //! Triangles in the rows that a format gives them, so that counts match those of a reader of the file.
 use chordal::Mesh;
-use chordal::explicit::InvalidMesh;
+use chordal::explicit::{InvalidMesh, position_id_by_bits};
 use chordal_io::{Format, Scene, VertexRows, WriteError, for_vertex_caches, glb};
 use std::borrow::Cow;
 
@@ -60,14 +60,24 @@ pub(crate) fn order_new_mesh(mesh: &mut Mesh) -> Result<(), WriteError> {
 }
 
 /// The position rows of a mesh in a file of that format. OBJ has one for tied positions, and its attributes
-/// have rows of their own.
+/// have rows of their own. GLB does not say which rows are tied, so that a reader ties those at one position.
 pub(crate) fn rows_of(mesh: &Mesh, format: Format) -> Result<Cow<'_, Mesh>, WriteError> {
-    match mesh.position_id() {
-        Some(id) if format.vertex_rows() == VertexRows::Positions => {
-            merged(mesh, id).map(Cow::Owned).map_err(unsupported)
-        }
+    match (format.vertex_rows(), mesh.position_id()) {
+        (VertexRows::Positions, Some(id)) => merged(mesh, id).map(Cow::Owned).map_err(unsupported),
+        (VertexRows::Split, _) => tied_by_places(mesh).map_err(unsupported),
         _ => Ok(Cow::Borrowed(mesh)),
     }
+}
+
+/// The triangles with their rows tied that are at one position; as they are where no others are tied already.
+fn tied_by_places(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
+    let ids = position_id_by_bits(mesh.positions());
+    if (0..).zip(&ids).all(|(row, id)| mesh.position_of(row) == *id) {
+        return Ok(Cow::Borrowed(mesh));
+    }
+    // Adding zero removes the sign of −0, which would make another position.
+    let positions = mesh.positions().iter().map(|p| p.map(|x| x + 0.0)).collect();
+    Mesh::new(positions, mesh.faces().to_vec())?.with_position_id(ids).map(Cow::Owned)
 }
 
 pub(crate) fn unsupported(error: InvalidMesh) -> WriteError {
@@ -117,6 +127,17 @@ mod tests {
         assert_eq!(rows.positions().len(), 5);
         assert_eq!(rows.faces(), [[0, 1, 2], [2, 1, 3]]);
         assert!(matches!(rows_of(&mesh, Format::Ply).unwrap(), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn glb_has_the_rows_at_one_position_tied() {
+        let mesh = tied();
+        let rows = rows_of(&mesh, Format::Glb).unwrap();
+        assert_eq!(rows.position_id().unwrap(), [0, 1, 2, 1, 2, 5, 5]);
+        let signs = Mesh::new(vec![[0.0; 3], [-0.0, 0.0, 0.0]], Vec::new()).unwrap();
+        assert_eq!(rows_of(&signs, Format::Glb).unwrap().position_id().unwrap(), [0, 0]);
+        let plain = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0]], Vec::new()).unwrap();
+        assert!(matches!(rows_of(&plain, Format::Glb).unwrap(), Cow::Borrowed(_)));
     }
 
     #[test]
