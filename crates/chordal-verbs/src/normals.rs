@@ -37,6 +37,9 @@ pub enum Normals {
     Groups,
 }
 
+/// What stands before the words for normals in the note on them.
+const COMPUTED: &str = "normals were computed: ";
+
 /// The default crease angle, as in most modellers.
 const USUAL_CREASE_DEG: f64 = 30.0;
 
@@ -65,13 +68,21 @@ impl Normals {
             n_made += 1;
         }
         if n_made > 0 {
-            let how = if self == Self::Auto { Self::Crease { angle_deg: USUAL_CREASE_DEG } } else { self };
-            notes.push(format!("normals were computed: {how}").into());
+            let how = if self == Self::Auto { Self::USUAL } else { self };
+            notes.push(format!("{COMPUTED}{how}").into());
         }
         Ok(())
     }
 
-    fn shading(self, has_some: bool, to: Format) -> Option<Shading> {
+    /// How normals were computed, by a note that [`Self::apply`] has added.
+    pub(crate) fn from_note(note: &str) -> Option<Self> {
+        note.strip_prefix(COMPUTED)?.parse().ok()
+    }
+
+    /// What triangles without normals get unless others are asked for.
+    pub(crate) const USUAL: Self = Self::Crease { angle_deg: USUAL_CREASE_DEG };
+
+    pub(crate) fn shading(self, has_some: bool, to: Format) -> Option<Shading> {
         let crease = |angle_deg: f64| Shading::Crease {
             angle_rad: angle_deg.to_radians(),
             weight: NormalWeight::Angle,

@@ -19,5 +19,6 @@ mod prescribed;
 mod quantized;
 mod skins;
 mod solids;
+mod verify_attributes;
 mod verify_edits;
 mod verify_formats;

@@ -25,8 +25,9 @@ pub struct AttributeFacts {
 }
 
 impl AttributeFacts {
-    fn from_deviation(found: &AttributeDeviation) -> Self {
-        let (semantic, name) = match &found.semantic {
+    /// What [`Self::semantic`] and [`Self::name`] are for an attribute.
+    pub(crate) fn names_of(semantic: &Semantic) -> (&'static str, String) {
+        match semantic {
             Semantic::Normal => ("normal", "normal".to_owned()),
             Semantic::Tangent => ("tangent", "tangent".to_owned()),
             Semantic::TexCoord(set) => ("texcoord", format!("texcoord {set}")),
@@ -34,7 +35,11 @@ impl AttributeFacts {
             Semantic::Group(name) | Semantic::Custom(name) | Semantic::Blended(name) => {
                 ("custom", name.clone())
             }
-        };
+        }
+    }
+
+    fn from_deviation(found: &AttributeDeviation) -> Self {
+        let (semantic, name) = Self::names_of(&found.semantic);
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         Self {
             semantic,

@@ -46,7 +46,8 @@ pub struct VerifyReport {
     /// All claims, in the order in which they were looked at.
     pub claims: Vec<ClaimFacts>,
     /// What the certificate says beside, as paths in it: how it came about, words, what was asked for; and figures of which
-    /// neither the files nor a look that costs no more than the work say whether they hold.
+    /// neither the files nor a look that costs no more than the work say whether they hold. Last what the file shows beside
+    /// its triangles and nothing tells of: "attributes/normal" and the like, "materials".
     pub unchecked: Vec<String>,
 }
 

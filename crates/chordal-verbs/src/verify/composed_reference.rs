@@ -1,12 +1,15 @@
 //! What a step read that put its inputs together: put together again.
+use crate::drop_attributes::without_attributes;
+use crate::file_rows::unsupported;
 use crate::flatten::{self, TransformedScene};
-use crate::merged_parts::one_mesh;
+use crate::merge::merge;
 use crate::placements::{largest_reach, map_rounding, scaled_up};
 use crate::report::ComposedFacts;
 use crate::{Input, MeshFailure, Shape};
-use chordal::Job;
+use chordal::explicit::Semantic;
 use chordal::math::greater;
-use chordal_io::{Format, Frame, Node, Part, Scene};
+use chordal::{Job, Mesh};
+use chordal_io::{Format, Frame, Node, Part, Scene, TextureOrigin};
 
 /// Triangles that were put together again.
 pub(super) struct ComposedReference {
@@ -28,6 +31,7 @@ impl ComposedReference {
     ) -> Result<Result<Self, String>, MeshFailure> {
         /// Bytes of memory for each triangle of the whole: it is there once by its corners, once placed and once in one mesh.
         const PER_FACE: u64 = 200;
+        let frame = Frame { texture_origin: common_origin(inputs), ..frame };
         let mut scene = Scene { frame, ..Scene::default() };
         let mut offs = Vec::with_capacity(inputs.len());
         for input in inputs {
@@ -38,7 +42,7 @@ impl ComposedReference {
                 )));
             };
             let TransformedScene { scene: placed, moved_at_most, .. } = flatten::flatten(own.clone())?;
-            let mesh = one_mesh(&placed)?.into_owned();
+            let mesh = with_attributes(&placed)?;
             scene.parts.push(Part { mesh, ..Part::default() });
             offs.push(moved_at_most);
         }
@@ -60,4 +64,24 @@ impl ComposedReference {
         }
         Ok(Ok(Self { input: Input::made(Shape::Scene(scene), Format::Ply), off, rounding }))
     }
+}
+
+/// All that a scene shows as one mesh, with what its corners carry.
+fn with_attributes(scene: &Scene) -> Result<Mesh, MeshFailure> {
+    let all = scene.world_meshes()?;
+    let meshes: Vec<&Mesh> = all.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+    let whole = match meshes[..] {
+        [one] => one.clone(),
+        _ => merge(&meshes)?.mesh,
+    };
+    // Groups are numbered by each input on its own, and what was posed stands in its pose.
+    let is_kept = |semantic: &Semantic| !matches!(semantic, Semantic::Group(_) | Semantic::Blended(_));
+    without_attributes(&whole, |semantic| !is_kept(semantic)).map_err(|error| unsupported(error).into())
+}
+
+/// Where texture coordinates of all inputs begin; `None` where they differ, or nothing says it.
+fn common_origin(inputs: &[&Input]) -> Option<TextureOrigin> {
+    let mut origins = inputs.iter().map(|input| input.shape.frame().texture_origin);
+    let first = origins.next()?;
+    first.filter(|_| origins.all(|origin| origin == first))
 }

@@ -91,6 +91,7 @@ fn check_unclaimed(
     }
     let history = &HistoryFacts::new(begins, steps);
     let frame = stated_frame(coarsest);
-    ProvedSteps { name: HISTORY, out: level, frame, baked: None, witness: None, history, against, job }
+    let (certificate, witness) = (Some(coarsest), None);
+    ProvedSteps { name: HISTORY, out: level, frame, certificate, baked: None, witness, history, against, job }
         .check(claims)
 }

@@ -1,10 +1,13 @@
 //! `verify`: re-proves the certificate of a written file, without what made the file.
+mod attribute_pair;
+mod attributes;
 mod baked;
 mod bound_judge;
 mod claims;
 mod composed_reference;
 mod counts;
 mod levels;
+mod normals;
 mod steps;
 mod unchecked;
 
@@ -27,7 +30,8 @@ use steps::{GivenFile, HISTORY, ProvedSteps};
 /// The certificate is that in the file, or `given`: a report, or the certificate of one, for formats that hold none.
 /// Only the judges of `chordal::check` are asked; nothing is made again. Claims are: the seal over the certificate;
 /// the digest of the geometry; the counts of the output, and whether it is closed and manifold; that an input is the
-/// one that the certificate names; the bound of every step; and the sum of these. The verdict is
+/// one that the certificate names; the bound of every step, and the sum of these; how far attributes are off. Normals,
+/// texture coordinates and colours of which it says nothing are compared with those of the input, too. The verdict is
 /// [`ClaimVerdict::Proved`] where every claim holds, [`ClaimVerdict::Refuted`] where one is wrong, else
 /// [`ClaimVerdict::Open`].
 ///
@@ -115,7 +119,9 @@ fn check_file(
             let baked = certificate.get("baked").filter(|baked| !baked.is_null());
             let witness = certificate.pointer("/bound/at").and_then(point);
             let history = &history;
-            ProvedSteps { name: HISTORY, out, frame, baked, witness, history, against, job }.check(claims)?;
+            let certificate = Some(*certificate);
+            ProvedSteps { name: HISTORY, out, frame, certificate, baked, witness, history, against, job }
+                .check(claims)?;
         }
         Err(why) => claims.open("history", why),
     }
@@ -163,8 +169,21 @@ fn check_seal(certificate: &Value, claims: &mut ClaimList) {
     }
 }
 
-/// The frame that the certificate states is one in which the file can be.
+/// The frame that the certificate states is one, and the file can be in it.
 fn check_frame(out: &Input, certificate: &Value, claims: &mut ClaimList) {
+    let stated = certificate.get("frame").unwrap_or(&Value::Null);
+    let is_axis = |up: &Value| up.is_null() || up == "y" || up == "z";
+    let is_length = |unit: &Value| unit.is_null() || unit.as_f64().is_some_and(|unit| unit > 0.0);
+    if !stated.is_object() {
+        claims.refute("frame", "the certificate states no frame, which every certificate does");
+    }
+    if let Some(up) = stated.get("up").filter(|up| !is_axis(up)) {
+        claims.refute("frame/up", format!("{up} is no axis that may be up: \"y\", \"z\" or null"));
+    }
+    if let Some(unit) = stated.get("metres_per_unit").filter(|unit| !is_length(unit)) {
+        claims
+            .refute("frame/metres_per_unit", format!("{unit} is no length of a unit: more than 0, or null"));
+    }
     let Shape::Scene(scene) = &out.shape else { return };
     if !may_be_in(scene, out.format, &stated_frame(certificate)) {
         claims

@@ -1,4 +1,5 @@
 //! The steps of a history, proved again one by one, and their sum.
+use super::attributes::AttributeJudge;
 use super::bound_judge::{BoundJudge, JudgedBound, LookLimit};
 use super::claims::{ClaimFacts, ClaimList, ClaimVerdict};
 use super::composed_reference::ComposedReference;
@@ -24,6 +25,8 @@ pub(super) struct ProvedSteps<'a> {
     pub out: &'a Input,
     /// The frame of its lengths.
     pub frame: Frame,
+    /// Its certificate; `None` where only its history is known.
+    pub certificate: Option<&'a Value>,
     /// What its certificate says of a baked grid.
     pub baked: Option<&'a Value>,
     /// Where its certificate says that the last step lost most.
@@ -163,6 +166,17 @@ impl<'a> ProvedSteps<'a> {
             if let Some(baked) = self.baked.filter(|_| next.is_none()) {
                 super::baked::check_baked(baked, (ends.read, written), ends.rounding, claims, self.job)?;
             }
+            if let Some(certificate) = self.certificate.filter(|_| next.is_none()) {
+                // What was put together stands in the frame that the certificate states.
+                let stating = [Some(written), Some(ends.read).filter(|_| step.composed.is_none())];
+                pass_frame(&frame, stating, claims);
+                let bound = step.bound.as_ref().and_then(|bound| bound.at_most).unwrap_or(0.0);
+                let moved = ends.rounding.into_iter().fold(bound, add_up);
+                let (is_composed, verb, read) = (step.composed.is_some(), &step.verb[..], ends.read);
+                let (frame, job) = (&frame, self.job);
+                AttributeJudge { certificate, read, written, frame, moved, verb, is_composed, job }
+                    .check(claims)?;
+            }
         }
         // What nobody looked at in a step nobody looked at in the sum.
         let path = path_of(self.name);
@@ -199,6 +213,7 @@ impl<'a> ProvedSteps<'a> {
                 name: &own,
                 out: part,
                 frame,
+                certificate: None,
                 baked: None,
                 witness: None,
                 history: origin,
@@ -358,6 +373,17 @@ fn check_least(
         claims.prove(claim);
     }
     Ok(is_shown)
+}
+
+/// What a certificate says of its frame is left unchecked where neither the file nor what it was made of says it.
+fn pass_frame(stated: &Frame, stating: [Option<&Input>; 2], claims: &mut ClaimList) {
+    let frames: Vec<&Frame> = stating.into_iter().flatten().map(|input| input.shape.frame()).collect();
+    if stated.up.is_some() && frames.iter().all(|frame| frame.up.is_none()) {
+        claims.pass("frame/up");
+    }
+    if stated.metres_per_unit.is_some() && frames.iter().all(|frame| frame.metres_per_unit.is_none()) {
+        claims.pass("frame/metres_per_unit");
+    }
 }
 
 /// The path in the certificate of what a claim is about.

@@ -3,14 +3,14 @@ use super::claims::ClaimList;
 use serde_json::Value;
 
 /// The facts of a certificate of which something is proved or counted again, or which is a claim that stays open.
-const CHECKED: [&str; 8] = ["input", "frame", "bound", "output", "valid", "baked", "history", "seal"];
+const CHECKED: [&str; 9] =
+    ["input", "frame", "bound", "output", "valid", "attributes", "baked", "history", "seal"];
 
 /// Facts that say how a result came about, and not what it is: nothing is proved of them.
-const TOLD: [&str; 11] = [
+const TOLD: [&str; 10] = [
     "version",
     "budget",
     "notes",
-    "attributes",
     "mended",
     "valid_before",
     "boolean",

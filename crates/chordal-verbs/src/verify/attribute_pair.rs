@@ -1,0 +1,310 @@
+//! `AttributePair`: the triangles of a file and those that it was made of, so that what their corners carry can be compared.
+use crate::MeshFailure;
+use crate::file_rows::unsupported;
+use crate::flatten;
+use crate::merge::merge;
+use crate::placements::distance_up;
+use crate::report::AttributeFacts;
+use chordal::budget::{JobError, Tolerance};
+use chordal::check::findings::attribute_deviation;
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
+use chordal::math::elementary::atan2;
+use chordal::math::{greater, lesser};
+use chordal::{Job, Mesh};
+use chordal_io::Scene;
+use std::cell::OnceCell;
+
+/// How two scenes are compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PairForm {
+    /// Whether v of what was read is turned over: formats begin at different corners of a picture.
+    pub turns_v: bool,
+    /// Whether all triangles are one mesh on both sides: some formats join parts.
+    pub is_whole: bool,
+    /// Whether parts stay in their own coordinates: as they are measured where a skin poses them.
+    pub is_unplaced: bool,
+}
+
+/// Meshes of both sides, which stand for each other in their order, with attributes in one form: none at faces, colours of
+/// one width.
+pub(super) struct AttributePair {
+    read: Vec<Mesh>,
+    written: Vec<Mesh>,
+    /// Triangles of both that are the same: in their order, and by their places.
+    matched: OnceCell<Option<Vec<[MatchedFace; 2]>>>,
+    found: OnceCell<Option<Vec<[MatchedFace; 2]>>>,
+}
+
+/// A face of one side.
+#[derive(Clone, Copy)]
+struct MatchedFace {
+    mesh: usize,
+    face: usize,
+    /// Its corners in the order in which they are those of the other.
+    corners: [usize; 3],
+}
+
+/// How far the values at corners are apart.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CornerDifferences {
+    /// Corners that have a value on both sides.
+    pub compared: usize,
+    /// Those of them whose values differ.
+    pub different: usize,
+    /// Corners of the file that have a value, and had none.
+    pub missing: usize,
+}
+
+/// The least and the largest value of each component.
+pub(super) struct ValueBox {
+    pub min: Vec<f64>,
+    pub max: Vec<f64>,
+}
+
+impl AttributePair {
+    /// Both scenes in one form; `None` where they have other numbers of meshes.
+    pub fn new([read, written]: [&Scene; 2], form: PairForm) -> Result<Option<Self>, MeshFailure> {
+        let [mut read, mut written] = [meshes_of(read, form)?, meshes_of(written, form)?];
+        if read.len() != written.len() {
+            return Ok(None);
+        }
+        let colors = read.iter().chain(&written).flat_map(Mesh::attributes);
+        let colors = colors.filter(|attribute| matches!(attribute.semantic, Semantic::Color(_)));
+        let color_width = colors.map(|attribute| attribute.width).min().unwrap_or(0);
+        for (side, turns_v) in [(&mut read, form.turns_v), (&mut written, false)] {
+            for mesh in side {
+                *mesh = in_one_form(mesh, color_width, turns_v).map_err(unsupported)?;
+            }
+        }
+        Ok(Some(Self { read, written, matched: OnceCell::new(), found: OnceCell::new() }))
+    }
+
+    /// How far values are from those at the nearest places, over all meshes; `None` where that is refused.
+    pub fn measure(&self, moved: f64, job: &Job) -> Result<Option<Vec<AttributeFacts>>, MeshFailure> {
+        let moved = Tolerance::new(moved).ok();
+        let mut facts = Vec::new();
+        for (read, written) in self.read.iter().zip(&self.written) {
+            match attribute_deviation(read, written, moved, job) {
+                Ok(found) => found.iter().for_each(|found| AttributeFacts::add(&mut facts, found)),
+                Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+                Err(JobError::Refused(_)) => return Ok(None),
+            }
+        }
+        Ok(Some(facts))
+    }
+
+    /// Compares the values of corners where both sides have the same triangles, whose corners moved no farther than that where
+    /// they stand in the same order; `None` where they have others. Values differ that are farther apart than `room`.
+    pub fn by_corners(&self, semantic: &Semantic, (moved, room): (f64, f64)) -> Option<CornerDifferences> {
+        let matched = self.matched.get_or_init(|| in_order(&self.read, &self.written, moved));
+        let matched = matched.as_ref().or_else(|| {
+            let found = self.found.get_or_init(|| by_places(&self.read, &self.written));
+            found.as_ref()
+        })?;
+        let mut found = CornerDifferences::default();
+        for [was, is] in matched {
+            let [read, written] = [&self.read[was.mesh], &self.written[is.mesh]];
+            let Some(has) = written.attribute(semantic) else { continue };
+            let had = read.attribute(semantic);
+            for (at, k) in was.corners.into_iter().zip(is.corners) {
+                let Some(had) = had else {
+                    found.missing += 1;
+                    continue;
+                };
+                let rows = [row_at(read, had, was.face, at), row_at(written, has, is.face, k)];
+                found.compared += 1;
+                found.different += usize::from(!is_within(semantic, rows, room));
+            }
+        }
+        Some(found)
+    }
+
+    /// The values of an attribute on either side; `None` where there is none.
+    pub fn boxes(&self, semantic: &Semantic) -> [Option<ValueBox>; 2] {
+        [&self.read, &self.written].map(|side| {
+            let all = side.iter().filter_map(|mesh| mesh.attribute(semantic));
+            ValueBox::of_rows(all.flat_map(|own| own.values.chunks(own.width.max(1))))
+        })
+    }
+}
+
+impl ValueBox {
+    /// The box of some rows; `None` for no row.
+    pub fn of_rows<'r>(mut rows: impl Iterator<Item = &'r [f64]>) -> Option<Self> {
+        let first = rows.next()?;
+        let mut all = Self { min: first.to_vec(), max: first.to_vec() };
+        for row in rows {
+            for (k, x) in row.iter().enumerate().take(all.min.len()) {
+                all.min[k] = lesser(*x, all.min[k]);
+                all.max[k] = greater(*x, all.max[k]);
+            }
+        }
+        Some(all)
+    }
+
+    /// The length of its diagonal.
+    pub fn diagonal(&self) -> f64 {
+        self.sides().fold(0.0, |sum, side| sum + side * side).sqrt()
+    }
+
+    /// The largest absolute value in it.
+    pub fn largest(&self) -> f64 {
+        self.min.iter().chain(&self.max).fold(0.0, |most, x| greater(x.abs(), most))
+    }
+
+    /// Whether these values may be some of those in another box: they lie in it, and fill a part of it along each axis.
+    pub fn may_be_of(&self, other: &Self, room: f64) -> bool {
+        /// So much of its size values may lie beside it: new vertices may lie beside old ones. Chosen.
+        const BESIDE: f64 = 0.125;
+        /// So much of it they fill at least, even where few triangles are left. Chosen.
+        const FILLED: f64 = 0.25;
+        if self.min.len() != other.min.len() {
+            return false;
+        }
+        let sides = self.sides().zip(other.sides()).enumerate();
+        sides.into_iter().all(|(k, (own, whole))| {
+            let beside = BESIDE * whole + room;
+            own >= FILLED * whole - room
+                && self.min[k] >= other.min[k] - beside
+                && self.max[k] <= other.max[k] + beside
+        })
+    }
+
+    fn sides(&self) -> impl Iterator<Item = f64> {
+        self.min.iter().zip(&self.max).map(|(min, max)| max - min)
+    }
+}
+
+/// Faces one by one, where they stand in the same order.
+fn in_order(read: &[Mesh], written: &[Mesh], moved: f64) -> Option<Vec<[MatchedFace; 2]>> {
+    let mut all = Vec::new();
+    for (mesh, (a, b)) in read.iter().zip(written).enumerate() {
+        if a.faces().len() != b.faces().len() {
+            return None;
+        }
+        for face in 0..a.faces().len() {
+            if a.corners(face).into_iter().zip(b.corners(face)).any(|(p, q)| distance_up(p, q) > moved) {
+                return None;
+            }
+            all.push([MatchedFace { mesh, face, corners: [0, 1, 2] }; 2]);
+        }
+    }
+    Some(all)
+}
+
+/// The same faces by their places in single precision, in whatever order they stand.
+fn by_places(read: &[Mesh], written: &[Mesh]) -> Option<Vec<[MatchedFace; 2]>> {
+    let sides = [read, written].map(placed_faces);
+    let [read, written] = &sides;
+    if read.len() != written.len() || read.iter().zip(written).any(|(a, b)| a.0 != b.0) {
+        return None;
+    }
+    Some(read.iter().zip(written).map(|(a, b)| [a.1, b.1]).collect())
+}
+
+/// A face by its corners in the order of their places.
+type PlacedFace = ([[u32; 3]; 3], MatchedFace);
+
+/// All faces in the order of their places.
+fn placed_faces(meshes: &[Mesh]) -> Vec<PlacedFace> {
+    /// A coordinate of less than this share of the largest is what a product of matrices leaves of zero. Chosen.
+    const NOTHING: f64 = 1e-9;
+    let reach = meshes.iter().flat_map(Mesh::positions).flatten().fold(0.0, |most, x| greater(x.abs(), most));
+    let bits = |x: f64| if x.abs() <= NOTHING * reach { 0 } else { (x as f32).to_bits() };
+    let mut all = Vec::new();
+    for (mesh, own) in meshes.iter().enumerate() {
+        for face in 0..own.faces().len() {
+            let places = own.corners(face).map(|corner| corner.map(bits));
+            let mut corners = [0, 1, 2];
+            corners.sort_by_key(|k| places[*k]);
+            all.push((corners.map(|k| places[k]), MatchedFace { mesh, face, corners }));
+        }
+    }
+    // A stable sort: faces that are twice there stay in their order.
+    all.sort_by_key(|(places, _)| *places);
+    all
+}
+
+/// Meshes as a scene shows them, or its parts.
+fn meshes_of(scene: &Scene, form: PairForm) -> Result<Vec<Mesh>, MeshFailure> {
+    let parts =
+        if form.is_unplaced { scene.parts.clone() } else { flatten::flatten(scene.clone())?.scene.parts };
+    let mut meshes: Vec<Mesh> = parts.into_iter().map(|part| part.mesh).collect();
+    meshes.retain(|mesh| !mesh.faces().is_empty());
+    if form.is_whole && meshes.len() > 1 {
+        let all: Vec<&Mesh> = meshes.iter().collect();
+        return Ok(vec![merge(&all)?.mesh]);
+    }
+    Ok(meshes)
+}
+
+/// The mesh without groups, with values at corners where it had them at faces.
+fn in_one_form(mesh: &Mesh, color_width: usize, turns_v: bool) -> Result<Mesh, InvalidMesh> {
+    let is_kept = |attribute: &&Attribute| !matches!(attribute.semantic, Semantic::Group(_));
+    let kept = mesh.attributes().iter().filter(is_kept).map(|attribute| {
+        let is_color = matches!(attribute.semantic, Semantic::Color(_));
+        let is_texture = matches!(attribute.semantic, Semantic::TexCoord(_));
+        let width = if is_color { color_width } else { attribute.width };
+        let n_rows = attribute.values.len() / attribute.width.max(1);
+        let times = if attribute.domain == Domain::Face { 3 } else { 1 };
+        let mut values = Vec::with_capacity(times * n_rows * width);
+        for row in (0..n_rows).flat_map(|row| std::iter::repeat_n(row, times)) {
+            values.extend_from_slice(&attribute.row(row)[..width]);
+        }
+        if turns_v && is_texture && width > 1 {
+            values.chunks_mut(width).for_each(|row| row[1] = 1.0 - row[1]);
+        }
+        let domain = if times > 1 { Domain::Corner } else { attribute.domain };
+        Attribute { semantic: attribute.semantic.clone(), domain, width, values }
+    });
+    mesh.with_only(kept)
+}
+
+/// The value of an attribute at a corner of a face.
+pub(super) fn row_at<'a>(mesh: &Mesh, attribute: &'a Attribute, face: usize, k: usize) -> &'a [f64] {
+    attribute.row(match attribute.domain {
+        Domain::Vertex => mesh.faces()[face][k] as usize,
+        Domain::Corner => 3 * face + k,
+        Domain::Face => face,
+    })
+}
+
+/// Whether an attribute is a direction, whose differences are angles.
+pub(super) fn is_direction(semantic: &Semantic) -> bool {
+    matches!(semantic, Semantic::Normal | Semantic::Tangent)
+}
+
+/// Whether a value is no farther from the one that is expected than `room`: degrees for directions.
+fn is_within(semantic: &Semantic, [a, b]: [&[f64]; 2], room: f64) -> bool {
+    if a.len() != b.len() {
+        return false;
+    }
+    if is_direction(semantic) && a.len() >= 3 {
+        let is_mirrored = a.len() > 3 && a[3] * b[3] < 0.0;
+        return !is_mirrored && degrees_off([a, b].map(|v| [v[0], v[1], v[2]])) <= room;
+    }
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+    squares.fold(0.0, |sum, x| sum + x).sqrt() <= room
+}
+
+/// The angle of a direction with the one that is expected: 0 where any may be there, 180 where there is none.
+pub(super) fn degrees_off([expected, found]: [[f64; 3]; 2]) -> f64 {
+    /// None is farther.
+    const OPPOSITE: f64 = 180.0;
+    if expected == [0.0; 3] {
+        return 0.0;
+    }
+    if found == [0.0; 3] {
+        return OPPOSITE;
+    }
+    let turned = cross(expected, found);
+    atan2(dot(turned, turned).sqrt(), dot(expected, found)).to_degrees()
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
