@@ -3,7 +3,8 @@ use super::{InvalidShape, finite_point, largest, not_negative, polygon, sum};
 use crate::budget::Evidence;
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{
-    Box3, Interval, Orientation, add_down, add_up, greater, lesser, orient2d, orient3d, sub_down, unit,
+    Box3, DoubleDouble, Interval, Orientation, add_down, add_up, greater, lesser, orient2d, orient3d,
+    sub_down, unit,
 };
 use std::sync::Arc;
 
@@ -182,11 +183,13 @@ impl ConvexHull {
             self.triangles.push([around[0], around[k], around[k + 1]]);
         }
         if front || back {
-            // The side without points is outside.
-            let other = points.iter().enumerate().find(|(at, _)| on & bits(*at) == 0).map(|(_, p)| *p);
+            // The side without points is outside. Corners next to the plane say too little: their side is lost in rounding.
             let plane = HullPlane { normal, through: corners[0] };
-            let up = other.is_some_and(|p| plane.at(p) > 0.0);
-            let normal = if up { normal.map(|x| -x) } else { normal };
+            let farthest = points
+                .iter()
+                .map(|p| plane.at(*p))
+                .fold(0.0, |most: f64, x| if x.abs() > most.abs() { x } else { most });
+            let normal = if farthest > 0.0 { normal.map(|x| -x) } else { normal };
             self.planes.push(HullPlane { normal, ..plane });
         }
     }
@@ -213,10 +216,14 @@ impl ConvexHull {
     }
 }
 
+/// The normal of a triangle times twice its area. Of corners that are nearly in a row plain doubles keep no digit of it, and a
+/// plane in a wrong direction would cut the hull.
 fn cross([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let (u, v): ([f64; 3], [f64; 3]) =
-        (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    let step = |to: [f64; 3], k: usize| DoubleDouble::two_sum(to[k], -a[k]);
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
+        let [along, across] = [step(b, i).times(step(c, j)), step(b, j).times(step(c, i))];
+        along.minus(across).hi
+    })
 }
 
 /// `p` minus its nearest point on a triangle. Source: C. Ericson, *Real-Time Collision Detection*, 5.1.5.
@@ -307,5 +314,30 @@ impl Leaf for ConvexHull {
 
     fn evidence(&self) -> Evidence {
         Evidence::Proved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box with one more corner that is outside of an edge by far less than its coordinates have digits for in products.
+    #[test]
+    fn a_corner_next_to_an_edge_changes_nothing_elsewhere() {
+        let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 3.0 } else { 0.1 });
+        let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
+        let whole = hull(&corners, 0.0).unwrap();
+        for ulps in 1..9_u64 {
+            let out = |x: f64| f64::from_bits(x.to_bits() + ulps);
+            for at in [0.7, 1.1, 2.9] {
+                let more = [corners.clone(), vec![[at, out(3.0), out(3.0)], [out(3.0), at, 3.0]]].concat();
+                let made = hull(&more, 0.0).unwrap();
+                let places = (0..1331).map(|k| [k % 11, k / 11 % 11, k / 121].map(|x| 0.35 * x as f64 - 0.2));
+                for p in places {
+                    let [own, other] = [&whole, &made].map(|field| field.expr().at(p).unwrap());
+                    assert!((own - other).abs() < 1e-13, "{ulps} {at} {p:?}: {own} {other}");
+                }
+            }
+        }
     }
 }
