@@ -28,10 +28,19 @@ pub(crate) fn name_lines(bound: &mut Bound, lines: &[ShapeLine]) {
     for place in &mut open.largest {
         let Some(contact) = &mut place.contact else { continue };
         let passing = passing_lines(lines, contact.at, place.size);
-        let differing = (0..passing.len())
-            .find_map(|k| Some((passing[..k].iter().find(|one| differ(one, &passing[k]))?, &passing[k])));
-        let first_two = || Some((passing.first()?, passing.get(1)?));
-        contact.lines = differing.or_else(first_two).map(|(a, b)| [a.line, b.line]);
+        let differing = first_that_differ(
+            passing
+                .iter()
+                .enumerate()
+                .filter(|(k, one)| {
+                    // What a line ends with stands for what it is made of.
+                    passing.get(k + 1).is_none_or(|next| next.line != one.line)
+                })
+                .map(|(_, one)| one),
+        )
+        .or_else(|| first_that_differ(passing.iter()));
+        let first_two = || Some([passing.first()?, passing.get(1)?]);
+        contact.lines = differing.or_else(first_two).map(|two| two.map(|shape| shape.line));
     }
 }
 
@@ -52,6 +61,18 @@ fn passing_lines(lines: &[ShapeLine], at: [f64; 3], size: f64) -> Vec<PassingLin
     lines.iter().filter_map(passing).collect()
 }
 
+/// The first shape of some that differs from one before it, after that.
+fn first_that_differ<'a>(shapes: impl Iterator<Item = &'a PassingLine>) -> Option<[&'a PassingLine; 2]> {
+    let mut before: Vec<&PassingLine> = Vec::new();
+    for shape in shapes {
+        if let Some(other) = before.iter().find(|other| differ(other, shape)) {
+            return Some([other, shape]);
+        }
+        before.push(shape);
+    }
+    None
+}
+
 fn differ(a: &PassingLine, b: &PassingLine) -> bool {
     a.around.iter().zip(&b.around).any(|(x, y)| (x - y).abs() > SAME * greater(*x, *y))
 }
@@ -65,12 +86,17 @@ mod tests {
     use chordal::implicit::shapes::{cuboid, cylinder};
 
     fn lines_at(at: [f64; 3], shapes: &[&Field]) -> Option<[u64; 2]> {
+        let numbered: Vec<(u64, &Field)> = (1..).zip(shapes.iter().copied()).collect();
+        lines_of(at, &numbered)
+    }
+
+    fn lines_of(at: [f64; 3], shapes: &[(u64, &Field)]) -> Option<[u64; 2]> {
         let contact = Some(SurfaceContact { at, is_flush: false, lines: None });
         let place = OpenPlace { at, size: 20.0, area: 1.0, contact };
         let mut bound = Bound::with_evidence(0.0, None, Evidence::Measured { samples: 1 }, Reference::Field);
         bound.open = Some(Box::new(OpenPlaces::new(vec![place], 1.0)));
-        let line = |(k, field): (usize, &&Field)| ShapeLine { line: k as u64 + 1, field: (*field).clone() };
-        let lines: Vec<ShapeLine> = shapes.iter().enumerate().map(line).collect();
+        let line = |(line, field): &(u64, &Field)| ShapeLine { line: *line, field: (*field).clone() };
+        let lines: Vec<ShapeLine> = shapes.iter().map(line).collect();
         name_lines(&mut bound, &lines);
         bound.open.unwrap().largest[0].contact.unwrap().lines
     }
@@ -86,6 +112,20 @@ mod tests {
         let shapes = [&body, &pocket, &tray, &post, &moved, &whole];
         assert_eq!(lines_at([14.0, 10.0, 1.0], &shapes), Some([2, 5]));
         assert_eq!(lines_at([14.0, 9.0, 1.0], &shapes), None);
+    }
+
+    #[test]
+    fn what_a_line_moves_is_not_told_from_where_it_was_before() {
+        let body = cuboid([40.0, 24.0, 15.0]).unwrap();
+        let pocket = cuboid([36.0, 20.0, 15.0]).unwrap();
+        let post = cylinder(3.0, 13.0).unwrap().moved([14.0, 7.0, 0.0]).unwrap();
+        let moved = pocket.moved([0.0, 0.0, 2.0]).unwrap();
+        let shapes = [(1, &body), (2, &pocket), (2, &moved), (3, &body.difference(&moved)), (4, &post)];
+        // In the corner of floor and wall the pocket differs from itself before it was moved.
+        let at_corner = [14.0, 10.0, -5.5];
+        assert_eq!(lines_of(at_corner, &shapes), Some([2, 4]));
+        // All in one line.
+        assert_eq!(lines_of(at_corner, &[(1, &moved), (1, &post), (1, &moved.union(&post))]), Some([1, 1]));
     }
 
     #[test]
