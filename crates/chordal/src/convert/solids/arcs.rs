@@ -13,7 +13,8 @@ const MOST: u32 = 1 << 14;
 pub(super) struct UnitCircle {
     /// The corners of the first quarter, both ends included.
     pub quarter: Vec<[f64; 2]>,
-    /// What it is off the circle by, rounded up: along every ray from the middle its side is so near to the circle.
+    /// What it is off the circle by, rounded up: along every ray from the middle its side is so near to the circle, and so is
+    /// a copy of it that lies on one side of the circle ([`super::CLAIM_ROOM`]).
     pub off: f64,
 }
 
@@ -120,7 +121,8 @@ impl Spread {
 /// is that of the corners.
 const BISECTIONS: usize = 56;
 
-/// How far the points of a side are from the circle of radius 1 along their rays, rounded up.
+/// How far the points of a side are from the circle of radius 1 along their rays, rounded up; and how far corners have to move
+/// along theirs until the middle is there, by what the side is nearer to the middle than they are.
 fn off_of_side(p: [f64; 2], q: [f64; 2]) -> f64 {
     let reach = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
     let along = reach([q[0] - p[0], q[1] - p[1]]);
@@ -129,7 +131,7 @@ fn off_of_side(p: [f64; 2], q: [f64; 2]) -> f64 {
     // Derived: sums and products of numbers below 2 are off by a few units, over the length of a side, which is above
     // 2⁻¹⁵; and the height of a side's line changes by its square alone where a corner moves along it.
     let rounding = 64.0 * f64::EPSILON;
-    add_up(greater(farthest - 1.0, 1.0 - nearest), rounding)
+    add_up(greater(farthest - 1.0, 1.0 - nearest) * farthest / nearest, rounding)
 }
 
 /// The least number of sides of a quarter of a circle whose sagitta is within a length, if all corners are on it. None where

@@ -31,8 +31,11 @@ pub struct SolidMesher {
     pub room: Box3,
 }
 
-/// The share of a length that counts are chosen for. Chosen: the rest is for rounding.
-const SHARE: f64 = 1.0 - 1.0 / (1 << 20) as f64;
+/// What a claim is above the distance that is known, as a share of it, so that those who prove it again have room: they look
+/// at displaced copies of the mesh, and a claim without room would take them endless cuts. Chosen: few more triangles.
+const CLAIM_ROOM: f64 = 1.0 / 16.0;
+/// The share of a length that counts are chosen for: without that room. Chosen: what is left is for rounding.
+const SHARE: f64 = (1.0 - 1.0 / (1 << 20) as f64) / (1.0 + CLAIM_ROOM);
 
 /// Rounding of the coordinates of one solid relative to its largest one: derived, a sine or cosine (2 u), its angle
 /// (3 u, of at most π/2), a product and two sums are below 12 u; twice that.
@@ -92,7 +95,7 @@ impl SolidMesher {
 struct FormMesh {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    /// The distance of the exact vertices' triangles from the surface, rounded up.
+    /// The distance of the exact vertices' triangles from the surface, and of copies on one side of it, rounded up.
     off: f64,
 }
 
@@ -100,7 +103,7 @@ impl FormMesh {
     /// The mesh with its bound. None where a coordinate is not finite.
     fn bounded(self) -> Option<Bounded<Mesh>> {
         let reach = self.positions.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        let most = add_up(self.off, mul_up(ROUNDING, reach));
+        let most = add_up(mul_up(self.off, 1.0 + CLAIM_ROOM), mul_up(ROUNDING, reach));
         let mesh = Mesh::new(self.positions, self.faces).ok()?;
         Some(Bounded { shape: mesh, bound: Bound::proved(0.0, most, Reference::Field) })
     }

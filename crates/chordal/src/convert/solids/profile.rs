@@ -44,7 +44,8 @@ impl ProfileLoops {
                 let off = mul_up(circle.off, *radius);
                 let along = [b[0] - a[0], b[1] - a[1], 0.0];
                 let Some([c, s, _]) = unit(along) else {
-                    let loops = vec![circle.turn().iter().map(|p| [0, 1].map(|k| a[k] + radius * p[k])).collect()];
+                    let loops =
+                        vec![circle.turn().iter().map(|p| [0, 1].map(|k| a[k] + radius * p[k])).collect()];
                     return Some(Self { loops, off });
                 };
                 // Half a turn around each end, from right to left of the direction.

@@ -1,8 +1,8 @@
 //! Boxes with rounded edges and corners, which balls and capsules are as well.
-use super::{FormMesh, ROUNDING};
 use super::arcs::{quarter, quarter_sides};
+use super::{FormMesh, ROUNDING};
 use crate::implicit::Affine3;
-use crate::math::{cross, difference, dot, length as norm, mul_up, sub_up, unit};
+use crate::math::{cross, difference, div_up, dot, length as norm, mul_up, sub_down, sub_up, unit};
 use std::collections::BTreeMap;
 
 /// Sides of a quarter beyond those of a circle that are tried. Measured: the middle of an octant takes half as many again.
@@ -16,7 +16,9 @@ pub(super) fn rounded_cuboid(half: [f64; 3], radius: f64, length: f64) -> Option
     let is_ball = half == [0.0; 3];
     let off_of = |n: u32| {
         let sagitta = octant_sagitta(n);
-        if is_ball { sagitta / (2.0 - sagitta) } else { sagitta }
+        let off = if is_ball { sagitta / (2.0 - sagitta) } else { sagitta };
+        // What corners have to move by until the middles of triangles are on the sphere ([`super::CLAIM_ROOM`]).
+        mul_up(off, div_up(1.0, sub_down(1.0, sagitta)))
     };
     // Triangles of an octant are up to √2 times as long as sides of a circle, and off by twice as much; half of that where
     // corners lie outside.
@@ -30,7 +32,8 @@ pub(super) fn rounded_cuboid(half: [f64; 3], radius: f64, length: f64) -> Option
             return None;
         }
     }
-    let far = if is_ball { radius * (1.0 + off) } else { radius };
+    let sagitta = octant_sagitta(n);
+    let far = if is_ball { radius * (1.0 + sagitta / (2.0 - sagitta)) } else { radius };
     let mut builder = RoundedBuilder {
         half,
         radius: far,
