@@ -1,10 +1,10 @@
 //! `mesh_by_solids`: a field that is a combination of solids, by their triangles.
 use crate::MeshFailure;
 use crate::construction_by_booleans::{AssembledMesh, mesh_by_construction};
+use crate::field::MadeMesh;
 use crate::request::MeshRequest;
 use crate::simplified_isosurface::simplified;
 use crate::simplify::simplify_mesh;
-use chordal::budget::advice::Message;
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RequiredEvidence, Tolerance};
 use chordal::check;
 use chordal::explicit::Topology;
@@ -24,7 +24,7 @@ pub(crate) fn mesh_by_solids(
     field: &Field,
     request: &MeshRequest,
     job: &Job,
-) -> Result<Option<(Bounded<Mesh>, Option<Message>)>, MeshFailure> {
+) -> Result<Option<MadeMesh>, MeshFailure> {
     let Some(construction) = field.construction().filter(|own| !own.has_other()) else { return Ok(None) };
     let budget = &request.budget;
     let is_by_length = budget.pixels.is_none() && budget.triangles.is_none();
@@ -85,7 +85,7 @@ fn with_fewer_triangles(
     (budget, length): (&Budget, Tolerance),
     request: &MeshRequest,
     job: &Job,
-) -> Result<(Bounded<Mesh>, Option<Message>), MeshFailure> {
+) -> Result<MadeMesh, MeshFailure> {
     if made.bound.at_most().is_none() {
         return Ok((made, None));
     }

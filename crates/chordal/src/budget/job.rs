@@ -30,6 +30,23 @@ pub enum ProofEffort {
 struct WorkLimit {
     done: AtomicU64,
     most: u64,
+    /// Of what it is a part of.
+    whole: Option<Arc<WorkLimit>>,
+}
+
+impl WorkLimit {
+    fn left(&self) -> u64 {
+        self.most.saturating_sub(self.done.load(Ordering::Relaxed))
+    }
+
+    fn is_used_up(&self) -> bool {
+        self.done.load(Ordering::Relaxed) > self.most
+    }
+}
+
+/// A limit, and those that it is a part of.
+fn with_wholes(work: Option<&Arc<WorkLimit>>) -> impl Iterator<Item = &WorkLimit> {
+    std::iter::successors(work.map(Arc::as_ref), |own| own.whole.as_deref())
 }
 
 type ProgressSink = Arc<dyn Fn(Progress) + Send + Sync>;
@@ -121,8 +138,8 @@ impl Job {
     }
 
     /// The same job for a part of its work that ends after about so many evaluations of one point, as proofs and the judges of
-    /// [`check`](crate::check) count them: then they say what is known by then, which holds. What the job counts is its
-    /// own; it is cancelled with the one that it is of.
+    /// [`check`](crate::check) count them: then they say what is known by then, which holds. What it counts is counted
+    /// for the job that it is of, too, with whose evaluations it ends, and it is cancelled with it.
     ///
     /// ```
     /// use chordal::Job;
@@ -131,28 +148,26 @@ impl Job {
     /// ```
     #[must_use]
     pub fn with_work_limit(&self, most: u64) -> Self {
-        Self { work: Some(Arc::new(WorkLimit { done: AtomicU64::new(0), most })), ..self.clone() }
+        let work = WorkLimit { done: AtomicU64::new(0), most, whole: self.work.clone() };
+        Self { work: Some(Arc::new(work)), ..self.clone() }
     }
 
     /// Counts evaluations. To be called where no other thread evaluates for the same part: what follows depends on it.
     pub(crate) fn count_work(&self, n: u64) {
-        if let Some(work) = &self.work {
+        with_wholes(self.work.as_ref()).for_each(|work| {
             work.done.fetch_add(n, Ordering::Relaxed);
-        }
+        });
     }
 
     /// How many evaluations are left, of those that [`Job::with_work_limit`] allows.
     #[must_use]
     pub fn work_left(&self) -> u64 {
-        self.work
-            .as_ref()
-            .map_or(u64::MAX, |work| work.most.saturating_sub(work.done.load(Ordering::Relaxed)))
+        with_wholes(self.work.as_ref()).map(WorkLimit::left).min().unwrap_or(u64::MAX)
     }
 
     /// Whether what is going on should end with what it has: it has used up its evaluations, or the job is to finish.
     pub(crate) fn is_over(&self) -> bool {
-        let is_used_up = |work: &Arc<WorkLimit>| work.done.load(Ordering::Relaxed) > work.most;
-        self.is_finishing() || self.work.as_ref().is_some_and(is_used_up)
+        self.is_finishing() || with_wholes(self.work.as_ref()).any(WorkLimit::is_used_up)
     }
 
     /// Passes `progress` to the sink, if there is one.
