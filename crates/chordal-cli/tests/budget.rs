@@ -130,7 +130,8 @@ fn a_sheet_with_a_back_says_why_it_stays_and_what_helps() {
     }
     let (input, output) = (folder.file("cloth.obj", text), folder.text("fewer.ply"));
     let why = "400 of 400 triangles are left: where edges have three triangles or more (280x)";
-    let help = "200 of them lie on another one, as the backs of a sheet do: --drop-duplicates of mend leaves one";
+    let help =
+        "200 of them lie on another one, as the backs of a sheet do: --drop-duplicates of mend leaves one";
     // On the terminal, and not only in the report.
     let told = run(&["mesh", &input, "--tol", "1%", "-o", &output]);
     assert_eq!(told.code, 0, "{told:?}");

@@ -292,9 +292,11 @@ fn the_bound_of_a_mesh_counts_that_lines_stand_for_curves() {
         // How far the middles of edges along the wall are from the circle, which nothing of the program says.
         let from_axis = |p: [f64; 3]| (p[0] - 1.0).hypot(p[1] - 2.0);
         let mut off: f64 = 0.0;
-        for corners in triangles_of_obj(&out).into_iter().filter(|c| c.iter().any(|p| p[2] != c[0][2])) {
+        for corners in
+            triangles_of_obj(&out).into_iter().filter(|c| c.iter().any(|p| (p[2] - c[0][2]).abs() > 1.0))
+        {
             for (a, b) in [0, 1, 2].map(|k| (corners[k], corners[(k + 1) % 3])) {
-                if a[2] == b[2] {
+                if (a[2] - b[2]).abs() < 1e-9 {
                     let middle = from_axis([0, 1, 2].map(|k| (a[k] + b[k]) / 2.0));
                     off = off.max((5.0 * scale - middle).abs());
                 }

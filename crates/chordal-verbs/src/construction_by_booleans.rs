@@ -311,7 +311,9 @@ fn repeated_parts(whole: &Construction) -> BTreeSet<usize> {
                 }
             }
             ConstructionNode::Complement(below) => todo.push(below),
-            ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => todo.extend(parts.iter()),
+            ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => {
+                todo.extend(parts.iter())
+            }
             _ => {}
         }
     }

@@ -263,7 +263,7 @@ fn texture_coordinates_of_a_cage_are_in_its_range() {
     let limits = Limits { surface: Some(PolygonSurface::CatmullClark), ..Limits::default() };
     let hint = FormatHint { name: Some("a.obj"), ..FormatHint::default() };
     let source = load(text.as_bytes(), hint, &limits).expect("readable");
-    let out = meshed(&source, &spec("0.1"), Format::Glb);
+    let out = meshed(&source, &spec("0.05"), Format::Glb);
     let found = assert_honest(&out, &source, "a cage");
     assert!(found.unchecked.contains(&"attributes/texcoord 0".to_owned()), "{found:?}");
     assert_seen(&with_values(&out, &TEXCOORD, &constant), &source, "constant");
@@ -275,7 +275,7 @@ fn texture_coordinates_of_a_cage_are_in_its_range() {
 fn attributes_of_levels_are_roughly_those_of_the_input() {
     let source = dome(false, true);
     let mut bytes = Vec::new();
-    let made = lod(source.clone(), &levels_within("0.01"), &Job::default()).expect("levels");
+    let made = lod(source.clone(), &levels_within("0.0005"), &Job::default()).expect("levels");
     made.write(Format::Glb, &mut bytes).unwrap();
     let out = loaded(&bytes, "b.glb");
     let coarser: Vec<Input> =

@@ -251,7 +251,7 @@ pub(super) fn all() -> Vec<(Format, Vec<u8>)> {
         ),
     );
     seeds.extend(volumes());
-    seeds.push((Format::B3dm, old_tile()));
+    seeds.push((Format::Cmpt, old_tile()));
     seeds.push((Format::Usdc, usd_build::grid(1)));
     seeds
 }
