@@ -288,6 +288,7 @@ pictures: need-rust ## take the pictures of the docs again
 			-o docs/pictures/two-shores-$$3.png --force -q; \
 	done
 	$(CHORDAL) render examples/cube.obj --show wire --tol 1% --size 480x360 -o docs/pictures/cube.png --force -q
+	python3 tests/parts/gallery.py --command $(CHORDAL)
 
 install: need-rust ## put chordal where cargo puts programs
 	$(CARGO) install --path crates/chordal-cli --locked
