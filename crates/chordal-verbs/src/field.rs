@@ -9,7 +9,7 @@ use crate::field_slack::SlackRequest;
 use crate::file_rows::unsupported;
 use crate::report::OpenPlacesFacts;
 use crate::request::MeshRequest;
-use crate::simplified_isosurface::simplified;
+use crate::simplified_isosurface::{MadeMesh, simplified, simplified_without_crossings};
 use crate::{ImplicitShape, MeshFailure, ShapeLine};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::proof::ProofEffort;
@@ -102,9 +102,6 @@ fn mesh_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<MadeMesh
     Ok(None)
 }
 
-/// A mesh, and what is to be said of it.
-pub(crate) type MadeMesh = (Bounded<Mesh>, Option<Message>);
-
 /// What is said of a mesh that is measured although a proof was tried; `None` of others.
 fn unproved_note(bound: &Bound) -> Option<Message> {
     if bound.evidence().bounds_above() {
@@ -143,11 +140,12 @@ fn mesh_of_field(
 ) -> Result<Bounded<Mesh>, MeshFailure> {
     let is_proved = |made: &MadeMesh| made.0.bound.at_most().is_some();
     let is_enough = |made: &MadeMesh| is_proved(made) || request.budget.require == RequiredEvidence::Measured;
-    let (mut made, words) = match mesh_by_solids(field, request, job)? {
+    let [first, second] = both_jobs(request, job);
+    let (mut made, words) = match mesh_by_solids(field, request, &first)? {
         Some(made) if is_enough(&made) || job.is_finishing() => made,
         None => mesh_whole(field, request, job)?,
         // The proof of a field ends at places where that of its solids does not.
-        Some(made) => match mesh_whole(field, request, &second_job(request, job)) {
+        Some(made) => match mesh_whole(field, request, &second) {
             Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
             Ok(whole) if is_proved(&whole) => whole,
             _ => made,
@@ -167,11 +165,18 @@ fn mesh_of_field(
 /// proves took up to half a minute.
 const SECOND_WORK: u64 = 1 << 24;
 
-/// The conditions of the way of a field after that of its solids.
-fn second_job(request: &MeshRequest, job: &Job) -> Job {
+/// The share of a memory that proofs beside a mesh of solids may take. Measured: 280 MB were held under a limit of 256 where
+/// they took all of it; the rest is for the cuts, and for the mesh that waits for the other one.
+const SHARE_OF_MEMORY: f64 = 0.75;
+
+/// The conditions of both ways of a combination of solids: by its solids first, and then by the field.
+fn both_jobs(request: &MeshRequest, job: &Job) -> [Job; 2] {
+    let mut own = job.clone();
+    own.memory_limit = (SHARE_OF_MEMORY * own.memory_limit as f64) as u64;
     let is_unlimited =
         request.budget.require == RequiredEvidence::Proved || job.proof_effort == ProofEffort::Full;
-    if is_unlimited { job.clone() } else { job.with_work_limit(SECOND_WORK) }
+    let second = if is_unlimited { own.clone() } else { own.with_work_limit(SECOND_WORK) };
+    [own, second]
 }
 
 /// The surface of a field by itself, and what is to be said of it.
@@ -216,7 +221,7 @@ fn mesh_in_detail(
     field: &Field,
     (budget, request): (&Budget, &MeshRequest),
     job: &Job,
-) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+) -> Result<MadeMesh, Failure<Mesh>> {
     let direct = || convert::field_to_mesh(field, budget, job);
     let coarsest = Tolerance::new(COARSEST * field.bounds().diagonal());
     let (Some(length), Ok(coarsest)) = (budget.length.map(Tolerance::get), coarsest) else {
@@ -244,10 +249,7 @@ fn mesh_in_detail(
     if fine.bound.at_most().is_none() {
         return Ok((fine, None));
     }
-    let (made, words) = simplified(fine.clone(), (budget, length, request.effort), job)?;
-    // Collapses look at distances, and triangles of a field do not cross.
-    let is_clean = check::self_intersections(&made.shape, job)?.count == 0;
-    Ok(if is_clean { (made, words) } else { (fine, None) })
+    simplified_without_crossings(fine, (budget, length, request.effort), job)
 }
 
 /// The share of a length within which signs on a lattice are polygonized; what that leaves is for collapses. Chosen: half
@@ -260,7 +262,7 @@ fn simplified_field(
     field: &Field,
     (budget, request): (&Budget, &MeshRequest),
     job: &Job,
-) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+) -> Result<MadeMesh, Failure<Mesh>> {
     let length = budget.length_in(&field.bounds()).unwrap_or(0.0);
     let fine = match Tolerance::new(SHARE * length) {
         Ok(share) => Budget { length: Some(share), pixels: None, triangles: None, ..*budget },

@@ -1,12 +1,10 @@
 //! `mesh_by_solids`: a field that is a combination of solids, by their triangles.
 use crate::MeshFailure;
 use crate::construction_by_booleans::{AssembledMesh, mesh_by_construction};
-use crate::field::MadeMesh;
 use crate::request::MeshRequest;
-use crate::simplified_isosurface::simplified;
+use crate::simplified_isosurface::{MadeMesh, simplified_without_crossings};
 use crate::simplify::simplify_mesh;
-use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RequiredEvidence, Tolerance};
-use chordal::check;
+use chordal::budget::{Bound, Budget, Failure, Reference, RequiredEvidence, Tolerance};
 use chordal::explicit::Topology;
 use chordal::implicit::Field;
 use chordal::{Bounded, Job, Mesh, convert};
@@ -89,15 +87,9 @@ fn with_fewer_triangles(
     if made.bound.at_most().is_none() {
         return Ok((made, None));
     }
-    let fewer = match simplified(made.clone(), (budget, length.get(), request.effort), job) {
-        Ok(fewer) => fewer,
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-        Err(Failure::Unmet(_) | Failure::Refused(_)) => return Ok((made, None)),
-    };
-    // Collapses look at distances, and triangles of a shape do not cross.
-    match check::self_intersections(&fewer.0.shape, job) {
-        Ok(crossing) if crossing.count == 0 => Ok(fewer),
-        Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
-        Ok(_) | Err(JobError::Refused(_)) => Ok((made, None)),
+    match simplified_without_crossings(made.clone(), (budget, length.get(), request.effort), job) {
+        Ok(fewer) => Ok(fewer),
+        Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
+        Err(Failure::Unmet(_) | Failure::Refused(_)) => Ok((made, None)),
     }
 }

@@ -4,6 +4,7 @@ use crate::MeshFailure;
 use crate::simplify::simplify_mesh;
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance};
+use chordal::check;
 use chordal::convert::{self, Polygonize};
 use chordal::explicit::Topology;
 use chordal::implicit::Grid;
@@ -20,6 +21,9 @@ const SHARES: [f64; 3] = [0.75, 0.375, 0.1875];
 /// The most triangles of cells after which a smaller share is tried. Chosen: that has up to sixteen times as many, of 15 µs
 /// each.
 const FEW: usize = 20_000;
+
+/// A mesh, and what is to be said of it.
+pub(crate) type MadeMesh = (Bounded<Mesh>, Option<Message>);
 
 /// What simplification takes for each triangle that it begins with. Measured: 700 to 1,050 bytes.
 pub(crate) const BYTES_OF_TRIANGLE: u64 = 1050;
@@ -41,7 +45,7 @@ pub(crate) fn simplified_isosurface(
     rule: &Polygonize,
     (budget, bounds, effort): (&Budget, &Box3, Effort),
     job: &Job,
-) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+) -> Result<MadeMesh, Failure<Mesh>> {
     let length = budget.length_in(bounds).unwrap_or(0.0);
     let within = |length: Tolerance| Budget { length: Some(length), pixels: None, ..*budget };
     let excess = |made: &Bounded<Mesh>| {
@@ -93,7 +97,7 @@ pub(crate) fn simplified(
     fine: Bounded<Mesh>,
     (budget, length, effort): (&Budget, f64, Effort),
     job: &Job,
-) -> Result<(Bounded<Mesh>, Option<Message>), Failure<Mesh>> {
+) -> Result<MadeMesh, Failure<Mesh>> {
     let within = |length: Tolerance| Budget { length: Some(length), pixels: None, ..*budget };
     // Of no limit an unlimited one is left, and not the largest number.
     let rest = if length == f64::INFINITY {
@@ -130,6 +134,28 @@ pub(crate) fn simplified(
             Ok((fine, Some(words)))
         }
     }
+}
+
+/// The same of triangles that do not cross each other, and must not afterwards; collapses look at distances alone. Where some
+/// cross, half of the length counts, and so on, so that what is met within a length is met within twice as much with no more
+/// triangles; at last they stay as they are.
+///
+/// # Errors
+/// When the job is cancelled, or has no memory to look for crossings.
+pub(crate) fn simplified_without_crossings(
+    fine: Bounded<Mesh>,
+    (budget, length, effort): (&Budget, f64, Effort),
+    job: &Job,
+) -> Result<MadeMesh, Failure<Mesh>> {
+    let mut length = length;
+    while fine.bound.at_most().is_some_and(|most| most < length) {
+        let made = simplified(fine.clone(), (budget, length, effort), job)?;
+        if check::self_intersections(&made.0.shape, job)?.count == 0 {
+            return Ok(made);
+        }
+        length *= 0.5;
+    }
+    Ok((fine, None))
 }
 
 /// The meshes of labels within a budget, with the bounds of both steps added, and the same triangles on both sides of a
