@@ -229,9 +229,10 @@ describe("a file", () => {
   });
 
   test("becomes an archive of tiles, also where one of them is large", async () => {
-    const { page, errors } = await open();
+    const balls = "repeat(sphere(1), x=3, y=3, nx=3, ny=3)";
+    const { page, errors } = await open(await small(balls));
     const files = unzipSync(await saved(page, "tiles"));
-    const made = await run(module, ["lod", "bracket.star", "--px", "1", "-o", "tiles/"], { "bracket.star": text("sphere(1)") });
+    const made = await run(module, ["lod", "bracket.star", "--px", "1", "-o", "tiles/"], { "bracket.star": text(balls) });
     expect(Object.keys(files).sort()).toEqual(Object.keys(made.made).sort());
     for (const [name, bytes] of Object.entries(made.made)) expect(Buffer.compare(files[name]!, bytes), name).toBe(0);
     // The library has workers of its own for what is larger than this, which the page's policy refuses.
