@@ -140,12 +140,12 @@ fn mesh_of_field(
 ) -> Result<Bounded<Mesh>, MeshFailure> {
     let is_proved = |made: &MadeMesh| made.0.bound.at_most().is_some();
     let is_enough = |made: &MadeMesh| is_proved(made) || request.budget.require == RequiredEvidence::Measured;
-    let [first, second] = both_jobs(request, job);
-    let (mut made, words) = match mesh_by_solids(field, request, &first)? {
+    let ways = BothWays::new(request, job);
+    let (mut made, words) = match mesh_by_solids(field, request, &ways.first())? {
         Some(made) if is_enough(&made) || job.is_finishing() => made,
         None => mesh_whole(field, request, job)?,
         // The proof of a field ends at places where that of its solids does not.
-        Some(made) => match mesh_whole(field, request, &second) {
+        Some(made) => match mesh_whole(field, request, &ways.second(&made.0.shape)) {
             Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
             Ok(whole) if is_proved(&whole) => whole,
             _ => made,
@@ -160,23 +160,45 @@ fn mesh_of_field(
     Ok(made)
 }
 
-/// The most evaluations of the way of a field after its solids were meshed and not proved, where a proof is a wish and no
-/// condition. Measured: of the tests' 179 parts it proves 15 in no more, which takes up to two seconds; those that it never
-/// proves took up to half a minute.
+/// The evaluations of the way of a field after its solids were meshed and not proved, where a proof is a wish and no condition;
+/// and at least so many for each triangle of the solids. Measured: of the tests' 179 parts it proves 15 in no more, which
+/// takes up to two seconds; those that it never proves took up to half a minute.
 const SECOND_WORK: u64 = 1 << 24;
+const SECOND_WORK_OF_TRIANGLE: u64 = 1 << 12;
+/// The most evaluations of the proof of solids before that. Chosen: its own limit is by triangles, of which cuts of many solids
+/// leave too many.
+const FIRST_WORK: u64 = 1 << 24;
+/// The share of a memory that these proofs may take. Measured: under a limit of 256 MB 275 were held where they took all of it,
+/// and cuts of a thousand solids had left 100 of them behind.
+const SHARE_OF_MEMORY: f64 = 0.5;
 
-/// The share of a memory that proofs beside a mesh of solids may take. Measured: 280 MB were held under a limit of 256 where
-/// they took all of it; the rest is for the cuts, and for the mesh that waits for the other one.
-const SHARE_OF_MEMORY: f64 = 0.75;
+/// The conditions of a combination of solids by its triangles, and then, where some were made, by its field.
+struct BothWays {
+    job: Job,
+    is_unlimited: bool,
+}
 
-/// The conditions of both ways of a combination of solids: by its solids first, and then by the field.
-fn both_jobs(request: &MeshRequest, job: &Job) -> [Job; 2] {
-    let mut own = job.clone();
-    own.memory_limit = (SHARE_OF_MEMORY * own.memory_limit as f64) as u64;
-    let is_unlimited =
-        request.budget.require == RequiredEvidence::Proved || job.proof_effort == ProofEffort::Full;
-    let second = if is_unlimited { own.clone() } else { own.with_work_limit(SECOND_WORK) };
-    [own, second]
+impl BothWays {
+    fn new(request: &MeshRequest, job: &Job) -> Self {
+        let mut job = job.clone();
+        job.memory_limit = (SHARE_OF_MEMORY * job.memory_limit as f64) as u64;
+        let is_unlimited =
+            request.budget.require == RequiredEvidence::Proved || job.proof_effort == ProofEffort::Full;
+        Self { job, is_unlimited }
+    }
+
+    fn within(&self, work: u64) -> Job {
+        if self.is_unlimited { self.job.clone() } else { self.job.with_work_limit(work) }
+    }
+
+    fn first(&self) -> Job {
+        self.within(FIRST_WORK)
+    }
+
+    fn second(&self, made: &Mesh) -> Job {
+        let by_triangles = SECOND_WORK_OF_TRIANGLE.saturating_mul(made.faces().len() as u64);
+        self.within(by_triangles.max(SECOND_WORK))
+    }
 }
 
 /// The surface of a field by itself, and what is to be said of it.

@@ -78,16 +78,17 @@ fn of_distances() {
 
 #[test]
 fn of_scripts() {
-    for (text, longest) in [
+    let all = [
         // By a field alone; its ribs wind around it, so that long collapses make triangles cross.
         (
             "twist(extrude(polygon([[3, 0], [1, 1], [0, 3], [-1, 1], [-3, 0], [-1, -1], [0, -3], [1, -1]]), 6), 60)",
             1.0,
         ),
-        ("union(sphere(2), move(sphere(1.5), 2, 0, 0), fillet=0.5)", 0.5),
         // By solids.
         ("box(6, 4, 2) - cylinder(1, 3) - move(cylinder(0.5, 3), 2, 1, 0) | move(sphere(1), -2, 0, 1)", 0.3),
-    ] {
+        ("union(sphere(2), move(sphere(1.5), 2, 0, 0), fillet=0.5)", 0.5),
+    ];
+    for (text, longest) in some(all, 1) {
         is_monotone(text, &read(text.as_bytes(), "a.star"), (longest, 20));
     }
 }
