@@ -36,6 +36,8 @@ struct ArgOrigins {
 }
 
 /// What a call of the language gives back.
+// It is handed over at once, and Python holds it elsewhere.
+#[allow(clippy::large_enum_variant)]
 #[derive(IntoPyObject)]
 pub(crate) enum LanguageValue {
     Number(f64),

@@ -5,7 +5,7 @@ use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
 use super::surface_ball::project_to_surface;
 use super::{FieldDeviation, FieldDeviationSearch, leaf_failure};
-use crate::budget::{Bound, JobError, Reference};
+use crate::budget::{Bound, JobError, Reference, Tolerance};
 use crate::check::deviation::OneSidedDistance;
 use crate::explicit::Bvh;
 use crate::implicit::Csg;
@@ -14,8 +14,8 @@ use crate::math::{greater, sub_down};
 /// First margins of a sandwich, as shares of what samples require: with a limit, where a looser proof is
 /// quicker; and without, each smaller than the previous one, until the goal is reached. Measured on a ball
 /// and a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a
-/// quarter.
-const WITH_LIMIT: f64 = 1.0;
+/// quarter; the second one with a limit is that of those who made the mesh.
+const WITH_LIMIT: [f64; 2] = [1.0, 0.5];
 const WITHOUT: [f64; 3] = [0.25, 1.0 / 16.0, 1.0 / 64.0];
 /// Faces at which lower bounds are searched: the worst ones; only a few with a limit that holds, as nothing
 /// depends on it.
@@ -42,11 +42,11 @@ pub(super) fn sandwich_deviation(
         let verdict = judge.prove(search.mesh, &SandwichGoal::new(limit, margin))?;
         Ok(verdict.is_proved().then_some(verdict))
     };
-    if let Some(max) = search.goal.max
-        && let Some(verdict) = look(Some(max.get()), WITH_LIMIT)?
-    {
-        let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
-        return Ok(conclusion(search, &csg, &verdict, &ends, bvh));
+    for margin in WITH_LIMIT.iter().filter(|_| search.goal.max.is_some()) {
+        if let Some(verdict) = look(search.goal.max.map(Tolerance::get), *margin)? {
+            let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
+            return Ok(conclusion(search, &csg, &verdict, &ends, bvh));
+        }
     }
     let mut best: Option<(SandwichVerdict, LowerBounds)> = None;
     for margin in WITHOUT {
