@@ -153,7 +153,7 @@ def test_a_length_is_within_the_bound_or_not() -> None:
     bound = sphere(1).mesh(tol=0.01).bound
     assert bound.at_most is not None
     assert bound.is_within(0.01) and bound.is_within(bound.at_most) and not bound.is_within(bound.at_most * 0.999)
-    measured = (sphere(1) | move(sphere(1), 1)).mesh(tol=0.01, require="measured").bound
+    measured = (sphere(1) | move(sphere(1), 1, 0, 0)).mesh(tol=0.01, require="measured").bound
     assert measured.at_most is None and not measured.is_within(1e9)
 
 

@@ -157,7 +157,7 @@ def test_the_bound_is_stretched_by_all_that_is_above() -> None:
     assert moved.bound.at_most is not None
     off = sphere(2).move(5, 0, 1)(moved.vertices)
     assert np.abs(off).max() <= moved.bound.at_most
-    measured = (sphere(1) | move(sphere(1), 1)).mesh(tol=0.05, require="measured")
+    measured = (sphere(1) | move(sphere(1), 1, 0, 0)).mesh(tol=0.05, require="measured")
     assert chordal.scene(measured, ball).bound.at_most is None and chordal.scene(measured, ball).bound.evidence == "measured"
 
 

@@ -10,7 +10,7 @@ const NEAR: f64 = 2e-3;
 /// Two shapes that pass a contact have one surface there where their values, but for the sign, are the same at points around
 /// it, as far as this fraction of the open place. Chosen: parts that touch bend away from each other, and what cuts or joins
 /// them is mostly farther.
-const AROUND: f64 = 1.0 / 32.0;
+const AROUND: f64 = 1.0 / 256.0;
 /// They are the same where they differ by less than this, relative to the larger one. Chosen: far above rounding.
 const SAME: f64 = 1e-9;
 
