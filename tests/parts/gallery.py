@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import subprocess
 import tempfile
 from pathlib import Path
@@ -60,6 +61,12 @@ def command(words: list[str]) -> str:
     return subprocess.run(words, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
+def rounded_up(length: float) -> str:
+    """Three digits that are no less than a bound."""
+    digits = 2 - math.floor(math.log10(length))
+    return f"{math.ceil(length * 10**digits) / 10**digits:.{max(digits, 0)}f}"
+
+
 def entry(program: str, name: str, words: str) -> str:
     """The picture of a part's mesh, and what is known of it."""
     picture = DOCS / "pictures" / "parts" / f"{name}.png"
@@ -73,10 +80,10 @@ def entry(program: str, name: str, words: str) -> str:
     if bound["at_most"] is None:
         known = f"measured, {bound['at_least']:.3g} at least"
     else:
-        known = f"{bound['at_most']:.3g} ({bound['evidence']})"
-    asked = certificate["budget"]["length"]
+        known = f"{rounded_up(bound['at_most'])} ({bound['evidence']})"
+    asked = rounded_up(certificate["budget"]["length"])
     return (
-        f"![{name}](pictures/parts/{name}.png) `{name}.star`: {words}. {triangles:,} triangles; bound {known}, {asked:.3g} allowed"
+        f"![{name}](pictures/parts/{name}.png) `{name}.star`: {words}. {triangles:,} triangles; bound {known}, {asked} allowed"
     )
 
 

@@ -66,7 +66,8 @@ def test_the_bound_of_all_is_the_largest() -> None:
     fine, coarse = (chordal.shapes.sphere(1).mesh(tol=tol) for tol in (0.01, 0.1))
     both = fine + coarse
     assert both.bound.at_most == coarse.bound.at_most and both.bound.evidence == "proved"
-    measured = (chordal.shapes.sphere(1) | chordal.shapes.move(chordal.shapes.sphere(1), 1, 0, 0)).mesh(tol=0.1, require="measured")
+    ball = chordal.shapes.sphere(1)
+    measured = (ball | chordal.shapes.move(ball, 1, 0, 0)).mesh(tol=0.1, require="measured")
     assert (fine + measured).bound.evidence == "measured" and (fine + measured).bound.at_most is None
     assert (SOLID + SOLID).bound.at_most == 0
     other = types.SimpleNamespace(vertices=CORNERS, faces=np.array(FACES))

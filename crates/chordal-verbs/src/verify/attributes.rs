@@ -292,7 +292,8 @@ impl AttributeLook<'_> {
         semantic: &Semantic,
         claims: &mut ClaimList,
     ) -> Result<(), MeshFailure> {
-        /// Directions that are off by more in the mean are turned over. Chosen: far from what coarse levels are off, see `is_roughly`.
+        /// Directions that are off by more in the mean are turned over. Chosen: far from what coarse levels are off, see
+        /// `is_roughly`.
         const TURNED_OVER_DEG: f64 = 120.0;
         let room = self.room(semantic)?;
         // 1. The same triangles, with the same values.
