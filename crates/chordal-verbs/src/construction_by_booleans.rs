@@ -1,8 +1,8 @@
 //! `mesh_by_construction`: a field that is a combination of solids, as their triangles cut along each other.
 use crate::format_rounding::RoundingTarget;
 use crate::solid_cut::cut;
-use chordal::boolean::BooleanOp;
-use chordal::budget::{Bound, Bounded, Reference, Tolerance};
+use chordal::boolean::{BooleanOp, BooleanStep, boolean_unchecked};
+use chordal::budget::{Bound, Bounded, Failure, Reference, Tolerance};
 use chordal::convert::solids::SolidMesher;
 use chordal::implicit::Affine3;
 use chordal::implicit::construction::{Construction, ConstructionNode, SolidForm};
@@ -283,6 +283,14 @@ impl SolidAssembler<'_> {
         }
         let ops: Vec<BooleanOp> =
             (1..all.len()).map(|k| if k < n_first { op } else { BooleanOp::Difference }).collect();
+        let steps: Vec<BooleanStep> =
+            ops.iter().zip(&all[1..]).map(|(op, mesh)| BooleanStep { op: *op, mesh }).collect();
+        // The whole is judged against its field.
+        match boolean_unchecked(&all[0], &steps, None, self.job) {
+            Ok(mesh) => return Ok(SidedSolid { mesh: mesh.into(), is_complement, off: None }),
+            Err(Failure::Cancelled) => return Err(NoTriangles),
+            Err(_) => {}
+        }
         let meshes: Vec<&Mesh> = all.iter().collect();
         // Rounded to no format: only the whole is written.
         match cut(&meshes, &ops, RoundingTarget::format(Format::Ply), self.job) {

@@ -141,11 +141,11 @@ fn mesh_of_field(
     let is_proved = |made: &MadeMesh| made.0.bound.at_most().is_some();
     let is_enough = |made: &MadeMesh| is_proved(made) || request.budget.require == RequiredEvidence::Measured;
     let ways = BothWays::new(request, job);
-    let (mut made, words) = match mesh_by_solids(field, request, &ways.first())? {
+    let (mut made, words) = match mesh_by_solids(field, request, &ways.limited())? {
         Some(made) if is_enough(&made) || job.is_finishing() => made,
         None => mesh_whole(field, request, job)?,
         // The proof of a field ends at places where that of its solids does not.
-        Some(made) => match mesh_whole(field, request, &ways.second(&made.0.shape)) {
+        Some(made) => match mesh_whole(field, request, &ways.second()) {
             Err(MeshFailure::Cancelled) => return Err(MeshFailure::Cancelled),
             Ok(whole) if is_proved(&whole) => whole,
             _ => made,
@@ -160,14 +160,13 @@ fn mesh_of_field(
     Ok(made)
 }
 
-/// The evaluations of the way of a field after its solids were meshed and not proved, where a proof is a wish and no condition;
-/// and at least so many for each triangle of the solids. Measured: of the tests' 179 parts it proves 15 in no more, which
-/// takes up to two seconds; those that it never proves took up to half a minute.
-const SECOND_WORK: u64 = 1 << 24;
-const SECOND_WORK_OF_TRIANGLE: u64 = 1 << 12;
-/// The most evaluations of the proof of solids before that. Chosen: its own limit is by triangles, of which cuts of many solids
-/// leave too many.
-const FIRST_WORK: u64 = 1 << 24;
+/// The evaluations of the proof of solids, and then those of the way of a field where that proof did not end, if a proof is a
+/// wish and no condition. Measured: of the tests' 179 parts the second proves 14 in no more, which takes up to six seconds; those
+/// that it never proves took up to half a minute without a limit, and a lattice of 500 struts minutes.
+const WORK: u64 = 1 << 24;
+/// The most bytes of the cells of that way. Measured: what it proves takes up to half of it; cells of what it does not prove go
+/// on to be halved for a minute.
+const CELLS: u64 = 1 << 27;
 /// The share of a memory that these proofs may take. Measured: under a limit of 256 MB 275 were held where they took all of it,
 /// and cuts of a thousand solids had left 100 of them behind.
 const SHARE_OF_MEMORY: f64 = 0.5;
@@ -187,17 +186,17 @@ impl BothWays {
         Self { job, is_unlimited }
     }
 
-    fn within(&self, work: u64) -> Job {
-        if self.is_unlimited { self.job.clone() } else { self.job.with_work_limit(work) }
+    fn limited(&self) -> Job {
+        if self.is_unlimited { self.job.clone() } else { self.job.with_work_limit(WORK) }
     }
 
-    fn first(&self) -> Job {
-        self.within(FIRST_WORK)
-    }
-
-    fn second(&self, made: &Mesh) -> Job {
-        let by_triangles = SECOND_WORK_OF_TRIANGLE.saturating_mul(made.faces().len() as u64);
-        self.within(by_triangles.max(SECOND_WORK))
+    /// For the way of a field.
+    fn second(&self) -> Job {
+        let mut job = self.limited();
+        if !self.is_unlimited {
+            job.memory_limit = job.memory_limit.min(CELLS);
+        }
+        job
     }
 }
 
@@ -340,7 +339,7 @@ fn mesh_bodies(
 }
 
 /// The bound that holds for two parts: the ends of the one whose upper end is larger, with the weaker evidence.
-fn wider(a: Bound, b: Bound) -> Bound {
+pub(crate) fn wider(a: Bound, b: Bound) -> Bound {
     let upper = |bound: &Bound| bound.at_most().unwrap_or(f64::INFINITY);
     let at_least = greater(a.at_least(), b.at_least());
     let at_most = a.at_most().zip(b.at_most()).map(|(a, b)| greater(a, b));

@@ -4,14 +4,20 @@ use crate::construction_by_booleans::{AssembledMesh, mesh_by_construction};
 use crate::request::MeshRequest;
 use crate::simplified_isosurface::{MadeMesh, simplified_without_crossings};
 use crate::simplify::simplify_mesh;
+use chordal::boolean::boolean_unchecked;
 use chordal::budget::{Bound, Budget, Failure, Reference, RequiredEvidence, Tolerance};
 use chordal::explicit::Topology;
 use chordal::implicit::Field;
+use chordal::implicit::construction::{Construction, ConstructionNode, SolidForm};
 use chordal::{Bounded, Job, Mesh, convert};
 
 /// The shares of a length within which solids are meshed, one after the other until the whole is proved. Chosen: what the
 /// first leaves is for proofs of edges at which faces meet at some angle.
 const SHARES: [f64; 2] = [0.7, 0.35];
+/// Combinations of more solids are made within so many times the length first. Chosen: cuts of so many take some tenths of a
+/// second, and of a few triangles each a small part of that.
+const MANY: u64 = 64;
+const COARSE: f64 = 16.0;
 
 /// A combination of solids, whose triangles are cut along each other and judged as a whole, as few as the budget allows, with
 /// what is to be said of them. None where some part has no triangles of its own, where cuts fail or leave nothing, and where
@@ -23,7 +29,8 @@ pub(crate) fn mesh_by_solids(
     request: &MeshRequest,
     job: &Job,
 ) -> Result<Option<MadeMesh>, MeshFailure> {
-    let Some(construction) = field.construction().filter(|own| !own.has_other()) else { return Ok(None) };
+    let is_known = |own: &&Construction| !own.has_other() && !has_twist(own);
+    let Some(construction) = field.construction().filter(is_known) else { return Ok(None) };
     let budget = &request.budget;
     let is_by_length = budget.pixels.is_none() && budget.triangles.is_none();
     // Materials are told apart by labels that cuts do not keep.
@@ -40,7 +47,10 @@ pub(crate) fn mesh_by_solids(
         let own = Tolerance::new(share * length.get()).ok()?;
         mesh_by_construction(construction, &room, own, job).filter(|made| !made.mesh.faces().is_empty())
     };
-    let judged = match made(SHARES[0]) {
+    let share = SHARES[0];
+    // What takes long may be stopped: then there is something, if coarse.
+    let coarse = if construction.n_solids() > MANY { made(COARSE) } else { None };
+    let judged = match made(share).or_else(|| coarse.filter(|_| job.is_finishing())) {
         None => return Ok(None),
         Some(AssembledMesh { off: Some(_), .. }) => match made(1.0) {
             Some(AssembledMesh { mesh, off: Some(off) }) => {
@@ -58,10 +68,23 @@ pub(crate) fn mesh_by_solids(
     let judged = match judged {
         Ok(judged) => judged,
         Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+        // Nothing else would come nearer in the time that is left.
+        Err(Failure::Unmet(best)) if job.is_finishing() => *best,
         Err(Failure::Unmet(_) | Failure::Refused(_)) => return Ok(None),
     };
     let (made, words) = with_fewer_triangles(judged, (&inner, length), &request, job)?;
     Ok(Some((request.snap(&made.shape, made.bound, job)?, words)))
+}
+
+/// Whether a part is twisted. Its closed form has even sections: measured, three times the triangles that the field's own way
+/// leaves of a round thread, which collapses do not bring down without crossings.
+fn has_twist(part: &Construction) -> bool {
+    match part.node() {
+        ConstructionNode::Solid(form) => matches!(form, SolidForm::Twisted { .. }),
+        ConstructionNode::Placed(_, below) | ConstructionNode::Complement(below) => has_twist(below),
+        ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => parts.iter().any(has_twist),
+        ConstructionNode::Planar(_) | ConstructionNode::Other(_) => false,
+    }
 }
 
 /// The share of a length within which cuts are tidied up. Chosen: cuts leave vertices on flat faces and triangles that are
@@ -71,6 +94,7 @@ const TIDY_SHARE: f64 = 1.0 / 64.0;
 /// The mesh without most of the triangles that cuts leave in flat faces; what judges it does not ask how it came about.
 fn tidied(mesh: Mesh, length: Tolerance, request: &MeshRequest, job: &Job) -> Mesh {
     let Ok(little) = Tolerance::new(TIDY_SHARE * length.get()) else { return mesh };
+    let mesh = boolean_unchecked(&mesh, &[], Some(little), job).unwrap_or(mesh);
     match simplify_mesh(&mesh, (&Budget::length(little), request.effort), Topology::Indices, job) {
         Ok(made) => made.shape.mesh,
         Err(_) => mesh,

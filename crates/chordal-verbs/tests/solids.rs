@@ -4,6 +4,7 @@ use chordal::check::validity;
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
+use chordal_testkit::is_long;
 use chordal_verbs::{BudgetSpec, FormatHint, MeshFailure, MeshOutcome, load, mesh};
 
 const LENGTH: &str = "0.05";
@@ -39,7 +40,7 @@ fn check_solid(text: &str, volume: f64) -> MeshOutcome {
 #[test]
 fn volumes_of_combinations_are_those_of_formulas() {
     let lens = |r: f64, d: f64| PI * (4.0 * r + d) * (2.0 * r - d) * (2.0 * r - d) / 12.0;
-    let parts: [(&str, f64); 12] = [
+    let parts: [(&str, f64); 18] = [
         ("box(10, 20, 5) - cylinder(3, 9)", 1000.0 - 45.0 * PI),
         ("sphere(5) & move(sphere(5), 4, 0)", lens(5.0, 4.0)),
         ("sphere(5) | move(sphere(5), 4, 0)", 2.0 * 500.0 / 3.0 * PI - lens(5.0, 4.0)),
@@ -55,6 +56,12 @@ fn volumes_of_combinations_are_those_of_formulas() {
         ("symmetric(move(box(2, 2, 2), 3, 0), 1, 0) | box(10, 1, 1)", 16.0 + 10.0 - 4.0),
         ("revolve(move(rectangle(2, 6), 5, 0)) - rotate_x(cylinder(1, 4), 90)", 2.0 * PI * 5.0 * 12.0),
         ("rounded_box(10, 10, 10, 2) & box(20, 20, 2)", 2.0 * (100.0 - (4.0 - PI) * 4.0)),
+        ("extrude(offset(polygon([[0, 0], [4, 0], [0, 3]]), 1), 2)", 2.0 * (6.0 + 12.0 + PI)),
+        ("extrude(offset(polygon([[0, 0], [4, 0], [0, 3]]), -0.5), 2)", 3.0),
+        ("extrude(offset(rectangle(6, 4) | circle(1), -1), 2) | box(1, 1, 4)", 16.0 + 2.0),
+        ("extrude(offset(rectangle(6, 4) - circle(0.8), -0.5), 2)", 2.0 * (15.0 - 1.69 * PI)),
+        ("offset(box(6, 4, 2), 1)", 48.0 + 2.0 * (24.0 + 12.0 + 8.0) + 12.0 * PI + 4.0 / 3.0 * PI),
+        ("taper(rectangle(4, 2), 0.5, 4) | box(1, 0.8, 6)", 4.0 / 3.0 * 14.0 + 1.6),
         ("scale(prism(6, 2, 3), 2) - box(1, 1, 20)", 6.0 * 0.5 * 16.0 * (PI / 3.0).sin() * 6.0 - 6.0),
     ];
     for (text, volume) in parts {
@@ -75,13 +82,15 @@ fn flush_solids_are_one_whatever_they_were_turned_by() {
         ("box(10, 10, 10) - move(box(4, 4, 4), 3, 3, 3)", 1000.0 - 64.0),
         ("box(6, 6, 6) - move(cylinder(3, 6), 3, 3)", 216.0 - 6.0 * 9.0 * PI / 4.0),
     ];
-    for (text, volume) in parts {
-        for turn in [0, 30] {
-            check_solid(&format!("rotate_z({text}, {turn})"), volume);
-            check_solid(
-                &format!("rotate([1, 2, 3], {turn})").replace("rotate(", &format!("rotate({text}, ")),
-                volume,
-            );
+    for (number, (text, volume)) in parts.into_iter().enumerate() {
+        let all = [0, 30].into_iter().flat_map(|turn| {
+            let slanted =
+                format!("rotate([1, 2, 3], {turn})").replace("rotate(", &format!("rotate({text}, "));
+            [format!("rotate_z({text}, {turn})"), slanted]
+        });
+        // By default each part in one way, and each way twice.
+        for (_, turned) in all.enumerate().filter(|(way, _)| is_long() || *way == number % 4) {
+            check_solid(&turned, volume);
         }
     }
     // Each turned by itself.
@@ -101,10 +110,13 @@ fn a_combination_that_leaves_nothing_says_so() {
 
 #[test]
 fn a_thousand_boxes_are_one_solid() {
-    let stack = "union([move(box(2, 2, 1), 0, 0, k) for k in range(1000)])";
-    check_solid(stack, 4000.0);
-    let grid = "union([move(box(1.25, 1.25, 1.25), i, j, k) for i in range(10) for j in range(10) for k in range(10)])";
-    check_solid(grid, 10.25 * 10.25 * 10.25);
+    // An eighth of them by default.
+    let n = if is_long() { 10 } else { 5 };
+    let stack = format!("union([move(box(2, 2, 1), 0, 0, k) for k in range({})])", n * n * n);
+    check_solid(&stack, 4.0 * f64::from(n * n * n));
+    let each = format!("for i in range({n}) for j in range({n}) for k in range({n})");
+    let grid = format!("union([move(box(1.25, 1.25, 1.25), i, j, k) {each}])");
+    check_solid(&grid, (f64::from(n) + 0.25).powi(3));
 }
 
 #[test]

@@ -56,38 +56,51 @@ fn combine_by_engine(
         Engines::FloatingPoint => BooleanEngine::Exact,
         Engines::Rational => BooleanEngine::Robust,
     };
+    let mut numbered = (0..).zip(operands);
+    let first = numbered.next().map_or_else(|| Ok(Manifold::empty()), |(n, first)| imported(n, first))?;
+    if ops.is_empty() || operands.iter().all(|operand| operand.faces.is_empty()) {
+        return Ok(exported(&first, operands));
+    }
+    let others = numbered.map(|(number, operand)| imported(number, operand));
+    let made = in_a_row(first, others.zip(ops), kind, (job, &Job::is_cancelled))?;
+    Ok(exported(&made, operands))
+}
+
+/// Combines solids from left to right until a job says that it is over.
+pub(super) fn in_a_row<'a>(
+    first: Manifold,
+    others: impl Iterator<Item = (Result<Manifold, EngineFailure>, &'a BooleanOp)>,
+    kind: BooleanEngine,
+    (job, is_over): (&Job, &'static (dyn Fn(&Job) -> bool + Sync)),
+) -> Result<Manifold, EngineFailure> {
     let token = CancelToken::new();
     let reporter = {
         let (token, job) = (token.clone(), job.clone());
         ProgressReporter::new(move |_, _| {
-            if job.is_cancelled() {
+            if is_over(&job) {
                 token.cancel();
             }
         })
     };
-    let mut numbered = (0..).zip(operands);
-    let mut made = numbered.next().map_or_else(|| Ok(Manifold::empty()), |(n, first)| imported(n, first))?;
-    if ops.is_empty() || operands.iter().all(|operand| operand.faces.is_empty()) {
-        return Ok(exported(&made, operands));
-    }
-    for ((number, operand), op) in numbered.zip(ops) {
-        job.report(Progress { stage: "combine", done: u64::from(number) - 1, total: ops.len() as u64 });
-        let other = imported(number, operand)?;
+    let mut made = first;
+    let total = others.size_hint().0 as u64;
+    for (done, (other, op)) in (0..).zip(others) {
+        job.report(Progress { stage: "combine", done, total });
         let op = match op {
             BooleanOp::Union => OpType::Add,
             BooleanOp::Difference => OpType::Subtract,
             BooleanOp::Intersection => OpType::Intersect,
         };
-        made = made.boolean_with_engine_and_progress(&other, op, kind, Some(&token), Some(&reporter));
-        if job.is_cancelled() || made.status() == Error::Cancelled {
+        made = made.boolean_with_engine_and_progress(&other?, op, kind, Some(&token), Some(&reporter));
+        if is_over(job) || made.status() == Error::Cancelled {
             return Err(EngineFailure::Cancelled);
         }
         succeeded(&made)?;
     }
-    Ok(exported(&made, operands))
+    Ok(made)
 }
 
-fn succeeded(made: &Manifold) -> Result<(), EngineFailure> {
+pub(super) fn succeeded(made: &Manifold) -> Result<(), EngineFailure> {
     match made.status() {
         Error::NoError => Ok(()),
         error => Err(EngineFailure::Failed(error.to_str().to_lowercase())),

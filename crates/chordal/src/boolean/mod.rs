@@ -21,6 +21,7 @@ mod operand;
 mod point_survey;
 mod result;
 mod sides;
+mod unchecked;
 
 use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map};
 use crate::check::self_intersections;
@@ -31,6 +32,7 @@ use operand::Operand;
 use result::BooleanMethod;
 
 pub use result::BooleanMesh;
+pub use unchecked::boolean_unchecked;
 
 /// What a result says of how it was made, and why there is none.
 pub mod provenance {

@@ -14,6 +14,8 @@ pub struct Construction {
     node: Arc<ConstructionNode>,
     /// The nodes on the longest way down.
     depth: u32,
+    /// The shapes at the ends of all ways down.
+    n_solids: u64,
 }
 
 /// What a [`Construction`] is made of.
@@ -99,6 +101,28 @@ pub enum SolidForm {
         /// Where it is in the plane first.
         place: Option<Affine3>,
     },
+    /// A plane shape between two heights, with a section that grows evenly about z.
+    Tapered {
+        /// The plane shape, which is the section at the lower end.
+        profile: PlanarForm,
+        /// Where it is in the plane first.
+        place: Option<Affine3>,
+        /// From minus this height to this height.
+        half: f64,
+        /// How many times as large the section is at the upper end; above 0.
+        factor: f64,
+    },
+    /// A plane shape between two heights, with a section that turns about z with the height.
+    Twisted {
+        /// The plane shape, which is the section at the height 0.
+        profile: PlanarForm,
+        /// Where it is in the plane first.
+        place: Option<Affine3>,
+        /// The lower and the upper end.
+        heights: [f64; 2],
+        /// The turn from one height to the next whole one.
+        radians: f64,
+    },
 }
 
 /// A shape of the plane.
@@ -141,7 +165,14 @@ impl Construction {
             Placed(_, below) | Complement(below) => below.depth,
             Union(parts) | Intersection(parts) => parts.iter().fold(0, |most, part| part.depth.max(most)),
         };
-        (below < MOST_DEPTH).then(|| Self { node: Arc::new(node), depth: below + 1 })
+        let n_solids = match &node {
+            Solid(_) | Planar(_) | Other(_) => 1,
+            Placed(_, below) | Complement(below) => below.n_solids,
+            Union(parts) | Intersection(parts) => {
+                parts.iter().fold(0, |n: u64, part| n.saturating_add(part.n_solids))
+            }
+        };
+        (below < MOST_DEPTH).then(|| Self { node: Arc::new(node), depth: below + 1, n_solids })
     }
 
     pub(super) fn solid(form: SolidForm) -> Option<Self> {
@@ -156,6 +187,12 @@ impl Construction {
     #[must_use]
     pub fn node(&self) -> &ConstructionNode {
         &self.node
+    }
+
+    /// How many shapes it combines; one that stands at several places counts at each.
+    #[must_use]
+    pub fn n_solids(&self) -> u64 {
+        self.n_solids
     }
 
     /// A number that clones share, and that no other construction has as long as one of them lives.
@@ -263,7 +300,7 @@ impl Construction {
 
     /// The same combination of what is made of each plane shape and its place. Heights of places are left out: a plane
     /// shape has none.
-    fn map_planar(&self, place: Option<Affine3>, make: &PlanarMap) -> Option<Self> {
+    pub(super) fn map_planar(&self, place: Option<Affine3>, make: &PlanarMap) -> Option<Self> {
         let each = |parts: &[Self]| -> Option<Arc<[Self]>> {
             parts.iter().map(|part| part.map_planar(place, make)).collect()
         };
@@ -286,7 +323,7 @@ impl Construction {
 }
 
 /// Makes a solid of a plane shape and its place.
-type PlanarMap<'a> = dyn Fn(&PlanarForm, Option<Affine3>) -> Option<Construction> + 'a;
+pub(super) type PlanarMap<'a> = dyn Fn(&PlanarForm, Option<Affine3>) -> Option<Construction> + 'a;
 
 /// A map as it acts on shapes without ends along z, with heights left as they are. None where it turns them out of the
 /// plane.

@@ -3,6 +3,7 @@ mod affine;
 mod block;
 mod combine;
 pub mod construction;
+mod construction_ops;
 pub mod csg;
 mod distance;
 mod dual;

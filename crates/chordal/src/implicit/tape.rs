@@ -77,6 +77,11 @@ impl EvaluationPlan {
     }
 }
 
+/// Tapes of no more terms, and tapes for no more points, are evaluated as they are. Chosen: to prune takes about as long as to
+/// evaluate a tape at a hundred points.
+const SHORT: usize = 64;
+const FEW: usize = 256;
+
 impl Tape {
     /// Compiles an expression. Cost: linear in its distinct subexpressions.
     #[must_use]
@@ -137,6 +142,42 @@ impl Tape {
     /// When a leaf fails.
     pub fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         self.run(points.len(), |k, row| points[row][k], |row, value| out[row] = value)
+    }
+
+    /// [`Tape::at`] for many points that lie here and there: boxes around them are halved, each with a shorter tape, as long
+    /// as that pays. The values are the same, wherever the expression is defined.
+    ///
+    /// # Errors
+    /// When a leaf fails.
+    pub fn at_many(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        if self.has_leaves() {
+            return self.at(points, out);
+        }
+        let mut rows: Vec<u32> = (0..points.len() as u32).collect();
+        let mut todo = vec![(self.clone(), 0..rows.len())];
+        let (mut own, mut values) = (Vec::new(), Vec::new());
+        while let Some((tape, range)) = todo.pop() {
+            let part = &mut rows[range.clone()];
+            own.clear();
+            own.extend(part.iter().map(|row| points[*row as usize]));
+            if tape.len() <= SHORT || part.len() <= FEW {
+                values.resize(own.len(), 0.0);
+                tape.at(&own, &mut values)?;
+                part.iter().zip(&values).for_each(|(row, value)| out[*row as usize] = *value);
+                continue;
+            }
+            let bounds = Box3::from_points(&own);
+            let tape = tape.prune(&bounds)?.1.unwrap_or(tape);
+            let size: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
+            let axis = (1..3).fold(0, |most, k| if size[k] > size[most] { k } else { most });
+            let half = part.len() / 2;
+            let by_axis = |a: &u32, b: &u32| points[*a as usize][axis].total_cmp(&points[*b as usize][axis]);
+            part.select_nth_unstable_by(half, by_axis);
+            let middle = range.start + half;
+            todo.push((tape.clone(), middle..range.end));
+            todo.push((tape, range.start..middle));
+        }
+        Ok(())
     }
 
     /// [`Tape::at`] for points given by the columns of their coordinates.

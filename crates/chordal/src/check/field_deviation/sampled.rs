@@ -13,8 +13,9 @@ const STEPS: usize = 6;
 const HALVINGS: usize = 16;
 /// Faces whose samples are taken at once: about 25 MB.
 const FACES_AT_ONCE: usize = 1 << 15;
-/// The most faces with samples where the job is to finish: they take about a second.
+/// The most faces with samples where the job is to finish, for a field of no more than so many terms: they take about a second.
 const FACES_AT_THE_END: usize = 1 << 14;
+const TERMS_AT_THE_END: usize = 64;
 /// Samples all over a face, beside its centroid and the middles of its edges.
 const SCATTERED: u64 = 3;
 /// The steps of the two coordinates of a sequence that fills a square evenly: 1/g and 1/g², g³ = g + 1 (M. Roberts, *The
@@ -44,7 +45,7 @@ pub(super) fn measured(
     job: &Job,
 ) -> Result<MeasuredDeviation, JobError> {
     let bvh = Bvh::build(mesh, job)?;
-    let faces = sampled_faces(mesh, round, job);
+    let faces = sampled_faces(mesh, tape, round, job);
     let mut brackets = first_brackets(mesh, &faces, tape, round)?;
     for _ in 0..HALVINGS {
         if job.is_cancelled() {
@@ -52,7 +53,7 @@ pub(super) fn measured(
         }
         let middles: Vec<[f64; 3]> = brackets.iter().map(|one| middle(one.ends)).collect();
         let mut values = vec![0.0; middles.len()];
-        tape.at(&middles, &mut values).map_err(leaf_failure)?;
+        tape.at_many(&middles, &mut values).map_err(leaf_failure)?;
         for ((bracket, middle), value) in brackets.iter_mut().zip(&middles).zip(&values) {
             let inside = *value < 0.0;
             bracket.ends[usize::from(!inside)] = *middle;
@@ -106,7 +107,7 @@ fn drop_cracks(brackets: &mut Vec<SurfaceBracket>, tape: &Tape) -> Result<(), Jo
     };
     let points: Vec<[f64; 3]> = brackets.iter().map(beyond).collect();
     let mut values = vec![0.0; points.len()];
-    tape.at(&points, &mut values).map_err(leaf_failure)?;
+    tape.at_many(&points, &mut values).map_err(leaf_failure)?;
     let mut is_inside = values.into_iter().map(|value| value < 0.0);
     brackets.retain(|_| !is_inside.next().expect("a value for each"));
     Ok(())
@@ -117,9 +118,10 @@ fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
 }
 
 /// All faces; evenly some of them where there are many and the job is to finish.
-fn sampled_faces(mesh: &Mesh, round: u64, job: &Job) -> Vec<u32> {
+fn sampled_faces(mesh: &Mesh, tape: &Tape, round: u64, job: &Job) -> Vec<u32> {
     let n = mesh.faces().len();
-    let step = if job.is_finishing() { n.div_ceil(FACES_AT_THE_END).max(1) } else { 1 };
+    let most = FACES_AT_THE_END / tape.len().div_ceil(TERMS_AT_THE_END);
+    let step = if job.is_finishing() { n.div_ceil(most.max(1)).max(1) } else { 1 };
     (round as usize % step..n).step_by(step).map(|face| face as u32).collect()
 }
 
@@ -143,9 +145,40 @@ fn scattered(corners: &[[f64; 3]; 3], number: u64) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).map(|i| shares[i] * corners[i][k]).sum())
 }
 
+/// Places on the normal through a point of a face, from the middle on: each is twice as far as the one before, from 1/32 of an
+/// edge to one whole edge, to both sides.
+fn place_on_normal(step: i32, size: f64) -> f64 {
+    if step == 0 { 0.0 } else { libm::ldexp(size, step.abs() - STEPS as i32) * f64::from(step.signum()) }
+}
+
+/// A point of a face from which a bracket is searched along the normal.
+struct NormalSearch {
+    face: u32,
+    from: [f64; 3],
+    normal: [f64; 3],
+    size: f64,
+    /// The values at the outermost places that were tried.
+    below: f64,
+    above: f64,
+}
+
+impl NormalSearch {
+    fn at(&self, step: i32) -> [f64; 3] {
+        let far = place_on_normal(step, self.size);
+        std::array::from_fn(|k| self.from[k] + far * self.normal[k])
+    }
+
+    /// The bracket between two places, if their values differ in sign.
+    fn between(&self, (a, value): (i32, f64), (b, other): (i32, f64)) -> Option<SurfaceBracket> {
+        let (is_inside, is_other_inside) = (value < 0.0, other < 0.0);
+        let ends = if is_inside { [self.at(a), self.at(b)] } else { [self.at(b), self.at(a)] };
+        (is_inside != is_other_inside).then_some(SurfaceBracket { face: self.face, ends })
+    }
+}
+
+/// The changes of sign nearest to the middles, those below first where both sides have one.
 fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape, round: u64) -> Result<Vec<SurfaceBracket>, JobError> {
-    let n = 2 * STEPS + 1;
-    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    let mut open = Vec::new();
     for face in part {
         let (numbers, corners) = (mesh.faces()[*face as usize], mesh.corners(*face as usize));
         let normal = face_normal(corners).unwrap_or([0.0, 0.0, 1.0]);
@@ -155,32 +188,35 @@ fn brackets_of(mesh: &Mesh, part: &[u32], tape: &Tape, round: u64) -> Result<Vec
         let middles = own.map(|i| middle([corners[i], corners[(i + 1) % 3]]));
         let number = |k: u64| SCATTERED * (u64::from(*face) + round * mesh.faces().len() as u64) + k + 1;
         let all_over = (0..SCATTERED).map(|k| scattered(&corners, number(k)));
-        for c in std::iter::once(centroid).chain(middles).chain(all_over) {
-            faces.push(*face);
-            for step in 0..n {
-                // Each step is twice the previous one, from 1/32 of an edge to one whole edge.
-                let i = step as i32 - STEPS as i32;
-                let far = if i == 0 {
-                    0.0
-                } else {
-                    libm::ldexp(size, i.abs() - STEPS as i32) * f64::from(i.signum())
-                };
-                points.push(std::array::from_fn(|k| c[k] + far * normal[k]));
+        for from in std::iter::once(centroid).chain(middles).chain(all_over) {
+            let face = *face;
+            open.push(NormalSearch { face, from, normal, size, below: 0.0, above: 0.0 });
+        }
+    }
+    let values_at = |open: &[NormalSearch], steps: &[i32]| -> Result<Vec<f64>, JobError> {
+        let points: Vec<[f64; 3]> =
+            open.iter().flat_map(|one| steps.iter().map(|step| one.at(*step))).collect();
+        let mut values = vec![0.0; points.len()];
+        tape.at_many(&points, &mut values).map_err(leaf_failure)?;
+        Ok(values)
+    };
+    let values = values_at(&open, &[0])?;
+    for (one, value) in open.iter_mut().zip(values) {
+        (one.below, one.above) = (value, value);
+    }
+    let mut found = Vec::new();
+    for step in 1..=STEPS as i32 {
+        let values = values_at(&open, &[-step, step])?;
+        let mut left = Vec::new();
+        for (one, values) in open.into_iter().zip(values.chunks_exact(2)) {
+            let below = one.between((-step, values[0]), (1 - step, one.below));
+            match below.or_else(|| one.between((step - 1, one.above), (step, values[1]))) {
+                Some(bracket) => found.push(bracket),
+                None => left.push(NormalSearch { below: values[0], above: values[1], ..one }),
             }
         }
+        open = left;
     }
-    let mut values = vec![0.0; points.len()];
-    tape.at(&points, &mut values).map_err(leaf_failure)?;
-    let mut brackets = Vec::new();
-    for ((points, values), face) in points.chunks_exact(n).zip(values.chunks_exact(n)).zip(faces) {
-        // The sign change nearest to the middle.
-        let inside = |k: usize| values[k] < 0.0;
-        let change =
-            (0..n - 1).filter(|k| inside(*k) != inside(k + 1)).min_by_key(|k| (2 * k + 1).abs_diff(n - 1));
-        if let Some(k) = change {
-            let ends = if inside(k) { [points[k], points[k + 1]] } else { [points[k + 1], points[k]] };
-            brackets.push(SurfaceBracket { face, ends });
-        }
-    }
-    Ok(brackets)
+    found.sort_by_key(|one| one.face);
+    Ok(found)
 }

@@ -10,25 +10,40 @@ use crate::implicit::construction::PlanarForm;
 /// What it is off by is what its loops are: both are raised to the same heights, which are exact.
 pub(super) fn extruded(profile: &PlanarForm, half: f64, length: f64) -> Option<FormMesh> {
     let ProfileLoops { loops, off } = ProfileLoops::new(profile, length)?;
+    let at = |z: f64| move |[x, y]: [f64; 2]| [x, y, z];
+    raised(&loops, &[at(-half), at(half)], off)
+}
+
+/// Loops as the sections of a solid, each a map of the plane to some height, with triangles between them and over the ends.
+/// None where the loops are not simple and disjoint.
+pub(super) fn raised(
+    loops: &[Vec<[f64; 2]>],
+    sections: &[impl Fn([f64; 2]) -> [f64; 3]],
+    off: f64,
+) -> Option<FormMesh> {
     let plane: Vec<[f64; 2]> = loops.concat();
-    let n = u32::try_from(plane.len()).ok().filter(|n| *n < u32::MAX / 2)?;
+    let n_sections = u32::try_from(sections.len()).ok()?;
+    let n = u32::try_from(plane.len()).ok().filter(|n| *n < u32::MAX / n_sections)?;
+    let last = (n_sections - 1) * n;
     let mut faces = Vec::new();
-    for [a, b, c] in filled(&loops)? {
+    for [a, b, c] in filled(loops)? {
         faces.push([a, c, b]);
-        faces.push([a + n, b + n, c + n]);
+        faces.push([a + last, b + last, c + last]);
     }
     let mut first = 0;
-    for own in &loops {
+    for own in loops {
         let count = own.len() as u32;
         for k in 0..count {
-            let (a, b) = (first + k, first + (k + 1) % count);
-            faces.push([a, b, b + n]);
-            faces.push([a, b + n, a + n]);
+            for below in (0..last).step_by(n as usize) {
+                let (a, b) = (below + first + k, below + first + (k + 1) % count);
+                faces.push([a, b, b + n]);
+                faces.push([a, b + n, a + n]);
+            }
         }
         first += count;
     }
-    let at = |z: f64| plane.iter().map(move |[x, y]| [*x, *y, z]);
-    Some(FormMesh { positions: at(-half).chain(at(half)).collect(), faces, off })
+    let positions = sections.iter().flat_map(|at| plane.iter().map(|p| at(*p))).collect();
+    Some(FormMesh { positions, faces, off })
 }
 
 /// Triangles between loops, as rows of all their points one after the other. None where they are not simple and disjoint.

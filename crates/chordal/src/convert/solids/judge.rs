@@ -58,7 +58,9 @@ pub fn judged_against_field(
         };
         let is_strict = require == RequiredEvidence::Proved;
         let mut left = (first, None);
-        if require != RequiredEvidence::Measured && field.evidence().bounds_above() {
+        // A proof that cannot begin has no places that it leaves open.
+        let is_asked = require != RequiredEvidence::Measured && !job.is_finishing();
+        if is_asked && field.evidence().bounds_above() {
             let csg = Csg::from_expr(field.sign());
             let most = WORK_OF_TRIANGLE.saturating_mul(left.0.faces().len() as u64).max(LEAST_WORK);
             let is_unlimited = is_strict || job.proof_effort == ProofEffort::Full;
@@ -74,8 +76,16 @@ pub fn judged_against_field(
                 }
             }
         }
-        let (mesh, places) = left;
-        let mut bound = measured_field_deviation(&mesh, field, (f64::INFINITY, 0), job)?.whole.bound;
+        let (mut mesh, places) = left;
+        let measured = |mesh: &Mesh| measured_field_deviation(mesh, field, (f64::INFINITY, 0), job);
+        let mut bound = measured(&mesh)?.whole.bound;
+        // Where surfaces cross at a small angle, an edge is farther off than both.
+        while bound.at_least() > length.get()
+            && let Some(next) = meshes.next()
+        {
+            mesh = next;
+            bound = measured(&mesh)?.whole.bound;
+        }
         bound.open = places;
         let is_met = !is_strict && bound.at_least() <= length.get();
         let made = Bounded { shape: mesh, bound };
@@ -100,6 +110,7 @@ impl ProofSearch<'_, '_> {
             Ok(made) => return Ok(Ok(made)),
             Err(open) => open,
         };
+        let first = (mesh.clone(), verdict.clone());
         while !self.proof.is_over()
             && let Some(next) = others.next()
         {
@@ -112,13 +123,15 @@ impl ProofSearch<'_, '_> {
                 Err(open) => (mesh, verdict) = open,
             }
         }
+        // The first has the fewest triangles, and is as far from a proof.
+        if is_hopeless(&mesh, &open_faces(&verdict)) {
+            return Ok(Err(first));
+        }
         let mut n_open = usize::MAX;
         for _ in 0..MOST_ROUNDS {
-            let mut open = verdict.open.concat();
-            open.sort_unstable();
-            open.dedup();
-            let is_hopeless = FEW * open.len() > mesh.faces().len() || open.len() / 2 > n_open;
-            if open.is_empty() || is_hopeless || self.proof.is_over() {
+            let open = open_faces(&verdict);
+            let is_worse = open.len() / 2 > n_open;
+            if open.is_empty() || is_worse || is_hopeless(&mesh, &open) || self.proof.is_over() {
                 break;
             }
             n_open = open.len();
@@ -143,4 +156,15 @@ impl ProofSearch<'_, '_> {
         }
         Ok(Err((mesh, verdict)))
     }
+}
+
+fn open_faces(verdict: &SandwichVerdict) -> Vec<u32> {
+    let mut open = verdict.open.concat();
+    open.sort_unstable();
+    open.dedup();
+    open
+}
+
+fn is_hopeless(mesh: &Mesh, open: &[u32]) -> bool {
+    FEW * open.len() > mesh.faces().len()
 }

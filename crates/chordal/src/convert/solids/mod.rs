@@ -12,6 +12,7 @@ mod profile;
 mod revolved;
 mod rounded;
 mod split;
+mod twisted;
 
 use crate::budget::{Bound, Bounded, Reference, Tolerance};
 use crate::explicit::Mesh;
@@ -79,6 +80,12 @@ impl SolidMesher {
             SolidForm::Torus { major, minor } => revolved::torus(*major, *minor, length)?,
             SolidForm::Extruded { profile, half } => extruded::extruded(profile, *half, length)?,
             SolidForm::Revolved { profile, place } => revolved::revolved(profile, place.as_ref(), length)?,
+            SolidForm::Tapered { profile, place, half, factor } => {
+                twisted::tapered((profile, place.as_ref()), *half, *factor, length)?
+            }
+            SolidForm::Twisted { profile, place, heights, radians } => {
+                twisted::twisted((profile, place.as_ref()), *heights, *radians, length)?
+            }
         };
         let bounded = made.bounded()?;
         // The counts were chosen for it.

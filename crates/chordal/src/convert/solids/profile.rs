@@ -1,5 +1,6 @@
 //! Plane shapes as polygons, with corners on both sides of what is curved.
 use super::arcs::UnitCircle;
+use crate::implicit::Affine3;
 use crate::implicit::construction::PlanarForm;
 use crate::math::{mul_up, unit};
 
@@ -61,6 +62,27 @@ impl ProfileLoops {
             }
             PlanarForm::Contours(contours) => Some(Self { loops: contours.loops()?, off: 0.0 }),
         }
+    }
+}
+
+impl ProfileLoops {
+    /// The same under a map of the plane that keeps shapes.
+    pub fn placed(mut self, place: Option<&Affine3>) -> Self {
+        let Some(map) = place else { return self };
+        let [x, y, _] = map.rows();
+        // The scale is rounded.
+        self.off = self.off * (x[0] * x[0] + y[0] * y[0]).sqrt() * (1.0 + 8.0 * f64::EPSILON);
+        let is_mirrored = map.orientation() < 0;
+        for own in &mut self.loops {
+            for p in own.iter_mut() {
+                let [x, y, _] = map.at([p[0], p[1], 0.0]);
+                *p = [x, y];
+            }
+            if is_mirrored {
+                own.reverse();
+            }
+        }
+        self
     }
 }
 

@@ -34,21 +34,7 @@ pub(super) fn revolved(profile: &PlanarForm, place: Option<&Affine3>, length: f6
         (x[0] * x[0] + y[0] * y[0]).sqrt()
     });
     let share = if is_straight { length } else { SHARE * length / scale };
-    let mut made = ProfileLoops::new(profile, share)?;
-    // The scale is rounded.
-    made.off = made.off * scale * (1.0 + 8.0 * f64::EPSILON);
-    if let Some(map) = place {
-        let is_mirrored = map.orientation() < 0;
-        for own in &mut made.loops {
-            for p in own.iter_mut() {
-                let [x, y, _] = map.at([p[0], p[1], 0.0]);
-                *p = [x, y];
-            }
-            if is_mirrored {
-                own.reverse();
-            }
-        }
-    }
+    let made = ProfileLoops::new(profile, share)?.placed(place);
     let crosses = |own: &Vec<[f64; 2]>| own.iter().any(|p| p[0] < 0.0) && own.iter().any(|p| p[0] > 0.0);
     if !is_straight && made.loops.iter().any(crosses) {
         return None;

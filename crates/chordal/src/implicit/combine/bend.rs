@@ -16,7 +16,8 @@ impl Field {
     /// When the number is not finite.
     pub fn twisted(&self, radians: f64) -> Result<Self, InvalidShape> {
         let radians = finite("a twist", radians)?;
-        Ok(self.turning(2, radians))
+        let construction = self.construction().and_then(|known| known.twisted(radians));
+        Ok(self.turning(2, radians).known_construction(construction))
     }
 
     /// The shape bent: turned about the z axis by `radians` more per unit along x, so that a rod along x

@@ -71,8 +71,10 @@ impl Field {
         let endless = [f64::NEG_INFINITY, f64::NEG_INFINITY, -half];
         let slab = Box3 { min: endless, max: endless.map(|x| -x) };
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { common(bounds, slab) };
+        let construction = self.construction().and_then(|known| known.tapered(factor, half));
         if !reach.is_finite() || self.distance().weakest() == DistanceQuality::Sign {
-            return Ok(Self::from_parts(sign, &[self]).known_bounds(bounds));
+            let tapered = Self::from_parts(sign, &[self]).known_construction(construction);
+            return Ok(tapered.known_bounds(bounds));
         }
         // Over the slab, and around the axis as far as the shape reaches; from there on the nearest such point.
         let rim = mul_up(reach, BEYOND);
@@ -88,6 +90,7 @@ impl Field {
         let stretch = mul_up(add_up(greater(1.0, narrow), pull), ROUNDED);
         let value = (near.expr() / stretch).max(&cap);
         let field = Self::from_parts(value, &[&self.as_distance()]).known_sign(sign);
+        let field = field.known_construction(construction);
         Ok(field.known_distance(Distance::BOUND).known_bounds(bounds))
     }
 

@@ -28,10 +28,13 @@ impl Field {
         if by > 0.0 {
             let held = self.with_box_bound("an offset")?;
             let slack = self.slack_of_distance(outside);
+            // Grown from less than the distance it ends at a box as well.
+            let known = self.construction().filter(|_| outside == DistanceQuality::Exact);
             let inside = weaker(inside, DistanceQuality::Bound);
             return Ok(Self::from_parts(held.expr() - by, &[&held])
                 .known_distance(Distance { outside, inside })
                 .known_bounds(grown(held.bounds(), by))
+                .known_construction(known.and_then(|known| known.offset(by)))
                 .known_slack(slack));
         }
         if inside == DistanceQuality::Sign {
@@ -45,6 +48,8 @@ impl Field {
             Some(depth) if self.has_own_sign() => shrunk.known_depth(depth - by),
             _ => shrunk,
         };
+        let construction = self.construction().and_then(|known| known.offset(by));
+        let shrunk = shrunk.known_construction(construction);
         Ok(shrunk.known_distance(Distance { outside, inside }).known_bounds(self.bounds()))
     }
 

@@ -142,6 +142,9 @@ impl HullCorners {
             SolidForm::Torus { .. } | SolidForm::Revolved { .. } => {
                 Err(refused("one here is turned on a lathe"))
             }
+            SolidForm::Tapered { .. } | SolidForm::Twisted { .. } => {
+                Err(refused("one here is tapered or twisted"))
+            }
             SolidForm::HalfSpace { .. } => Err(refused("one here has no end")),
         }
     }

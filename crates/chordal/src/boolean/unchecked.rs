@@ -1,0 +1,96 @@
+//! `boolean_unchecked`: the cuts of [`boolean()`](super::boolean()) without its checks.
+use super::arrangement::{EngineFailure, in_a_row, succeeded};
+use super::{BooleanOp, BooleanStep};
+use crate::budget::{Failure, Job, RefusalCode, Tolerance};
+use crate::explicit::Mesh;
+use manifold_rust::manifold::Manifold;
+use manifold_rust::types::{BooleanEngine, MeshGLP};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// [`boolean()`](super::boolean()) in floating point, without its checks: for what is cut many times and judged as a whole
+/// afterwards. With a length, vertices go that leave surfaces within it, in flat faces and on their straight edges.
+///
+/// Nothing is said of how far the result is from the combined solid; it may cross itself by roundings, and more where an
+/// operand does. Its edges have two triangles each. Vertices are told apart by their rows: solids that touch along an edge stay
+/// two. Cost: n log n in the triangles of all, some microseconds for each.
+///
+/// ```
+/// use chordal::boolean::{BooleanOp, BooleanStep, boolean_unchecked};
+/// use chordal::convert::solids::SolidMesher;
+/// use chordal::implicit::construction::SolidForm;
+/// use chordal::math::Box3;
+/// use chordal::{Job, Tolerance};
+/// let room = Box3 { min: [-2.0; 3], max: [2.0; 3] };
+/// let mesher = SolidMesher { length: Tolerance::new(0.01)?, room };
+/// let [wide, high] = [[2.0, 2.0, 1.0], [1.0, 1.0, 2.0]]
+///     .map(|sides| mesher.mesh(&SolidForm::Cuboid { half: sides }).map(|made| made.shape).unwrap_or_default());
+/// let step = BooleanStep { op: BooleanOp::Union, mesh: &high };
+/// let made = boolean_unchecked(&wide, &[step], None, &Job::default())?;
+/// assert!(chordal::explicit::is_closed(&made));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Failure::Refused`] for an operand whose edges have not two triangles each, and for more triangles than the job allows;
+/// [`Failure::Cancelled`] when the job is cancelled or its time ends.
+pub fn boolean_unchecked(
+    first: &Mesh,
+    steps: &[BooleanStep],
+    flat: Option<Tolerance>,
+    job: &Job,
+) -> Result<Mesh, Failure<Mesh>> {
+    let ops: Vec<BooleanOp> = steps.iter().map(|step| step.op).collect();
+    let work = || {
+        let others = steps.iter().map(|step| imported(step.mesh)).zip(&ops);
+        let made = in_a_row(imported(first)?, others, BooleanEngine::Exact, (job, &is_ended))?;
+        let Some(flat) = flat else { return Ok(exported(&made)) };
+        let fewer = made.as_original().simplify(flat.get());
+        succeeded(&fewer)?;
+        Ok(exported(&fewer))
+    };
+    // The engine answers hostile input with a panic in rare cases, which is no reason to end a program.
+    let made = job.run(|| catch_unwind(AssertUnwindSafe(work)));
+    let made = made.unwrap_or_else(|_| Err(EngineFailure::Failed("the cutting stopped half way".to_owned())));
+    let (positions, faces) = made.map_err(|failure| match failure {
+        EngineFailure::Cancelled => Failure::Cancelled,
+        EngineFailure::Failed(why) => Failure::refused(
+            RefusalCode::Unsupported,
+            format!("the meshes could not be cut along each other: {why}"),
+        ),
+    })?;
+    if faces.len() as u64 > job.triangle_limit {
+        let message =
+            format!("the result has {} triangles; the limit is {}", faces.len(), job.triangle_limit);
+        return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
+    }
+    Mesh::new(positions, faces).map_err(|invalid| {
+        Failure::refused(RefusalCode::NotFinite, format!("the result is no mesh: {invalid}"))
+    })
+}
+
+fn is_ended(job: &Job) -> bool {
+    job.is_cancelled() || job.is_finishing()
+}
+
+/// A mesh as the engine takes it, with the faces of each plane as one.
+fn imported(mesh: &Mesh) -> Result<Manifold, EngineFailure> {
+    if mesh.faces().is_empty() {
+        return Ok(Manifold::empty());
+    }
+    // Adding zero makes −0.0 one with 0.0.
+    let made = Manifold::from_mesh_glp(&MeshGLP::<f64, u32> {
+        num_prop: 3,
+        vert_properties: mesh.positions().as_flattened().iter().map(|x| x + 0.0).collect(),
+        tri_verts: mesh.faces().as_flattened().to_vec(),
+        ..MeshGLP::default()
+    });
+    succeeded(&made)?;
+    Ok(made)
+}
+
+fn exported(made: &Manifold) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let out: MeshGLP<f64, u32> = made.get_mesh_glp(-1);
+    let stride = if out.num_prop == 0 { 3 } else { out.num_prop as usize };
+    let positions = out.vert_properties.chunks_exact(stride).map(|row| [row[0], row[1], row[2]]).collect();
+    (positions, out.tri_verts.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
+}

@@ -1,0 +1,176 @@
+//! What offsets, tapers and twists make of a [`Construction`]. All of them are made of the parts one by one, because that is
+//! what they do to the minima and maxima of the parts' fields.
+use super::affine::Affine3;
+use super::construction::{Construction, ConstructionNode, PlanarForm, SolidForm};
+use super::distance::DistanceQuality;
+use super::shapes::Contours;
+
+/// The most sides of contours that are offset side by side. Chosen: each becomes a shape of its own.
+const MOST_SIDES: usize = 256;
+
+impl Construction {
+    /// The points where the field is below `by`. None where some part has no such surface in closed form.
+    ///
+    /// Grown intersections are refused: their fields say less than the distance outside.
+    pub(super) fn offset(&self, by: f64) -> Option<Self> {
+        let each = |parts: &[Self]| parts.iter().map(|part| part.offset(by)).collect::<Option<Vec<_>>>();
+        match self.node() {
+            ConstructionNode::Planar(form) => planar_offset(form, by),
+            ConstructionNode::Solid(form) => Self::solid(solid_offset(form, by)?),
+            ConstructionNode::Placed(map, below) => {
+                let [x, y, z] = map.rows().map(|row| row[0]);
+                let scale = (x * x + y * y + z * z).sqrt();
+                // Anything else would be rounded twice.
+                if scale != 1.0 {
+                    return None;
+                }
+                Self::new(ConstructionNode::Placed(*map, below.offset(by)?))
+            }
+            ConstructionNode::Union(parts) => Self::new(ConstructionNode::Union(each(parts)?.into())),
+            ConstructionNode::Intersection(parts) if by < 0.0 => {
+                Self::new(ConstructionNode::Intersection(each(parts)?.into()))
+            }
+            ConstructionNode::Complement(below) => below.offset(-by)?.complement(),
+            ConstructionNode::Intersection(_) | ConstructionNode::Other(_) => None,
+        }
+    }
+
+    /// A plane shape between two heights, `half` above 0 and below, that is `factor` times as large at the upper one.
+    pub(super) fn tapered(&self, factor: f64, half: f64) -> Option<Self> {
+        self.map_planar(None, &|form, place| {
+            Self::solid(SolidForm::Tapered { profile: form.clone(), place, half, factor })
+        })
+    }
+
+    /// Turned about z by `radians` more per unit of height. None for what is no combination of upright prisms.
+    pub(super) fn twisted(&self, radians: f64) -> Option<Self> {
+        self.map_prisms(&Affine3::IDENTITY, radians)
+    }
+
+    fn map_prisms(&self, place: &Affine3, radians: f64) -> Option<Self> {
+        let each = |parts: &[Self]| {
+            parts.iter().map(|part| part.map_prisms(place, radians)).collect::<Option<Vec<_>>>()
+        };
+        match self.node() {
+            ConstructionNode::Solid(form) => {
+                let (profile, half) = prism(form)?;
+                let [x, y, z] = place.rows();
+                let is_upright = [x[2], y[2], z[0], z[1]] == [0.0; 4];
+                if !is_upright {
+                    return None;
+                }
+                let flat = Affine3::new([x, y, [0.0, 0.0, 1.0, 0.0]]).ok()?;
+                let reach = z[2].abs() * half;
+                let heights = [z[3] - reach, z[3] + reach];
+                let place = if flat == Affine3::IDENTITY { None } else { Some(flat) };
+                Self::solid(SolidForm::Twisted { profile, place, heights, radians })
+            }
+            ConstructionNode::Placed(map, below) => below.map_prisms(&place.after(map).ok()?, radians),
+            ConstructionNode::Union(parts) => Self::new(ConstructionNode::Union(each(parts)?.into())),
+            ConstructionNode::Intersection(parts) => {
+                Self::new(ConstructionNode::Intersection(each(parts)?.into()))
+            }
+            ConstructionNode::Complement(below) => below.map_prisms(place, radians)?.complement(),
+            ConstructionNode::Planar(_) | ConstructionNode::Other(_) => None,
+        }
+    }
+}
+
+/// The section and half of the height of a solid that has the same section at all heights.
+fn prism(form: &SolidForm) -> Option<(PlanarForm, f64)> {
+    match form {
+        SolidForm::Extruded { profile, half } => Some((profile.clone(), *half)),
+        SolidForm::Cuboid { half: [x, y, z] } => {
+            Some((PlanarForm::Rectangle { half: [*x, *y], radius: 0.0 }, *z))
+        }
+        SolidForm::Cone { bottom, top, half } if bottom == top => {
+            Some((PlanarForm::Disc { radius: *bottom }, *half))
+        }
+        _ => None,
+    }
+}
+
+fn above_zero(x: f64) -> Option<f64> {
+    (x > 0.0).then_some(x)
+}
+
+/// Sides and a radius around them, by which a rectangle or a box is larger.
+fn rounded_offset<const N: usize>(half: [f64; N], radius: f64, by: f64) -> Option<([f64; N], f64)> {
+    let radius = radius + by;
+    if radius >= 0.0 {
+        return Some((half, radius));
+    }
+    let half = half.map(|x| x + radius);
+    half.iter().all(|x| *x > 0.0).then_some((half, 0.0))
+}
+
+fn solid_offset(form: &SolidForm, by: f64) -> Option<SolidForm> {
+    Some(match form {
+        SolidForm::Cuboid { half } => cuboid(rounded_offset(*half, 0.0, by)?),
+        SolidForm::RoundedCuboid { half, radius } => cuboid(rounded_offset(*half, *radius, by)?),
+        SolidForm::HalfSpace { normal, offset } => {
+            SolidForm::HalfSpace { normal: *normal, offset: offset + by }
+        }
+        SolidForm::Sphere { radius } => SolidForm::Sphere { radius: above_zero(radius + by)? },
+        SolidForm::Torus { major, minor } => {
+            SolidForm::Torus { major: *major, minor: above_zero(minor + by)? }
+        }
+        SolidForm::Capsule { ends, radius } => {
+            SolidForm::Capsule { ends: *ends, radius: above_zero(radius + by)? }
+        }
+        SolidForm::Cone { bottom, top, half } if bottom == top && by < 0.0 => {
+            let radius = above_zero(bottom + by)?;
+            SolidForm::Cone { bottom: radius, top: radius, half: above_zero(half + by)? }
+        }
+        SolidForm::Cone { .. }
+        | SolidForm::Extruded { .. }
+        | SolidForm::Revolved { .. }
+        | SolidForm::Tapered { .. }
+        | SolidForm::Twisted { .. } => return None,
+    })
+}
+
+fn cuboid((half, radius): ([f64; 3], f64)) -> SolidForm {
+    if radius > 0.0 { SolidForm::RoundedCuboid { half, radius } } else { SolidForm::Cuboid { half } }
+}
+
+fn planar_offset(form: &PlanarForm, by: f64) -> Option<Construction> {
+    Construction::planar(match form {
+        PlanarForm::Disc { radius } => PlanarForm::Disc { radius: above_zero(radius + by)? },
+        PlanarForm::Segment { ends, radius } => {
+            PlanarForm::Segment { ends: *ends, radius: above_zero(radius + by)? }
+        }
+        PlanarForm::Rectangle { half, radius } => {
+            let (half, radius) = rounded_offset(*half, *radius, by)?;
+            PlanarForm::Rectangle { half, radius }
+        }
+        PlanarForm::Contours(contours) => return contours_offset(contours, form, by),
+    })
+}
+
+/// What contours enclose, with or without all that is nearer than a distance to one of their sides.
+fn contours_offset(contours: &Contours, form: &PlanarForm, by: f64) -> Option<Construction> {
+    let distance = contours.distance();
+    let quality = if by > 0.0 { distance.outside } else { distance.inside };
+    let loops = contours.loops()?;
+    let n_sides: usize = loops.iter().map(Vec::len).sum();
+    if quality != DistanceQuality::Exact || n_sides > MOST_SIDES {
+        return None;
+    }
+    let side = |own: &[[f64; 2]], k: usize| {
+        let ends = [own[k], own[(k + 1) % own.len()]];
+        Construction::planar(PlanarForm::Segment { ends, radius: by.abs() })
+    };
+    let mut parts = vec![Construction::planar(form.clone())?];
+    for own in &loops {
+        for k in 0..own.len() {
+            let near = side(own, k)?;
+            parts.push(if by > 0.0 { near } else { near.complement()? });
+        }
+    }
+    Construction::new(if by > 0.0 {
+        ConstructionNode::Union(parts.into())
+    } else {
+        ConstructionNode::Intersection(parts.into())
+    })
+}
