@@ -55,9 +55,9 @@ pub(super) enum JudgedBound {
 }
 
 /// Triangles in the frame of a certificate, and how far transforms have moved them at most.
-struct JudgedMesh {
-    mesh: Mesh,
-    moved: f64,
+pub(super) struct JudgedMesh {
+    pub mesh: Mesh,
+    pub moved: f64,
 }
 
 impl JudgedMesh {
@@ -127,7 +127,7 @@ impl<'a> BoundJudge<'a> {
             Shape::Surfaces { surfaces, .. } => self.against_surfaces(&mesh, surfaces, said),
             Shape::Cage(polygons) => self.against_cage(&mesh, &polygons.cage, said, &goal),
             Shape::Field(implicit) if !implicit.bodies.is_empty() => {
-                unable("there is no judge of several shapes of a script at once")
+                self.against_bodies(&mesh, implicit, said, &goal)
             }
             Shape::Field(implicit) => match field::finite(implicit) {
                 Ok(solid) if has_meshes(&solid) => unable("there is no judge of a field with meshes in it"),
@@ -341,7 +341,7 @@ fn level_of(sampled: &VolumeShape) -> Option<(f64, Inside)> {
 }
 
 /// The distance in the metric of the claim, with what transforms moved.
-fn conclude(
+pub(super) fn conclude(
     found: Result<(Bound, OneSidedDistance), JobError>,
     moved: f64,
     said: &Bound,
@@ -363,7 +363,7 @@ fn conclude(
     Ok(JudgedBound::Between(judged))
 }
 
-fn unable(why: &str) -> Result<JudgedBound, MeshFailure> {
+pub(super) fn unable(why: &str) -> Result<JudgedBound, MeshFailure> {
     Ok(JudgedBound::Unable(why.to_owned()))
 }
 

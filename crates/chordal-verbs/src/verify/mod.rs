@@ -2,6 +2,7 @@
 mod attribute_pair;
 mod attributes;
 mod baked;
+mod bodies;
 mod bound_judge;
 mod claims;
 mod composed_reference;
