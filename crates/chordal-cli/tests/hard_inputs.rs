@@ -45,7 +45,8 @@ fn a_star_of_a_hundred_thousand_corners_becomes_triangles() {
 fn spikes_and_lines_that_lie_on_each_other_end_with_triangles_or_a_sentence() {
     let folder = Folder::new("hard-lines");
     let output = folder.text("a.glb");
-    let spikes = folder.file("spikes.svg", star(100_000, 500.0));
+    // The fewer become triangles, the more are refused; lines that lie on each other are refused as well.
+    let spikes = folder.file("spikes.svg", star(if is_long() { 100_000 } else { 20_000 }, 500.0));
     let crossed = repro("sx.svg").map(|input| (input, "0.1%"));
     for (input, length) in [(spikes, "1%")].into_iter().chain(crossed) {
         let made = run(&["mesh", &input, "-o", &output, "--force", "--tol", length, "-q"]);
@@ -59,7 +60,8 @@ fn spikes_and_lines_that_lie_on_each_other_end_with_triangles_or_a_sentence() {
 
 #[test]
 fn a_volume_is_not_missed_by_a_rounding() {
-    let Some(input) = repro("unmet_by_5e-10_r0.npy") else { return };
+    // It takes most of a minute, with simplification; the cells alone are looked at by the library's own test.
+    let Some(input) = repro("unmet_by_5e-10_r0.npy").filter(|_| is_long()) else { return };
     let folder = Folder::new("hard-volume");
     let output = folder.text("a.ply");
     let asked = ["--iso", "0.1", "--inside", "low", "--tol", "0.02", "--keep-best", "--json"];

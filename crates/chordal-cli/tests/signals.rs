@@ -117,14 +117,19 @@ fn a_failed_allocation_is_an_exit_code_and_no_abort() {
         .find(|&kilobytes| limited(kilobytes, &["--version".as_ref()]).status.success());
     let starts = starts.unwrap();
     let mut seen = std::collections::BTreeSet::new();
-    let mut aborts = 0;
+    let (mut aborts, mut ended_well) = (0, 0);
     let out = folder.path("out.ply");
     let input = folder.path("many.obj");
     let job = ["convert".as_ref(), input.as_ref(), out.as_ref(), "--force".as_ref(), "--json".as_ref()];
     for kilobytes in (starts..starts + 200_000).step_by(10_000) {
+        // With more it ends well, too.
+        if ended_well == 3 && !chordal_testkit::is_long() {
+            break;
+        }
         let limited = limited(kilobytes, &job);
         let Some(code) = limited.status.code() else { panic!("{kilobytes} kB: {limited:?}") };
         seen.insert(code);
+        ended_well += u32::from(code == 0);
         assert!([0, 3, 5].contains(&code), "{kilobytes} kB: {limited:?}");
         assert_eq!(out.exists(), code == 0, "{kilobytes} kB: {limited:?}");
         // Hardly started, it may have no memory for the report that is prepared.

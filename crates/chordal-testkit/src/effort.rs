@@ -1,5 +1,5 @@
-//! How much a sweep tries. `make test` stays below ten seconds of one core in every test; `make test-long`
-//! sets `CHORDAL_LONG=1`, and takes ten times as many random cases and all of what is otherwise sampled.
+//! How much a sweep tries. `make test` stays at about five seconds in every test; `make test-long` sets
+//! `CHORDAL_LONG=1`, and takes ten times as many random cases and all of what is otherwise sampled.
 
 /// Whether the long sweep was asked for.
 pub fn is_long() -> bool {

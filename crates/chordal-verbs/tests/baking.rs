@@ -200,7 +200,9 @@ fn a_longer_length_is_met_where_a_shorter_one_is() {
     let corner = |n: usize| format!("v {} {} {}\n", 10 * (n & 1), 10 * (n >> 1 & 1), 0.1 * (n >> 2) as f64);
     let faces = "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n";
     let obj = (0..8).map(corner).collect::<String>() + faces;
-    for length in ["2", "1", "0.3", "0.1"] {
+    // The last has cells by the million.
+    let lengths = ["2", "1", "0.3", "0.1"];
+    for length in &lengths[..if is_long() { 4 } else { 3 }] {
         let hint = FormatHint { name: Some("plate.obj"), ..FormatHint::default() };
         let input = load(obj.as_bytes(), hint, &Default::default()).unwrap();
         let spec =

@@ -3,7 +3,7 @@
 //! anything is measured, and a chain of transforms by more.
 use chordal::Job;
 use chordal_io::{Format, Limits};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, is_long};
 use chordal_verbs::{BudgetSpec, FormatHint, Tessellation, load, mesh};
 
 /// A sum of two numbers, the second below half a step of the first: some 106 bits.
@@ -151,9 +151,10 @@ fn polylines_of_far_drawings_are_as_near_as_is_proved_to_the_last_digits() {
         let most = made.bound.at_most().unwrap();
         let limit = Twofold::of(most).mul(Twofold::of(most));
         let mut worst = 0.0;
+        let n = if is_long() { 4096 } else { 1024 };
         for cubic in &drawn.cubics {
-            for step in 0..=4096 {
-                let p = drawn.at(cubic, f64::from(step) / 4096.0);
+            for step in 0..=n {
+                let p = drawn.at(cubic, f64::from(step) / f64::from(n));
                 // All segments: where a drawing crosses itself the nearest one jumps.
                 let squares = line.windows(2).map(|ends| distance_sq(p, ends[0], ends[1]));
                 let square = squares.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();

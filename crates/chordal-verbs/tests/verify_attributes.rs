@@ -4,6 +4,7 @@ use super::verify_edits::{CUBE, at_level, certificate_of, levels_within, loaded}
 use chordal::Job;
 use chordal::explicit::{Attribute, Semantic};
 use chordal_io::{Format, Limits};
+use chordal_testkit::is_long;
 use chordal_verbs::{
     BudgetSpec, ClaimVerdict, FormatHint, Input, Normals, PolygonSurface, Shape, VerifyReport, convert, load,
     lod, mesh, n_coarser_levels, seal_of, verify, verify_levels,
@@ -302,7 +303,7 @@ fn attributes_of_levels_are_roughly_those_of_the_input() {
 fn counts_by_the_other_topology_are_counted_again_in_every_format() {
     let teapot = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/teapot.bpt")).unwrap();
     let source = loaded(&teapot, "teapot.bpt");
-    for to in [Format::Glb, Format::Gltf, Format::Stl, Format::Ply] {
+    for (number, to) in [Format::Glb, Format::Gltf, Format::Stl, Format::Ply].into_iter().enumerate() {
         let made = mesh(source.clone(), &spec("5%"), to, &Job::default()).expect("reachable");
         let honest = made.certificate.to_value();
         let mut bytes = Vec::new();
@@ -320,7 +321,10 @@ fn counts_by_the_other_topology_are_counted_again_in_every_format() {
         let all = found(&honest);
         assert_eq!(all.verdict, ClaimVerdict::Proved, "{to}: {:?}", all.worst());
         assert!(!all.unchecked.iter().any(|own| own.starts_with("valid")), "{to}: {:?}", all.unchecked);
-        for (key, value) in honest["valid"]["other"].as_object().unwrap() {
+        // By default each count in some of the formats.
+        let step = if is_long() { 1 } else { 3 };
+        let counts = honest["valid"]["other"].as_object().unwrap();
+        for (key, value) in counts.iter().skip(number % step).step_by(step) {
             let mut edited = honest.clone();
             edited["valid"]["other"][key] = match value {
                 Value::Bool(is) => json!(!is),

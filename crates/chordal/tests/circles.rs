@@ -143,7 +143,7 @@ fn files_above_the_library_use_each_other_one_way() {
     let complaints: Vec<String> = CRATES
         .iter()
         .flat_map(|name| {
-            let found = circles(&sources(&format!("crates/{name}/src")));
+            let found = circles(sources(&format!("crates/{name}/src")));
             found.into_iter().map(move |circle| format!("{name}: a circle of {circle}"))
         })
         .collect();

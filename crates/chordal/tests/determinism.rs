@@ -167,9 +167,9 @@ fn orderless_steps(tokens: &[Token], at: usize) -> Vec<&str> {
 
 #[test]
 fn result_paths_are_deterministic() {
-    let all: Vec<Source> = RESULT_PATHS.iter().flat_map(|folder| gates::sources(folder)).collect();
+    let all: Vec<&Source> = RESULT_PATHS.iter().flat_map(|folder| gates::sources(folder)).collect();
     assert!(all.len() > 10, "the sources are there");
-    expect_none(&all.iter().flat_map(differences).collect::<Vec<_>>());
+    expect_none(&all.into_iter().flat_map(differences).collect::<Vec<_>>());
 }
 
 #[test]

@@ -271,7 +271,7 @@ fn violations(files: &[Source]) -> Vec<String> {
 fn rooms_import_only_downwards() {
     let files = gates::sources("crates/chordal/src");
     assert!(files.len() > 10, "the sources are there");
-    expect_none(&violations(&files));
+    expect_none(&violations(files));
 }
 
 /// The number of complaints about `text` as the file `path`, beside a root that re-exports a `Mesh`.

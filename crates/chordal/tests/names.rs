@@ -88,7 +88,7 @@ fn type_names_are_unique_in_their_crate_and_name_things() {
         .collect();
     names.sort();
     let complaints: Vec<String> =
-        names.iter().flat_map(|name| misnamed(name, &sources(&format!("crates/{name}/src")))).collect();
+        names.iter().flat_map(|name| misnamed(name, sources(&format!("crates/{name}/src")))).collect();
     expect_none(&complaints);
 }
 

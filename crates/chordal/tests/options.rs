@@ -35,7 +35,7 @@ fn spelled_options(source: &Source) -> Vec<String> {
 fn options_are_spelled_by_shells_alone() {
     let below = BELOW.map(|name| sources(&format!("crates/{name}/src")));
     assert!(below.iter().all(|sources| !sources.is_empty()), "the crates are found");
-    let complaints: Vec<String> = below.iter().flatten().flat_map(spelled_options).collect();
+    let complaints: Vec<String> = below.into_iter().flatten().flat_map(spelled_options).collect();
     expect_none(&complaints);
 }
 

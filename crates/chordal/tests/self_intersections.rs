@@ -4,7 +4,7 @@ use chordal::check::findings::MeshLocation;
 use chordal::check::{self_intersections, validity};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
-use chordal_testkit::{Random, cases};
+use chordal_testkit::{Random, cases, is_long};
 
 type Lattice = [i128; 3];
 type Triangle = [Lattice; 3];
@@ -150,7 +150,7 @@ fn lattice_soups_agree_with_exact_fractions() {
 #[test]
 fn two_triangles_with_each_kind_of_common_corner_agree_with_exact_fractions() {
     let mut met = [[0; 2]; 3];
-    let n = cases(12_000);
+    let n = if is_long() { 120_000 } else { 4_000 };
     for seed in 0..n as u64 {
         let mut random = Random::new(!seed);
         let side = [3, 4, 6][random.below(3)];
@@ -208,7 +208,7 @@ fn coordinates_that_span_many_digits_have_the_same_verdicts() {
 #[test]
 fn a_slanted_lattice_has_the_same_verdicts_though_nothing_is_exact_in_floating_point() {
     let mut met = [0; 2];
-    let n = cases(4000);
+    let n = if is_long() { 40_000 } else { 1_400 };
     for seed in 0..n as u64 {
         let mut random = Random::new(seed ^ 0x9999);
         let points: Vec<Lattice> = (0..7).map(|_| [4, 4, 2].map(|n| random.below(n) as i128)).collect();

@@ -248,10 +248,10 @@ fn dead_links(path: &str, text: &str, exists: &dyn Fn(&Path) -> bool) -> Vec<Str
 
 #[test]
 fn every_source_is_tidy() {
-    let all: Vec<Source> =
+    let all: Vec<&Source> =
         ["crates", "bench", "fuzz", "examples"].iter().flat_map(|f| gates::sources(f)).collect();
     assert!(all.len() > 20, "the sources are there");
-    expect_none(&all.iter().flat_map(untidy).collect::<Vec<_>>());
+    expect_none(&all.into_iter().flat_map(untidy).collect::<Vec<_>>());
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Large hostile files stay within the promised memory.
 use super::{held_by, measured, promised, seeds, threemf_build, usd_build};
 use chordal_io::{Content, Format, Limits, ReadOutcome, tiles};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, is_long};
 
 #[test]
 fn large_hostile_files_stay_within_the_promised_memory() {
-    let n = 1_000_000;
+    let n = if is_long() { 1_000_000 } else { 300_000 };
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     let groups = |i: usize| format!("usemtl {i}\ng {i}\no {i}\ns {i}\n");
     let texcoords: String = (0..n / 4).map(|_| "vt 1\n").collect();
@@ -352,7 +352,7 @@ fn h62_packed_volumes_stay_within_the_promise_for_what_they_unpack_to() {
 /// A path packs a point into as little as two bytes. What is promised counts 16 bytes for each point.
 #[test]
 fn h77_packed_paths_stay_within_the_promise_for_what_they_decode_to() {
-    let n = 1_000_000_u64;
+    let n = if is_long() { 1_000_000_u64 } else { 300_000 };
     let paths = [
         ("h1", 1),
         ("l1 1", 1),
@@ -381,7 +381,7 @@ fn h77_packed_paths_stay_within_the_promise_for_what_they_decode_to() {
 
 #[test]
 fn h75_tilesets_stay_within_the_promise() {
-    let n = 400_000;
+    let n = if is_long() { 400_000 } else { 120_000 };
     let tile = |more: &str| {
         format!(r#"{{"boundingVolume":{{"box":[0,0,0,1,0,0,0,1,0,0,0,1]}},"geometricError":0{more}}}"#)
     };
@@ -485,7 +485,7 @@ fn h51_models_stay_within_the_promise_for_what_they_unpack_to() {
 
 #[test]
 fn material_libraries_stay_within_the_promise_for_all_files_together() {
-    let n = 300_000;
+    let n = if is_long() { 300_000 } else { 100_000 };
     let used: String = (0..n).map(|i| format!("usemtl {i}\n")).collect();
     let obj = |libraries: &str| format!("{libraries}\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{used}f 1 2 3\n");
     let bare: String = (0..n).map(|i| format!("newmtl {i}\n")).collect();

@@ -8,7 +8,7 @@ use chordal::explicit::subdivision::{Boundary, CreasingMethod, INFINITELY_SHARP,
 use chordal::explicit::{Cage, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use chordal_testkit::sampler::distance;
-use chordal_testkit::{Random, some};
+use chordal_testkit::{Random, is_long, some};
 use std::collections::BTreeMap;
 
 type Point = [f64; 3];
@@ -142,7 +142,8 @@ fn is_doubled(cage: &Cage) -> bool {
 #[test]
 fn faces_agree_on_their_edges() {
     let stars = (3..=12).map(|n| (format!("star {n}"), star(n, 2, 3)));
-    let all = (0..3000).map(|seed| (format!("random {seed}"), random(seed)));
+    let n = if is_long() { 3000 } else { 800 };
+    let all = (0..n).map(|seed| (format!("random {seed}"), random(seed)));
     for (name, cage) in of_corpus().chain(stars).chain(all) {
         let limit = cage.limit().unwrap();
         let mut seen = BTreeMap::<([u32; 2], u32), Point>::new();
@@ -413,7 +414,9 @@ fn no_mesh_is_further_than_its_bound() {
     let stars = (3..=12).map(|n| (format!("star {n}"), star(n, 2, u64::from(n))));
     let mut ratios = Vec::new();
     for (name, cage) in some(of_corpus().chain(stars), 5) {
-        for (share, rounds) in [(5e-2, 4), (1e-2, 5), (2e-3, 5)] {
+        let all: &[(f64, u32)] =
+            if is_long() { &[(5e-2, 4), (1e-2, 5), (2e-3, 5)] } else { &[(5e-2, 4), (2e-3, 5)] };
+        for &(share, rounds) in all {
             let rounds = if cage.n_faces() > 100 { rounds - 1 } else { rounds };
             let mesh = meshed(&cage, share);
             let bound = mesh.bound.at_most().unwrap();

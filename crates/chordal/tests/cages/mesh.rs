@@ -158,7 +158,7 @@ fn star(n: u32, seed: u64) -> Cage {
 #[test]
 fn stars_keep_their_bounds_and_bounds_are_near() {
     let mut ratios = Vec::new();
-    for n in some(3..=12, 5) {
+    for n in some(3..=12, 3) {
         for seed in 0..if is_long() { 10 } else { 1 } {
             let star = star(n, seed);
             let referee = Referee::new(&star, 4);
@@ -313,7 +313,7 @@ fn meshes_that_keep_tiles_are_closed_and_within_their_bound_at_every_view() {
         let n = cage.positions().len() as f64;
         let middle = [0, 1, 2].map(|k| cage.positions().iter().map(|p| p[k]).sum::<f64>() / n);
         let (mut n_kept, mut n_made) = (0, 0);
-        for step in some([0, 1, 2, 3, 4, 5, 6, 3, 0, -12], 5) {
+        for (number, step) in some([0, 1, 2, 3, 4, 5, 6, 3, 0, -12], 5).into_iter().enumerate() {
             let to = [1.5 - 0.1 * f64::from(step), 1.0, 0.5 + 0.02 * f64::from(step)];
             let eye: [f64; 3] = std::array::from_fn(|k| middle[k] + to[k] * diagonal(&cage));
             let place = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
@@ -327,9 +327,12 @@ fn meshes_that_keep_tiles_are_closed_and_within_their_bound_at_every_view() {
                 (found.closed, found.manifold())
             };
             assert_eq!(is_closed(&own.shape), is_closed(&new.shape), "{name}, {step}");
-            let bound = own.bound.at_most().unwrap();
-            let found = distance(&own.shape, &referee.fine);
-            assert!(found <= bound + referee.off, "{name}, {step}: {found} > {bound} + {}", referee.off);
+            // By default where the most was kept on the way there, and at the end.
+            if is_long() || [2, 4].contains(&number) {
+                let bound = own.bound.at_most().unwrap();
+                let found = distance(&own.shape, &referee.fine);
+                assert!(found <= bound + referee.off, "{name}, {step}: {found} > {bound} + {}", referee.off);
+            }
             // Half of the cells would do, and tiles of few cells have more triangles where they are stitched.
             assert!(own.shape.faces().len() <= 3 * new.shape.faces().len(), "{name}, {step}");
             (n_kept, n_made) = (n_kept + kept.reuse().kept, n_made + kept.reuse().made);

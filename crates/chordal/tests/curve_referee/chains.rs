@@ -2,10 +2,10 @@
 use super::families::shape;
 use super::lengths::{check, judge};
 use super::truth::{Part, Path, Round};
-use super::{cases, for_all, length};
+use super::{for_all, length};
 use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::{Budget, Job};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, is_long};
 
 /// A path of 1 to 12 pieces, some of them points.
 pub fn chain<const D: usize>(seed: usize) -> Path<D> {
@@ -48,7 +48,7 @@ pub fn chain<const D: usize>(seed: usize) -> Path<D> {
 
 #[test]
 fn no_polyline_is_further_from_its_path_than_its_bound() {
-    for_all(cases(600), |seed| {
+    for_all(if is_long() { 6000 } else { 200 }, |seed| {
         for tolerance in [1e-1, 1e-2, 1e-4] {
             for spacing in [Spacing::Fewest, Spacing::Even] {
                 let name = format!("path (seed {seed})");

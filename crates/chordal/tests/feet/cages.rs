@@ -6,7 +6,7 @@ use chordal::explicit::query::SurfaceTree;
 use chordal::explicit::subdivision::{LimitSurface, Scheme};
 use chordal::{Job, Tolerance};
 use chordal_testkit::Random;
-use chordal_testkit::cases;
+use chordal_testkit::is_long;
 use chordal_testkit::sampler::Point;
 
 fn samples(limit: &LimitSurface<'_>, n: usize) -> Vec<Point> {
@@ -33,7 +33,8 @@ fn no_cage_of_the_corpus_breaks_an_enclosure() {
         let tree = SurfaceTree::from_limit(&limit, &Job::default()).unwrap();
         let size = extent(&samples);
         // Vertices of hundreds of quads take long when they are first met.
-        let (count, tolerance) = if name.contains("pole") { (10, 1e-2) } else { (cases(50), 1e-9) };
+        let (count, tolerance) =
+            if name.contains("pole") { (10, 1e-2) } else { (if is_long() { 500 } else { 18 }, 1e-9) };
         for query in 0..count {
             let p = match query % 3 {
                 // On the surface; every sheet begins at a vertex.

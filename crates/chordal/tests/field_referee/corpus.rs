@@ -14,7 +14,7 @@ use chordal_testkit::Random;
 use chordal_testkit::{is_long, some};
 
 fn corpus() -> Vec<(Shape, f64)> {
-    let (n_bells, within) = if is_long() { (100, 0.04) } else { (40, 0.06) };
+    let (n_bells, within) = if is_long() { (100, 0.04) } else { (12, 0.08) };
     vec![
         (shapes::cube_without_ball(), 0.03),
         (shapes::drilled(), 0.03),
@@ -127,7 +127,8 @@ fn errors_fall_with_the_square_of_the_cells_where_shapes_are_smooth() {
             };
             (far, mesh.faces().len() as f64)
         };
-        let ((coarse, few), (fine, many)) = (of(3_000), of(12_000));
+        let n = if is_long() { 3_000 } else { 1_000 };
+        let ((coarse, few), (fine, many)) = (of(n), of(4 * n));
         // Faces grow with the inverse square of the cells' size, so the error falls like one over their
         // number.
         let power = (coarse / fine).ln() / (many / few).ln();

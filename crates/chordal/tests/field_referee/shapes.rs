@@ -2,7 +2,7 @@
 use chordal::implicit::evaluation::Unary;
 use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
-use chordal_testkit::Random;
+use chordal_testkit::{Random, is_long};
 
 pub type Point = [f64; 3];
 
@@ -221,7 +221,7 @@ pub fn all(trees: usize) -> Vec<Shape> {
         gyroid(),
         solid("turned box", turned_box([0.1, -0.1, 0.05], [0.7, 0.5, 0.3], turned), 1.1),
         drilled(),
-        blobs(30, 20.0, &mut random),
+        blobs(if is_long() { 30 } else { 10 }, 20.0, &mut random),
         solid("menger sponge", menger(), 1.05),
         solid("touching spheres", two_balls(), 1.1),
         cones(),

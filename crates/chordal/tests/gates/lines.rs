@@ -72,6 +72,7 @@ impl Lines<'_> {
 /// Between two tokens stand only blanks and comments, so what is not blank there is a comment.
 fn comments(source: &Source) -> BTreeMap<usize, Comment> {
     let text = &source.text;
+    let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
     let mut found = BTreeMap::new();
     let mut keep = |from: usize, part: &str| {
         let mut at = from;
@@ -79,7 +80,7 @@ fn comments(source: &Source) -> BTreeMap<usize, Comment> {
             let blank = piece.len() - piece.trim_start().len();
             if !piece.trim().is_empty() {
                 let start = at + blank;
-                let line = text[..start].matches('\n').count() + 1;
+                let line = ends.partition_point(|end| *end < start) + 1;
                 let before = text[..start].rsplit('\n').next().unwrap_or("");
                 let comment = Comment { text: piece.trim().to_owned(), alone: before.trim().is_empty() };
                 found.entry(line).or_insert(comment);

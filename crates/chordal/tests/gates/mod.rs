@@ -7,6 +7,7 @@ use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,13 +145,20 @@ pub fn relative(file: &Path) -> String {
     inside.to_string_lossy().replace('\\', "/")
 }
 
-/// Every Rust file below `folder`.
-pub fn sources(folder: &str) -> Vec<Source> {
+/// Every Rust file that a gate looks at, in order of the paths, taken apart once for all gates.
+static SOURCES: LazyLock<Vec<Source>> = LazyLock::new(|| {
     let read = |file: &PathBuf| std::fs::read_to_string(file).expect("a Rust file is readable UTF-8");
-    files(folder, |name| name.ends_with(".rs"))
-        .iter()
-        .map(|file| Source::new(&relative(file), &read(file)))
-        .collect()
+    let folders = ["bench", "crates", "examples", "fuzz"];
+    let files = folders.iter().flat_map(|folder| files(folder, |name| name.ends_with(".rs")));
+    files.map(|file| Source::new(&relative(&file), &read(&file))).collect()
+});
+
+/// Every Rust file below `folder`, which is one of those or lies in one.
+pub fn sources(folder: &str) -> &'static [Source] {
+    let is_below = |source: &Source| Path::new(&source.path).starts_with(folder);
+    let first = SOURCES.iter().position(is_below).unwrap_or(SOURCES.len());
+    let n = SOURCES[first..].iter().take_while(|source| is_below(source)).count();
+    &SOURCES[first..first + n]
 }
 
 /// Fails with all complaints, one a line.

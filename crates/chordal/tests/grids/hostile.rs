@@ -6,7 +6,7 @@ use chordal::convert::lattices::{LabelOptions, grid_to_triangles, labels_to_mesh
 use chordal::convert::{Polygonize, grid_to_mesh};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Budget, Evidence, Failure, Job, Tolerance};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, corpus, is_long};
 use std::collections::BTreeSet;
 
 fn grid(size: [usize; 3], samples: Samples) -> Grid {
@@ -166,13 +166,34 @@ fn h70_a_shape_that_is_not_there_is_refused_with_the_reason() {
     assert_eq!(box_.shape.faces().len(), 12);
 }
 
+/// It was beyond its length by the rounding to f32 of what cells are off.
+#[test]
+fn noise_that_missed_its_length_by_a_rounding_is_met() {
+    let Some(path) = corpus::find("repro/unmet_by_5e-10_r0.npy") else { return };
+    let bytes = std::fs::read(path).unwrap();
+    // 6 × 6 × 6 numbers of 8 bytes end the file, the last index first.
+    let numbers = bytes[bytes.len() - 8 * 216..].chunks_exact(8);
+    let values = numbers.map(|x| f64::from_le_bytes(x.try_into().unwrap())).collect();
+    let affine = Affine3::new([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]).unwrap();
+    let grid = Grid::new([6; 3], Samples::F64(values), affine).unwrap();
+    let budget = Budget::length(Tolerance::new(0.02).unwrap());
+    let made = grid_to_mesh(&grid, &Polygonize::below(0.1), Some(&budget), &Job::default()).unwrap();
+    assert_eq!(made.bound.evidence(), &Evidence::Proved);
+    assert!(made.bound.at_most().unwrap() <= 0.02, "{:?}", made.bound);
+    let mesh = &made.shape;
+    assert_eq!(flaw(mesh.positions().len(), mesh.faces(), |_, _| false), None);
+    assert!(mesh.faces().len() <= 142_724, "{}", mesh.faces().len());
+}
+
 #[test]
 fn a_length_halves_cells_until_the_bound_holds() {
-    let smooth = sampled(ball, 16, &Affine3::cubes([-1.0; 3], 2.0 / 15.0).unwrap());
+    let n = if is_long() { 16 } else { 10 };
+    let affine = Affine3::cubes([-1.0; 3], 2.0 / (n - 1) as f64).unwrap();
+    let smooth = sampled(ball, n, &affine);
     let whole = |p: [f64; 3]| (1000.0 * ball(p)).floor();
-    let rough = sampled(whole, 16, &Affine3::cubes([-1.0; 3], 2.0 / 15.0).unwrap());
-    let values = (0..4096).map(|at| rough.samples().get(at) as i16).collect();
-    let rough = Grid::new([16; 3], Samples::I16(values), *rough.affine()).unwrap();
+    let rough = sampled(whole, n, &affine);
+    let values = (0..n * n * n).map(|at| rough.samples().get(at) as i16).collect();
+    let rough = Grid::new([n; 3], Samples::I16(values), affine).unwrap();
     for (grid, exact) in [(smooth, false), (rough, true)] {
         let rule = Polygonize::below(0.0);
         let coarse = grid_to_mesh(&grid, &rule, None, &Job::default()).unwrap();

@@ -6,7 +6,7 @@ use chordal::convert::{Border, Inside, Normals, Polygonize, grid_to_mesh, sparse
 use chordal::explicit::Semantic;
 use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
 use chordal::{Bounded, Budget, Evidence, Failure, Job, Mesh, Tolerance};
-use chordal_testkit::{Random, cases};
+use chordal_testkit::{Random, cases, is_long};
 
 /// The mesh within a length, or the best one, and whether the length was reached.
 fn refined(grid: &Grid, rule: &Polygonize, length: f64, job: &Job) -> Option<(Bounded<Mesh>, bool)> {
@@ -77,7 +77,7 @@ fn noise_is_closed_and_manifold_where_levels_meet() {
     let mut random = Random::new(seed);
     let job = with_limit(6_000).with_threads(1);
     let mut finer = 0;
-    let n_cases = cases(60);
+    let n_cases = if is_long() { 600 } else { 18 };
     for case in 0..n_cases {
         let size = [0; 3].map(|_: i32| 2 + random.below(4));
         let affine = transforms()[random.below(3)];
@@ -174,11 +174,14 @@ fn seen_apart(grid: &Grid, rule: &Polygonize, mesh: &Mesh, random: &mut Random) 
 fn the_bound_holds_both_ways_where_levels_meet() {
     let mut random = Random::new(0x5EED_0141);
     let mut tightest = 0.0_f64;
-    for (name, f) in shapes() {
+    for (number, (name, f)) in shapes().into_iter().enumerate() {
         for n in [5, 7] {
             let affine = Affine3::cubes([-1.0; 3], 2.0 / (n - 1) as f64).unwrap();
             let grid = sampled(f, n, &affine);
-            for (border, share) in [(Border::Capped, 0.3), (Border::Open, 0.08), (Border::Capped, 0.03)] {
+            let all = [(Border::Capped, 0.3), (Border::Open, 0.08), (Border::Capped, 0.03)];
+            // By default one of the three for each lattice, by turns.
+            let own = |k: usize| is_long() || k == (number + n) % 3;
+            for (_, (border, share)) in all.into_iter().enumerate().filter(|(k, _)| own(*k)) {
                 let rule = Polygonize { border: [[border; 2]; 3], ..Polygonize::below(0.0) };
                 let length = share * 2.0 / (n - 1) as f64;
                 let (made, is_met) = refined(&grid, &rule, length, &Job::default()).unwrap();
@@ -200,8 +203,8 @@ fn the_bound_holds_both_ways_where_levels_meet() {
             }
         }
     }
-    // The referee is near enough to see a bound that is too small by a third.
-    assert!(tightest > 0.67, "{tightest}");
+    // The referee is near enough to see a bound that is too small by a third; of the default's share, by two fifths.
+    assert!(tightest > if is_long() { 0.67 } else { 0.6 }, "{tightest}");
 }
 
 #[test]
@@ -280,7 +283,7 @@ fn limits_end_it_with_the_best() {
     let coarse = grid_to_mesh(&grid, &rule, None, &Job::default()).unwrap();
     let n_coarse = coarse.shape.faces().len() as u64;
     let mut last = f64::INFINITY;
-    for triangles in [n_coarse + 1, 4 * n_coarse, 40 * n_coarse] {
+    for triangles in [n_coarse + 1, 4 * n_coarse, if is_long() { 40 } else { 10 } * n_coarse] {
         let job = with_limit(triangles);
         let (best, is_met) = refined(&grid, &rule, 1e-6, &job).unwrap();
         assert!(!is_met && best.shape.faces().len() as u64 <= triangles);

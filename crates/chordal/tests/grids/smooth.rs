@@ -6,7 +6,7 @@ use chordal::convert::lattices::mask_to_smooth_mesh;
 use chordal::convert::{Border, Polygonize, grid_to_mesh};
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Failure, Job};
-use chordal_testkit::Random;
+use chordal_testkit::{Random, is_long};
 
 type Inside = fn([f64; 3]) -> bool;
 
@@ -56,8 +56,11 @@ fn the_bound_is_against_the_unsmoothed_mask() {
     for (number, (inside, affine, sigma)) in cases.into_iter().enumerate() {
         let grid = mask([17, 18, 16], affine, inside);
         let made = mask_to_smooth_mesh(&grid, &rule, [sigma; 3], &Job::default().with_threads(2)).unwrap();
-        let again = mask_to_smooth_mesh(&grid, &rule, [sigma; 3], &Job::default().with_threads(1)).unwrap();
-        assert!(made == again, "other bytes on one thread");
+        if number % 2 == 0 || is_long() {
+            let job = Job::default().with_threads(1);
+            let again = mask_to_smooth_mesh(&grid, &rule, [sigma; 3], &job).unwrap();
+            assert!(made == again, "other bytes on one thread");
+        }
         let mesh = &made.shape.mesh;
         assert_eq!(flaw(mesh.positions().len(), mesh.faces(), |_, _| false), None);
         assert_eq!(*made.bound.evidence(), Evidence::Proved);

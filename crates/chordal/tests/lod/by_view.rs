@@ -7,7 +7,7 @@ use chordal::explicit::Topology;
 use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
 use chordal_testkit::sampler::{Point, closest_weights, cross, dot, norm, on, sub};
-use chordal_testkit::{Random, some};
+use chordal_testkit::{Random, is_long, some};
 
 fn pixels(pixels: &str, view: &str) -> Budget {
     Budget::pixels(pixels.parse().expect("pixels"), view.parse().expect("a view"))
@@ -93,7 +93,9 @@ fn one_way(from: &Mesh, to: &Mesh, screen: &Screen, random: &mut Random) -> (f64
     let (mut most, mut n_seen) = (0.0_f64, 0);
     for face in 0..from.faces().len() {
         let t = from.corners(face);
-        let more: Vec<_> = (0..200_000 / from.faces().len() + 4).map(|_| random.weights()).collect();
+        let more: Vec<_> = (0..if is_long() { 200_000 } else { 50_000 } / from.faces().len() + 4)
+            .map(|_| random.weights())
+            .collect();
         for w in FIXED.into_iter().chain(more) {
             let p = on(t, w);
             let other = to.corners(tree.nearest(p, 0).1);

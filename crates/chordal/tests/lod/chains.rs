@@ -92,13 +92,14 @@ fn attributes_follow_through_all_levels() {
 
 #[test]
 fn every_level_of_solids_is_within_its_bound() {
-    levels_hold(vec![
+    let all = [
         ("torus", shapes::torus([60, 30], 0.0)),
         ("lobes", shapes::lobes(4)),
         ("gear", shapes::gear(2, 7)),
         ("heights", shapes::heights([40, 40], 0.002)),
         ("mobius", shapes::mobius([60, 8])),
-    ]);
+    ];
+    levels_hold(some(all, 3));
 }
 
 #[test]
@@ -111,7 +112,7 @@ fn every_level_of_drawn_meshes_is_within_its_bound() {
         "trimesh/models/quadknot.obj",
     ];
     levels_hold(
-        some(names, 2).into_iter().filter_map(|name| data::obj(name).map(|mesh| (name, mesh))).collect(),
+        some(names, 1).into_iter().filter_map(|name| data::obj(name).map(|mesh| (name, mesh))).collect(),
     );
 }
 

@@ -10,7 +10,7 @@ use chordal::explicit::Attribute;
 use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::lod::simplify_conforming;
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
-use chordal_testkit::{Random, cases};
+use chordal_testkit::{Random, is_long};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Corner = [u64; 3];
@@ -124,7 +124,7 @@ fn random_labels_keep_their_common_faces_and_stay_closed() {
     let sheared =
         Affine3::new([[1.0, 0.25, 0.0, -3.0], [0.0, 0.75, 0.125, 5.0], [0.125, 0.0, -1.5, 7.0]]).unwrap();
     let mut fewer = 0.0;
-    let n = cases(16);
+    let n = if is_long() { 160 } else { 6 };
     for case in 0..n {
         let size = [0; 3].map(|_: i32| 3 + random.below(9));
         let (n_labels, noise) = (2 + random.below(5), [0, 0, 2, 20][random.below(4)]);
@@ -156,7 +156,7 @@ fn random_labels_keep_their_common_faces_and_stay_closed() {
 #[test]
 fn a_count_is_for_all_meshes_together() {
     let mut random = Random::new(11);
-    let size = [16, 15, 14];
+    let size = if is_long() { [16, 15, 14] } else { [13, 12, 11] };
     let values = labels(&mut random, size, 4, 0);
     let meshes = meshes_of(size, values, Affine3::IDENTITY, Border::Capped);
     let n: usize = meshes.iter().map(|mesh| mesh.faces().len()).sum();

@@ -49,7 +49,7 @@ fn a_count_has_the_error_of_a_length_that_leaves_as_many() {
 fn steps_of_least_cost_have_a_larger_error() {
     let mut random = Random::new(3);
     let mut worse = 0;
-    for (name, mesh) in solids() {
+    for (number, (name, mesh)) in solids().into_iter().enumerate() {
         let most = mesh.faces().len() as u64 / 8;
         let [best, fast] = [Effort::Best, Effort::Fast].map(|effort| counted(&mesh, most, effort, 1));
         assert!(n_faces(&best).max(n_faces(&fast)) <= most as usize, "{name}");
@@ -57,7 +57,9 @@ fn steps_of_least_cost_have_a_larger_error() {
         bounds::holds(name, &mesh, &Budget::triangles(most), &fast, &mut random);
         worse += u32::from(fast.bound.at_least() > 1.2 * best.bound.at_most().expect("proved"));
         assert!(best.bound.at_most() <= fast.bound.at_most(), "{name}");
-        assert_eq!(best, counted(&mesh, most, Effort::Best, 2), "{name}");
+        if number % 3 == 0 || chordal_testkit::is_long() {
+            assert_eq!(best, counted(&mesh, most, Effort::Best, 2), "{name}");
+        }
     }
     assert!(worse >= 3, "{worse}");
 }

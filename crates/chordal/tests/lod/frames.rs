@@ -128,7 +128,10 @@ fn large() -> [(&'static str, Mesh); 3] {
 
 #[test]
 fn regions_are_the_same_on_any_number_of_threads_and_leave_no_trace() {
-    for (name, mesh) in large() {
+    // By default the one with borders and values: each takes four seconds.
+    for (name, mesh) in
+        large().into_iter().filter(|(name, _)| chordal_testkit::is_long() || *name == "heights")
+    {
         assert!(mesh.faces().len() > 70_000, "{name}: {} triangles", mesh.faces().len());
         let size = mesh.bounds().diagonal();
         for share in chordal_testkit::some([5e-4, 5e-5], 1) {

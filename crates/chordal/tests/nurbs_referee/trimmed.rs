@@ -5,7 +5,7 @@ use chordal::explicit::nurbs::{KnotVector, NurbsCurve, NurbsSurface, TrimmedSurf
 use chordal::explicit::{Arc, Bezier, Curve, CurveEnds, CurveSegment, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, check, convert};
 use chordal_testkit::sampler::{Triangles, distance, on};
-use chordal_testkit::{Random, cases};
+use chordal_testkit::{Random, cases, is_long};
 use std::f64::consts::TAU;
 
 /// A loop in the unit square, which places of a sheet fill.
@@ -279,7 +279,9 @@ fn no_trimmed_surface_is_farther_from_its_mesh_than_the_bound() {
     for case in 0..cases(4) {
         let trimmed = Trimmed::random(&mut random);
         let size = largest(&trimmed.sheet.control);
-        let length = random.power(-2.7, -1.3) * size;
+        // Heavy weights at the shortest lengths take a minute.
+        let shortest = if is_long() { 0.0 } else { 0.02 };
+        let length = random.power(-2.7, -1.3).max(shortest) * size;
         let budget = Budget::length(Tolerance::new(length).unwrap());
         // Weights of 400 times each other may need more cells than there can be; the bound holds all the same.
         let mut job = Job::default();
@@ -306,7 +308,8 @@ fn no_trimmed_surface_is_farther_from_its_mesh_than_the_bound() {
     assert!(5 * unmet <= ratios.len(), "{unmet} of {}", ratios.len());
     let median = ratios[ratios.len() / 2];
     // Measured: 3.8, since cells are rows and columns across the whole, and weights differ by up to 400 times.
-    assert!(median < 5.0, "{median}");
+    // By default there are four, at longer lengths: 5.9.
+    assert!(median < if is_long() { 5.0 } else { 7.0 }, "{median}");
 }
 
 /// A plane through three corners, its parameters from 0 to `n` along `u`, with a degree and knots of its own.

@@ -186,7 +186,7 @@ fn no_camera_sees_more_pixels_than_promised() {
 fn pixel_bounds_cut_by_30_percent_are_caught() {
     // Far off and across the largest distance the pixels are nearly F·ε/z, so what is left is how tight the
     // length is.
-    let n = if is_long() { 140 } else { 56 };
+    let n = if is_long() { 140 } else { 28 };
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);
         let r = &mut Random::new(seed as u64);

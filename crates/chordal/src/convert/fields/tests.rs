@@ -339,7 +339,8 @@ fn random_solid(random: &mut Random) -> Expr {
 fn random_solids_are_closed_however_degenerate_they_are() {
     let mut n_crossed = 0;
     let mut n_faces = 0;
-    for seed in 1..=400_u64 {
+    let n_seeds = if chordal_testkit::is_long() { 4000 } else { 130 };
+    for seed in 1..=n_seeds {
         let mut random = Random::new(seed);
         let solid = random_solid(&mut random);
         // Mostly too coarse: the extracted surface is far from the solid, but still a closed one.
@@ -351,8 +352,8 @@ fn random_solids_are_closed_however_degenerate_they_are() {
             n_crossed += u32::from(sound(&made.surface, &format!("seed {seed}")) > 0);
         }
     }
-    assert!(n_faces > 100_000);
+    assert!(n_faces as u64 > 250 * n_seeds, "{n_faces}");
     // Sheets closer than the precision of coordinates may cross; with shifts of 16 bits about one in 3,000 of
     // such solids has some.
-    assert!(n_crossed <= 1, "{n_crossed}");
+    assert!(n_crossed <= if n_seeds > 3000 { 4 } else { 1 }, "{n_crossed}");
 }
