@@ -2,7 +2,7 @@
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
 import { ExhibitPages, drag, grip, live } from "./exhibit_page";
 import { STOPS, WIDGET, fileOfStop } from "../../src/exhibits/index";
-import { digits, seriousFindings, settled } from "./site";
+import { digits, isLong, seriousFindings, settled } from "./site";
 
 let pages: ExhibitPages;
 beforeAll(async () => {
@@ -16,7 +16,7 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
   const before = (await pages.state("bernstein"))["t"] as number;
   await drag(page, grip(page), 60, -20);
   expect((await pages.state("bernstein"))["t"]).toBeGreaterThan(before + 0.03);
-  for (const form of ["arch", "wave", "loop"]) {
+  for (const form of isLong ? ["arch", "wave", "loop"] : ["wave"]) {
     await page.locator(`input[name=form][value=${form}]`).check();
     for (const [t, isInside] of [["0", true], ["0.5", true], ["1", true], ["-0.1", false], ["1.1", false]] as const) {
       await page.locator("#t").fill(t);
@@ -33,10 +33,10 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
 });
 
 test("bernstein: whatever t is, nothing of the construction is cut off at the figure's edge", async () => {
-  const page = await pages.at("bernstein.html");
+  const page = await pages.on("bernstein.html", "#v=1");
   const opacities = await page.locator(".weighted .label").evaluateAll((all) => all.map((one) => getComputedStyle(one).fillOpacity));
   expect(opacities, "each name is as dark as the others").toEqual(["1", "1", "1", "1"]);
-  for (const form of ["arch", "wave", "loop"]) {
+  for (const form of isLong ? ["arch", "wave", "loop"] : ["arch", "loop"]) {
     await page.locator(`input[name=form][value=${form}]`).check();
     for (const t of ["-0.1", "-0.05", "0.5", "1.05", "1.1"]) {
       await page.locator("#t").fill(t);
@@ -56,6 +56,7 @@ test("joins: what is kept stays, and the handle breaks the rest; the mirror's pi
   const page = await pages.at("joins.html");
   expect(await pages.number("joins")).toBe(1);
   for (const [keep, left] of [["C0", 0], ["C1", 1], ["C2", 2]] as const) {
+    if (!isLong && keep === "C1") continue;
     await page.locator(`input[name=keep][value=${keep}]`).check();
     await settled(page);
     await page.locator(".panel .buttons button").click();

@@ -1,5 +1,6 @@
 // An exhibit's page under test: opened, its state read from the address, its number compared with the core's.
 import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { Core } from "../../src/core/module";
@@ -7,7 +8,7 @@ import type { AnyExhibit } from "../../src/exhibits/exhibit";
 import { read } from "../../src/exhibits/fragment";
 import { EXHIBITS } from "../../src/exhibits/index";
 import { Say } from "../../src/exhibits/say";
-import { EXHIBITS_WASM, Site, digits, settled, type Visit } from "./site";
+import { DIST, EXHIBITS_WASM, Site, digits, isLong, settled, type Visit } from "./site";
 
 export class ExhibitPages {
   private visit: Visit | undefined;
@@ -20,11 +21,17 @@ export class ExhibitPages {
   static async open(): Promise<ExhibitPages> {
     const exhibits = new Map<string, AnyExhibit>();
     for (const entry of EXHIBITS) exhibits.set(entry.id, (await entry.load()).default);
-    return new ExhibitPages(await Site.open(), await Core.load(readFileSync(EXHIBITS_WASM)), exhibits);
+    return new ExhibitPages(await Site.open(patient), await Core.load(readFileSync(EXHIBITS_WASM)), exhibits);
   }
 
   async at(...where: Parameters<Site["at"]>): Promise<Page> {
     this.visit = await this.site.at(...where);
+    return this.visit.page;
+  }
+
+  /** In the page that is open, if it is of this file: its module still has what takes seconds to compute. */
+  async on(...where: Parameters<Site["on"]>): Promise<Page> {
+    this.visit = await this.site.on(...where);
     return this.visit.page;
   }
 
@@ -58,7 +65,30 @@ export class ExhibitPages {
     expect(await page.locator(".live data").textContent()).toBe(shown);
     return value!;
   }
+
+  /** As `number`, of an exhibit that takes the core ten seconds: `make test` asks for them in the page alone. */
+  async costly(id: string): Promise<number> {
+    if (isLong) return this.number(id);
+    await settled(this.visit!.page);
+    return digits(this.visit!.page, "live");
+  }
+
+  /** The number that the core had for an exhibit as it is opened when its page was built. */
+  written(file: string): number {
+    const html = readFileSync(join(DIST, file), "utf8");
+    return Number(/<data [^>]*data-name="live" value="([^"]+)"/.exec(html)![1]);
+  }
 }
+
+/**
+ * What a page gives the core for one answer, 15 seconds, is enough for the module that pages have. That of tests is half as fast, and
+ * two others want the machine: an answer that is nearly there would be asked for anew.
+ */
+const patient = (page: Page) =>
+  page.addInitScript(() => {
+    const later = window.setTimeout.bind(window);
+    Object.assign(window, { setTimeout: (act: () => void, ms?: number) => later(act, ms === 15_000 ? 50_000 : ms) });
+  });
 
 /** Until the figure in space is drawn by the viewer. */
 export const live = (page: Page) => page.waitForSelector('.scene[data-viewer="webgl"]');

@@ -7,7 +7,7 @@ import { read } from "../../src/state/fragment";
 import { DEFAULTS, type State } from "../../src/state/state";
 import { Frame } from "../../src/view/frame";
 import { countWork, handleOf, type Work, wave, workOf } from "./drag";
-import { Site, WASM, digits, isLong, seriousFindings, settled, type Visit } from "./site";
+import { Site, WASM, digits, isLong, seriousFindings, settled, type Opening, type Visit } from "./site";
 
 let site: Site;
 let core: Core;
@@ -19,6 +19,11 @@ beforeAll(async () => {
 afterAll(() => site.close());
 async function open(...where: Parameters<Site["at"]>): Promise<Page> {
   visit = await site.at(...where);
+  return visit.page;
+}
+/** In the page that is open, where it is this one. */
+async function stay(fragment = "#v=1", options: Opening = {}): Promise<Page> {
+  visit = await site.on("", fragment, options);
   return visit.page;
 }
 
@@ -79,7 +84,7 @@ describe("one curve", () => {
   });
 
   test("a dragged point moves the curve, the numbers and the address", async () => {
-    const page = await open();
+    const page = await stay();
     await drag(page, 1, 60, 40);
     const state = await stateOf(page);
     expect(state.control[1]).not.toEqual(DEFAULTS.control[1]);
@@ -92,7 +97,7 @@ describe("one curve", () => {
   });
 
   test("a point dragged out of the figure stays inside the drawing", async () => {
-    const page = await open();
+    const page = await stay();
     await drag(page, 3, 3000, -3000);
     expect((await stateOf(page)).control[3]).toEqual([10, 6]);
   });
@@ -110,7 +115,7 @@ describe("one curve", () => {
   });
 
   test("every handle moves by keys and speaks its place", async () => {
-    const page = await open();
+    const page = await stay();
     for (let i = 0; i < 4; i++) {
       await handle(page, i).focus();
       const [x, y] = DEFAULTS.control[i]!;
@@ -128,7 +133,7 @@ describe("one curve", () => {
   });
 
   test("the number of segments by slider, by buttons and in the plot", async () => {
-    const page = await open();
+    const page = await stay();
     const slider = page.getByLabel("Segments", { exact: true });
     await slider.focus();
     await page.keyboard.press("ArrowRight");
@@ -147,7 +152,7 @@ describe("one curve", () => {
   });
 
   test("the smallest number that is enough is offered, shown, and enough", async () => {
-    const page = await open();
+    const page = await stay();
     await page.locator("input[name=goal][value='0.25']").check();
     await settled(page);
     await page.getByRole("button", { name: /^Show .*where it bends/ }).click();
@@ -161,7 +166,7 @@ describe("one curve", () => {
   });
 
   test("a denser screen makes the same gap more pixels", async () => {
-    const page = await open();
+    const page = await stay();
     const once = await digits(page, "gap-pixels");
     for (const density of [1, 2, 3]) {
       await page.locator(`input[name=density][value="${density}"]`).check();
@@ -173,7 +178,7 @@ describe("one curve", () => {
   });
 
   test("de Casteljau's point is dragged along the curve and by its slider", async () => {
-    const page = await open();
+    const page = await stay();
     const rider = page.locator(".rider");
     await intoSight(page, ".rider");
     const box = (await rider.locator(".dot").boundingBox())!;
@@ -191,7 +196,7 @@ describe("one curve", () => {
   });
 
   test("the points can be moved by plain sliders too", async () => {
-    const page = await open();
+    const page = await stay();
     await page.getByText("Move the points by numbers").click();
     await page.getByLabel("Control point 2, x").fill("4.25");
     expect((await stateOf(page)).control[1]).toEqual([4.25, 5.8]);
@@ -206,7 +211,7 @@ describe("one curve", () => {
 
 describe("two curves", () => {
   test("C0, C1 and C2 are made, stay made under the hand, and are what the core says", async () => {
-    const page = await open("#v=1&w=s");
+    const page = await stay("#v=1&w=s");
     for (const [wish, level] of [["C1", 1], ["C2", 2], ["C0", 0]] as const) {
       await page.locator(`input[name=smoothness][value=${wish}]`).check();
       await settled(page);
@@ -221,7 +226,7 @@ describe("two curves", () => {
   });
 
   test("the second curve leads when its handle is dragged", async () => {
-    const page = await open("#v=1&w=s&k=1");
+    const page = await stay("#v=1&w=s&k=1");
     const second = page.getByRole("slider", { name: "Second curve, control point 2", exact: true });
     const i = await page.locator("svg[data-figure] [role=slider]").evaluateAll((all) => all.findIndex((one) => one.getAttribute("aria-label") === "Second curve, control point 2"));
     await drag(page, i, 30, 20);
@@ -232,7 +237,7 @@ describe("two curves", () => {
   });
 
   test("the joint takes its neighbours along, by keys", async () => {
-    const page = await open("#v=1&w=s&k=2");
+    const page = await stay("#v=1&w=s&k=2");
     await page.getByRole("slider", { name: "The joint" }).focus();
     await page.keyboard.press("ArrowUp");
     const state = await stateOf(page);
@@ -244,7 +249,7 @@ describe("two curves", () => {
   });
 
   test("curves that are not joined are apart", async () => {
-    const page = await open("#v=1&w=s");
+    const page = await stay("#v=1&w=s");
     await page.locator("input[name=smoothness][value=none]").check();
     await settled(page);
     await drag(page, 4, 40, 40);
@@ -269,7 +274,8 @@ describe("address, language, surroundings", () => {
   });
 
   test("a corrupt address gives the usual page and a quiet note that can be closed", async () => {
-    for (const hash of ["#v=1&n=9e99&c=NaN", "#%%%", "#v=7&n=3", "#v=1&k=__proto__&j=1,2", "#v=1&c=1e999,0,0,0,0,0,0,0"]) {
+    const more = ["#v=7&n=3", "#v=1&c=1e999,0,0,0,0,0,0,0"];
+    for (const hash of ["#v=1&n=9e99&c=NaN", "#%%%", "#v=1&k=__proto__&j=1,2", ...(isLong ? more : [])]) {
       const page = await open(hash);
       expect(await page.locator("[data-note='note.damaged']").count(), hash).toBe(1);
       await settled(page);
@@ -321,7 +327,8 @@ describe("address, language, surroundings", () => {
   });
 
   test("at 360 pixels nothing sticks out, in both views and languages", async () => {
-    for (const address of ["", "#v=1&w=s", "#v=1&l=zh", "#v=1&l=zh&w=s", "?embed=1"]) {
+    // In `make test` each view has one language.
+    for (const address of ["", "#v=1&l=zh&w=s", "?embed=1", ...(isLong ? ["#v=1&w=s", "#v=1&l=zh"] : [])]) {
       const page = await open(address, { viewport: { width: 360, height: 740 } });
       await page.locator("details").evaluateAll((all) => all.forEach((one) => ((one as HTMLDetailsElement).open = true)));
       expect(await page.evaluate(() => document.documentElement.scrollWidth), address).toBeLessThanOrEqual(360);
@@ -390,8 +397,8 @@ describe("for everybody", () => {
     for (const view of ["c", "s"]) {
       for (const theme of ["l", "d"]) {
         for (const language of ["en", "zh"]) {
-          // In `make test` each theme has one language.
-          if (!isLong && (theme === "l") !== (language === "en")) continue;
+          // In `make test` each view has one theme and one language.
+          if (!isLong && new Set([view === "c", theme === "l", language === "en"]).size > 1) continue;
           const address = `#v=1&w=${view}&h=${theme}&l=${language}`;
           const page = await open(address);
           await page.locator("details").evaluateAll((all) => all.forEach((one) => ((one as HTMLDetailsElement).open = true)));
@@ -404,10 +411,12 @@ describe("for everybody", () => {
     await still.page.context().close();
   });
 
-  test.each([
-    ["in a usual window", 900],
+  // In `make test` where there is more to do.
+  const windows = [
     ["with the plot in sight as well", 1700],
-  ])("a move of a drag asks two questions and changes a hundred nodes at the most, %s", async (_, height) => {
+    ["in a usual window", 900],
+  ] as const;
+  test.each(isLong ? windows : windows.slice(0, 1))("a move of a drag asks two questions and changes a hundred nodes at the most, %s", async (_, height) => {
     const page = await open("", { viewport: { width: 1200, height }, prepare: countWork });
     let before = await workOf(page);
     await wave(page, handleOf(page, 1), async () => (before = await workOf(page)));

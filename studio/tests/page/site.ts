@@ -9,6 +9,7 @@ import type { AddressInfo } from "node:net";
 import { extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { type Browser, type BrowserContextOptions, type Page, chromium } from "playwright-core";
+import { getCurrentTest } from "vitest/suite";
 
 export const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 export const DIST = join(ROOT, "dist/page");
@@ -49,9 +50,11 @@ export class Site {
     readonly base: string,
     /** What the host is changed to. */
     readonly instead: Instead,
+    /** What every page is prepared with. */
+    private readonly prepare: (page: Page) => Promise<unknown>,
   ) {}
 
-  static async open(): Promise<Site> {
+  static async open(prepare: (page: Page) => Promise<unknown> = async () => undefined): Promise<Site> {
     const instead: Instead = { files: new Map(), headers: {} };
     const server = createServer((request, response) => void serve(request.url ?? "/", response, instead));
     await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
@@ -59,7 +62,7 @@ export class Site {
     const executablePath = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
     if (!existsSync(executablePath)) throw new Error(`there is no chromium at ${executablePath}`);
     const browser = await chromium.launch({ executablePath, args: FLAGS });
-    return new Site(browser, server, `http://127.0.0.1:${port}/some/where/`, instead);
+    return new Site(browser, server, `http://127.0.0.1:${port}/some/where/`, instead, prepare);
   }
 
   async close(): Promise<void> {
@@ -86,6 +89,7 @@ export class Site {
     const errors: string[] = [];
     page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
     page.on("pageerror", (error) => errors.push(String(error)));
+    await this.prepare(page);
     await prepare?.(page);
     await page.goto(this.base + address);
     return { page, errors };
@@ -102,16 +106,14 @@ export class Site {
    * another one, which takes as long as everything else. What pages store is forgotten.
    */
   async at(address = "", options: Opening = {}): Promise<Visit> {
-    const { viewport, colorScheme, reducedMotion, ...others } = options;
+    const { viewport: _, colorScheme: __, reducedMotion: ___, ...others } = options;
     const isShared = Object.keys(others).length === 0;
     if (this.visited && this.isShared && isShared) {
       const { page, errors } = this.visited;
       await page.evaluate(() => localStorage.clear());
-      await page.evaluate(() => localStorage.clear());
       // Away from the address, for it may be the same but for its fragment.
       await page.goto("about:blank");
-      await page.setViewportSize(viewport ?? VIEWPORT);
-      await page.emulateMedia({ media: null, colorScheme: colorScheme ?? "light", reducedMotion: reducedMotion ?? "no-preference" });
+      await seen(page, options);
       errors.length = 0;
       await page.goto(this.base + address);
     } else {
@@ -124,6 +126,36 @@ export class Site {
     await settled(this.visited.page);
     return this.visited;
   }
+
+  /**
+   * As `at`, for what does not depend on how a page was loaded: where the file's page is open, its fragment takes the place of the
+   * one before, and with it all of its state. What is tried again is opened.
+   */
+  async on(file: string, fragment: string, options: Opening = {}): Promise<Visit> {
+    const { visited } = this;
+    const isAgain = (getCurrentTest()?.result?.retryCount ?? 0) > 0;
+    const isOpen = visited && this.isShared && new URL(visited.page.url()).href.split("#")[0] === this.base + file;
+    if (!isOpen || isAgain) return this.at(file + fragment, options);
+    const { page, errors } = visited;
+    await seen(page, options);
+    errors.length = 0;
+    await page.evaluate(async (hash) => {
+      if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+      scrollTo(0, 0);
+      if (location.hash === hash) return;
+      const changed = new Promise((done) => addEventListener("hashchange", done, { once: true }));
+      location.hash = hash;
+      await changed;
+    }, fragment);
+    await settled(page);
+    return visited;
+  }
+}
+
+/** Lets a page that was opened be seen in another way. */
+export async function seen(page: Page, { viewport, colorScheme, reducedMotion }: Opening): Promise<void> {
+  await page.setViewportSize(viewport ?? VIEWPORT);
+  await page.emulateMedia({ media: null, colorScheme: colorScheme ?? "light", reducedMotion: reducedMotion ?? "no-preference" });
 }
 
 /** Of a page that is opened without further wishes. */

@@ -21,7 +21,7 @@ beforeAll(async () => {
   pages = new Workbenches(site);
   module = await commandModule();
 });
-afterEach(() => pages.close());
+afterEach((context) => pages.close(context));
 afterAll(() => site.close());
 
 const open: Workbenches["open"] = (...how) => pages.open(...how);
@@ -82,12 +82,14 @@ describe("a script", () => {
     await settled(page);
     await page.waitForFunction(() => location.hash.startsWith("#s="));
     const address = page.url();
-    const other = await open(address.slice(address.indexOf("workbench.html")));
-    await expect.poll(() => other.page.locator(".cm-content").textContent()).toContain("球");
     // The skip link is no part of the address.
     await page.locator("a.skip").focus();
     await page.keyboard.press("Enter");
     expect(page.url()).toBe(address);
+    await pages.close();
+    const other = await open(address.slice(address.indexOf("workbench.html")));
+    await expect.poll(() => other.page.locator(".cm-content").textContent()).toContain("球");
+    await pages.close();
     const damaged = await open("workbench.html#s=AAAA");
     expect(await damaged.page.locator(".note").textContent()).toContain("damaged");
   });
@@ -110,23 +112,24 @@ describe("a script", () => {
     const slider = page.locator("#param-r");
     await slider.waitFor();
     const box = (await slider.boundingBox())!;
-    const drafts = page.evaluate(() => {
+    await page.evaluate(() => {
       const seen = new Set<string>();
+      Object.assign(window, { seen });
       const big = document.querySelector(".certificate .big")!;
       new MutationObserver(() => big.classList.contains("draft") && seen.add(document.querySelector(".certificate dl")!.textContent!)).observe(
         document.querySelector(".certificate")!, { subtree: true, childList: true, characterData: true, attributes: true },
       );
-      return new Promise<number>((done) => addEventListener("pointerup", () => done(seen.size), { capture: true, once: true }));
     });
+    const drafts = () => page.evaluate(() => (window as unknown as { seen: Set<string> }).seen.size);
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
-    // A hand that does not rest for longer than a tenth of a second.
-    for (let i = 0; i < 60; i++) {
+    // A hand that does not rest for longer than a tenth of a second, for six seconds or until there is one.
+    for (let i = 0; i < 60 && (await drafts()) === 0; i++) {
       await page.mouse.move(box.x + box.width * (0.5 + 0.3 * Math.sin(i / 6)), box.y + box.height / 2);
       await page.waitForTimeout(100);
     }
+    expect(await drafts()).toBeGreaterThan(0);
     await page.mouse.up();
-    expect(await drafts).toBeGreaterThan(0);
     await settled(page);
     // `inspect` knows no such option, and is asked without it.
     await page.locator(".options-more summary").click();

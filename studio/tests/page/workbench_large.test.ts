@@ -17,7 +17,7 @@ beforeAll(async () => {
   site = await Site.open();
   pages = new Workbenches(site);
 });
-afterEach(() => pages.close());
+afterEach((context) => pages.close(context));
 afterAll(async () => {
   await site.close();
   rmSync(folder, { recursive: true });

@@ -5,7 +5,7 @@ import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { bench } from "../../src/workbench/document";
 import { pack } from "../../src/workbench/share";
-import { ROOT, Site, type Visit, settled } from "./site";
+import { type Opening, ROOT, Site, type Visit, seen, settled } from "./site";
 
 /** How long one step may take: the module that tests build is half as fast as the one that pages have. */
 const STEP_MS = 120_000;
@@ -26,24 +26,50 @@ export async function small(of = "sphere(1)", language = ""): Promise<string> {
   return `workbench${language}.html#s=${await pack(bench("bracket.star", { "bracket.star": text(of) }))}`;
 }
 
-/** Pages of one test after the other, closed together. */
+/**
+ * Pages of one test after the other. A test has a page of its own, loaded afresh, but in a tab that an earlier one has left: there
+ * the browser still has the module compiled, which takes longer than most tests.
+ */
 export class Workbenches {
-  private readonly opened: Page[] = [];
+  private readonly opened: { visit: Visit; kind: string }[] = [];
+  private readonly left: { visit: Visit; kind: string }[] = [];
   constructor(private readonly site: Site) {}
 
-  async open(address?: string, options: Parameters<Site["ready"]>[1] = {}): Promise<Visit> {
-    const prepare = async (page: Page) => {
-      page.setDefaultTimeout(STEP_MS);
-      await options.prepare?.(page);
-    };
-    const visit = await this.site.ready(address ?? (await small()), { ...options, prepare });
-    this.opened.push(visit.page);
+  async open(address?: string, options: Omit<Opening, "prepare" | "isFirst"> = {}): Promise<Visit> {
+    // What `seen` cannot change.
+    const { viewport: _, colorScheme: __, reducedMotion: ___, ...others } = options;
+    const kind = JSON.stringify(others);
+    const at = this.left.findIndex((one) => one.kind === kind);
+    const where = address ?? (await small());
+    let visit: Visit;
+    if (at >= 0) {
+      ({ visit } = this.left.splice(at, 1)[0]!);
+      this.opened.push({ visit, kind });
+      await seen(visit.page, options);
+      visit.errors.length = 0;
+      await visit.page.goto(this.site.base + where);
+    } else {
+      visit = await this.site.visit(where, { ...options, prepare: async (page) => page.setDefaultTimeout(STEP_MS) });
+      this.opened.push({ visit, kind });
+    }
+    await visit.page.waitForSelector("html[data-ready]");
     await settled(visit.page);
     return visit;
   }
 
-  close = async () => {
-    await Promise.all(this.opened.splice(0).map((page) => page.context().close()));
+  /** After each test. Their work ends with the pages; nobody goes on in the tab of one that failed. */
+  close = async ({ task }: { task?: { result?: { state: string } | undefined } } = {}) => {
+    const isFine = task?.result?.state !== "fail";
+    for (const { visit, kind } of this.opened.splice(0)) {
+      const { page } = visit;
+      if (isFine) {
+        await page.evaluate(() => localStorage.clear());
+        await page.goto("about:blank");
+        this.left.push({ visit, kind });
+      } else {
+        await page.context().close();
+      }
+    }
   };
 }
 

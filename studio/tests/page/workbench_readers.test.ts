@@ -11,7 +11,7 @@ beforeAll(async () => {
   site = await Site.open();
   pages = new Workbenches(site);
 });
-afterEach(() => pages.close());
+afterEach((context) => pages.close(context));
 afterAll(() => site.close());
 
 test.each([
@@ -23,10 +23,11 @@ test.each([
   expect(await note.isVisible()).toBe(true);
   expect(await note.textContent()).toContain(words);
   expect(await note.locator("code[lang=en]").textContent()).toBe("chordal mesh bracket.star --tol 0.5% -o bracket.glb");
-  // With script nothing is said of it.
+  await page.context().close();
+  // With script nothing is said of it; in `make test` in one language.
+  if (!isLong && file.includes(".zh")) return;
   const live = await pages.open(await small("sphere(1)", file.includes(".zh") ? ".zh" : ""));
   expect(await live.page.locator("noscript").count()).toBe(0);
-  await page.context().close();
 });
 
 /** A tetrahedron that lacks a face, and a vertex that nobody uses. */

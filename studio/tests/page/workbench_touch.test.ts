@@ -12,7 +12,7 @@ beforeAll(async () => {
   site = await Site.open();
   pages = new Workbenches(site);
 });
-afterEach(() => pages.close());
+afterEach((context) => pages.close(context));
 afterAll(() => site.close());
 
 type Point = readonly [x: number, y: number];
