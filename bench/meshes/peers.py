@@ -65,7 +65,7 @@ def trimesh_(job, threads, meshes):
     if job == "closest":
         asked = points_for(2_000)
         mesh = trimesh.Trimesh(points, faces, process=False)
-        mesh.triangles_tree
+        _ = mesh.triangles_tree
         seconds, found = timed(lambda: len(trimesh.proximity.closest_point(mesh, asked)[0]), 1)
         return seconds * 100, found
     return None

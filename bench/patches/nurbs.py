@@ -289,9 +289,9 @@ def curve_error(curve, lines):
 
 def occt_curve(curve, tolerance):
     from OCP.collections import Array1_double, Array1_gp_Pnt2d
+    from OCP.GCPnts import GCPnts_QuasiUniformDeflection
     from OCP.Geom2d import Geom2d_BSplineCurve
     from OCP.Geom2dAdaptor import Geom2dAdaptor_Curve
-    from OCP.GCPnts import GCPnts_QuasiUniformDeflection
     from OCP.gp import gp_Pnt2d
 
     n = len(curve["control"])
@@ -336,8 +336,13 @@ def solids():
     """Solids of OpenCASCADE, by name."""
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
     from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
-    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder
-    from OCP.BRepPrimAPI import BRepPrimAPI_MakeSphere, BRepPrimAPI_MakeTorus
+    from OCP.BRepPrimAPI import (
+        BRepPrimAPI_MakeBox,
+        BRepPrimAPI_MakeCone,
+        BRepPrimAPI_MakeCylinder,
+        BRepPrimAPI_MakeSphere,
+        BRepPrimAPI_MakeTorus,
+    )
     from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
     from OCP.TopAbs import TopAbs_EDGE
     from OCP.TopExp import TopExp_Explorer
@@ -400,7 +405,7 @@ def faces():
                 BRepMesh_IncrementalMesh(solid, tolerance, False, math.pi, False)
                 return solid
 
-            solid, slow = timed(run, lambda: BRepBuilderAPI_Copy(shape, True, False).Shape())
+            solid, slow = timed(run, lambda shape=shape: BRepBuilderAPI_Copy(shape, True, False).Shape())
             count, explorer = 0, TopExp_Explorer(solid, TopAbs_FACE)
             while explorer.More():
                 face = static(TopoDS, "Face")(explorer.Current())

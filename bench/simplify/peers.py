@@ -12,7 +12,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-
 from meshfile import read, write
 
 BENCH = Path(__file__).resolve().parent.parent

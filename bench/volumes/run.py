@@ -6,7 +6,6 @@ counted.
 
 import csv
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
