@@ -192,8 +192,8 @@ test-studio: studio-page tested need-chromium
 	cd studio && $(LONG) CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
 
 # The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the examples in its
-# documentation, and by mypy and pyright; mypy also compares the stubs with what is there. It shares what test-rust has compiled;
-# test-long judges the one for release.
+# documentation, and by mypy and pyright; mypy also compares the stubs with what is there. ruff reads all Python of the tree. The
+# wheel shares what test-rust has compiled; test-long judges the one for release.
 WHEEL := --profile dev --features as-tested
 # The notebooks as its tests have run them, with what they have shown, for docs-site.
 NOTEBOOKS := $(TARGET)/python/notebooks
@@ -208,6 +208,7 @@ test-python: tested need-python need-node
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation \
 		--config-settings=build-args="$(WHEEL)" -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
+	$(VENV)/bin/python -m ruff check --no-cache --quiet .
 	CHORDAL=$(abspath $(TESTED)) CHORDAL_NOTEBOOKS=$(abspath $(NOTEBOOKS)) $(VENV)/bin/python -m pytest -q -n auto
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest --mypy-config-file pyproject.toml \

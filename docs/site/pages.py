@@ -16,6 +16,8 @@ from typing import Any
 #: Files outside of docs/ that are pages of the site, and their places there.
 PAGES = {
     "README.md": "index.md",
+    "CONTRIBUTING.md": "project/contributing.md",
+    "SECURITY.md": "project/security.md",
     "GLOSSARY.md": "project/glossary.md",
     "ARCHITECTURE.md": "project/architecture.md",
     "STYLE.md": "project/style.md",

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 from chordal import shapes
 from chordal._assembly import Placed, scene
 from chordal._batch import batch
-from chordal._blockwise.tasks import Block
 from chordal._blockwise.level_files import MeshLevel
+from chordal._blockwise.tasks import Block
 from chordal._blockwise.tree import Tileset
 from chordal._blockwise.volume import BlockVolume, block_volume
 from chordal._bound import Bound

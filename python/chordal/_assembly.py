@@ -269,10 +269,10 @@ class _Assembly:
 
         origins = [part.pop("origin") for part in self._parts]
         textured = [any(one["kind"] == "uv" for one in part["attributes"]) for part in self._parts]
-        said = {origin for origin, has_uv in zip(origins, textured) if has_uv}
+        said = {origin for origin, has_uv in zip(origins, textured, strict=True) if has_uv}
         if len(said) < 2:
             return next(iter(said), None)
-        for part, origin in zip(self._parts, origins):
+        for part, origin in zip(self._parts, origins, strict=True):
             for one in part["attributes"] if origin == "upper-left" else ():
                 if one["kind"] == "uv":
                     rows = np.frombuffer(self._blocks[one["block"]]).reshape(-1, 2)

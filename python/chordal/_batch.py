@@ -43,8 +43,8 @@ def batch(
 
     `files` are files, folders or patterns, as in "assets/**/*.glb"; `output` is the folder of the results. `options` are
     those of the verb, in the command's words, as in `["--px", "1"]` or `{"px": 1}`. `to` is the extension of the
-    results, `base` the folder that the places of inputs are counted from, `jobs` how many files are done at once, and `timeout` the most seconds for
-    one. `redo` does again what was done, and `force` replaces files that no batch wrote.
+    results, `base` the folder that the places of inputs are counted from, `jobs` how many files are done at once, and
+    `timeout` the most seconds for one. `redo` does again what was done, and `force` replaces files that no batch wrote.
 
     `cluster` is the address of a Dask scheduler, as in "tcp://10.0.0.1:8786", or `executor` a `dask.distributed.Client` of it:
     then its workers do the files. They see the same files under the same names and have the same version of Chordal.

@@ -7,8 +7,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import SupportsFloat, SupportsIndex, TypedDict
 
-from chordal._errors import BudgetError
 from chordal._arguments import number, text, whole
+from chordal._errors import BudgetError
 from chordal._units import VOLUME_METRES
 from chordal._view import View
 

@@ -54,7 +54,7 @@ def try_at_points(function: Callable[..., Any], box: Sequence[Sequence[float]] |
             f"the function gave back {found} for 2 points, n × 3; it is to give one number for each, as "
             "numpy.linalg.norm(p, axis=1) does"
         )
-    if getattr(given, "dtype", None) == bool:
+    if getattr(given, "dtype", None) == bool:  # noqa: E721 (a dtype equals its type, and is not it)
         raise TypeError(f"what: the function gave back truth values; {_OCCUPANCY}")
     spread = ends[0] + np.modf(np.outer(np.arange(1, _N_TRIED + 1), _STEPS))[0] * (ends[1] - ends[0])
     try:

@@ -401,7 +401,13 @@ def mirror(shape: Field, x: SupportsFloat | _Vector, y: SupportsFloat | None = N
 
 
 def repeat(
-    shape: Field, x: SupportsFloat = 0, y: SupportsFloat = 0, z: SupportsFloat = 0, nx: SupportsFloat = 0, ny: SupportsFloat = 0, nz: SupportsFloat = 0
+    shape: Field,
+    x: SupportsFloat = 0,
+    y: SupportsFloat = 0,
+    z: SupportsFloat = 0,
+    nx: SupportsFloat = 0,
+    ny: SupportsFloat = 0,
+    nz: SupportsFloat = 0,
 ) -> Field:
     """Copies of the shape, so far apart along each axis (0: no copies) and so many (0: without end).
 

@@ -33,7 +33,7 @@ white-space:nowrap;overflow:hidden}} #scale{{flex:none;width:120px;height:10px;b
 @media (prefers-color-scheme:dark){{html,body{{color:#dde5ee;background:#161b21}}}}
 </style><div id="view" tabindex="0" role="application" aria-label="{name}"></div>
 <footer><label><input type="checkbox" id="wire"> edges</label>{scale}<span id="hint">drag to turn, with Shift to shift; + and − for nearer and farther</span></footer>
-<script type="application/json" id="mesh">{data}</script><script>{script}</script></html>"""
+<script type="application/json" id="mesh">{data}</script><script>{script}</script></html>"""  # noqa: E501 (a page)
 
 
 class Shown:

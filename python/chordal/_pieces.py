@@ -85,9 +85,9 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
         raise ValueError(f"meshes: they are in different units ({names}); to_unit makes them one")
     counts = [len(one.vertices) for one in found]
     starts = np.cumsum([0, *counts[:-1]])
-    faces = np.concatenate([one.faces.astype(np.uint32) + np.uint32(start) for one, start in zip(found, starts)])
+    faces = np.concatenate([one.faces.astype(np.uint32) + np.uint32(start) for one, start in zip(found, starts, strict=True)])
     states = [_State(one) for one in found]
-    ties = np.concatenate([state.ties() + start for state, start in zip(states, starts)]).astype(np.uint32)
+    ties = np.concatenate([state.ties() + start for state, start in zip(states, starts, strict=True)]).astype(np.uint32)
     _warn_of_materials(found)
     blocks = [np.concatenate([one.vertices for one in found]).tobytes(), faces.tobytes(), ties.tobytes()]
     attributes = []
@@ -104,7 +104,7 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [one._source for one in found], None)
     # What stands below nodes is rounded where they put it.
     offs = [_chordal.composed_bound(one._source, []) for one in found]
-    made = Mesh._of_source(source, _largest([_moved_by(one.bound, off) for one, off in zip(found, offs)]))
+    made = Mesh._of_source(source, _largest([_moved_by(one.bound, off) for one, off in zip(found, offs, strict=True)]))
     made._is_given = made._bound is None
     return made
 

@@ -16,8 +16,8 @@ from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
 from chordal._hints import Guessed, GuessedType, keywords_hinted, refuse_own
 from chordal._levels import Levelled
-from chordal._mend import Mendable
 from chordal._meant import meant, meant_of
+from chordal._mend import Mendable
 from chordal._picture import Pictured
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable

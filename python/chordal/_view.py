@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import SupportsFloat, SupportsInt
 
 from chordal import _chordal
-from chordal._errors import BudgetError
 from chordal._arguments import number
+from chordal._errors import BudgetError
 
 
 class View:

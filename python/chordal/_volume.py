@@ -146,11 +146,11 @@ class Volume(Shape, Imaged):
 
         It is that of the level `iso`: without one it is 0.5 for masks and occupancies and 0 for distances; anything else is
         `Refused`. `inside` says on which side of the level the shape is: above it unless that is said, but at level 0 of samples
-        on both sides, where what is at most ends of the lattice is outside, be they distances or a scan in air. A shape that reaches the border is closed there,
-        unless `border` is "open". With `labels`, one, a list or "all", every label has a surface of its own; within a budget
-        two that meet still have the same triangles there, and a count of triangles is for all together. `smooth`, as in
-        "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the bound stays against the
-        unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost.
+        on both sides, where what is at most ends of the lattice is outside, be they distances or a scan in air. A shape that
+        reaches the border is closed there, unless `border` is "open". With `labels`, one, a list or "all", every label has a
+        surface of its own; within a budget two that meet still have the same triangles there, and a count of triangles is
+        for all together. `smooth`, as in "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the
+        bound stays against the unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost.
 
         >>> import chordal, numpy
         >>> i, j, k = numpy.indices((9, 9, 9)) - 4.0
@@ -232,7 +232,7 @@ def volume(
         one = "; of several volumes take one, as in array[..., 0] or image.slicer[..., 0]" if found.ndim > 3 else ""
         raise ValueError(f"array: three axes, not {found.ndim}{one}")
     if min(found.shape) < 2:
-        sizes = ", ".join(f"{size} along {axis}" for axis, size in zip("xyz", found.shape) if size < 2)
+        sizes = ", ".join(f"{size} along {axis}" for axis, size in zip("xyz", found.shape, strict=True) if size < 2)
         raise ValueError(f"array: 2 samples or more along each axis, not {sizes}")
     if isinstance(found, np.ma.MaskedArray):
         found = _filled(found)
@@ -304,8 +304,8 @@ def labels(
     unit: str | None = None,
     only: Sequence[SupportsIndex] | SupportsIndex | None = None,
 ) -> Volume:
-    """A volume of labels, each with a surface of its own: `volume(…)` with `surface(labels=…)`, all but 0 or `only` some, one or several. Whole
-    numbers may be floats, as those of nibabel's `get_fdata` are.
+    """A volume of labels, each with a surface of its own: `volume(…)` with `surface(labels=…)`, all but 0 or `only` some,
+    one or several. Whole numbers may be floats, as those of nibabel's `get_fdata` are.
 
     >>> import chordal, numpy
     >>> halves = numpy.ones((6, 6, 6), numpy.uint8)
@@ -344,7 +344,7 @@ def _steps(spacing: Any, origin: Any, affine: Any) -> Any:
     step = coordinates("spacing", 1.0 if spacing is None else spacing)
     if step.shape not in ((), (3,)):
         raise ValueError("spacing: one number or three")
-    none = [axis for axis, size in zip("xyz", np.broadcast_to(step, 3)) if size == 0]
+    none = [axis for axis, size in zip("xyz", np.broadcast_to(step, 3), strict=True) if size == 0]
     if none:
         raise ValueError(f"spacing: a step of 0 along {' and '.join(none)} leads nowhere")
     first = coordinates("origin", (0.0, 0.0, 0.0) if origin is None else origin)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from itertools import pairwise
 
 
 def words(*numbers: int) -> bytes:
@@ -15,7 +16,7 @@ def bar_font() -> bytes:
     outline = words(1, 0, 0, 500, 700, 3, 0) + bytes([1] * 4)
     for axis in range(2):
         values = [corner[axis] for corner in corners]
-        outline += words(*(b - a for a, b in zip([0, *values], values)))
+        outline += words(*(b - a for a, b in pairwise([0, *values])))
     outline += bytes(-len(outline) % 4)
     groups = struct.pack(">9I", *(32, 32, 1, 65, 65, 2), 0, 0, 0)[:24]
     cmap = words(0, 1, 3, 10, 0, 12, 12, 0) + struct.pack(">3I", 16 + 24, 0, 2) + groups

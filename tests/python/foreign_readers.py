@@ -117,7 +117,6 @@ def vtk() -> Reader:
 
 
 def lib3mf() -> Reader:
-    import lib3mf
     from lib3mf import get_wrapper
 
     wrapper = get_wrapper()

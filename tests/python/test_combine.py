@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import chordal
 import numpy as np
 import pytest
+
+import chordal
 
 Corner = tuple[float, float, float]
 

@@ -8,6 +8,7 @@ import math
 import subprocess
 import sys
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,7 @@ def ball(n: int, colors: bool) -> Shape:
             quad = [at(band, step), at(band + 1, step), at(band + 1, step + 1), at(band, step + 1)]
             corners = list(dict.fromkeys(quad))
             # Binary PLY of polygons of several sizes is beyond trimesh.
-            faces += [[corners[0], b, c] for b, c in zip(corners[1:], corners[2:])]
+            faces += [[corners[0], b, c] for b, c in pairwise(corners[1:])]
     if colors:
         points = [(*p, (1 + p[0]) / 2, (1 + p[1]) / 2, (1 + p[2]) / 2) for p in points]
     return of_lists(points, faces)

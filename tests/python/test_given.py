@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import SQUARE
 
 import chordal
-from conftest import SQUARE
 
 #: Without its types, which numpy has not.
 MASKED: Any = np.ma.masked_array

@@ -28,7 +28,7 @@ def library(name: str) -> Any:
 
 def box(low: npt.NDArray[np.float64], high: npt.NDArray[np.float64], turn: npt.NDArray[np.float64] | None = None) -> Any:
     """The box of the block between two indices."""
-    corners = np.array(np.meshgrid(*zip(low, high))).reshape(3, -1) * STEPS[:, None]
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1) * STEPS[:, None]
     places = (np.eye(3) if turn is None else turn) @ corners + FIRST[:, None]
     return np.array([places.min(axis=1), places.max(axis=1)])
 

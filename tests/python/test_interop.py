@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from conftest import SQUARE
 
 import chordal
-
 
 POINTS = np.array([(0.1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
 FACES = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])

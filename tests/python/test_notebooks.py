@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +70,7 @@ def test_it_begins_with_a_title_and_every_code_has_text_before_it(notebook: Path
     cells = re.split(r"^# %%", notebook.read_text(encoding="utf-8"), flags=re.M)[1:]
     assert cells[0].startswith(" [markdown]\n# # ")
     is_text = [cell.startswith(" [markdown]") for cell in cells]
-    assert all(one or before for before, one in zip(is_text, is_text[1:])), "two cells of code follow each other"
+    assert all(one or before for before, one in pairwise(is_text)), "two cells of code follow each other"
 
 
 def run_text(text: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -121,7 +121,7 @@ def test_a_part_comes_back_without_the_others(nouns: dict[str, Any]) -> None:
         back = pickle.loads(pickle.dumps(part))
         assert back.name == part.name and np.array_equal(back.vertices, part.vertices)
         assert np.array_equal(back.faces, part.faces) and len(back.attributes) == len(part.attributes)
-        for one, other in zip(back.attributes, part.attributes):
+        for one, other in zip(back.attributes, part.attributes, strict=True):
             assert (one.kind, one.of, one.domain) == (other.kind, other.of, other.domain)
             assert np.array_equal(one.values, other.values)
     assert len(pickle.dumps(scene.parts[0])) < len(pickle.dumps(scene))

@@ -13,12 +13,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from conftest import ROOT, SQUARE, TEAPOT
 
 import chordal
 from chordal.shapes import box, cylinder, sphere, x, y
-
 
 
 def again(thing: Any) -> Any:

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_transform import CORNERS, FACES, NORMALS, UV, gltf_of
 
 import chordal
-from test_transform import CORNERS, FACES, NORMALS, UV, gltf_of
 
 SOLID = chordal.Mesh(CORNERS, FACES, normals=NORMALS, uv=UV, unit="mm")
 
@@ -23,7 +23,7 @@ def test_meshes_stand_next_to_each_other_and_come_apart_again() -> None:
         assert len(whole.parts) == 1 and whole.uv is not None and len(whole.uv) == 4 * len(pieces)
         apart = whole.split()
         assert len(apart) == len(pieces)
-        for one, other in zip(apart, pieces):
+        for one, other in zip(apart, pieces, strict=True):
             assert np.array_equal(one.vertices, other.vertices) and np.array_equal(one.faces, other.faces)
             assert one.uv is not None and np.array_equal(one.uv, UV) and one.unit == "mm"
             assert one.normals is not None and np.allclose(one.normals, NORMALS) and one.is_watertight

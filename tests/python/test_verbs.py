@@ -9,12 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from conftest import ROOT, SQUARE, TEAPOT, Command
 
 import chordal
 from chordal.shapes import box, sphere
-
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 OPEN = [(0, 2, 1), (0, 1, 3), (1, 2, 3)]

@@ -467,7 +467,7 @@ class BlockVolume(Guessed):
         i, j, k = self.shape
         low, *steps = (", ".join(f"{row[column]:.6g}" for row in self._affine) for column in (3, 0, 1, 2))
         rows = [("samples", f"{i} × {j} × {k} of {self.dtype}, not read yet"), ("first sample", f"({low})")]
-        rows += [(f"step of {axis}", f"({step})") for axis, step in zip("ijk", steps)]
+        rows += [(f"step of {axis}", f"({step})") for axis, step in zip("ijk", steps, strict=True)]
         return table("BlockVolume", [*rows, *([] if self._unit is None else [("unit", self._unit)])])
 
     def __repr__(self) -> str:

@@ -30,7 +30,7 @@ def main() -> int:
     asked = arguments.parse_args()
     known = {path.stem for path in FOLDER.glob("*.star")}
     wrong = 0
-    for kind, module in KINDS.items():
+    for module in KINDS.values():
         for name in sorted(known & set(vars(module))):
             known.discard(name)
             if asked.parts and name not in asked.parts:

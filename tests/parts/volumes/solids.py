@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -73,7 +74,7 @@ def slabs(parts: Sequence[Array]) -> Array:
 def box(x: float, y: float, z: float, radius: float = 0) -> Solid:
     half = np.array([x, y, z]) / 2
     inner = half - radius
-    value: Value = lambda *p: slabs([abs(c) - h for c, h in zip(p, inner)]) - radius
+    value: Value = lambda *p: slabs([abs(c) - h for c, h in zip(p, inner, strict=True)]) - radius
     return Solid(value, -half, half)
 
 
@@ -108,7 +109,7 @@ def capsule(a: Sequence[float], b: Sequence[float], radius: float) -> Solid:
 
 def tube(points: Sequence[Sequence[float]], radius: float) -> Solid:
     """All points nearer than a radius to straight lines through points."""
-    return union([capsule(a, b, radius) for a, b in zip(points, points[1:])])
+    return union([capsule(a, b, radius) for a, b in pairwise(points)])
 
 
 def hull(faces: Sequence[tuple[Sequence[float], float]], low: Sequence[float], high: Sequence[float]) -> Solid:
@@ -135,7 +136,7 @@ def polygon(points: Sequence[Sequence[float]]) -> Solid:
     def value(x: Array, y: Array, z: Array) -> Array:
         least = np.full(np.broadcast(x, y).shape, np.inf)
         inside = np.zeros(least.shape, bool)
-        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             d = b - a
             t = np.clip(((x - a[0]) * d[0] + (y - a[1]) * d[1]) / (d @ d), 0, 1)
             least = np.minimum(least, np.hypot(x - a[0] - t * d[0], y - a[1] - t * d[1]))

@@ -274,7 +274,7 @@ def extrude(shape: Solid, height: float) -> Solid:
     value: Function = lambda x, y, z: slabs([shape.value(x, y, 0.0), cap(x, y, z)])
     outside, inside = of_the_plane(shape)
     low, high = shape.bounds
-    flat = tuple((lambda f: lambda x, y, z: f(x, y, 0.0))(f) for f in shape.leaves)
+    flat = tuple((lambda f: lambda x, y, z: f(x, y, 0.0))(f) for f in shape.leaves)  # noqa: B023 (it is bound at once)
     bounds = (np.array([low[0], low[1], -half]), np.array([high[0], high[1], half]))
     return Solid(value, outside, inside, bounds, shape.weight + 6, (*flat, cap))
 

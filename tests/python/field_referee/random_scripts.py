@@ -139,7 +139,7 @@ class Draw:
         ball = self.one([f"sphere({n(0.1, 0.16)})", f"box({n(0.15, 0.3)}, 0.2, 0.2)", f"cylinder({n(0.05, 0.15)}, 0.3)"])
         several = f"repeat({ball}, x=0.4, y=0.4, z=0.4, nx={counts[0]}, ny={counts[1]}, nz={counts[2]})"
         holes = f"repeat(cylinder({n(0.05, 0.15)}, 1), x=0.4, y=0.4, nx={counts[0]}, ny={counts[1]})"
-        return self.one([several, f"box(2, 2, {n(0.1, 0.4)}) - {holes}", f"sphere(0.8) - repeat(box(0.1, 0.1, 3), x=0.35, y=0.35)"])
+        return self.one([several, f"box(2, 2, {n(0.1, 0.4)}) - {holes}", "sphere(0.8) - repeat(box(0.1, 0.1, 3), x=0.35, y=0.35)"])
 
     def close(self) -> str:
         """Faces that nearly coincide, or do."""
