@@ -397,10 +397,11 @@ fn preimage(map: &Affine3, room: &Box3) -> Box3 {
 ///
 /// Each is within the length of its surface, so that no surface reaches another solid, and the bound is the largest.
 fn all_apart(solids: &[SidedSolid], length: Tolerance) -> Option<SidedSolid> {
-    let parts: Vec<&SidedSolid> = solids.iter().filter(|part| !part.mesh.faces().is_empty()).collect();
-    if parts.len() > MOST_APART || parts.iter().any(|part| part.is_complement || part.off.is_none()) {
+    // What a cut left empty may be a part that its triangles were too coarse for.
+    if solids.len() > MOST_APART || solids.iter().any(|part| part.is_complement || part.off.is_none()) {
         return None;
     }
+    let parts: Vec<&SidedSolid> = solids.iter().filter(|part| !part.mesh.faces().is_empty()).collect();
     let boxes: Vec<Box3> = parts.iter().map(|part| part.mesh.bounds()).collect();
     let far = 2.0 * length.get().next_up();
     let is_far = |a: &Box3, b: &Box3| (0..3).any(|k| b.min[k] - a.max[k] > far || a.min[k] - b.max[k] > far);

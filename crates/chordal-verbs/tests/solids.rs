@@ -109,6 +109,15 @@ fn a_combination_that_leaves_nothing_says_so() {
 }
 
 #[test]
+fn a_part_that_cuts_lose_is_not_forgotten() {
+    // A sliver of a cylinder that its polygon does not reach, beside a box that nothing cuts.
+    let lens = "rotate_z(cylinder(40, 10), 2.3) & move(box(10, 30, 10), 44.99, 0, 0)";
+    let outcome = made(&format!("({lens}) | move(box(5, 5, 5), 100, 0)"));
+    let has_lens = only_mesh(&outcome).positions().iter().any(|p| p[0] < 41.0);
+    assert!(has_lens || outcome.bound.at_most().is_none(), "{}", outcome.bound);
+}
+
+#[test]
 fn a_thousand_boxes_are_one_solid() {
     // An eighth of them by default.
     let n = if is_long() { 10 } else { 5 };

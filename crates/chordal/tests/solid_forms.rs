@@ -326,6 +326,11 @@ fn what_has_no_closed_form_has_no_mesh() {
     assert!(cube.smooth_union(&ball, 0.5).unwrap().construction().is_none());
     assert!(cube.scaled([1.0, 2.0, 1.0]).unwrap().construction().is_none());
     let grown = cube.difference(&ball).offset(0.5).unwrap();
+    let flat = shapes::rounded_cuboid([4.0, 4.0, 1.0], 0.5).unwrap().offset(-0.5).unwrap();
+    assert!(flat.construction().is_none());
+    let thin = shapes::rectangle([20.0, 0.06]).and_then(|flat| flat.extruded(20.0)).unwrap();
+    let thin = thin.twisted(40.0_f64.to_radians()).unwrap();
+    assert!(mesh_of(thin.construction().unwrap(), &thin, 0.6).is_none());
     assert!(grown.construction().is_none() && ball.twisted(1.0).unwrap().construction().is_none());
     assert!(cube.union(&grown).construction().is_some_and(Construction::has_other));
 }

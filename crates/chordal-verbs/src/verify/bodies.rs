@@ -51,8 +51,8 @@ impl BoundJudge<'_> {
             });
         }
         let Some(whole) = whole else { return unable("there is no shape") };
-        // A point that is far from its own triangles may be near others'.
-        let far = whole.at_most().unwrap_or(f64::INFINITY);
+        // A point that is far from its own triangles may be near others', which reach as far out of their boxes.
+        let far = 2.0 * whole.at_most().unwrap_or(f64::INFINITY);
         let is_apart = |(k, own): (usize, &Box3)| boxes[..k].iter().all(|other| gap(own, other) > far);
         if boxes.iter().enumerate().all(is_apart) {
             return Ok(JudgedBound::Between(whole));

@@ -11,7 +11,7 @@ const MOST_SIDES: usize = 256;
 impl Construction {
     /// The points where the field is below `by`. None where some part has no such surface in closed form.
     ///
-    /// Grown intersections are refused: their fields say less than the distance outside.
+    /// Grown intersections and shrunk complements are refused: their fields may say less than the distance outside.
     pub(super) fn offset(&self, by: f64) -> Option<Self> {
         let each = |parts: &[Self]| parts.iter().map(|part| part.offset(by)).collect::<Option<Vec<_>>>();
         match self.node() {
@@ -26,13 +26,22 @@ impl Construction {
                 }
                 Self::new(ConstructionNode::Placed(*map, below.offset(by)?))
             }
+            // Contours that were grown are a union as well, which is less deep than they are.
+            ConstructionNode::Union(parts) if by < 0.0 && parts.iter().any(Self::is_contours) => None,
             ConstructionNode::Union(parts) => Self::new(ConstructionNode::Union(each(parts)?.into())),
             ConstructionNode::Intersection(parts) if by < 0.0 => {
                 Self::new(ConstructionNode::Intersection(each(parts)?.into()))
             }
-            ConstructionNode::Complement(below) => below.offset(-by)?.complement(),
-            ConstructionNode::Intersection(_) | ConstructionNode::Other(_) => None,
+            ConstructionNode::Complement(below) if by > 0.0 => below.offset(-by)?.complement(),
+            // What is grown below a complement may have been shrunk, and is sharp where it is grown again.
+            ConstructionNode::Complement(_)
+            | ConstructionNode::Intersection(_)
+            | ConstructionNode::Other(_) => None,
         }
+    }
+
+    fn is_contours(&self) -> bool {
+        matches!(self.node(), ConstructionNode::Planar(PlanarForm::Contours(_)))
     }
 
     /// A plane shape between two heights, `half` above 0 and below, that is `factor` times as large at the upper one.
@@ -97,7 +106,7 @@ fn above_zero(x: f64) -> Option<f64> {
 /// Sides and a radius around them, by which a rectangle or a box is larger.
 fn rounded_offset<const N: usize>(half: [f64; N], radius: f64, by: f64) -> Option<([f64; N], f64)> {
     let radius = radius + by;
-    if radius >= 0.0 {
+    if radius > 0.0 {
         return Some((half, radius));
     }
     let half = half.map(|x| x + radius);

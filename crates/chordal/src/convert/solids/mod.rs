@@ -14,7 +14,8 @@ mod rounded;
 mod split;
 mod twisted;
 
-use crate::budget::{Bound, Bounded, Reference, Tolerance};
+use crate::budget::{Bound, Bounded, Job, Reference, Tolerance};
+use crate::check::self_intersections;
 use crate::explicit::Mesh;
 use crate::implicit::Affine3;
 use crate::implicit::construction::SolidForm;
@@ -44,8 +45,9 @@ const ROUNDING: f64 = 12.0 * f64::EPSILON;
 
 impl SolidMesher {
     /// The surface of a solid in its own coordinates. None for what has no mesh of its own: plane shapes that cross
-    /// themselves, curved profiles that cross the axis they are turned about, a ring that meets itself, and what would take
-    /// more than 65,536 segments a turn.
+    /// themselves, curved profiles that cross the axis they are turned about, a ring that meets itself, twists whose walls are
+    /// thinner than the length so that they would cross, and what would take more than 65,536 segments a turn or a million
+    /// quads.
     ///
     /// **Bound.** The Hausdorff distance between the surface and the triangles, *proved*, rounding included. Polyhedra are
     /// exact but for rounding. Round walls have vertices on both axes, where others may be flush with them, and outside
@@ -88,6 +90,11 @@ impl SolidMesher {
             }
         };
         let bounded = made.bounded()?;
+        // Walls of a twist that are thinner than its bound may change places.
+        let may_cross = matches!(form, SolidForm::Twisted { .. });
+        if may_cross && self_intersections(&bounded.shape, &Job::default()).ok()?.count > 0 {
+            return None;
+        }
         // The counts were chosen for it.
         bounded.bound.at_most().is_some_and(|most| most <= self.length.get()).then_some(bounded)
     }

@@ -12,6 +12,8 @@ use std::f64::consts::FRAC_PI_4;
 const SHARE: f64 = 0.5;
 /// The most sections. Chosen: as many as a turn has sides.
 const MOST: f64 = 65_536.0;
+/// The most quads beside them. Chosen: some hundred megabytes.
+const MOST_QUADS: f64 = 1_048_576.0;
 /// By how many times the sections of one attempt are more than those of the one before. Chosen: near enough to the fewest.
 const GROWTH: f64 = 1.0625;
 
@@ -107,7 +109,7 @@ impl TwistFit {
             }
             n = (n * GROWTH).ceil();
         }
-        best.map(|[n, _]| n)
+        best.filter(|[_, quads]| *quads <= MOST_QUADS).map(|[n, _]| n)
     }
 }
 
