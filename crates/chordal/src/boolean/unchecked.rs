@@ -26,7 +26,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 ///     .map(|sides| mesher.mesh(&SolidForm::Cuboid { half: sides }).map(|made| made.shape).unwrap_or_default());
 /// let step = BooleanStep { op: BooleanOp::Union, mesh: &high };
 /// let made = boolean_unchecked(&wide, &[step], None, &Job::default())?;
-/// assert!(chordal::explicit::is_closed(&made));
+/// assert!(chordal::check::validity(&made, chordal::explicit::Topology::Indices).closed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -163,7 +163,7 @@ const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
 fn judge_seed(seed: usize, spacing: Spacing) -> Vec<Case> {
     // Equal steps are the more, the finer: by default every third shape has the last.
-    let is_whole = spacing == Spacing::Fewest || seed % 3 == 0 || is_long();
+    let is_whole = spacing == Spacing::Fewest || seed.is_multiple_of(3) || is_long();
     let tolerances = if is_whole { &TOLERANCES[..] } else { &TOLERANCES[..4] };
     let cases = tolerances.iter().filter_map(|tolerance| {
         // The plane and space in turn, for every kind.
