@@ -1,4 +1,4 @@
-//! How much a sweep tries. `make test` stays at about five seconds in every test; `make test-long` sets
+//! How much a sweep tries. `make test` aims at five seconds of one core in a test; `make test-long` sets
 //! `CHORDAL_LONG=1`, and takes ten times as many random cases and all of what is otherwise sampled.
 
 /// Whether the long sweep was asked for.

@@ -363,14 +363,7 @@ fn is_cut(part: &Construction) -> bool {
 }
 
 fn has_half_space(part: &Construction) -> bool {
-    match part.node() {
-        ConstructionNode::Solid(form) => matches!(form, SolidForm::HalfSpace { .. }),
-        ConstructionNode::Placed(_, below) | ConstructionNode::Complement(below) => has_half_space(below),
-        ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => {
-            parts.iter().any(has_half_space)
-        }
-        ConstructionNode::Planar(_) | ConstructionNode::Other(_) => false,
-    }
+    part.has(&|node| matches!(node, ConstructionNode::Solid(SolidForm::HalfSpace { .. })))
 }
 
 /// How much longer a map that keeps shapes makes lengths.

@@ -47,17 +47,19 @@ pub(crate) fn mesh_by_solids(
         let own = Tolerance::new(share * length.get()).ok()?;
         mesh_by_construction(construction, &room, own, job).filter(|made| !made.mesh.faces().is_empty())
     };
-    let share = SHARES[0];
     // What takes long may be stopped: then there is something, if coarse.
     let coarse = if construction.n_solids() > MANY { made(COARSE) } else { None };
-    let judged = match made(share).or_else(|| coarse.filter(|_| job.is_finishing())) {
+    let judged = match made(SHARES[0]).or_else(|| coarse.filter(|_| job.is_finishing())) {
         None => return Ok(None),
-        Some(AssembledMesh { off: Some(_), .. }) => match made(1.0) {
-            Some(AssembledMesh { mesh, off: Some(off) }) => {
-                Ok(Bounded { shape: mesh, bound: Bound::proved(0.0, off, Reference::Field) })
+        Some(AssembledMesh { mesh, off: Some(off) }) => {
+            let own =
+                |mesh, off| Ok(Bounded { shape: mesh, bound: Bound::proved(0.0, off, Reference::Field) });
+            // Where nothing is cut the whole length is theirs.
+            match made(1.0) {
+                Some(AssembledMesh { mesh, off: Some(off) }) => own(mesh, off),
+                _ => own(mesh, off),
             }
-            _ => return Ok(None),
-        },
+        }
         Some(first) => {
             let others = SHARES[1..].iter().map_while(|share| made(*share));
             let all = std::iter::once(first).chain(others);
@@ -79,12 +81,7 @@ pub(crate) fn mesh_by_solids(
 /// Whether a part is twisted. Its closed form has even sections: measured, three times the triangles that the field's own way
 /// leaves of a round thread, which collapses do not bring down without crossings.
 fn has_twist(part: &Construction) -> bool {
-    match part.node() {
-        ConstructionNode::Solid(form) => matches!(form, SolidForm::Twisted { .. }),
-        ConstructionNode::Placed(_, below) | ConstructionNode::Complement(below) => has_twist(below),
-        ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => parts.iter().any(has_twist),
-        ConstructionNode::Planar(_) | ConstructionNode::Other(_) => false,
-    }
+    part.has(&|node| matches!(node, ConstructionNode::Solid(SolidForm::Twisted { .. })))
 }
 
 /// The share of a length within which cuts are tidied up. Chosen: cuts leave vertices on flat faces and triangles that are

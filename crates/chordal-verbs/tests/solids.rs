@@ -1,4 +1,5 @@
 //! Scripts that combine solids: cut along each other, and judged against the field. The volumes are by formulas.
+use chordal::budget::RequiredEvidence;
 use chordal::check::findings::measure;
 use chordal::check::validity;
 use chordal::explicit::Topology;
@@ -6,14 +7,24 @@ use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
 use chordal_testkit::is_long;
 use chordal_verbs::{BudgetSpec, FormatHint, MeshFailure, MeshOutcome, load, mesh};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 const LENGTH: &str = "0.05";
 const PI: f64 = std::f64::consts::PI;
 
 fn made_with(text: &str, length: &str, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+    made_by(text, (length, None), job)
+}
+
+fn made_by(
+    text: &str,
+    (length, require): (&str, Option<RequiredEvidence>),
+    job: &Job,
+) -> Result<MeshOutcome, MeshFailure> {
     let hint = FormatHint { name: Some("a.star"), ..FormatHint::default() };
     let input = load(text.as_bytes(), hint, &Limits::default()).unwrap();
-    let spec = BudgetSpec { length: Some(length.parse().unwrap()), ..BudgetSpec::default() };
+    let spec = BudgetSpec { length: Some(length.parse().unwrap()), require, ..BudgetSpec::default() };
     mesh(input, &spec, Format::Ply, job)
 }
 
@@ -126,6 +137,38 @@ fn a_thousand_boxes_are_one_solid() {
     let each = format!("for i in range({n}) for j in range({n}) for k in range({n})");
     let grid = format!("union([move(box(1.25, 1.25, 1.25), i, j, k) {each}])");
     check_solid(&grid, (f64::from(n) + 0.25).powi(3));
+}
+
+#[test]
+fn many_solids_are_there_if_coarse_where_time_ends_in_their_cuts() {
+    let n = 5;
+    let balls = format!(
+        "union([move(sphere(0.6), i, j, k) for i in range({n}) for j in range({n}) for k in range({n})])"
+    );
+    let combined = Arc::new(AtomicU64::new(0));
+    let counting = |ends_at: u64| {
+        let (counted, ending) = (Arc::clone(&combined), Arc::new(OnceLock::<Job>::new()));
+        let own = Arc::clone(&ending);
+        let job = Job::default().with_progress(move |progress| {
+            if progress.stage == "combine" && counted.fetch_add(1, Ordering::Relaxed) + 1 == ends_at {
+                own.get().expect("it has begun").finish();
+            }
+        });
+        ending.set(job.clone()).expect("once");
+        job
+    };
+    // Cuts of coarse balls, and as many of fine ones.
+    let goal = (LENGTH, Some(RequiredEvidence::Measured));
+    let made = made_by(&balls, goal, &counting(u64::MAX)).expect("met");
+    let whole = measure(only_mesh(&made)).signed_volume;
+    let n_cuts = combined.swap(0, Ordering::Relaxed) / 2;
+    let Err(MeshFailure::Unmet(best)) = made_by(&balls, goal, &counting(n_cuts + n_cuts / 2)) else {
+        panic!("it was not ended")
+    };
+    let coarse = measure(only_mesh(&best)).signed_volume;
+    assert!(only_mesh(&best).faces().len() < only_mesh(&made).faces().len() / 2);
+    // The length is longer than the radius: each ball is an octahedron.
+    assert!((coarse / whole - 1.0).abs() < 0.5, "{coarse} of {whole}");
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Booleans of meshes against closed forms, volumes, and winding numbers by rays of another making.
 use chordal::boolean::provenance::{BooleanError, BooleanMethod};
-use chordal::boolean::{BooleanMesh, BooleanOp, BooleanStep, boolean};
-use chordal::budget::{JobError, Metric, RefusalCode};
+use chordal::boolean::{BooleanMesh, BooleanOp, BooleanStep, boolean, boolean_unchecked};
+use chordal::budget::{Failure, JobError, Metric, RefusalCode};
 use chordal::check::findings::measure;
 use chordal::check::validity;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
-use chordal::{Evidence, Job, Mesh};
+use chordal::{Evidence, Job, Mesh, Tolerance};
 use chordal_testkit::{Random, is_long};
 
 const OPS: [BooleanOp; 3] = [BooleanOp::Union, BooleanOp::Difference, BooleanOp::Intersection];
@@ -314,4 +314,42 @@ fn nothing_combines_with_anything() {
     assert_eq!(volumes(&none, &some), [1.0, 0.0, 0.0]);
     assert_eq!(volumes(&some, &none), [1.0, 1.0, 0.0]);
     assert_eq!(volumes(&none, &none), [0.0; 3]);
+}
+
+#[test]
+fn cuts_without_checks_are_those_with_them() {
+    let (ball, block) = (sphere([0.3, 0.2, 0.1], 1.0, 3), cuboid([-0.7; 3], [0.8, 0.9, 1.0]));
+    for op in OPS {
+        let steps = [BooleanStep { op, mesh: &block }];
+        let checked = boolean(&ball, &steps, &Job::default()).unwrap().mesh;
+        for flat in [None, Some(Tolerance::new(1e-9).unwrap())] {
+            let made = boolean_unchecked(&ball, &steps, flat, &Job::default()).unwrap();
+            let found = validity(&made, Topology::Indices);
+            assert!(found.closed && found.manifold() && found.oriented, "{op:?}: {found:?}");
+            let [own, other] = [&made, &checked].map(|mesh| measure(mesh).signed_volume);
+            assert!((own - other).abs() < 1e-7, "{op:?}: {own} for {other}");
+        }
+    }
+    // What is left of two blocks that are flush is one block.
+    let (low, high) = (cuboid([0.0; 3], [1.0; 3]), cuboid([1.0, 0.0, 0.0], [3.0, 1.0, 1.0]));
+    let steps = [BooleanStep { op: BooleanOp::Union, mesh: &high }];
+    let made = boolean_unchecked(&low, &steps, Some(Tolerance::new(1e-9).unwrap()), &Job::default()).unwrap();
+    assert_eq!((made.faces().len(), measure(&made).signed_volume), (12, 3.0));
+}
+
+#[test]
+fn cuts_without_checks_heed_the_job() {
+    let (ball, block) = (sphere([0.0; 3], 1.0, 3), cuboid([-0.7; 3], [0.7; 3]));
+    let steps = [BooleanStep { op: BooleanOp::Union, mesh: &block }];
+    let mut job = Job::default();
+    job.memory_limit = 1 << 16;
+    let refused = boolean_unchecked(&ball, &steps, None, &job);
+    assert!(matches!(refused, Err(Failure::Refused(why)) if why.code == RefusalCode::TooMuchMemory));
+    let job = Job::default();
+    job.finish();
+    assert!(matches!(boolean_unchecked(&ball, &steps, None, &job), Err(Failure::Cancelled)));
+    let open = Mesh::new(block.positions().to_vec(), block.faces()[1..].to_vec()).unwrap();
+    let steps = [BooleanStep { op: BooleanOp::Union, mesh: &open }];
+    let refused = boolean_unchecked(&ball, &steps, None, &Job::default());
+    assert!(matches!(refused, Err(Failure::Refused(why)) if why.code == RefusalCode::Unsupported));
 }

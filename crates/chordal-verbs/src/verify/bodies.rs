@@ -3,8 +3,10 @@ use super::bound_judge::{BoundJudge, JudgedBound, JudgedMesh, conclude, unable};
 use crate::{ImplicitShape, MeshFailure, field};
 use chordal::Mesh;
 use chordal::budget::Bound;
+use chordal::check::findings::MeshConnectivity;
 use chordal::check::{self, Goal};
 use chordal::convert::has_meshes;
+use chordal::explicit::Topology;
 use chordal::implicit::Field;
 use chordal::math::{Box3, greater};
 use std::collections::BTreeMap;
@@ -72,8 +74,8 @@ fn gap(a: &Box3, b: &Box3) -> f64 {
 
 /// For each solid the components of a mesh whose vertices are nearest to its surface. None where a function of one fails.
 fn parts_by_solid(mesh: &Mesh, solids: &[Field]) -> Option<Vec<Mesh>> {
-    let component_of = components(mesh);
-    let mut vertices: BTreeMap<usize, Vec<[f64; 3]>> = BTreeMap::new();
+    let component_of = MeshConnectivity::new(mesh, Topology::Positions).component_of_faces();
+    let mut vertices: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
     for (face, component) in component_of.iter().enumerate() {
         vertices.entry(*component).or_default().push(mesh.corners(face)[0]);
     }
@@ -107,25 +109,4 @@ fn parts_by_solid(mesh: &Mesh, solids: &[Field]) -> Option<Vec<Mesh>> {
         Mesh::new(positions, faces).ok()
     };
     (0..solids.len()).map(own).collect()
-}
-
-/// For each face the lowest face of those that it is connected with by positions.
-fn components(mesh: &Mesh) -> Vec<usize> {
-    let mut first_at: BTreeMap<[u64; 3], usize> = BTreeMap::new();
-    let mut above: Vec<usize> = (0..mesh.faces().len()).collect();
-    fn root(above: &mut [usize], mut face: usize) -> usize {
-        while above[face] != face {
-            above[face] = above[above[face]];
-            face = above[face];
-        }
-        face
-    }
-    for face in 0..mesh.faces().len() {
-        for corner in mesh.corners(face) {
-            let other = *first_at.entry(corner.map(|x| (x + 0.0).to_bits())).or_insert(face);
-            let (a, b) = (root(&mut above, face), root(&mut above, other));
-            above[a.max(b)] = a.min(b);
-        }
-    }
-    (0..above.len()).map(|face| root(&mut above, face)).collect()
 }

@@ -1,6 +1,6 @@
 //! `boolean_unchecked`: the cuts of [`boolean()`](super::boolean()) without its checks.
 use super::arrangement::{EngineFailure, in_a_row, succeeded};
-use super::{BooleanOp, BooleanStep};
+use super::{BooleanOp, BooleanStep, check_limits};
 use crate::budget::{Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use manifold_rust::manifold::Manifold;
@@ -31,7 +31,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// ```
 ///
 /// # Errors
-/// [`Failure::Refused`] for an operand whose edges have not two triangles each, and for more triangles than the job allows;
+/// [`Failure::Refused`] for an operand whose edges have not two triangles each, and for more memory or triangles than the job
+/// allows;
 /// [`Failure::Cancelled`] when the job is cancelled or its time ends.
 pub fn boolean_unchecked(
     first: &Mesh,
@@ -39,6 +40,8 @@ pub fn boolean_unchecked(
     flat: Option<Tolerance>,
     job: &Job,
 ) -> Result<Mesh, Failure<Mesh>> {
+    let meshes: Vec<&Mesh> = std::iter::once(first).chain(steps.iter().map(|step| step.mesh)).collect();
+    check_limits(&meshes, job)?;
     let ops: Vec<BooleanOp> = steps.iter().map(|step| step.op).collect();
     let work = || {
         let others = steps.iter().map(|step| imported(step.mesh)).zip(&ops);

@@ -153,6 +153,10 @@ pub(super) fn components_under(surface: &MeshConnectivity, job: &Job) -> Result<
 
 /// [`components`]. Nesting stays undecided where the bounding volume hierarchy is refused: for more triangles
 /// than it can number, or more memory than the default job allows.
+pub(super) fn component_of_faces(surface: &MeshConnectivity) -> Vec<u32> {
+    label_components(surface).0
+}
+
 pub(super) fn components_of(surface: &MeshConnectivity) -> Vec<Component> {
     let shapes = ComponentSet::from_connectivity(surface);
     let nested = nesting_depths(surface.mesh, &shapes, &Job::default());

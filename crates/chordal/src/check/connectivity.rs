@@ -1,5 +1,5 @@
 //! `MeshConnectivity`: a mesh with its topology, computed once for all checks.
-use super::components::{Component, components_of, components_under};
+use super::components::{Component, component_of_faces, components_of, components_under};
 use super::duplicates::duplicate_positions;
 use super::finding::Finding;
 use super::open_seams::{OpenSeams, open_seams_of};
@@ -87,6 +87,12 @@ impl<'a> MeshConnectivity<'a> {
     /// ([`Bvh::build`](crate::explicit::Bvh::build)), and [`JobError::Cancelled`] when the job was.
     pub fn components_under(&self, job: &Job) -> Result<Vec<Component>, JobError> {
         components_under(self, job)
+    }
+
+    /// For each face the row of its component in [`components`](Self::components). Linear in the faces.
+    #[must_use]
+    pub fn component_of_faces(&self) -> Vec<u32> {
+        component_of_faces(self)
     }
 
     /// Vertices in the interior of an edge: [`super::t_junctions`].

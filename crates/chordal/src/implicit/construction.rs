@@ -261,14 +261,23 @@ impl Construction {
     /// Whether some part of it is a field by itself.
     #[must_use]
     pub fn has_other(&self) -> bool {
-        match self.node() {
-            ConstructionNode::Solid(_) | ConstructionNode::Planar(_) => false,
-            ConstructionNode::Placed(_, below) | ConstructionNode::Complement(below) => below.has_other(),
-            ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => {
-                parts.iter().any(Self::has_other)
+        self.has(&|node| matches!(node, ConstructionNode::Other(_)))
+    }
+
+    /// Whether it or something that it is made of is of a kind.
+    pub fn has(&self, is_of_kind: &impl Fn(&ConstructionNode) -> bool) -> bool {
+        is_of_kind(self.node())
+            || match self.node() {
+                ConstructionNode::Placed(_, below) | ConstructionNode::Complement(below) => {
+                    below.has(is_of_kind)
+                }
+                ConstructionNode::Union(parts) | ConstructionNode::Intersection(parts) => {
+                    parts.iter().any(|part| part.has(is_of_kind))
+                }
+                ConstructionNode::Solid(_) | ConstructionNode::Planar(_) | ConstructionNode::Other(_) => {
+                    false
+                }
             }
-            ConstructionNode::Other(_) => true,
-        }
     }
 
     /// The same under a further map. None where that flattens space by rounding.

@@ -178,6 +178,21 @@ fn a_shortened_tape_has_the_same_values_in_its_region() {
 }
 
 #[test]
+fn many_points_have_the_values_of_each() {
+    let mut random = Random::new(15);
+    for case in 0..40 {
+        let expr = if case % 2 == 0 { random.solids(40) } else { random.expression(80) };
+        let (tape, bounds) = (Tape::new(&expr), random.bounds());
+        // So many that boxes around them are halved.
+        let points: Vec<[f64; 3]> = (0..3000).map(|_| random.within(&bounds)).collect();
+        let (mut each, mut all) = (vec![0.0; points.len()], vec![1.0; points.len()]);
+        tape.at(&points, &mut each).unwrap();
+        tape.at_many(&points, &mut all).unwrap();
+        assert!(each.iter().zip(&all).all(|(a, b)| bits(*a) == bits(*b)), "case {case}");
+    }
+}
+
+#[test]
 fn a_region_of_one_solid_needs_that_one_alone() {
     let mut random = Random::new(14);
     let tape = Tape::new(&random.solids(60));

@@ -18,11 +18,11 @@ const MOST_ROUNDS: usize = 4;
 /// The last mesh is split as long as less than one face in so many is open. Chosen: of a mesh that is too coarse more are.
 const FEW: usize = 3;
 
-/// The first of several meshes that is proved to be within a length of the surface of a field; else the first, measured, with
-/// the places that the proof of the last one leaves open, in the same form as from
-/// [`field_to_mesh`](crate::convert::field_to_mesh()).
+/// The first of several meshes that is proved to be within a length of the surface of a field; else one of them, measured, with
+/// the places that its proof leaves open, in the same form as from [`field_to_mesh`](crate::convert::field_to_mesh()): the
+/// last one if few of its faces are open, else the first, or if that is too far by its samples the next that was not asked for.
 ///
-/// Each mesh is asked for when those before it are not proved; the last one's open faces are split until it is. The proofs
+/// Each mesh is asked for when those before it are not proved; the last one's few open faces are split until it is. The proofs
 /// take so many evaluations for each triangle at most, unless nothing but a proof will do ([`RequiredEvidence::Proved`]) or
 /// [`ProofEffort::Full`] asks for their end. Whatever made the meshes, the bound is that of the judge.
 ///
@@ -76,14 +76,15 @@ pub fn judged_against_field(
                 }
             }
         }
-        let (mut mesh, places) = left;
+        let (mut mesh, mut places) = left;
         let measured = |mesh: &Mesh| measured_field_deviation(mesh, field, (f64::INFINITY, 0), job);
         let mut bound = measured(&mesh)?.whole.bound;
         // Where surfaces cross at a small angle, an edge is farther off than both.
         while bound.at_least() > length.get()
             && let Some(next) = meshes.next()
         {
-            mesh = next;
+            // Nothing was proved of this one.
+            (mesh, places) = (next, None);
             bound = measured(&mesh)?.whole.bound;
         }
         bound.open = places;

@@ -69,9 +69,8 @@ impl ProfileLoops {
     /// The same under a map of the plane that keeps shapes.
     pub fn placed(mut self, place: Option<&Affine3>) -> Self {
         let Some(map) = place else { return self };
-        let [x, y, _] = map.rows();
         // The scale is rounded.
-        self.off = self.off * (x[0] * x[0] + y[0] * y[0]).sqrt() * (1.0 + 8.0 * f64::EPSILON);
+        self.off = self.off * scale_of(place) * (1.0 + 8.0 * f64::EPSILON);
         let is_mirrored = map.orientation() < 0;
         for own in &mut self.loops {
             for p in own.iter_mut() {
@@ -84,6 +83,14 @@ impl ProfileLoops {
         }
         self
     }
+}
+
+/// How much longer a map of the plane that keeps shapes makes lengths.
+pub(super) fn scale_of(place: Option<&Affine3>) -> f64 {
+    place.map_or(1.0, |map| {
+        let [x, y, _] = map.rows();
+        (x[0] * x[0] + y[0] * y[0]).sqrt()
+    })
 }
 
 /// Twice the area that a loop encloses, rounded: positive where it runs counter-clockwise.

@@ -1,7 +1,7 @@
 //! Plane shapes turned about an axis: cones, rings, and what has a profile of its own.
 use super::FormMesh;
 use super::arcs::UnitCircle;
-use super::profile::ProfileLoops;
+use super::profile::{ProfileLoops, scale_of};
 use crate::implicit::Affine3;
 use crate::implicit::construction::PlanarForm;
 use crate::math::{add_up, greater, mul_up};
@@ -29,11 +29,7 @@ pub(super) fn torus(major: f64, minor: f64, length: f64) -> Option<FormMesh> {
 /// A plane shape, placed in the plane first, turned about its y axis. None where a curved one crosses the axis.
 pub(super) fn revolved(profile: &PlanarForm, place: Option<&Affine3>, length: f64) -> Option<FormMesh> {
     let is_straight = matches!(profile, PlanarForm::Contours(_) | PlanarForm::Rectangle { radius: 0.0, .. });
-    let scale = place.map_or(1.0, |map| {
-        let [x, y, _] = map.rows();
-        (x[0] * x[0] + y[0] * y[0]).sqrt()
-    });
-    let share = if is_straight { length } else { SHARE * length / scale };
+    let share = if is_straight { length } else { SHARE * length / scale_of(place) };
     let made = ProfileLoops::new(profile, share)?.placed(place);
     let crosses = |own: &Vec<[f64; 2]>| own.iter().any(|p| p[0] < 0.0) && own.iter().any(|p| p[0] > 0.0);
     if !is_straight && made.loops.iter().any(crosses) {

@@ -1,7 +1,7 @@
 //! Plane shapes whose section changes with the height: tapers and twists.
 use super::FormMesh;
 use super::extruded::raised;
-use super::profile::ProfileLoops;
+use super::profile::{ProfileLoops, scale_of};
 use crate::implicit::Affine3;
 use crate::implicit::construction::PlanarForm;
 use crate::math::elementary::{sin, sin_cos};
@@ -111,14 +111,6 @@ impl TwistFit {
         }
         best.filter(|[_, quads]| *quads <= MOST_QUADS).map(|[n, _]| n)
     }
-}
-
-/// How much longer a map that keeps shapes makes lengths.
-fn scale_of(place: Option<&Affine3>) -> f64 {
-    place.map_or(1.0, |map| {
-        let [x, y, _] = map.rows();
-        (x[0] * x[0] + y[0] * y[0]).sqrt()
-    })
 }
 
 fn side_lengths(points: &[[f64; 2]]) -> impl Iterator<Item = f64> {
