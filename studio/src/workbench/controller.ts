@@ -353,11 +353,18 @@ export class Controller {
   }
 
   /** One draft is finished before the next is begun, so that there are some while the hand moves. */
-  private async draft(): Promise<void> {
+  private draft(): Promise<void> {
     this.isNewer = true;
-    if (this.isDrafting) return;
-    this.isDrafting = true;
+    this.drafting ??= this.drafts();
+    return this.drafting;
+  }
+  private drafting: Promise<void> | null = null;
+  private isNewer = false;
+
+  private async drafts(): Promise<void> {
     try {
+      // It is known that there are drafts before the first is begun.
+      await null;
       while (this.isNewer && isScript(this.state.bench)) {
         this.isNewer = false;
         const { bench: now } = this.state;
@@ -365,28 +372,40 @@ export class Controller {
         await this.mesh("draft", words, "draft.glb", now);
       }
     } finally {
-      this.isDrafting = false;
+      this.drafting = null;
     }
+    // A mistake may have had its answer before the shape that it was made in had its draft.
+    const { ended, bench: now } = this.state;
+    if (ended === now) void this.proveOlder(now);
   }
-  private isDrafting = false;
-  private isNewer = false;
 
   private async prove(): Promise<void> {
-    const { bench: now, view, size } = this.state;
+    const { bench: now } = this.state;
     const number = ++this.proofs;
-    this.counted = { bench: now, view, size, screen: this.screen };
     this.update({ ended: null });
-    const prove = (of: Bench) => {
-      const output = this.outputOf(`${stem(of.name)}.glb`);
-      return this.mesh("proof", keepingBest(meshLine(of, this.counted!.screen, output)), output, of);
-    };
-    const isMade = await prove(now);
-    const { bench: newest, shown } = this.state;
-    // The last shape that worked may not have got beyond its draft.
-    if (isMade === false && now === newest && number === this.proofs && shown?.isDraft && shown.of !== now) await prove(shown.of);
+    // Pixels are counted from the box of the shape, which its draft shows first.
+    if (now.budget.by === "px" && this.drafting) {
+      await this.drafting;
+      if (number !== this.proofs || now !== this.state.bench) return;
+    }
+    const { view, size } = this.state;
+    this.counted = { bench: now, view, size, screen: this.screen };
+    const isMade = await this.proof(now);
+    if (isMade === false && number === this.proofs) await this.proveOlder(now);
     if (number === this.proofs) this.update({ ended: now });
   }
   private proofs = 0;
+
+  private proof(of: Bench): Promise<boolean | null> {
+    const output = this.outputOf(`${stem(of.name)}.glb`);
+    return this.mesh("proof", keepingBest(meshLine(of, this.counted?.screen ?? this.screen, output)), output, of);
+  }
+
+  /** The last shape that worked may not have got beyond its draft. */
+  private async proveOlder(now: Bench): Promise<void> {
+    const { bench: newest, shown } = this.state;
+    if (now === newest && shown?.isDraft && shown.of !== now) await this.proof(shown.of);
+  }
 
   /** Shows what a line makes. Whether there is something; `null` where nobody waits for it any more. */
   private async mesh(lane: "draft" | "proof", words: Line, output: string, of: Bench): Promise<boolean | null> {
@@ -421,7 +440,7 @@ export class Controller {
   private isWanted(lane: "draft" | "proof", of: Bench): boolean {
     const { bench: now } = this.state;
     if (lane === "proof") return of === now || of === this.state.shown?.of;
-    return of.name === now.name && this.provedOf !== now;
+    return of.name === now.name && this.provedOf !== now && this.provedOf !== of;
   }
   private provedOf: Bench | null = null;
   /** What the last picture shows: the field of a bench, or triangles. */

@@ -35,7 +35,8 @@ const LOOKS = {
 const looksOf = (language: Language) => LOOKS[language].slice(0, isLong ? 2 : 1);
 
 describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, entry) => {
-  test.runIf(isSeen(id)).each(languagesOf(id))("says its number as the core does, before and after it is brought to life, and leads on (%s)", async (language) => {
+  const inEach = test.runIf(isSeen(id)).each(languagesOf(id));
+  inEach("says its number as the core does, before and after it is brought to life, and leads on (%s)", async (language) => {
     await stillPage.goto(pages.site.base + fileOf(id, language));
     expect(await stillPage.locator("h1").textContent()).toBe(entry.claim[language]);
     expect(await stillPage.locator("html").getAttribute("lang")).toBe(TAGS[language]);
@@ -67,7 +68,8 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     expect(pages.errors).toEqual([]);
   });
 
-  test.runIf(isFramed(id))("embedded it is figure, claim, number and controls; what is damaged in an address is told, and it works", async () => {
+  const inFrame = test.runIf(isFramed(id));
+  inFrame("embedded it is figure, claim, number and controls; what is damaged in an address is told, and it works", async () => {
     const page = await pages.at(`${fileOf(id, "en")}?embed=1#v=1&p=%%&o=1&h=x&n=x&c=x&s=x&b=x&f=x`);
     expect(await page.locator("header, footer, .prose, .onward").count()).toBe(0);
     expect(await page.locator("h1").textContent()).toBe(entry.claim.en);
