@@ -104,6 +104,23 @@ fn meshes_of_the_teapot() {
     }
 }
 
+/// What the mesher says is proved again, though it is only some percent above the truth.
+#[test]
+fn what_is_claimed_of_the_teapot_is_proved_again() {
+    let patches = teapot();
+    let finer: &[f64] = if is_long() { &[0.01, 0.001, 0.0005] } else { &[] };
+    for length in [0.03, 0.003].iter().chain(finer) {
+        let made = convert::patches_to_mesh(&patches, &budget(*length), &Job::default()).unwrap();
+        let claimed = made.bound.at_most().unwrap();
+        let goal = Goal { max: Tolerance::new(claimed).ok(), ..Goal::default() };
+        let found = check::patch_deviation(&made.shape, &patches, &goal, &Job::default()).unwrap();
+        assert!(found.reached && found.bound.at_most().unwrap() <= claimed, "{length}: {found:?}");
+        let less = Goal { max: Tolerance::new(0.9 * found.bound.at_least()).ok(), ..goal };
+        let found = check::patch_deviation(&made.shape, &patches, &less, &Job::default()).unwrap();
+        assert!(found.reached && found.bound.at_least() > less.max.unwrap().get(), "{length}: {found:?}");
+    }
+}
+
 #[test]
 fn meshes_of_cages() {
     let some = ["bilinear_nonquads0", "catmark_cube_creases0", "catmark_dart_edgeonly"];
