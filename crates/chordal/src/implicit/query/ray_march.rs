@@ -414,6 +414,8 @@ impl BeamMarcher {
             Some(seen) => (&seen.slopes, [seen.middle; 2]),
             None => (&cell.slopes, cell.middle),
         };
+        // Sampled slopes may miss what bends between two primitives: that a beam meets something is seen at a value alone.
+        let is_sampled = seen.is_some();
         let at = |t: f64| cell.value_at(known, along(origin, direction, t));
         let mut ends = [at(self.t), at(self.cell_end)];
         if !self.started {
@@ -445,13 +447,13 @@ impl BeamMarcher {
         if !self.started {
             return CellCrossing::Open;
         }
-        if self.hit_query == HitQuery::Any && (high < 0.0 || high_end < 0.0) {
+        if self.hit_query == HitQuery::Any && !is_sampled && (high < 0.0 || high_end < 0.0) {
             self.record_hit(self.t);
             return CellCrossing::Settled;
         }
         // The chord of the lower end is below it.
         let free = if low > 0.0 { room * (low / (low - low_end)) } else { 0.0 };
-        if self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
+        if !is_sampled && self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
             // The value only falls, and the chord of the upper end is above it: a bracket.
             let reach = room * (high / (high - high_end)) + 0.25 * WIDTH * cells.size;
             let reach = lesser(reach, room);

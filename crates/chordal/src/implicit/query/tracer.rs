@@ -137,3 +137,42 @@ impl<'a> FieldTracer<'a> {
         Ok(records)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::BeamHit;
+    use super::*;
+    use crate::budget::Job;
+    use crate::implicit::shapes::{capped_cone, sphere};
+
+    /// A cone that ends in a ball is convex near the ball, but for a groove in which nothing stands above a point either: nothing
+    /// is in the way of its normals.
+    #[test]
+    fn light_along_normals_is_not_blocked_where_a_cone_ends_in_a_ball() {
+        let cone = capped_cone(6.0, 2.0, 26.0).unwrap();
+        let solid = cone.union(&sphere(2.0).unwrap().moved([0.0, 0.0, 13.0]).unwrap());
+        let solid = solid.rotated_deg([0.0, 1.0, 0.0], 90.0).unwrap();
+        let mut cells = FieldOctree::build(&solid, &Job::default()).unwrap();
+        cells.sample_gradients(&Job::default()).unwrap();
+        let tracer = FieldTracer::new(&cells);
+        let toward_axis = |k: usize| {
+            let (x, turn) = (9.0 + 6.0 * (k % 200) as f64 / 200.0, (k / 200) as f64 * 0.11);
+            let out = [0.0, libm::cos(turn), libm::sin(turn)];
+            let origin = [x, 20.0 * out[1], 20.0 * out[2]];
+            Beam { origin, direction: out.map(|x| -x), from: 0.0, to: 40.0, cone: [1e-3, 0.0] }
+        };
+        let beams: Vec<Beam> = (0..8000).map(toward_axis).collect();
+        let hits: Vec<BeamHit> =
+            tracer.intersect(&beams).unwrap().into_iter().filter_map(|record| record.hit).collect();
+        assert!(hits.len() > 7000); // those beyond the tip pass by
+        let points: Vec<[f64; 3]> = hits.iter().map(|hit| hit.point).collect();
+        let lifted = |(at, normal): (&[f64; 3], Option<[f64; 3]>)| {
+            let direction = normal.expect("it has a gradient");
+            let origin = [0, 1, 2].map(|k| at[k] + 3e-5 * direction[k]);
+            Beam { origin, direction, from: 0.0, to: f64::INFINITY, cone: [0.06, 0.01] }
+        };
+        let lights: Vec<Beam> = points.iter().zip(tracer.normals(&points).unwrap()).map(lifted).collect();
+        let blocked = tracer.occluded(&lights).unwrap().into_iter().filter(|is_blocked| *is_blocked).count();
+        assert_eq!(blocked, 0);
+    }
+}
