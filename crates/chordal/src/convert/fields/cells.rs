@@ -117,6 +117,17 @@ pub(super) enum ZeroSide {
     Inside,
 }
 
+/// The side of 0, by primitive.
+pub(super) fn zeros(csg: &Csg) -> Vec<ZeroSide> {
+    let mut all = vec![ZeroSide::Inside; csg.primitives().len()];
+    for node in csg.tree().nodes() {
+        if let CsgNode::Primitive(p) = node {
+            all[*p as usize] = ZeroSide::Outside;
+        }
+    }
+    all
+}
+
 impl ZeroSide {
     /// Whether a point with this value is inside; NaN is outside.
     pub fn is_inside(self, value: f64) -> bool {

@@ -3,14 +3,14 @@
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
 //! undecided primitives have a common direction in which they grow. Decided tetrahedra are dropped: they
 //! contain no boundary, whatever their neighbours look like. All others conform.
-use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side};
+use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side, zeros};
 use super::cells_at_vertices::CellsAtVertices;
 use super::sampled_signs::SampledSigns;
 use super::sizing::{SizingField, SizingPoint};
 use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
-use crate::implicit::{Csg, CsgNode, DualRange, LeafError, Membership, PrimitiveEvaluator};
+use crate::implicit::{Csg, DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{Box3, greater, length};
 use std::sync::Arc;
 
@@ -81,6 +81,8 @@ pub(in crate::convert) struct FieldGrid<'a> {
     pub(super) goes_by_samples: bool,
     extent: FieldGridStatus,
     n_alive: usize,
+    /// Beyond so many cells no more are cut.
+    most_cells: usize,
     cells_at_vertices: CellsAtVertices,
 }
 
@@ -132,6 +134,11 @@ const SHARE: u64 = 4;
 pub(super) const CELLS_A_TASK: usize = 128;
 /// The most cells of one level that are cut at all. Chosen: a million cells in all, some seconds.
 const MOST_CUT: usize = 1 << 18;
+/// What is asked for at some places has at most so many times the cells. Chosen: about a pole, where vertices are off however
+/// small cells are, they became twenty times as many.
+const MOST_GROWTH: usize = 2;
+/// So many are few. Chosen: a tenth of a second.
+const FEW_CELLS: usize = 1 << 16;
 /// The most cells without slopes that are cut. Chosen: steps are then resolved to a hundredth of their size,
 /// and a volume without values is given up at once.
 const MOST_BLIND: usize = 1 << 16;
@@ -171,6 +178,7 @@ impl<'a> FieldGrid<'a> {
             goes_by_samples: false,
             extent: FieldGridStatus::Whole,
             n_alive: 0,
+            most_cells: usize::MAX,
             cells_at_vertices: CellsAtVertices::default(),
         };
         (0..grid.tetrahedra.n_vertices()).for_each(|_| grid.values.push_vertex());
@@ -199,6 +207,7 @@ impl<'a> FieldGrid<'a> {
                 cell.is_alive && self.is_requested(&cell.tetrahedron, &asked)
             })
             .collect();
+        self.most_cells = greater(MOST_GROWTH.saturating_mul(self.n_alive), FEW_CELLS);
         let pending = pending.into_iter().map(|c| self.remove_cell(c)).collect();
         self.refine_levels(evaluator, pending, &asked)
     }
@@ -274,7 +283,9 @@ impl<'a> FieldGrid<'a> {
             }
             // Every cut adds one cell, and others by conformity.
             let of_cells = BYTES_A_CELL * (self.n_alive + 2 * pending.len()) as u64;
-            let is_full = of_cells + self.trees.bytes() > most || self.job.is_finishing();
+            let is_full = of_cells + self.trees.bytes() > most
+                || self.n_alive + pending.len() > self.most_cells
+                || self.job.is_finishing();
             let mut judged = self.classify_cells(evaluator, pending, asked)?;
             self.refine_by_samples(evaluator, &mut judged)?;
             let count = |of: CellAction| judged.iter().filter(|(_, verdict)| *verdict == of).count();
@@ -584,15 +595,4 @@ fn separate_axes(csg: &Csg) -> [bool; 3] {
         }
     }
     is_separate
-}
-
-/// The side of 0, by primitive.
-fn zeros(csg: &Csg) -> Vec<ZeroSide> {
-    let mut all = vec![ZeroSide::Inside; csg.primitives().len()];
-    for node in csg.tree().nodes() {
-        if let CsgNode::Primitive(p) = node {
-            all[*p as usize] = ZeroSide::Outside;
-        }
-    }
-    all
 }

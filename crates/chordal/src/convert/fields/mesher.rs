@@ -15,6 +15,9 @@ const MOST_CUTS: usize = 3;
 /// Cells are not cut again if more vertices than these are blocked: there the function has poles or is noise.
 /// Measured: 750 on a drawing of letters.
 const MOST_TIGHT: usize = 4096;
+/// Nor a second time for less than one vertex in so many faces: their surroundings make room for them, or the proof shows them.
+/// Chosen: all cells are polygonized again, and all vertices placed.
+const FEW_TIGHT: usize = 4096;
 /// Nor for vertices away from the surface that are more than one in so many: there the function jumps. Measured: one
 /// in 200 on a gyroid in a cube, one in 8 where 48 balls meet.
 const ASTRAY: usize = 6;
@@ -176,13 +179,16 @@ impl<'a> FieldMesher<'a> {
             }
             // Smaller cells would not help where so many vertices are blocked.
             let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT || self.job.is_finishing();
-            if tight.is_empty() || is_last {
+            let is_enough = |tight: &[BlockedPlace], surface: &SurfaceImprover| {
+                is_last || tight.len() > MOST_TIGHT || cuts > 0 && tight.len() * FEW_TIGHT < surface.n_faces()
+            };
+            if tight.is_empty() || is_enough(&tight, &surface) {
                 // Estimates for coarse faces are too high by up to about this; the work itself keeps to the
                 // limits.
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
             }
-            if tight.is_empty() || tight.len() > MOST_TIGHT || is_last {
+            if tight.is_empty() || is_enough(&tight, &surface) {
                 break surface;
             }
             let half =

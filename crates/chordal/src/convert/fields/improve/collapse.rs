@@ -1,6 +1,7 @@
 //! Rounds of edge collapses: vertices are removed as long as all changed edges and faces stay within the aim.
 use super::sample::PrimitiveSample;
 use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
+use crate::budget::par_map;
 use crate::explicit::{next_in_face, previous_in_face};
 use crate::math::greater;
 use glam::DVec3;
@@ -13,6 +14,8 @@ const MOST_FACES: usize = 64;
 /// A crease is closed where the angle between its faces is below a quarter of that between its primitives; by
 /// squares.
 const SHUT: f64 = 1.0 / 16.0;
+/// Vertices in one task.
+const CHUNK: usize = 1024;
 /// Costs below this fraction of the aim count as equal: then the length decides.
 const ALIKE: f64 = 0.05;
 
@@ -45,14 +48,9 @@ impl SurfaceImprover<'_> {
             list.retain(|one| {
                 self.surface.has_face(one.h / 3) && !self.is_open[self.surface.start(one.h) as usize]
             });
-            for v in 0..self.surface.vertex_slots() as u32 {
-                if std::mem::take(&mut self.is_open[v as usize]) && self.surface.has_vertex(v) {
-                    list.extend(self.best_collapse(v, &mut star));
-                }
-            }
-            list.sort_unstable_by(|x, y| {
-                x.cost.total_cmp(&y.cost).then(x.length.total_cmp(&y.length)).then(x.h.cmp(&y.h))
-            });
+            list.extend(self.estimated_collapses());
+            // What is left of the last round is in order; bits of numbers that are not negative are in their order.
+            list.sort_by_key(|one| (one.cost.to_bits(), one.length.to_bits(), one.h));
             let mut faces = Vec::new();
             let (mut chosen, mut rest) = (Vec::new(), Vec::new());
             for one in list.drain(..) {
@@ -67,6 +65,21 @@ impl SurfaceImprover<'_> {
             list = rest;
         }
         Ok(())
+    }
+
+    /// The best collapses of all open vertices, which are open no more.
+    fn estimated_collapses(&mut self) -> Vec<CollapseEstimate> {
+        let n = self.surface.vertex_slots() as u32;
+        let open: Vec<u32> = (0..n)
+            .filter(|v| std::mem::take(&mut self.is_open[*v as usize]) && self.surface.has_vertex(*v))
+            .collect();
+        let chunks: Vec<&[u32]> = open.chunks(CHUNK).collect();
+        let view = &*self;
+        let estimates = par_map(self.job, &chunks, |_, part| {
+            let mut star = VertexStar::default();
+            part.iter().filter_map(|v| view.best_collapse(*v, &mut star)).collect::<Vec<_>>()
+        });
+        estimates.concat()
     }
 
     pub(super) fn gather_star(&self, h: u32, star: &mut VertexStar) {

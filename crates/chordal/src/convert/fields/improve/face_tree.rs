@@ -7,6 +7,8 @@ const NONE: u32 = u32::MAX;
 const NODE: u32 = 1 << 31;
 /// Children of a node, which are compared at once.
 const WIDE: usize = 8;
+/// Nodes that wait on the way through the tree, of seven a level. Chosen: nine levels hold 10⁸ faces.
+const OPEN: usize = 64;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
@@ -199,9 +201,18 @@ impl FaceTree {
         let [a, b, c, d, e, f] = self.ends(bounds);
         // Each low end against the other's high end.
         let against = [-d, -e, -f, -a, -b, -c];
-        let mut open: Vec<u32> = Vec::with_capacity(64);
-        open.extend((!self.nodes.is_empty()).then_some(0));
-        while let Some(number) = open.pop() {
+        // What does not fit goes to the heap, as where splits have made the tree deep.
+        let (mut open, mut n_open, mut more) =
+            ([0_u32; OPEN], usize::from(!self.nodes.is_empty()), Vec::new());
+        loop {
+            let number = if n_open > 0 {
+                n_open -= 1;
+                open[n_open]
+            } else if let Some(number) = more.pop() {
+                number
+            } else {
+                break;
+            };
             let node = &self.nodes[number as usize];
             let mut meets = [true; WIDE];
             for (ends, against) in node.ends.iter().zip(against) {
@@ -214,8 +225,11 @@ impl FaceTree {
                     let child = node.children[k];
                     if child & NODE == 0 {
                         near(child);
+                    } else if child != NONE && n_open < OPEN {
+                        open[n_open] = child & !NODE;
+                        n_open += 1;
                     } else if child != NONE {
-                        open.push(child & !NODE);
+                        more.push(child & !NODE);
                     }
                 }
             }

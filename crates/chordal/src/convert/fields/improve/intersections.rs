@@ -3,6 +3,7 @@ use super::SurfaceImprover;
 use super::face_tree::{FaceBox, FaceTree};
 use crate::budget::par_map;
 use crate::check::triangles_intersect;
+use crate::explicit::{Mesh, PackedBoxes};
 use glam::DVec3;
 
 /// Faces in one task.
@@ -42,6 +43,11 @@ impl SurfaceImprover<'_> {
 
     /// The faces of a list that intersect others.
     pub(super) fn find_crossing(&self, faces: &[u32]) -> Vec<u32> {
+        if faces.len() > self.surface.n_faces() / 2
+            && let Some(crossing) = self.all_crossing()
+        {
+            return crossing;
+        }
         let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
         let crosses = |face: &u32| {
             let own = [(self.surface.corners(*face), self.points(*face))];
@@ -49,6 +55,27 @@ impl SurfaceImprover<'_> {
         };
         let of_chunk = |_, part: &&[u32]| part.iter().copied().filter(crosses).collect::<Vec<u32>>();
         par_map(self.job, &chunks, of_chunk).concat()
+    }
+
+    /// All faces that intersect others; `None` where their boxes take more memory than there is.
+    fn all_crossing(&self) -> Option<Vec<u32>> {
+        let (surface, numbers) = self.mesh();
+        let mesh = Mesh::by_construction(surface.positions, surface.faces);
+        let boxes = PackedBoxes::new(&mesh, self.job).ok()?;
+        let triangle = |slot: u32| {
+            let face = boxes.faces()[slot as usize];
+            (mesh.faces()[face as usize], mesh.corners(face as usize))
+        };
+        let found = boxes.pairs(self.job, |found: &mut Vec<u32>, slots| {
+            let [(a, p), (b, q)] = slots.map(triangle);
+            if triangles_intersect([a, b], [p, q]) {
+                found.extend(slots.map(|slot| numbers[boxes.faces()[slot as usize] as usize]));
+            }
+        });
+        let mut crossing = found?.concat();
+        crossing.sort_unstable();
+        crossing.dedup();
+        Some(crossing)
     }
 
     /// Whether new triangles would intersect remaining faces, or each other. Exact.
@@ -60,8 +87,8 @@ impl SurfaceImprover<'_> {
     }
 
     fn meets_any(&self, new: &IndexedTriangles, gone: &[u32]) -> bool {
-        let boxes: Vec<FaceBox> = new.iter().map(|(_, points)| FaceBox::from_points(points)).collect();
-        let whole = boxes.iter().fold(FaceBox::EMPTY, |all, one| all.union(*one));
+        let whole =
+            new.iter().fold(FaceBox::EMPTY, |all, (_, points)| all.union(FaceBox::from_points(points)));
         let mut found = false;
         self.tree.for_each_near(&whole, |face| {
             if found || !self.surface.has_face(face) || gone.contains(&face) {
@@ -69,8 +96,9 @@ impl SurfaceImprover<'_> {
             }
             let (ids, points) = (self.surface.corners(face), self.points(face));
             let bounds = FaceBox::from_points(&points);
-            for ((new_ids, new_points), new_bounds) in new.iter().zip(&boxes) {
-                found |= new_bounds.meets(&bounds) && faces_intersect([*new_ids, ids], [new_points, &points]);
+            for (new_ids, new_points) in new {
+                found |= FaceBox::from_points(new_points).meets(&bounds)
+                    && faces_intersect([*new_ids, ids], [new_points, &points]);
             }
         });
         found

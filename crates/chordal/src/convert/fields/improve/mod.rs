@@ -159,7 +159,7 @@ impl<'a> SurfaceImprover<'a> {
             is_open: vec![true; raw.positions.len()],
             limit: 1.0,
             is_verified: vec![false; n_faces],
-            changed: (0..n_faces as u32).collect(),
+            changed: Vec::new(),
             claimed_in: vec![0; n_faces],
             round: 0,
             tree: FaceTree::default(),
