@@ -15,9 +15,13 @@ if (!patchFile) {
 }
 
 const module = await WebAssembly.compile(await readFile(wasmFile));
+// The module that is shipped has no imports. That for WASI, which is built sooner, has those of its standard library.
 const imports = WebAssembly.Module.imports(module);
-assert.deepEqual(imports, [], "the module asks for nothing from outside");
-const { exports: chordal } = await WebAssembly.instantiate(module);
+assert.ok(imports.every(({ module }) => module === "wasi_snapshot_preview1"), "the module asks for nothing from outside");
+// But for the keys of its hash tables, on which no byte depends, nobody answers.
+const refuse = ({ name }) => [name, name === "random_get" ? () => 0 : () => assert.fail(`the module calls ${name}`)];
+const wasi_snapshot_preview1 = Object.fromEntries(imports.map(refuse));
+const { exports: chordal } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1 });
 
 /** Copies bytes into the module. */
 function give(bytes) {

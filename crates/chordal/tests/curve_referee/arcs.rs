@@ -79,7 +79,7 @@ fn round<const D: usize>(seed: usize) -> Round<D> {
 
 #[test]
 fn no_polyline_is_further_from_its_arc_than_its_bound() {
-    let all = for_all(cases(600), |seed| {
+    let all = for_all(cases(1200), |seed| {
         let mut found = Vec::new();
         for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
             let spacing = if seed % 3 == 0 { Spacing::Even } else { Spacing::Fewest };
