@@ -72,7 +72,9 @@ impl Isa {
 #[must_use]
 pub fn isa() -> Isa {
     static CHOSEN: OnceLock<Isa> = OnceLock::new();
-    *CHOSEN.get_or_init(|| Isa::choose(std::env::var("CHORDAL_ISA").ok().as_deref()))
+    // In WASM there is one, and modules ask their hosts for nothing.
+    let request = || if cfg!(target_family = "wasm") { None } else { std::env::var("CHORDAL_ISA").ok() };
+    *CHOSEN.get_or_init(|| Isa::choose(request().as_deref()))
 }
 
 /// Work that is compiled for every instruction set.
