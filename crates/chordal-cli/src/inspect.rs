@@ -1,19 +1,20 @@
 //! `chordal inspect`
-use crate::args::{ConsoleArgs, InputArgs};
+use crate::args::{ConsoleArgs, InputArgs, length};
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
 use crate::execution;
 use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::inspect_text;
+use crate::line_costs::line_costs;
 use crate::load;
 use crate::require::{Requirement, failures};
 use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::volume::VolumeArgs;
 use chordal::Job;
-use chordal::budget::JobError;
 use chordal::budget::advice::{Message, Spell};
+use chordal::budget::{JobError, Length};
 use chordal_io::font::{fonts_in, letters_in};
 use chordal_verbs::report::{RunFacts, ValidityFacts};
 use chordal_verbs::{Input, Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
@@ -26,6 +27,7 @@ Examples:
   chordal inspect part.stl
   chordal inspect part.stl --self-intersections
   chordal inspect part.stl --require solid
+  chordal inspect part.star --cost
   chordal inspect brain.nii.gz --iso 60 --require closed")]
 pub struct InspectArgs {
     /// Fail with exit code 1 unless the mesh is all of these
@@ -36,6 +38,11 @@ pub struct InspectArgs {
     /// some million
     #[arg(long)]
     pub self_intersections: bool,
+
+    /// For a shape script: mesh what each line ends with by itself, within this length (0.1% of the whole unless said),
+    /// and list triangles, seconds and bound
+    #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true, default_missing_value = "0.1%")]
+    pub cost: Option<Length>,
 
     #[command(flatten)]
     pub volume: VolumeArgs,
@@ -82,7 +89,8 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     choices.iter().for_each(|choice| console.say(&format!("{name}: {choice}")));
     report.certificate.notes.extend(choices.into_iter().map(Message::from));
     let input_triangles = input.shape.n_triangles();
-    let run = RunFacts { input: Some(name.clone()), input_triangles, ..report.run };
+    let lines = args.cost.map(|within| line_costs(&input, within, &job, console)).transpose()?;
+    let run = RunFacts { input: Some(name.clone()), input_triangles, lines, ..report.run };
     report.run = clock.fill(run, &job);
     console.result(&report, &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;
     check(&name, report.certificate.valid.as_ref(), &args.require)

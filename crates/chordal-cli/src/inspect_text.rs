@@ -5,7 +5,7 @@ use crate::summary::{SummaryLines, add_output, bound, one_way_note, plural};
 use chordal::budget::advice::Cure;
 use chordal_verbs::report::{
     CageFacts, ComponentFacts, DrawingFacts, EdgeFacts, EdgeMaximumFacts, EmbeddedCertificate, FieldFacts,
-    FindingFacts, GeometricEdgeCounts, Inspection, NurbsEdgeFacts, NurbsJoinFacts, Output,
+    FindingFacts, GeometricEdgeCounts, Inspection, LineCostFacts, NurbsEdgeFacts, NurbsJoinFacts, Output,
     ParametricEdgeCounts, PathJoinFacts, Report, SharpnessFacts, SurfaceEdgeFacts, SurfaceFacts,
     ValidityFacts, WitnessFacts, cures_of_all,
 };
@@ -54,7 +54,24 @@ pub fn inspect(report: &Report, argument: &str) -> String {
         }
         add_repair_command(&mut lines, argument, findings);
     }
+    add_costs(&mut lines, run.lines.as_deref().unwrap_or_default());
     lines.0
+}
+
+/// What each line of a script takes.
+fn add_costs(lines: &mut SummaryLines, costs: &[LineCostFacts]) {
+    for cost in costs {
+        let name = cost.line.map_or_else(|| "whole".to_owned(), |line| format!("line {line}"));
+        let often = if cost.times > 1 { format!(", {} times", grouped(cost.times)) } else { String::new() };
+        let seconds = cost.seconds;
+        let what = match (&cost.triangles, &cost.bound, &cost.reason) {
+            (Some(triangles), Some(of), _) => {
+                format!("{} triangles in {seconds:.2} s{often}, {}", grouped(*triangles), bound(of))
+            }
+            (.., reason) => format!("no mesh{often}: {}", reason.as_deref().unwrap_or("nothing was made")),
+        };
+        lines.add(&name, what);
+    }
 }
 
 fn add_contents(lines: &mut SummaryLines, inspection: &Inspection) {

@@ -24,6 +24,7 @@ mod input;
 mod inspect;
 mod inspect_text;
 mod language;
+mod line_costs;
 mod load;
 mod lod;
 pub mod memory;

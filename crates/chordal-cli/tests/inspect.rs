@@ -477,3 +477,30 @@ fn a_seam_that_is_open_by_a_rounding_is_named_and_welding_within_its_gap_closes_
     let valid = &report["certificate"]["valid"];
     assert!(valid["closed"] == true && valid["open_seams"].is_null(), "{valid}");
 }
+
+#[test]
+fn the_lines_of_a_script_are_listed_with_what_they_take() {
+    let folder = Folder::new("line-costs");
+    let script = "arm = move(box(9, 2, 2), 5, 0, 0)\nball = sphere(3)\nhalf = plane([0, 0, 1], 0)\n\
+                  parts = [\n    rotate_z(arm, 60 * k)\n    for k in range(6)\n]\nunion(parts + [ball])\n";
+    let file = folder.file("star.star", script);
+    let found = run(&["inspect", &file, "--cost=0.05", "--json", "-q"]);
+    found.succeeds();
+    let report = found.report();
+    let lines = report["run"]["lines"].as_array().unwrap();
+    let numbers: Vec<&Value> = lines.iter().map(|line| &line["line"]).collect();
+    assert_eq!(numbers, [&json!(1), &json!(2), &json!(3), &json!(5), &json!(8), &Value::Null], "{lines:#?}");
+    assert_eq!(lines[0]["triangles"], 12);
+    assert!(lines[1]["bound"]["at_most"].as_f64().unwrap() <= 0.05, "{lines:#?}");
+    assert!(lines[2]["triangles"].is_null() && lines[2]["reason"].as_str().unwrap().contains("no end"));
+    // The whole is what the last line ends with.
+    assert_eq!(lines[4]["triangles"], lines[5]["triangles"]);
+    assert!(lines.iter().all(|line| line["seconds"].as_f64().unwrap() >= 0.0));
+    let text = run(&["inspect", &file, "--cost"]);
+    text.succeeds();
+    assert!(text.stdout.contains("line 1") && text.stdout.contains("whole"), "{}", text.stdout);
+    // Without lines there is nothing to list.
+    let mesh = run(&["inspect", &folder.file("cube.obj", CLOSED_OBJ), "--cost"]);
+    assert_eq!(mesh.code, 2, "{}", mesh.stderr);
+    assert!(mesh.stderr.contains("shape scripts"), "{}", mesh.stderr);
+}

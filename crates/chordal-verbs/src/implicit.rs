@@ -3,6 +3,7 @@ use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal_io::Frame;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A field with a region of space.
 #[derive(Clone, Debug)]
@@ -27,6 +28,17 @@ pub struct ShapeLine {
     /// The number of the line, from 1.
     pub line: u64,
     /// A part of the shape, or the whole, as it stood then.
+    pub field: Field,
+}
+
+/// What a line of a script ends with.
+#[derive(Clone, Debug)]
+pub struct LineShape {
+    /// The number of the line, from 1.
+    pub line: u64,
+    /// How often it ran.
+    pub times: usize,
+    /// What it ended with the last time.
     pub field: Field,
 }
 
@@ -55,6 +67,29 @@ impl ImplicitShape {
     #[must_use]
     pub fn new(field: Field, region: Option<Box3>, frame: Frame) -> Self {
         Self { field, region, frame, parameters: Vec::new(), bodies: Vec::new(), lines: Vec::new() }
+    }
+
+    /// What each line of its script ends with, in the order of the lines.
+    ///
+    /// ```
+    /// use chordal_verbs::{FormatHint, Shape, load};
+    /// let script = b"arm = move(box(9, 2, 2), 5, 0, 0)\nunion([rotate_z(arm, 90 * k) for k in range(4)])\n";
+    /// let hint = FormatHint { name: Some("cross.star"), ..FormatHint::default() };
+    /// let Shape::Field(made) = load(script, hint, &Default::default())?.shape else { panic!("a field") };
+    /// let lines = made.shapes_by_line();
+    /// assert_eq!(lines.iter().map(|one| one.line).collect::<Vec<_>>(), [1, 2]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn shapes_by_line(&self) -> Vec<LineShape> {
+        let mut by_line: BTreeMap<u64, LineShape> = BTreeMap::new();
+        for run in self.lines.chunk_by(|a, b| a.line == b.line) {
+            let Some(ShapeLine { line, field }) = run.last() else { continue };
+            let field = field.clone();
+            let times = by_line.get(line).map_or(1, |before| before.times + 1);
+            by_line.insert(*line, LineShape { line: *line, times, field });
+        }
+        by_line.into_values().collect()
     }
 
     /// One of its bodies, in the same region and frame.

@@ -125,7 +125,7 @@ pub use drawing_to_field::drawing_to_field;
 pub use failure::MeshFailure;
 pub use file_extension::extension;
 pub use geometry_digest::geometry_digest;
-pub use implicit::{ImplicitShape, Parameter, ShapeBody, ShapeLine};
+pub use implicit::{ImplicitShape, LineShape, Parameter, ShapeBody, ShapeLine};
 pub use inspect::{SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 pub use load::{FormatHint, Input, InputDigest, InputFile, load, load_with, load_within};
 pub use lod::{LodLens, LodOutcome, LodParts, LodSpec, TileErrors, lod};

@@ -17,6 +17,7 @@ mod history;
 mod input;
 mod inspection;
 mod levels;
+mod line_cost;
 mod message_text;
 mod nurbs_edges;
 mod output;
@@ -51,6 +52,7 @@ pub use history::{
 pub use input::{FrameFacts, InputFacts, InputFileFacts, WarningFacts};
 pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
 pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};
+pub use line_cost::LineCostFacts;
 use message_text::{message_option, message_text, message_texts};
 pub use nurbs_edges::{NurbsEdgeFacts, NurbsJoinFacts, NurbsLineFacts};
 pub use output::{Output, PolylineFacts, TriangleFacts};
@@ -136,4 +138,7 @@ pub struct RunFacts {
     /// Points at which user functions were evaluated; `None` where there is no such function.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<u64>,
+    /// What each line of a script takes, where that was asked for; the whole is the last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lines: Option<Vec<LineCostFacts>>,
 }
