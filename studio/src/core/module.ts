@@ -24,7 +24,7 @@ interface Exports {
  * The host of modules for WASI, which tests load: all is refused but the keys of hash tables, on which no answer depends. Modules
  * that are shipped ask for nothing.
  */
-const HOST = { wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => () => (name === "random_get" ? 0 : NOT_SUPPORTED) }) };
+export const HOST = { wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => () => (name === "random_get" ? 0 : NOT_SUPPORTED) }) };
 /** ENOSYS of WASI. */
 const NOT_SUPPORTED = 52;
 

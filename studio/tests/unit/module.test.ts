@@ -2,7 +2,7 @@
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { beforeAll, expect, test } from "vitest";
-import { Broken, Core, Refused } from "../../src/core/module";
+import { Broken, Core, HOST, Refused } from "../../src/core/module";
 import type { SeamQuestion, StudyQuestion } from "../../src/core/types";
 import { DEFAULTS } from "../../src/state/state";
 import { firstOf, secondOf } from "../../src/view/Seam";
@@ -147,7 +147,7 @@ test("h83: after a trap nothing is asked of the module again", async () => {
 });
 
 test("h83: more memory than a module can have is a trap, and never a wrong address", async () => {
-  const { instance } = await WebAssembly.instantiate(bytes);
+  const { instance } = await WebAssembly.instantiate(bytes, HOST);
   const { chordal_alloc, memory } = instance.exports as { chordal_alloc(n: number): number; memory: WebAssembly.Memory };
   const before = memory.buffer.byteLength;
   for (const much of [2 ** 32 - 1, 2 ** 31]) expect(() => chordal_alloc(much)).toThrow(WebAssembly.RuntimeError);
