@@ -233,10 +233,10 @@ wheel: studio-page need-python ## the Python package as it is given away: a whee
 	@ls -l $(WHEELS)
 	@[ $$(wc -c < $$(ls $(WHEELS)/*.whl)) -le 20000000 ] || { echo "The wheel has more than 20 MB." >&2; exit 1; }
 
-# What `make test` leaves to this, so that it takes half an hour from cold and not hours: nineteen of twenty random cases of every sweep that asks
-# chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random scripts of fields. The modules of the
-# page and of test-web are those that are shipped, too, and axe looks at every page in each theme of each language.
-# PROPTEST_CASES is for the sweeps at proptest's own number.
+# What `make test` leaves to this, so that it takes three quarters of an hour from cold and not hours: nineteen of twenty
+# random cases of every sweep that asks chordal-testkit's `cases`, what its `is_long` guards, and all but nine of the random
+# scripts of fields. The modules of the page and of test-web are those that are shipped, too, and axe looks at every page in
+# each theme of each language. PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: WHEEL := --profile release
 test-long: LONG := CHORDAL_LONG=1
 test-long: need-rust need-fuzz test-viewers test-web test-studio test-python docs-site ## the tests with many more random cases, and a second viewer of tilesets, fuzzing; minutes to days

@@ -15,18 +15,19 @@ const FIRST_LINE: Duration = Duration::from_secs(30);
 pub struct Deadline(Arc<(Mutex<bool>, Condvar)>);
 
 impl Deadline {
-    /// Begins to count.
+    /// Begins to count; without a console nothing is said on the way.
     #[cfg(not(target_family = "wasm"))]
-    pub fn start(job: &Job, within: Duration, console: Console) -> Self {
+    pub fn start(job: &Job, within: Duration, console: Option<Console>) -> Self {
         use std::sync::atomic::Ordering;
         let state = Arc::new((Mutex::new(false), Condvar::new()));
         let (shared, finish) = (Arc::clone(&state), job.finish_flag());
-        let first = within.min(if console.shows_progress() { FIRST_SIGN } else { FIRST_LINE });
+        let sign = |console: &Console| if console.shows_progress() { FIRST_SIGN } else { FIRST_LINE };
+        let first = console.as_ref().map_or(within, |console| within.min(sign(console)));
         std::thread::spawn(move || {
             if is_over_after(&shared, first) {
                 return;
             }
-            if within > first {
+            if let Some(console) = console.filter(|_| within > first) {
                 console.say(&format!(
                     "at work for {} s: the best so far is written after {} s at the latest; --within says otherwise",
                     first.as_secs(),
@@ -43,7 +44,7 @@ impl Deadline {
 
     /// There is no thread to count on.
     #[cfg(target_family = "wasm")]
-    pub fn start(_: &Job, _: Duration, _: Console) -> Self {
+    pub fn start(_: &Job, _: Duration, _: Option<Console>) -> Self {
         Self(Arc::default())
     }
 }

@@ -39,9 +39,10 @@ pub struct InspectArgs {
     #[arg(long)]
     pub self_intersections: bool,
 
-    /// For a shape script: mesh what each line ends with by itself, within this length (0.1% of the whole unless said),
-    /// and list triangles, seconds and bound
-    #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true, default_missing_value = "0.1%")]
+    /// For a shape script: mesh the last shape that each line's calls make, by itself, within this length (0.1% of
+    /// the whole unless said), and list triangles, seconds and bound
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "0.1%")]
     pub cost: Option<Length>,
 
     #[command(flatten)]
@@ -89,7 +90,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     choices.iter().for_each(|choice| console.say(&format!("{name}: {choice}")));
     report.certificate.notes.extend(choices.into_iter().map(Message::from));
     let input_triangles = input.shape.n_triangles();
-    let lines = args.cost.map(|within| line_costs(&input, within, &job, console)).transpose()?;
+    let lines = args.cost.map(|within| line_costs(&input, within, &job)).transpose()?;
     let run = RunFacts { input: Some(name.clone()), input_triangles, lines, ..report.run };
     report.run = clock.fill(run, &job);
     console.result(&report, &inspect_text::inspect(&report, &argument), StdoutUse::Free)?;

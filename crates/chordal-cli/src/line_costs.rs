@@ -1,5 +1,5 @@
-//! `line_costs`: what each line of a script takes to be meshed by itself, so that its author sees which one costs.
-use crate::console::Console;
+//! `line_costs`: what the shape of each line of a script takes to be meshed by itself, so that its author sees which one
+//! costs.
 use crate::deadline::Deadline;
 use crate::fault::Fault;
 use crate::spelling::CommandLine;
@@ -14,17 +14,16 @@ use std::time::{Duration, Instant};
 /// How long a line may take; then the best so far counts. Chosen: what takes longer is what one looks for.
 const MOST: Duration = Duration::from_secs(20);
 
-/// The costs of all lines, in their order, and of the whole, each within a length, a share of which is one of the whole.
-pub fn line_costs(
-    input: &Input,
-    within: Length,
-    job: &Job,
-    console: Console,
-) -> Result<Vec<LineCostFacts>, Fault> {
+/// The costs of all lines, in their order, and of the whole, each within a length; percents are of the whole.
+pub fn line_costs(input: &Input, within: Length, job: &Job) -> Result<Vec<LineCostFacts>, Fault> {
     let Shape::Field(whole) = &input.shape else {
         return Err(Fault::usage("--cost is for shape scripts: this input has no lines that make shapes"));
     };
     let diagonal = whole.bounds().diagonal();
+    if matches!(within, Length::Percent(_)) && !diagonal.is_finite() {
+        let line = "the shape has no end in some direction, so that no length is a share of it: say one, as in --cost=0.1";
+        return Err(Fault::usage(line));
+    }
     let length = within
         .resolve(diagonal, whole.frame.metres_per_unit)
         .map_err(|error| Fault::usage(error.spelled(&CommandLine).to_string()))?;
@@ -33,7 +32,7 @@ pub fn line_costs(
         own.memory_limit = job.memory_limit;
         let spec = BudgetSpec { length: Some(Length::Plain(length.get())), ..BudgetSpec::default() };
         let part = Input { shape: Shape::Field(shape), ..input.clone() };
-        let (began, deadline) = (Instant::now(), Deadline::start(&own, MOST, console));
+        let (began, deadline) = (Instant::now(), Deadline::start(&own, MOST, None));
         let made = mesh(part, &spec, Format::Ply, &own).spelled(&CommandLine);
         drop(deadline);
         let seconds = began.elapsed().as_secs_f64();

@@ -264,7 +264,7 @@ pub fn run_once(args: &MeshArgs, round: &MeshRound) -> Result<(), Fault> {
         return Err(Fault::usage("--extrude makes a solid of its own: write it, and combine the file"));
     }
     let limit = time_limit(&input.shape, args.result.within, round.require, job.proof_effort);
-    let deadline = limit.map(|within| Deadline::start(job, within, console));
+    let deadline = limit.map(|within| Deadline::start(job, within, Some(console)));
     let made = if others.is_empty() {
         mesh(input, &spec, form, job)
     } else {

@@ -499,6 +499,9 @@ fn the_lines_of_a_script_are_listed_with_what_they_take() {
     let text = run(&["inspect", &file, "--cost"]);
     text.succeeds();
     assert!(text.stdout.contains("line 1") && text.stdout.contains("whole"), "{}", text.stdout);
+    let endless = folder.file("endless.star", "plane([0, 0, 1], 0)\n");
+    let found = run(&["inspect", &endless, "--cost"]);
+    assert!(found.code == 2 && found.stderr.contains("--cost=0.1"), "{}", found.stderr);
     // Without lines there is nothing to list.
     let mesh = run(&["inspect", &folder.file("cube.obj", CLOSED_OBJ), "--cost"]);
     assert_eq!(mesh.code, 2, "{}", mesh.stderr);

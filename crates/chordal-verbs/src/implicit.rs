@@ -31,14 +31,14 @@ pub struct ShapeLine {
     pub field: Field,
 }
 
-/// What a line of a script ends with.
+/// The last shape that the calls of a script's line made; operators between shapes make none of their own.
 #[derive(Clone, Debug)]
 pub struct LineShape {
     /// The number of the line, from 1.
     pub line: u64,
     /// How often it ran.
     pub times: usize,
-    /// What it ended with the last time.
+    /// That shape, of the last time.
     pub field: Field,
 }
 
@@ -69,7 +69,7 @@ impl ImplicitShape {
         Self { field, region, frame, parameters: Vec::new(), bodies: Vec::new(), lines: Vec::new() }
     }
 
-    /// What each line of its script ends with, in the order of the lines.
+    /// The last shape that the calls of each line of its script made, in the order of the lines.
     ///
     /// ```
     /// use chordal_verbs::{FormatHint, Shape, load};

@@ -20,13 +20,14 @@ interface Exports {
   chordal_release(outcome: number): void;
 }
 
-/**
- * The host of modules for WASI, which tests load: all is refused but the keys of hash tables, on which no answer depends. Modules
- * that are shipped ask for nothing.
- */
-export const HOST = { wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => () => (name === "random_get" ? 0 : NOT_SUPPORTED) }) };
 /** ENOSYS of WASI. */
 const NOT_SUPPORTED = 52;
+const answer = (name: string | symbol) => () => (name === "random_get" ? 0 : NOT_SUPPORTED);
+/**
+ * The host of modules for WASI, which tests load: all is refused but the keys of hash tables, on which no answer
+ * depends. Modules that are shipped ask for nothing.
+ */
+export const HOST = { wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => answer(name) }) };
 
 /** The core understood the question and refuses it, in a sentence. The module is as good as before. */
 export class Refused extends Error {}

@@ -27,11 +27,11 @@ use patch_tessellation::{LEFT_BY_LEVEL, PatchTessellation};
 /// patches, whatever made the mesh. `forward` is from the mesh to the patches. Its worst points are on the
 /// patches themselves.
 ///
-/// *Cost.* That of [`deviation`](super::deviation()) against triangles that are some ten times as close to the patches as the mesh
-/// is, each part of a patch cut as often as its own bend asks: more triangles than an adaptive mesh within a budget would take.
-/// With [`Goal::max`] that is some percent above the truth they are closer: the teapot's mesh for a hundredth of its size takes
-/// 0.2 seconds, that for a thousandth 2, that for a five-thousandth 9. Where four million triangles are too few, the goal is not
-/// reached; the bounds hold nevertheless.
+/// *Cost.* That of [`deviation`](super::deviation()) against triangles that are some ten times as close to the patches
+/// as the mesh is, each part of a patch cut as often as its own bend asks: more triangles than an adaptive mesh within a
+/// budget would take. With a [`Goal::max`] that is some percent above the truth they are closer: the teapot's mesh for a
+/// hundredth of its size takes 0.2 seconds, that for a thousandth 2, that for a five-thousandth 9. Where four million
+/// triangles are too few, the goal is not reached; the bounds hold nevertheless.
 ///
 /// # Errors
 /// As for [`deviation`](super::deviation()), and [`RefusalCode::NotFinite`] for patches.
@@ -120,8 +120,8 @@ enum SmoothShape<'a> {
 
 /// The most triangles of a tessellation: about a minute on one core and a gigabyte; chosen.
 const MOST_CUTS: u64 = 1 << 22;
-/// Points that take as long as a triangle of a tessellation, which is compared as well. Measured: three microseconds of one core,
-/// of 25 to 30 nanoseconds a point.
+/// Points that take as long as a triangle of a tessellation, which is compared as well. Measured: three microseconds of
+/// one core, of 25 to 30 nanoseconds a point.
 const POINTS_A_TRIANGLE: u64 = 128;
 /// Bytes a triangle of the tessellation, about: 300 for comparing, and a hundred for each corner of a quad's
 /// tables; derived.
@@ -374,7 +374,7 @@ fn measured(
             let most_cuts = lesser(within_job, job.work_left() / POINTS_A_TRIANGLE);
             let fits = |level: &u32| smooth.count(*level, job) <= most_cuts;
             // As fine as the goal requires, by the current estimate.
-            let aim = level + levels(off, known.least());
+            let aim = lesser(level + levels(off, known.least()), smooth.deepest());
             if let Some(finer) = (level + 1..=aim).rev().find(fits) {
                 level = finer;
                 continue;
@@ -384,7 +384,8 @@ fn measured(
             let n_more = levels(off, known.least());
             // The tessellation is not the limiting factor.
             let is_stuck = !found.reached && n_more == 0;
-            let finer = (level + 1..=level + greater(n_more, 1)).rev().find(fits);
+            let aim = lesser(level + greater(n_more, 1), smooth.deepest());
+            let finer = (level + 1..=aim).rev().find(fits);
             match finer {
                 Some(finer) if !is_stuck => level = finer,
                 _ => break,

@@ -121,6 +121,24 @@ fn what_is_claimed_of_the_teapot_is_proved_again() {
     }
 }
 
+/// Where the bends of a patch are beyond the largest double no level is near enough, and the search ends all the same.
+#[test]
+fn a_patch_whose_bends_overflow_ends() {
+    let scale = f64::powi(2.0, 1020);
+    let mut bump = Patch::flat([0.0; 3], [scale, 0.0, 0.0], [0.0, scale, 0.0]);
+    bump.control[1][1][2] = scale;
+    let corners = vec![[0.0; 3], [scale, 0.0, 0.0], [scale, scale, 0.0], [0.0, scale, 0.0]];
+    let mesh = Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let most = 0.3 * scale;
+    for max in [None, Tolerance::new(most).ok()] {
+        let goal = Goal { max, ..Goal::default() };
+        match check::patch_deviation(&mesh, &[bump], &goal, &Job::default()) {
+            Ok(found) => assert!(found.bound.at_most().is_none_or(|most| most > 0.1 * scale), "{found:?}"),
+            Err(refused) => assert!(matches!(refused, chordal::budget::JobError::Refused(_)), "{refused:?}"),
+        }
+    }
+}
+
 #[test]
 fn meshes_of_cages() {
     let some = ["bilinear_nonquads0", "catmark_cube_creases0", "catmark_dart_edgeonly"];

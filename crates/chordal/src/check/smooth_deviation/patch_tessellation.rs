@@ -15,18 +15,17 @@ use std::collections::BTreeMap;
 const PARTS: u32 = 3;
 /// The most parts. Chosen: as many triangles take a tenth of a second.
 const MOST_PARTS: usize = 1 << 16;
-/// The share of the distance to the patches that a level leaves of that of the level before; it has about twice as many triangles.
+/// The share of the distance to the patches that a level leaves of that of the level before. It has about twice as many
+/// triangles.
 pub(super) const LEFT_BY_LEVEL: f64 = 0.5;
 /// Rounding of a tessellation relative to the largest coordinate: a halving rounds each coordinate three
-/// times by half an ε, 17 halvings in both directions make 84 ε of a length; differences of the second order
-/// as much again.
+/// times by half an ε, 15 halvings in both directions, one of them to the middles of fans, make 45 ε of a length;
+/// differences of the second order as much again.
 const OF_CUTS: f64 = 256.0 * f64::EPSILON;
 
 /// Parts of patches, each with the halvings that bring its triangles as near as a level asks.
 pub(super) struct PatchTessellation {
     parts: Vec<TessellatedPart>,
-    /// By curve, the most halvings of a side along it.
-    sides: BTreeMap<CurveKey, u32>,
 }
 
 struct TessellatedPart {
@@ -68,15 +67,19 @@ impl PatchTessellation {
             };
             parts.into_iter().map(with_halvings).collect::<Vec<_>>()
         });
-        let parts: Vec<TessellatedPart> = parts.into_iter().flatten().collect();
+        Self { parts: parts.into_iter().flatten().collect() }
+    }
+
+    /// By curve, the most halvings of a side along it.
+    fn sides(&self) -> BTreeMap<CurveKey, u32> {
         let mut sides = BTreeMap::new();
-        for part in &parts {
+        for part in &self.parts {
             for (k, side) in SIDES.into_iter().enumerate() {
                 let most = sides.entry(key_of(&part.patch.side(side))).or_insert(0);
                 *most = greater(*most, part.halvings[k % 2]);
             }
         }
-        Self { parts, sides }
+        sides
     }
 
     /// About the number of its triangles: exact but for the fans along finer sides.
@@ -88,8 +91,9 @@ impl PatchTessellation {
     ///
     /// Each cell's triangles have their corners on its piece of the patch, at parameters that tile the cell's.
     pub fn triangles(&self, job: &Job) -> Result<(Mesh, f64), JobError> {
+        let sides = self.sides();
         let made = par_map(job, &self.parts, |_, part| {
-            let finer = SIDES.map(|side| self.sides[&key_of(&part.patch.side(side))]);
+            let finer = SIDES.map(|side| sides[&key_of(&part.patch.side(side))]);
             let mut cells = PartTriangles::default();
             if !job.is_cancelled() {
                 cells.fill(part, finer);

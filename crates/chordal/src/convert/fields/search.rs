@@ -44,8 +44,8 @@ const SAMPLED: f64 = 0.5;
 /// A proof beside which a measurement would do has as many evaluations as its mesh took, and at least so many points.
 /// Measured: two to three seconds of one core.
 const LEAST_PROOF: u64 = 1 << 25;
-/// So many points a triangle are allowed as well. Measured: the proofs of thin walls of gyroids, 36,000 and 68,000 triangles, take
-/// 1,600 and 2,250 in all.
+/// So many points a triangle are allowed as well. Measured: the proofs of thin walls of gyroids, 36,000 and 68,000
+/// triangles, take 1,600 and 2,250 in all.
 const PROOF_OF_FACE: u64 = 1 << 12;
 /// What a finer mesh takes, in that of the first, where a proof beside which a measurement would do may still afford it.
 /// Chosen: cells are the same, and triangles half as long.
