@@ -11,6 +11,8 @@
 //! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half
 //!   of the range.
 //!
+//! A function that is convex on all of space ([`Curvature`]) is nowhere above L, one that is concave nowhere below it.
+//!
 //! The values at the corners are ranges over points. Every piece is split at rounded midpoints, so a point of
 //! the original triangle may be off the nearest point of its piece, along each axis, by [`OFF`] of the
 //! largest coordinate of the triangle. E has that margin, and the bound on f is widened by `Σₖ |G|ₖ·off`. So
@@ -24,6 +26,7 @@
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
 use super::local_trees::LiteralSides;
 use super::regions::SignRegions;
+use crate::implicit::csg::Curvature;
 use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{
     Box3, add_down, add_up, difference, dot, greater, length, length_up, lesser, mul_up, sub_down, sub_up,
@@ -159,6 +162,7 @@ fn classify_uncached(
     let mut found = vec![FaceSide::Proved; question.faces.len()];
     let (mut pieces, mut values) = initial_triangles(regions, evaluator, question, &mut found)?;
     let n_kept = regions.trees.len();
+    let primitives = evaluator.csg().primitives();
     for cuts in 0..=question.cuts {
         if pieces.is_empty() {
             break;
@@ -186,10 +190,13 @@ fn classify_uncached(
             }
             let shape = SignTriangleExtent::from_triangle(piece);
             let at_corners = &values[piece.values..];
-            let sides: Vec<LiteralSides> = own
+            let sides: Vec<LiteralSides> = local
+                .primitives
                 .iter()
-                .zip(at_corners)
-                .map(|(slope, at_corners)| shape.sides(slope, at_corners))
+                .zip(own.iter().zip(at_corners))
+                .map(|(p, (slope, at_corners))| {
+                    shape.sides(primitives[*p as usize].curvature(), slope, at_corners)
+                })
                 .collect();
             let side = local.membership(&sides, own);
             if side == question.side {
@@ -368,7 +375,7 @@ impl SignTriangle {
     }
 }
 
-/// The extents of a piece for the bound on |f − L|.
+/// The extents of a piece for the bounds on f − L.
 struct SignTriangleExtent {
     /// R.
     radius: f64,
@@ -392,7 +399,7 @@ impl SignTriangleExtent {
     }
 
     /// The sides of a primitive and of its complement on which the piece is.
-    fn sides(&self, slope: &DualRange, at_corners: &CornerValues) -> LiteralSides {
+    fn sides(&self, curvature: Curvature, slope: &DualRange, at_corners: &CornerValues) -> LiteralSides {
         let by_range = LiteralSides::from_range(&slope.value);
         let Some(gradient) = slope.gradient.filter(|_| by_range.is_open()) else { return by_range };
         let half_widths = gradient.map(|d| mul_up(0.5, sub_up(d.hi(), d.lo())));
@@ -401,12 +408,14 @@ impl SignTriangleExtent {
         let by_widths = mul_up(0.5, sum);
         let stray = lesser(by_widths, by_radius);
         let steep = gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
-        let stray = add_up(stray, mul_up(steep, self.off));
+        let rounding = mul_up(steep, self.off);
+        let [below, above] = [curvature.is_concave(), curvature.is_convex()]
+            .map(|is_within| if is_within { rounding } else { add_up(stray, rounding) });
         let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| lesser(*a, low));
         let high = at_corners.iter().fold(f64::NEG_INFINITY, |high, [_, b]| greater(*b, high));
-        if add_down(low, -stray) > 0.0 {
+        if add_down(low, -below) > 0.0 {
             LiteralSides::OUTSIDE
-        } else if add_up(high, stray) < 0.0 {
+        } else if add_up(high, above) < 0.0 {
             LiteralSides::INSIDE
         } else {
             by_range

@@ -7,12 +7,14 @@
 //! at creases and corners, and its values have their own units.
 mod affine_terms;
 mod branches;
+mod convexity;
 mod evaluator;
 mod level;
 mod materials;
 mod subgraph;
 mod tree;
 
+pub use convexity::Curvature;
 pub use evaluator::{DualRange, PrimitiveEvaluator};
 pub use materials::{BlendPart, CsgMaterials, MaterialChoice};
 pub use tree::{CsgNode, CsgRestriction, CsgTree, Membership};
@@ -58,11 +60,17 @@ pub struct Csg {
 pub struct Primitive {
     tape: Tape,
     is_total: bool,
+    curvature: Curvature,
     /// The level of a term of the whole at which it vanishes.
     level: Option<LevelSet>,
 }
 
 impl Primitive {
+    fn new(graph: ExprGraph, level: Option<LevelSet>) -> Self {
+        let (is_total, curvature) = (is_total(graph.terms()), Curvature::from_terms(graph.terms()));
+        Self { tape: Tape::from_graph(graph), is_total, curvature, level }
+    }
+
     /// The function.
     #[must_use]
     pub fn tape(&self) -> &Tape {
@@ -74,6 +82,12 @@ impl Primitive {
     #[must_use]
     pub fn is_total(&self) -> bool {
         self.is_total
+    }
+
+    /// How it bends, as far as its terms say.
+    #[must_use]
+    pub fn curvature(&self) -> Curvature {
+        self.curvature
     }
 
     /// Whether the zero sets of both never meet, because they are two different levels of one function.
@@ -268,8 +282,7 @@ impl<'a> CsgBuilder<'a> {
         let root = self.root();
         self.add_materials(root);
         let graph = self.graph_of(root);
-        let is_total = is_total(graph.terms());
-        self.primitives.push(Primitive { tape: Tape::from_graph(graph), is_total, level: None });
+        self.primitives.push(Primitive::new(graph, None));
         self.nodes.push(CsgNode::Primitive(0));
         self.finish()
     }
@@ -390,8 +403,7 @@ impl<'a> CsgBuilder<'a> {
         let graph = self.graph_of(place);
         self.n_copied += graph.terms().len();
         let number = self.primitives.len() as u32;
-        let is_total = is_total(graph.terms());
-        self.primitives.push(Primitive { tape: Tape::from_graph(graph), is_total, level });
+        self.primitives.push(Primitive::new(graph, level));
         self.known.insert(key, (number, falls));
         if let Some(level) = level {
             self.levels.insert(level, number);

@@ -200,6 +200,101 @@ fn what_may_have_no_value_is_not_total() {
 }
 
 #[test]
+fn round_solids_are_convex_however_they_are_written() {
+    let [x, y, z] = Expr::axes();
+    let norm = (x.square() + &y * &y + z.square()).sqrt();
+    let convex = [
+        &norm - 1.0,
+        (&norm - 1.0) / 3.0,
+        (&x.abs() - 1.0).max(&Expr::constant(0.0)).square() + y.square() - 0.25,
+        ((x.abs() - 1.0).max(&Expr::constant(0.0)).square() + (z.square() * 2.0 + 1.0)).sqrt(),
+        (x.square() + y.square()).sqrt() * 0.8 + &z * 0.6 - 2.0,
+        Expr::unary(Unary::Exp, &(&x - &y)),
+    ];
+    let curvature = |e: &Expr| Curvature::from_terms(Tape::new(e).graph().terms());
+    for one in &convex {
+        assert_eq!((curvature(one), curvature(&-one)), (Curvature::Convex, Curvature::Concave));
+        assert_eq!(curvature(&(one * -2.0)), Curvature::Concave);
+        assert_eq!(curvature(&(one - one)), Curvature::Unknown);
+    }
+    assert_eq!(curvature(&(&x * 2.0 - &y / 3.0 + 1.0)), Curvature::Linear);
+    // A ring, a saddle, the square of what is negative somewhere, and what has no value somewhere.
+    let ring = (((x.square() + y.square()).sqrt() - 2.0).square() + z.square()).sqrt() - 1.0;
+    let others = [ring, &x * &y, (&norm - 1.0).square(), x.sqrt(), x.min(&y).max(&z), x.sqrt().abs()];
+    for one in &others {
+        assert_eq!(curvature(one), Curvature::Unknown);
+    }
+    let solids = [
+        shapes::sphere(1.0).unwrap(),
+        shapes::cylinder(1.0, 2.0).unwrap(),
+        shapes::capped_cone(1.0, 0.5, 2.0).unwrap(),
+        shapes::rounded_cuboid([1.0, 2.0, 3.0], 0.2).unwrap(),
+    ];
+    for solid in &solids {
+        for primitive in Csg::from_expr(solid.sign()).primitives() {
+            assert!(primitive.curvature().is_convex(), "{:?}", primitive.tape().graph());
+        }
+    }
+}
+
+/// Chosen: above the roundings of eighth powers that cancel.
+const NEAR: f64 = 1e-6;
+
+#[test]
+fn what_is_said_of_curvature_holds_between_any_two_points() {
+    let mut random = Random::new(11);
+    let mut n_known = 0;
+    for _ in 0..2000 {
+        let expr = composed(&mut random, 3);
+        let tape = Tape::new(&expr);
+        let curvature = Curvature::from_terms(tape.graph().terms());
+        if curvature == Curvature::Unknown {
+            continue;
+        }
+        n_known += 1;
+        for _ in 0..8 {
+            let (a, b) = (random.point_within(3.0), random.point_within(3.0));
+            let middle = std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]);
+            let mut values = [0.0; 3];
+            tape.at(&[a, b, middle], &mut values).unwrap();
+            let size = values.iter().fold(1.0, |most: f64, x| greater(x.abs(), most));
+            let above = (values[2] - (0.5 * values[0] + 0.5 * values[1])) / size;
+            assert!(!curvature.is_convex() || above <= NEAR, "{above}: {:?}", tape.graph());
+            assert!(!curvature.is_concave() || above >= -NEAR, "{above}: {:?}", tape.graph());
+        }
+    }
+    assert!(n_known > 500, "{n_known}");
+}
+
+/// A random expression of some depth.
+fn composed(random: &mut Random, depth: u32) -> Expr {
+    let pick = random.below(if depth == 0 { 4 } else { 14 });
+    if pick < 3 {
+        return Expr::axes()[pick].clone();
+    }
+    if pick == 3 {
+        return Expr::constant(random.between(-2.0, 2.0));
+    }
+    let a = composed(random, depth - 1);
+    match pick {
+        4 => -a,
+        5 => a.abs(),
+        6 | 7 => a.square(),
+        8 => a.sqrt(),
+        9 => a * random.between(-2.0, 2.0),
+        10 => a / 0.5,
+        _ => {
+            let b = composed(random, depth - 1);
+            match pick {
+                11 => a + b,
+                12 => a.max(&b),
+                _ => a.min(&(b - 0.5)),
+            }
+        }
+    }
+}
+
+#[test]
 fn a_tree_that_doubles_stays_small() {
     let [x, y, _] = Expr::axes();
     let mut whole = x.min(&y);
