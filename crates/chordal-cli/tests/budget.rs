@@ -150,7 +150,8 @@ fn a_sheet_with_a_back_says_why_it_stays_and_what_helps() {
 #[test]
 fn a_draft_says_on_the_terminal_that_its_triangles_may_cross() {
     let folder = Folder::new("draft-note");
-    let (input, output) = (folder.file("ball.star", "sphere(1)\n"), folder.text("ball.ply"));
+    let blend = "union(sphere(1), move(sphere(1), 1, 0, 0), fillet=0.3)\n";
+    let (input, output) = (folder.file("blend.star", blend), folder.text("blend.ply"));
     let args = ["mesh", &input, "--tol", "0.1", "--require", "estimated", "-o", &output];
     let told = run(&args);
     told.succeeds();
@@ -160,6 +161,29 @@ fn a_draft_says_on_the_terminal_that_its_triangles_may_cross() {
     assert_eq!(report["certificate"]["notes"].to_string().matches(note).count(), 1, "{report}");
     let proved = run(&["mesh", &input, "--tol", "0.1", "-o", &output, "--force"]);
     assert!(!proved.stdout.contains(note), "{proved:?}");
+}
+
+#[test]
+fn a_draft_of_solids_has_their_edges_and_colours() {
+    let folder = Folder::new("draft-of-solids");
+    let script = "color(box(4, 4, 1), \"#d33\") - cylinder(1, 2)\n";
+    let (input, output) = (folder.file("plate.star", script), folder.text("plate.ply"));
+    let made = run(&["mesh", &input, "--tol", "3%", "--require", "estimated", "-o", &output, "--json"]);
+    made.succeeds();
+    let report = made.report();
+    let certificate = &report["certificate"];
+    assert_eq!(certificate["bound"]["evidence"], "estimated", "{report}");
+    assert!(!certificate["notes"].to_string().contains("may cross"), "{report}");
+    // Its hole has as many sides as a thousandth of the size asks for, and its flat faces no triangles of their own.
+    let found = run(&["deviation", &output, &input, "--json"]).report();
+    assert!(found["bound"]["at_most"].as_f64().unwrap() < 0.01, "{found}");
+    assert!(certificate["output"]["triangles"].as_u64().unwrap() < 500, "{report}");
+    assert_eq!(run(&["inspect", &output, "--json"]).report()["self_intersections"]["count"], 0);
+
+    // Whatever is cut by nothing else has a bound as well.
+    let apart = folder.file("apart.star", "box(1, 1, 1) | move(sphere(1), 4, 0, 0)\n");
+    let args = ["mesh", &apart, "--tol", "1%", "--require", "estimated", "-o", &output, "--force", "--json"];
+    assert_eq!(run(&args).report()["certificate"]["bound"]["evidence"], "proved");
 }
 
 #[test]

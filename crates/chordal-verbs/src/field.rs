@@ -3,7 +3,7 @@ use crate::contact_lines::name_lines;
 #[cfg(feature = "booleans")]
 use crate::field_by_booleans::{cut_note, mesh_by_booleans};
 #[cfg(feature = "booleans")]
-use crate::field_by_solids::mesh_by_solids;
+use crate::field_by_solids::{draft_by_solids, mesh_by_solids};
 use crate::field_looks::{renumber, with_materials};
 use crate::field_slack::SlackRequest;
 use crate::file_rows::unsupported;
@@ -13,7 +13,7 @@ use crate::simplified_isosurface::{MadeMesh, simplified, simplified_without_cros
 use crate::{ImplicitShape, MeshFailure, ShapeLine};
 use chordal::budget::advice::{Message, Setting};
 use chordal::budget::proof::ProofEffort;
-use chordal::budget::{Bound, Budget, Failure, Metric, RefusalCode, RequiredEvidence, Tolerance};
+use chordal::budget::{Bound, Budget, Evidence, Failure, Metric, RefusalCode, RequiredEvidence, Tolerance};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::explicit::Topology;
 use chordal::implicit::Field;
@@ -102,6 +102,36 @@ fn mesh_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<MadeMesh
     Ok(None)
 }
 
+/// Without booleans every draft is one of cubes.
+#[cfg(not(feature = "booleans"))]
+fn draft_by_solids(_: &Field, _: &MeshRequest, _: &Job) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+    Ok(None)
+}
+
+/// What there is at once of a field, in its colours: the triangles of the solids that it combines, or cubes.
+fn draft(
+    field: &Field,
+    request: &MeshRequest,
+    notes: &mut Vec<Message>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, MeshFailure> {
+    let made = match draft_by_solids(field, request, job)? {
+        Some(made) => made,
+        None => {
+            let (made, words) = mesh_whole(field, request, job)?;
+            notes.extend(words);
+            if *made.bound.evidence() == Evidence::Estimated {
+                notes.push(DRAFT.into());
+            }
+            made
+        }
+    };
+    if field.materials().is_empty() {
+        return Ok(made);
+    }
+    convert::with_face_materials(made, field, job).map_err(|failure| MeshFailure::from_missed(failure, ""))
+}
+
 /// What is said of a mesh that is measured although a proof was tried; `None` of others.
 fn unproved_note(bound: &Bound) -> Option<Message> {
     if bound.evidence().bounds_above() {
@@ -138,6 +168,9 @@ fn mesh_of_field(
     notes: &mut Vec<Message>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, MeshFailure> {
+    if request.budget.require == RequiredEvidence::Estimated {
+        return draft(field, request, notes, job);
+    }
     let is_proved = |made: &MadeMesh| made.0.bound.at_most().is_some();
     let is_enough = |made: &MadeMesh| is_proved(made) || request.budget.require == RequiredEvidence::Measured;
     let ways = BothWays::new(request, job);
@@ -212,7 +245,7 @@ fn mesh_whole(field: &Field, request: &MeshRequest, job: &Job) -> Result<MadeMes
     Ok((made, words))
 }
 
-/// What is to be said of a draft, whose vertices move by themselves. To count what crosses takes as long as the draft.
+/// What is to be said of a draft of cubes, whose vertices move by themselves. To count what crosses takes as long as the draft.
 pub(crate) const DRAFT: &str = "a draft: its triangles may cross each other, and `inspect` counts where";
 
 /// What is to be said of the triangles of a shape, as they are written: ties that their digits make.

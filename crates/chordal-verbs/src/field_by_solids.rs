@@ -5,10 +5,11 @@ use crate::request::MeshRequest;
 use crate::simplified_isosurface::{MadeMesh, simplified_without_crossings};
 use crate::simplify::simplify_mesh;
 use chordal::boolean::boolean_unchecked;
-use chordal::budget::{Bound, Budget, Failure, Reference, RequiredEvidence, Tolerance};
+use chordal::budget::{Bound, Budget, Evidence, Failure, Reference, Tolerance};
 use chordal::explicit::Topology;
 use chordal::implicit::Field;
 use chordal::implicit::construction::{Construction, ConstructionNode, SolidForm};
+use chordal::math::add_up;
 use chordal::{Bounded, Job, Mesh, convert};
 
 /// The shares of a length within which solids are meshed, one after the other until the whole is proved. Chosen: what the
@@ -34,7 +35,7 @@ pub(crate) fn mesh_by_solids(
     let budget = &request.budget;
     let is_by_length = budget.pixels.is_none() && budget.triangles.is_none();
     // Materials are told apart by labels that cuts do not keep.
-    if !is_by_length || budget.require == RequiredEvidence::Estimated || !field.materials().is_empty() {
+    if !is_by_length || !field.materials().is_empty() {
         return Ok(None);
     }
     // Vertices lie outside of round solids.
@@ -77,6 +78,40 @@ pub(crate) fn mesh_by_solids(
     let (made, words) = with_fewer_triangles(judged, (&inner, length), &request, job)?;
     Ok(Some((request.snap(&made.shape, made.bound, job)?, words)))
 }
+
+/// A draft of a combination of solids: their triangles cut along each other, as nobody has judged them. None where some part
+/// has no triangles of its own, and where cuts fail or leave nothing.
+///
+/// Its edges are sharp, and its triangles do not cross. Where no solid is cut by another, its bound is proved.
+pub(crate) fn draft_by_solids(
+    field: &Field,
+    request: &MeshRequest,
+    job: &Job,
+) -> Result<Option<Bounded<Mesh>>, MeshFailure> {
+    let Some(construction) = field.construction().filter(|own| !own.has_other()) else { return Ok(None) };
+    if construction.n_solids() > MANY {
+        return Ok(None);
+    }
+    let room = field.bounds();
+    let Ok(length) = Tolerance::new(DRAFT_SHARE * room.diagonal()) else { return Ok(None) };
+    let Some(AssembledMesh { mesh, off }) = mesh_by_construction(construction, &room, length, job) else {
+        return Ok(None);
+    };
+    let (most, asked) = (request.budget.triangles.unwrap_or(u64::MAX), request.budget.length);
+    if mesh.faces().is_empty() || mesh.faces().len() as u64 > most {
+        return Ok(None);
+    }
+    // A draft that is farther off than was asked for is one whose distance is not told.
+    let is_told = |off: &f64| asked.is_some_and(|asked| add_up(*off, request.rounding()) <= asked.get());
+    let bound = match off.filter(is_told) {
+        Some(off) => Bound::proved(0.0, off, Reference::Field),
+        None => Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::Field),
+    };
+    Ok(Some(request.snap(&mesh, bound, job)?))
+}
+
+/// The length of a draft as a share of the diagonal. Chosen: about a pixel where the shape fills the picture.
+const DRAFT_SHARE: f64 = 1.0 / 1024.0;
 
 /// Whether a part is twisted. Its closed form has even sections: measured, three times the triangles that the field's own way
 /// leaves of a round thread, which collapses do not bring down without crossings.

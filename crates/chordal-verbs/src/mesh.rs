@@ -14,8 +14,8 @@ use crate::{
     BudgetSpec, Input, MeshFailure, MeshOutcome, Normals, OutputForm, Shape, cage, field, filled_regions,
     formats, isosurface, polylines,
 };
+use chordal::budget::RefusalCode;
 use chordal::budget::advice::Message;
-use chordal::budget::{Evidence, RefusalCode, RequiredEvidence};
 use chordal::{Job, convert};
 use chordal_io::Scene;
 
@@ -105,11 +105,7 @@ pub fn mesh(
         }
         Shape::Field(implicit) => {
             let made = field::mesh_field(&implicit, &request.widened(), &mut certificate.notes, job)?;
-            if budget.require == RequiredEvidence::Estimated && *made.1.evidence() == Evidence::Estimated {
-                certificate.warned.push(field::DRAFT.into());
-                certificate.notes.push(field::DRAFT.into());
-            }
-            let is_told = |note: &&Message| note.starts_with(NOT_COUNTED);
+            let is_told = |note: &&Message| note.starts_with(NOT_COUNTED) || note.starts_with(field::DRAFT);
             certificate.warned.extend(certificate.notes.iter().filter(is_told).cloned());
             made
         }
