@@ -11,7 +11,8 @@
 //! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half
 //!   of the range.
 //!
-//! A function that is convex on all of space ([`Curvature`]) is nowhere above L, one that is concave nowhere below it.
+//! A function that is convex on all of space ([`Curvature`]) is nowhere above L, and nowhere below its tangent planes;
+//! one that is concave the other way round.
 //!
 //! The values at the corners are ranges over points. Every piece is split at rounded midpoints, so a point of
 //! the original triangle may be off the nearest point of its piece, along each axis, by [`OFF`] of the
@@ -24,8 +25,9 @@
 //! sides.
 //!
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
-use super::local_trees::LiteralSides;
+use super::local_trees::{LiteralSides, LocalTree};
 use super::regions::SignRegions;
+use super::slope::{dot as product, step};
 use crate::implicit::csg::Curvature;
 use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{
@@ -162,7 +164,6 @@ fn classify_uncached(
     let mut found = vec![FaceSide::Proved; question.faces.len()];
     let (mut pieces, mut values) = initial_triangles(regions, evaluator, question, &mut found)?;
     let n_kept = regions.trees.len();
-    let primitives = evaluator.csg().primitives();
     for cuts in 0..=question.cuts {
         if pieces.is_empty() {
             break;
@@ -178,27 +179,16 @@ fn classify_uncached(
         let slopes = evaluator.dual_ranges(&questions)?;
         // Where the work is used up, what needs more cuts stays open.
         let most_cuts = if evaluator.is_over() { cuts } else { question.cuts };
+        let looked = pieces_sides(regions, evaluator, (&pieces, &values), &slopes)?;
         let mut rest = slopes.as_slice();
         let mut split: Vec<TriangleSplit> = Vec::new();
-        for (k, piece) in pieces.iter().enumerate() {
-            let local = regions.trees.get(piece.tree);
-            let (own, after) = rest.split_at(local.primitives.len());
+        for (k, (piece, PieceSides { sides, side })) in pieces.iter().zip(looked).enumerate() {
+            let (own, after) = rest.split_at(sides.len());
             rest = after;
             let face = &mut found[piece.face as usize];
             if *face != FaceSide::Proved {
                 continue;
             }
-            let shape = SignTriangleExtent::from_triangle(piece);
-            let at_corners = &values[piece.values..];
-            let sides: Vec<LiteralSides> = local
-                .primitives
-                .iter()
-                .zip(own.iter().zip(at_corners))
-                .map(|(p, (slope, at_corners))| {
-                    shape.sides(primitives[*p as usize].curvature(), slope, at_corners)
-                })
-                .collect();
-            let side = local.membership(&sides, own);
             if side == question.side {
                 continue;
             }
@@ -220,10 +210,72 @@ fn classify_uncached(
         if split.len() > PIECES_A_FACE * question.faces.len() + MOST_PIECES {
             abandon_most_split(&pieces, &mut split, &mut found);
         }
-        (pieces, values) = halves(regions, evaluator, &pieces, &values, &split)?;
+        let is_wrong = |face: u32| found[face as usize] = FaceSide::Wrong;
+        (pieces, values) = halves((regions, question.side), evaluator, (&pieces, &values), &split, is_wrong)?;
     }
     regions.trees.truncate(n_kept);
     Ok(found)
+}
+
+/// The sides of a piece's primitives, and its own.
+struct PieceSides {
+    sides: Vec<LiteralSides>,
+    side: Membership,
+}
+
+/// The sides of pieces; of those that ranges do not decide also by tangent planes.
+fn pieces_sides(
+    regions: &SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    (pieces, values): (&[SignTriangle], &[CornerValues]),
+    slopes: &[DualRange],
+) -> Result<Vec<PieceSides>, LeafError> {
+    let primitives = evaluator.csg().primitives();
+    let curvature = |p: u32| primitives[p as usize].curvature();
+    let extents: Vec<SignTriangleExtent> = pieces.iter().map(SignTriangleExtent::from_triangle).collect();
+    let mut looked: Vec<PieceSides> = Vec::with_capacity(pieces.len());
+    // By piece and primitive, where there is a tangent plane to be looked at, and the row of the primitive's slope.
+    let mut unsure: Vec<(usize, usize, usize)> = Vec::new();
+    let mut questions: Vec<(u32, Box3)> = Vec::new();
+    let mut first = 0;
+    for (number, (piece, extent)) in pieces.iter().zip(&extents).enumerate() {
+        let local = regions.trees.get(piece.tree);
+        let own = &slopes[first..first + local.primitives.len()];
+        let at_corners = &values[piece.values..];
+        let both = own.iter().zip(at_corners);
+        let sides: Vec<LiteralSides> = local
+            .primitives
+            .iter()
+            .zip(both)
+            .map(|(p, (slope, at_corners))| extent.sides(curvature(*p), slope, at_corners))
+            .collect();
+        let side = local.membership(&sides, own);
+        if side == Membership::Unknown {
+            let bends = |p: u32| matches!(curvature(p), Curvature::Convex | Curvature::Concave);
+            let open = local.primitives.iter().enumerate();
+            for (k, p) in open.filter(|(k, p)| sides[*k].is_open() && bends(**p)) {
+                unsure.push((number, k, first + k));
+                questions.push((*p, point(extent.centre)));
+            }
+        }
+        first += sides.len();
+        looked.push(PieceSides { sides, side });
+    }
+    let tangents = evaluator.dual_ranges(&questions)?;
+    for (((number, k, row), tangent), (p, _)) in unsure.into_iter().zip(&tangents).zip(&questions) {
+        let (piece, of) = (&pieces[number], &mut looked[number]);
+        if let Some(side) = extents[number].side_of_tangent(curvature(*p), (tangent, &slopes[row]), piece) {
+            of.sides[k] = side;
+            let local = regions.trees.get(piece.tree);
+            let first = row - k;
+            of.side = local.membership(&of.sides, &slopes[first..first + of.sides.len()]);
+        }
+    }
+    Ok(looked)
+}
+
+fn point(at: [f64; 3]) -> Box3 {
+    Box3 { min: at, max: at }
 }
 
 /// Gives up the faces that have an average number of pieces or more; they stay open.
@@ -273,7 +325,6 @@ fn initial_triangles(
     }
     pairs.sort_unstable();
     pairs.dedup();
-    let point = |p: [f64; 3]| Box3 { min: p, max: p };
     let questions: Vec<(u32, Box3)> =
         pairs.iter().map(|(p, v)| (*p, point(question.positions[*v as usize]))).collect();
     let answers = evaluator.ranges(&questions)?;
@@ -281,38 +332,49 @@ fn initial_triangles(
     let mut values = Vec::with_capacity(n_values);
     for piece in &pieces {
         let face = question.faces[piece.face as usize];
-        values.extend(regions.trees.get(piece.tree).primitives.iter().map(|p| face.map(|v| value(*p, v))));
+        let local = regions.trees.get(piece.tree);
+        let own: Vec<CornerValues> = local.primitives.iter().map(|p| face.map(|v| value(*p, v))).collect();
+        let corner = |k: usize| own.iter().map(|at_corners| at_corners[k]).collect::<Vec<_>>();
+        if (0..3).any(|k| is_opposite(side_at_point(local, &corner(k)), question.side)) {
+            found[piece.face as usize] = FaceSide::Wrong;
+        }
+        values.extend(own);
     }
+    pieces.retain(|piece| found[piece.face as usize] == FaceSide::Proved);
     Ok((pieces, values))
 }
 
-/// Both halves of some pieces, each with a tree, and the values at their corners.
+/// Both halves of some pieces, each with a tree, and the values at their corners. What has its middle on the other side
+/// for certain is told.
 fn halves(
-    regions: &SignRegions,
+    (regions, side): (&SignRegions, Membership),
     evaluator: &mut PrimitiveEvaluator,
-    pieces: &[SignTriangle],
-    values: &[CornerValues],
+    (pieces, values): (&[SignTriangle], &[CornerValues]),
     split: &[TriangleSplit],
+    mut is_wrong: impl FnMut(u32),
 ) -> Result<(Vec<SignTriangle>, Vec<CornerValues>), LeafError> {
     let mut questions = Vec::new();
     let mut middles = Vec::with_capacity(split.len());
     for TriangleSplit { piece, tree, side } in split {
         let [a, b] = [0, 1].map(|i| pieces[*piece].corners[(side + i) % 3]);
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
-        let point = Box3 { min: middle, max: middle };
-        questions.extend(regions.trees.get(*tree).primitives.iter().map(|p| (*p, point)));
+        questions.extend(regions.trees.get(*tree).primitives.iter().map(|p| (*p, point(middle))));
         middles.push(middle);
     }
     let answers = evaluator.ranges(&questions)?;
     let (mut parts, mut part_values) = (Vec::with_capacity(2 * split.len()), Vec::new());
     let mut rest = answers.as_slice();
-    for (TriangleSplit { piece, tree, side }, middle) in split.iter().zip(middles) {
+    for (TriangleSplit { piece, tree, side: cut }, middle) in split.iter().zip(middles) {
         let piece = &pieces[*piece];
         let (old, new) = (regions.trees.get(piece.tree), regions.trees.get(*tree));
         let (at_middle, after) = rest.split_at(new.primitives.len());
         rest = after;
+        if is_opposite(side_at_point(new, at_middle), side) {
+            is_wrong(piece.face);
+            continue;
+        }
         // The first half replaces the side's second end by the midpoint, the other half the first end.
-        for replaced in [(side + 1) % 3, *side] {
+        for replaced in [(cut + 1) % 3, *cut] {
             let mut corners = piece.corners;
             corners[replaced] = middle;
             parts.push(SignTriangle { corners, tree: *tree, values: part_values.len(), ..*piece });
@@ -324,6 +386,16 @@ fn halves(
         }
     }
     Ok((parts, part_values))
+}
+
+/// The side of a point, from the ranges of the primitives there, if it is on none of their zero sets.
+fn side_at_point(local: &LocalTree, ranges: &[[f64; 2]]) -> Membership {
+    let sides: Vec<LiteralSides> = ranges.iter().map(LiteralSides::off_zero).collect();
+    local.membership_without_cracks(&sides)
+}
+
+fn is_opposite(side: Membership, wanted: Membership) -> bool {
+    side != Membership::Unknown && side != wanted
 }
 
 /// The side along which the primitives that leave a piece open change most, each relative to its steepest
@@ -377,6 +449,8 @@ impl SignTriangle {
 
 /// The extents of a piece for the bounds on f − L.
 struct SignTriangleExtent {
+    /// A point near the triangle.
+    centre: [f64; 3],
     /// R.
     radius: f64,
     /// wₖ.
@@ -395,7 +469,7 @@ impl SignTriangleExtent {
         });
         let bare = Box3::from_points(corners);
         let widths = std::array::from_fn(|k| sub_up(bare.max[k], bare.min[k]));
-        Self { radius, widths, off: piece.off }
+        Self { centre, radius, widths, off: piece.off }
     }
 
     /// The sides of a primitive and of its complement on which the piece is.
@@ -419,6 +493,36 @@ impl SignTriangleExtent {
             LiteralSides::INSIDE
         } else {
             by_range
+        }
+    }
+}
+
+impl SignTriangleExtent {
+    /// The side of a convex or concave primitive, from a tangent plane.
+    ///
+    /// A convex function is nowhere below f(o) + g·(x − o) for its gradient g at a point o, wherever that is; over the piece
+    /// this is least at a corner. A tangent plane at the middle of a chord is as far from it as the arc is, a quarter of what
+    /// the range of gradients over the chord says.
+    fn side_of_tangent(
+        &self,
+        curvature: Curvature,
+        (tangent, slope): (&DualRange, &DualRange),
+        piece: &SignTriangle,
+    ) -> Option<LiteralSides> {
+        let (gradient, around) = (tangent.gradient?, slope.gradient?);
+        let steep = around.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
+        let rounding = mul_up(steep, self.off);
+        let rises = piece.corners.map(|corner| product(gradient, step(corner, self.centre)));
+        match curvature {
+            Curvature::Convex => {
+                let least = rises.iter().fold(f64::INFINITY, |least, rise| lesser(rise.lo(), least));
+                (sub_down(add_down(tangent.value[0], least), rounding) > 0.0).then_some(LiteralSides::OUTSIDE)
+            }
+            Curvature::Concave => {
+                let most = rises.iter().fold(f64::NEG_INFINITY, |most, rise| greater(rise.hi(), most));
+                (add_up(add_up(tangent.value[1], most), rounding) < 0.0).then_some(LiteralSides::INSIDE)
+            }
+            Curvature::Linear | Curvature::Unknown => None,
         }
     }
 }

@@ -32,6 +32,12 @@ impl LiteralSides {
         Self { plain: side(*high < 0.0, *low >= 0.0), complement: side(*low > 0.0, *high <= 0.0) }
     }
 
+    /// The same, unless the range holds 0.
+    pub fn off_zero(range: &[f64; 2]) -> Self {
+        let [low, high] = range;
+        if *low > 0.0 || *high < 0.0 { Self::from_range(range) } else { Self::UNKNOWN }
+    }
+
     pub fn membership_of(&self, falls: bool) -> Membership {
         if falls { self.complement } else { self.plain }
     }

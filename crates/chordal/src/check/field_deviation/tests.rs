@@ -1,10 +1,12 @@
 //! Tests of the prover against meshes with known deviations, and against planted faults.
+use super::face_sides::{FaceSide, SideQuery, classify_sides};
 use super::prover::{SandwichProver, SandwichVerdict};
+use super::regions::SignRegions;
 use super::sandwich::SandwichGoal;
 use crate::budget::Job;
 use crate::explicit::{Bvh, Mesh};
 use crate::implicit::evaluation::Unary;
-use crate::implicit::{Csg, Expr, Field, shapes};
+use crate::implicit::{Csg, Expr, Field, Membership, PrimitiveEvaluator, Tape, shapes};
 use crate::math::{Box3, greater};
 use chordal_testkit::Random;
 use std::collections::BTreeMap;
@@ -360,4 +362,56 @@ fn threads_change_nothing() {
     let mesh = ball([0.0; 3], 1.0, 3);
     let [a, b] = [1, 2].map(|threads| on_threads(&field, &mesh, None, threads));
     assert_eq!(format!("{a:?}"), format!("{b:?}"));
+}
+
+#[test]
+fn sides_of_triangles_hold_at_all_of_their_points() {
+    let cone = shapes::capped_cone(1.0, 0.3, 1.5).unwrap();
+    let fields = [
+        sphere(1.0),
+        moved(&shapes::cylinder(1.0, 1.5).unwrap(), [0.1, 0.0, 0.2]),
+        sphere(1.2).difference(&cone),
+        shapes::rounded_cuboid([1.5, 1.0, 2.0], 0.3).unwrap(),
+        shapes::torus(1.0, 0.4).unwrap(),
+    ];
+    let mut random = Random::new(23);
+    for field in &fields {
+        let (csg, tape, job) = (Csg::from_expr(field.sign()), Tape::new(field.sign()), Job::default());
+        let domain = Box3 { min: [-4.0; 3], max: [4.0; 3] };
+        let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
+        let mut regions = SignRegions::new(&evaluator, &domain, job.memory_limit);
+        let (mut positions, mut faces) = (Vec::new(), Vec::new());
+        for _ in 0..600 {
+            let (middle, size) = (random.point_within::<3>(1.3), random.power(1e-3, 0.5));
+            let first = positions.len() as u32;
+            positions.extend((0..3).map(|_| {
+                let by = random.point::<3>();
+                std::array::from_fn::<f64, 3, _>(|k| middle[k] + size * by[k])
+            }));
+            faces.push([first, first + 1, first + 2]);
+        }
+        let mut n_proved = 0;
+        for side in [Membership::Outside, Membership::Inside] {
+            let query = SideQuery { positions: &positions, faces: &faces, side, cuts: 6 };
+            let found = classify_sides(&mut regions, &mut evaluator, &query).unwrap();
+            for (face, found) in faces.iter().zip(found) {
+                let corners = face.map(|v| positions[v as usize]);
+                let at: Vec<[f64; 3]> = (0..64)
+                    .map(|_| random.weights())
+                    .map(|w| {
+                        std::array::from_fn(|k| {
+                            w[0] * corners[0][k] + w[1] * corners[1][k] + w[2] * corners[2][k]
+                        })
+                    })
+                    .collect();
+                let mut values = vec![0.0; at.len()];
+                tape.at(&at, &mut values).unwrap();
+                let n_right =
+                    values.iter().filter(|value| (**value < 0.0) == (side == Membership::Inside)).count();
+                assert!(found != FaceSide::Proved || n_right == at.len(), "{side:?} {corners:?}");
+                n_proved += usize::from(found == FaceSide::Proved);
+            }
+        }
+        assert!(n_proved > 400, "{n_proved}");
+    }
 }
