@@ -56,6 +56,14 @@ def measured_on(result):
     )
 
 
+def behind(result):
+    """The lines in which the peer has less, in one sentence, the farthest first."""
+    peers = [line for line in result["lines"] if not line["skipped"] and line["theirs"] and line["ours"] > line["theirs"]]
+    peers.sort(key=lambda line: line["theirs"] / line["ours"])
+    named = [f"{line['what']} ({line['peer']}, {shown(line['ours'] / line['theirs'])} ×)" for line in peers]
+    return f"Behind their peers: {'; '.join(named)}." if named else "No line is behind its peer."
+
+
 def table(head, rows):
     """A table in Markdown."""
     return "\n".join([f"| {' | '.join(head)} |", "|" + "---|" * len(head), *(f"| {' | '.join(row)} |" for row in rows)])
@@ -66,7 +74,7 @@ def short(result):
     jobs = dict.fromkeys(line["job"] for line in result["lines"])
     rows = [job_row([line for line in result["lines"] if line["job"] == job]) for job in jobs]
     head = ["job", "its line nearest to the target", "best peer", "ours / theirs (target)", "ours proved", "targets kept"]
-    return "\n\n".join([table(head, rows), measured_on(result) + " `make bench-quick` measures again; [all lines](bench/RESULTS.md)."])
+    return "\n\n".join([table(head, rows), behind(result) + "\n" + measured_on(result) + " `make bench-quick` measures again; [all lines](bench/RESULTS.md)."])
 
 
 def long(result):

@@ -36,3 +36,12 @@ def test_what_is_skipped_is_not_kept() -> None:
         assert not (line["skipped"] and line["passed"])
         if not line["skipped"]:
             assert line["passed"] == (line["ratio"] <= line["limit"])
+
+
+def test_every_line_that_is_behind_its_peer_is_named_the_farthest_first() -> None:
+    table = front_table()
+    line = {"what": "a", "peer": "P", "ours": 3.0, "theirs": 2.0, "skipped": None}
+    others = [{**line, "what": "b", "ours": 8.0}, {**line, "what": "c", "ours": 1.0}, {**line, "what": "d", "theirs": None}]
+    skipped = {**line, "what": "e", "skipped": "not there"}
+    assert table.behind({"lines": [line, *others, skipped]}) == "Behind their peers: b (P, 4 ×); a (P, 1.5 ×)."
+    assert table.behind({"lines": others[1:]}) == "No line is behind its peer."
