@@ -9,7 +9,6 @@ use chordal::budget::{Bound, Budget, Evidence, Failure, Reference, Tolerance};
 use chordal::explicit::Topology;
 use chordal::implicit::Field;
 use chordal::implicit::construction::{Construction, ConstructionNode, SolidForm};
-use chordal::math::add_up;
 use chordal::{Bounded, Job, Mesh, convert};
 
 /// The shares of a length within which solids are meshed, one after the other until the whole is proved. Chosen: what the
@@ -82,7 +81,7 @@ pub(crate) fn mesh_by_solids(
 /// A draft of a combination of solids: their triangles cut along each other, as nobody has judged them. None where some part
 /// has no triangles of its own, and where cuts fail or leave nothing.
 ///
-/// Its edges are sharp, and its triangles do not cross. Where no solid is cut by another, its bound is proved.
+/// Its edges are sharp, and its triangles do not cross.
 pub(crate) fn draft_by_solids(
     field: &Field,
     request: &MeshRequest,
@@ -94,19 +93,14 @@ pub(crate) fn draft_by_solids(
     }
     let room = field.bounds();
     let Ok(length) = Tolerance::new(DRAFT_SHARE * room.diagonal()) else { return Ok(None) };
-    let Some(AssembledMesh { mesh, off }) = mesh_by_construction(construction, &room, length, job) else {
+    let Some(AssembledMesh { mesh, .. }) = mesh_by_construction(construction, &room, length, job) else {
         return Ok(None);
     };
-    let (most, asked) = (request.budget.triangles.unwrap_or(u64::MAX), request.budget.length);
+    let most = request.budget.triangles.unwrap_or(u64::MAX);
     if mesh.faces().is_empty() || mesh.faces().len() as u64 > most {
         return Ok(None);
     }
-    // A draft that is farther off than was asked for is one whose distance is not told.
-    let is_told = |off: &f64| asked.is_some_and(|asked| add_up(*off, request.rounding()) <= asked.get());
-    let bound = match off.filter(is_told) {
-        Some(off) => Bound::proved(0.0, off, Reference::Field),
-        None => Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::Field),
-    };
+    let bound = Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::Field);
     Ok(Some(request.snap(&mesh, bound, job)?))
 }
 
