@@ -1,7 +1,8 @@
 //! `Curvature`: whether a primitive is convex or concave, by the rules of composition.
 //!
-//! Planes, spheres, cylinders, cones, capsules and rounded boxes are convex functions, in most of the ways in which
-//! they can be written, and so they are at most as large on a triangle as at its corners, however coarse it is.
+//! Planes, balls and cylinders are convex functions, and so they are at most as large on a triangle as at its corners,
+//! however coarse it is. Formulas for cones, capsules and rounded boxes may be; those of [`shapes`](crate::implicit::shapes)
+//! are written in other ways, and nothing is known of them.
 //!
 //! The rules are about the exact function of real numbers, on all of space: what is not defined everywhere is
 //! unknown. Sums, maxima and positive multiples of convex functions are convex; the square of one that is not negative
