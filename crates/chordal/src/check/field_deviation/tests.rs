@@ -412,6 +412,6 @@ fn sides_of_triangles_hold_at_all_of_their_points() {
                 n_proved += usize::from(found == FaceSide::Proved);
             }
         }
-        assert!(n_proved > 400, "{n_proved}");
+        assert!(n_proved > 200, "{n_proved}");
     }
 }

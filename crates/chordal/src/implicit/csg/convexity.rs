@@ -82,17 +82,17 @@ impl TermShape {
     fn new(term: &Term, below: &[Self]) -> Self {
         let of = |part: u32| below[part as usize];
         match *term {
-            Term::Const(value) => Self {
+            Term::Const(value) if value.is_finite() => Self {
                 curvature: Curvature::Linear,
                 is_positive: value >= 0.0,
                 is_sum_of_squares: value >= 0.0,
-                constant: Some(value).filter(|value| value.is_finite()),
+                constant: Some(value),
             },
             Term::Axis(_) => Self { curvature: Curvature::Linear, ..Self::UNKNOWN },
             Term::Unary(op, a) => of(a).after(op),
             Term::Binary(Binary::Mul, a, b) if a == b => of(a).after(Unary::Square),
             Term::Binary(op, a, b) => of(a).with(op, of(b)),
-            Term::Leaf(..) => Self::UNKNOWN,
+            Term::Const(_) | Term::Leaf(..) => Self::UNKNOWN,
         }
     }
 
