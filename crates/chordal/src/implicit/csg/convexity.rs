@@ -30,8 +30,8 @@ pub enum Curvature {
 impl Curvature {
     /// Of the function of some terms, the last of which is its value.
     pub(super) fn from_terms(terms: &[Term]) -> Self {
-        let mut all: Vec<TermShape> = Vec::with_capacity(terms.len());
-        terms.iter().for_each(|term| all.push(TermShape::new(term, &all)));
+        let mut all: Vec<TermBending> = Vec::with_capacity(terms.len());
+        terms.iter().for_each(|term| all.push(TermBending::new(term, &all)));
         all.last().map_or(Self::Unknown, |root| root.curvature)
     }
 
@@ -66,7 +66,7 @@ impl Curvature {
 
 /// What is known of a term.
 #[derive(Clone, Copy, Debug)]
-struct TermShape {
+struct TermBending {
     curvature: Curvature,
     /// It is at least 0 everywhere.
     is_positive: bool,
@@ -75,7 +75,7 @@ struct TermShape {
     constant: Option<f64>,
 }
 
-impl TermShape {
+impl TermBending {
     const UNKNOWN: Self =
         Self { curvature: Curvature::Unknown, is_positive: false, is_sum_of_squares: false, constant: None };
 
