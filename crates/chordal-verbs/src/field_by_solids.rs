@@ -81,7 +81,7 @@ pub(crate) fn mesh_by_solids(
 /// A draft of a combination of solids: their triangles cut along each other, as nobody has judged them. None where some part
 /// has no triangles of its own, and where cuts fail or leave nothing.
 ///
-/// Its edges are sharp, and its triangles do not cross.
+/// Its edges are sharp, and its triangles cross by roundings at most.
 pub(crate) fn draft_by_solids(
     field: &Field,
     request: &MeshRequest,

@@ -31,7 +31,8 @@ use super::slope::{dot as product, step};
 use crate::implicit::csg::Curvature;
 use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{
-    Box3, add_down, add_up, difference, dot, greater, length, length_up, lesser, mul_up, sub_down, sub_up,
+    Box3, Interval, add_down, add_up, difference, dot, greater, length, length_up, lesser, mul_up, sub_down,
+    sub_up,
 };
 use std::collections::HashMap;
 
@@ -481,8 +482,7 @@ impl SignTriangleExtent {
         let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(half_widths[k], self.widths[k])));
         let by_widths = mul_up(0.5, sum);
         let stray = lesser(by_widths, by_radius);
-        let steep = gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
-        let rounding = mul_up(steep, self.off);
+        let rounding = self.rounding(&gradient);
         let [below, above] = [curvature.is_concave(), curvature.is_convex()]
             .map(|is_within| if is_within { rounding } else { add_up(stray, rounding) });
         let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| lesser(*a, low));
@@ -498,6 +498,11 @@ impl SignTriangleExtent {
 }
 
 impl SignTriangleExtent {
+    /// How much a function with these gradients may change from the piece to points of the original triangle.
+    fn rounding(&self, gradient: &[Interval; 3]) -> f64 {
+        mul_up(gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude())), self.off)
+    }
+
     /// The side of a convex or concave primitive, from a tangent plane.
     ///
     /// A convex function is nowhere below f(o) + g·(x − o) for its gradient g at a point o, wherever that is; over the piece
@@ -510,8 +515,7 @@ impl SignTriangleExtent {
         piece: &SignTriangle,
     ) -> Option<LiteralSides> {
         let (gradient, around) = (tangent.gradient?, slope.gradient?);
-        let steep = around.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
-        let rounding = mul_up(steep, self.off);
+        let rounding = self.rounding(&around);
         let rises = piece.corners.map(|corner| product(gradient, step(corner, self.centre)));
         match curvature {
             Curvature::Convex => {

@@ -132,9 +132,7 @@ impl ProofSearch<'_, '_> {
             match finer {
                 Some(finer) => next = finer,
                 // The first has the fewest triangles, and is as far from a proof.
-                None if FEW * open_faces(&open.1).len() > open.0.faces().len() => {
-                    return Ok(Err(first.clone()));
-                }
+                None if !is_few(&open.0, &open_faces(&open.1), FEW) => return Ok(Err(first.clone())),
                 None => return self.with_splits(open, FEW),
             }
         }
@@ -146,8 +144,7 @@ impl ProofSearch<'_, '_> {
         for _ in 0..MOST_ROUNDS {
             let open = open_faces(&verdict);
             let is_worse = open.len() / 2 > n_open;
-            let is_few = few * open.len() <= mesh.faces().len();
-            if open.is_empty() || is_worse || !is_few || self.proof.is_over() {
+            if open.is_empty() || is_worse || !is_few(&mesh, &open, few) || self.proof.is_over() {
                 break;
             }
             n_open = open.len();
@@ -179,4 +176,9 @@ fn open_faces(verdict: &SandwichVerdict) -> Vec<u32> {
     open.sort_unstable();
     open.dedup();
     open
+}
+
+/// Whether one in so many faces is open at most.
+fn is_few(mesh: &Mesh, open: &[u32], few: usize) -> bool {
+    few * open.len() <= mesh.faces().len()
 }
