@@ -1,7 +1,7 @@
 //! Closed-form solids as triangles, against distances and points of their surfaces that are computed here.
 use chordal::budget::{Failure, RequiredEvidence};
 use chordal::check::findings::measure;
-use chordal::check::validity;
+use chordal::check::{self_intersections, validity};
 use chordal::convert::solids::{SolidMesher, judged_against_field};
 use chordal::explicit::Topology;
 use chordal::implicit::construction::{Construction, ConstructionNode};
@@ -349,5 +349,75 @@ fn a_solid_that_is_a_little_too_small_is_not_proved() {
         let smaller = Mesh::new(smaller, made.shape.faces().to_vec()).unwrap();
         let made = judged(&field, smaller, 0.005).or_else(Failure::best_effort).unwrap();
         assert!(made.bound.at_most().is_none() && made.bound.at_least() > 0.005, "{:?}", made.bound);
+    }
+}
+
+/// The corners of a thread's section over two turns about height 0.
+fn section(major: f64, minor: f64, pitch: f64, clearance: f64) -> Vec<[f64; 2]> {
+    let slope = 3.0_f64.sqrt();
+    let crest = pitch / 16.0 - clearance / slope;
+    let root = crest + (major - minor) / slope;
+    let at = |z: f64| {
+        let far = (z / pitch - (z / pitch).round()).abs() * pitch;
+        (major - slope * (far - crest)).clamp(minor, major)
+    };
+    let turns = |z: f64| [-2.0, -1.0, 0.0, 1.0, 2.0].map(|turn| turn * pitch + z);
+    let mut heights: Vec<f64> =
+        [-root, -crest.max(0.0), crest.max(0.0), root, 0.5 * pitch].into_iter().flat_map(turns).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    heights.into_iter().map(|z| [at(z), z]).collect()
+}
+
+#[test]
+fn threads_are_within_their_bounds_both_ways() {
+    let mut random = Random::new(3);
+    let mut number = || random.below(1 << 20) as f64 / f64::from(1 << 20);
+    let forms = [("M6", 0.0, 3.0), ("M6", 0.15, 2.0), ("M6", -0.3, 2.0), ("M1", 0.0, 0.3), ("M64", 0.4, 2.0)];
+    for (name, clearance, height) in forms {
+        let form = shapes::ThreadForm { clearance, ..shapes::ThreadForm::from_name(name).unwrap() };
+        let field = shapes::thread(form, height).unwrap();
+        let Some(ConstructionNode::Intersection(parts)) = field.construction().map(Construction::node) else {
+            panic!("a thread is clipped");
+        };
+        for length in [0.02 * form.pitch, 0.002 * form.pitch] {
+            let made = mesh_of(&parts[0], &field, length).unwrap();
+            let (mesh, most) = (&made.shape, made.bound.at_most().unwrap());
+            let found = validity(mesh, Topology::Indices);
+            assert!(found.closed && found.manifold() && found.oriented, "{name}: {found:?}");
+            assert_eq!(self_intersections(mesh, &Job::default()).unwrap().count, 0, "{name}");
+            assert!(measure(mesh).signed_volume > 0.0);
+            let major = 0.5 * form.diameter - clearance;
+            let minor = major - 0.625 * 0.5 * 3.0_f64.sqrt() * form.pitch;
+            let outline = section(major, minor, form.pitch, clearance);
+            // Of points between the ends, in the plane through the axis: no nearer than the surface is.
+            let mut farthest: f64 = 0.0;
+            let within: Vec<[Point; 3]> = (0..mesh.faces().len())
+                .map(|face| mesh.corners(face))
+                .filter(|t| t.iter().all(|p| p[2].abs() < 0.5 * height + form.pitch))
+                .collect();
+            for t in &within {
+                let (mut a, mut b) = (number(), number());
+                if a + b > 1.0 {
+                    (a, b) = (1.0 - a, 1.0 - b);
+                }
+                let p = [0, 1, 2].map(|k| t[0][k] + a * (t[1][k] - t[0][k]) + b * (t[2][k] - t[0][k]));
+                let turns = p[1].atan2(p[0]) / (2.0 * PI);
+                let z = p[2] - form.pitch * turns;
+                let q = [p[0].hypot(p[1]), z - (z / form.pitch).round() * form.pitch];
+                let near = outline.windows(2).map(|ends| from_segment(q, ends[0], ends[1]));
+                farthest = farthest.max(near.fold(f64::INFINITY, f64::min));
+            }
+            assert!(farthest <= 1.1 * most && farthest > 0.25 * most, "{name} {length}: {farthest} {most}");
+            for _ in 0..200 {
+                let (turns, z) = (number() - 0.5, (number() - 0.5) * form.pitch);
+                let side = outline.windows(2).find(|ends| ends[0][1] <= z && z < ends[1][1]).unwrap();
+                let part = (z - side[0][1]) / (side[1][1] - side[0][1]);
+                let r = side[0][0] + part * (side[1][0] - side[0][0]);
+                let (s, c) = (2.0 * PI * turns).sin_cos();
+                let p = [r * c, r * s, z + form.pitch * turns];
+                let near = within.iter().map(|t| distance_to_triangle(p, *t)).fold(f64::INFINITY, f64::min);
+                assert!(near <= most + 1e-14, "{name} {length}: {near} > {most}");
+            }
+        }
     }
 }

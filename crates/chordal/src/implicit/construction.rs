@@ -123,6 +123,49 @@ pub enum SolidForm {
         /// The turn from one height to the next whole one.
         radians: f64,
     },
+    /// A screw thread about z without ends: at the angle θ its section is the profile, raised by θ / 2π of the pitch.
+    Thread {
+        /// The section.
+        profile: ThreadProfile,
+        /// It is wanted from minus this height to this height at least.
+        half: f64,
+    },
+}
+
+/// The section of a thread: a ridge that repeats along z, with flanks that fall by √3 of their height along z.
+#[derive(Clone, Copy, Debug)]
+pub struct ThreadProfile {
+    /// The largest radius, if the ridge has a flat there.
+    pub major: f64,
+    /// The least radius, if there is a flat between two turns.
+    pub minor: f64,
+    /// The height of a turn.
+    pub pitch: f64,
+    /// Half of the ridge's height along z at the largest radius; below 0 where its flanks meet before.
+    pub at_crest: f64,
+    /// The same at the least radius; above half of the pitch where two turns meet before.
+    pub at_root: f64,
+}
+
+impl ThreadProfile {
+    /// Its corners for one turn, each the radius and the height, from below the middle of the ridge upwards; the first
+    /// comes again a pitch higher.
+    #[must_use]
+    pub fn corners(&self) -> Vec<[f64; 2]> {
+        // Defined by ISO 68-1: an angle of 60° between two flanks.
+        let slope = 3.0_f64.sqrt();
+        let mut all = match self.at_crest {
+            far if far > 0.0 => vec![[self.major, -far], [self.major, far]],
+            far => vec![[self.major + slope * far, 0.0]],
+        };
+        let middle = 0.5 * self.pitch;
+        if self.at_root < middle {
+            all.extend([[self.minor, self.at_root], [self.minor, self.pitch - self.at_root]]);
+        } else {
+            all.push([self.major - slope * (middle - self.at_crest), middle]);
+        }
+        all
+    }
 }
 
 /// A shape of the plane.

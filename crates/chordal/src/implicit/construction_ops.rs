@@ -135,7 +135,8 @@ fn solid_offset(form: &SolidForm, by: f64) -> Option<SolidForm> {
         | SolidForm::Extruded { .. }
         | SolidForm::Revolved { .. }
         | SolidForm::Tapered { .. }
-        | SolidForm::Twisted { .. } => return None,
+        | SolidForm::Twisted { .. }
+        | SolidForm::Thread { .. } => return None,
     })
 }
 

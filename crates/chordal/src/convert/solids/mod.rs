@@ -12,6 +12,7 @@ mod profile;
 mod revolved;
 mod rounded;
 mod split;
+mod thread;
 mod twisted;
 
 use crate::budget::{Bound, Bounded, Job, Reference, Tolerance};
@@ -88,6 +89,7 @@ impl SolidMesher {
             SolidForm::Twisted { profile, place, heights, radians } => {
                 twisted::twisted((profile, place.as_ref()), *heights, *radians, length)?
             }
+            SolidForm::Thread { profile, half } => thread::thread(profile, *half, length)?,
         };
         let bounded = made.bounded()?;
         // Walls of a twist that are thinner than its bound may change places.

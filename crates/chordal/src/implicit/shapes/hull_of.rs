@@ -146,6 +146,7 @@ impl HullCorners {
                 Err(refused("one here is tapered or twisted"))
             }
             SolidForm::HalfSpace { .. } => Err(refused("one here has no end")),
+            SolidForm::Thread { .. } => Err(refused("one here is a thread")),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Screw threads.
 use super::{InvalidShape, axis_distance, finite, positive};
 use crate::budget::Evidence;
+use crate::implicit::construction::{Construction, SolidForm, ThreadProfile};
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{
     Box3, Interval, add_down, add_up, div_up, elementary, greater, lesser, mul_up, sqrt_down, sqrt_up,
@@ -112,7 +113,14 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     let value = (&r - minor).min(&ridge).max(&ends);
     let wide = greater(major, minor);
     let bounds = Box3 { min: [-wide, -wide, -half], max: [wide, wide, half] };
-    Ok(Field::new(value).known_distance(Distance::SIGN).known_bounds(bounds))
+    let profile = ThreadProfile { major, minor, pitch, at_crest, at_root };
+    let construction = Construction::solid(SolidForm::Thread { profile, half })
+        .zip(Construction::solid(SolidForm::Cuboid { half: [2.0 * wide, 2.0 * wide, half] }))
+        .and_then(|(endless, ends)| endless.clipped(vec![ends]));
+    // Turns that overlap up to their crests leave a cylinder.
+    let construction = construction.filter(|_| at_crest < 0.5 * pitch);
+    let field = Field::new(value).known_construction(construction);
+    Ok(field.known_distance(Distance::SIGN).known_bounds(bounds))
 }
 
 /// Where heights above the helix fade, as a part of the radius at the root. Chosen: below 1, so that the core
