@@ -1,8 +1,7 @@
 //! `Curvature`: whether a primitive is convex or concave, by the rules of composition.
 //!
-//! Planes, balls and cylinders are convex functions, and so they are at most as large on a triangle as at its corners,
-//! however coarse it is. Formulas for cones, capsules and rounded boxes may be; those of [`shapes`](crate::implicit::shapes)
-//! are written in other ways, and nothing is known of them.
+//! Planes, balls, cylinders, cones, capsules and rounded boxes are convex functions, and so they are at most as large on
+//! a triangle as at its corners, however coarse it is.
 //!
 //! The rules are about the exact function of real numbers, on all of space: what is not defined everywhere is
 //! unknown. Sums, maxima and positive multiples of convex functions are convex; the square of one that is not negative
@@ -13,6 +12,7 @@
 //! optimization*, 2004, 3.2.
 use crate::implicit::Term;
 use crate::implicit::op::{Binary, Unary};
+use crate::implicit::shapes::is_axis_distance;
 
 /// What is known of how a function bends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,19 +79,32 @@ impl TermBending {
     const UNKNOWN: Self =
         Self { curvature: Curvature::Unknown, is_positive: false, is_sum_of_squares: false, constant: None };
 
+    /// 0.
+    const NOTHING: Self = Self {
+        curvature: Curvature::Linear,
+        is_positive: true,
+        is_sum_of_squares: true,
+        constant: Some(0.0),
+    };
+
     fn new(term: &Term, below: &[Self]) -> Self {
         let of = |part: u32| below[part as usize];
         match *term {
             Term::Const(value) if value.is_finite() => Self {
-                curvature: Curvature::Linear,
                 is_positive: value >= 0.0,
                 is_sum_of_squares: value >= 0.0,
                 constant: Some(value),
+                ..Self::NOTHING
             },
             Term::Axis(_) => Self { curvature: Curvature::Linear, ..Self::UNKNOWN },
             Term::Unary(op, a) => of(a).after(op),
             Term::Binary(Binary::Mul, a, b) if a == b => of(a).after(Unary::Square),
             Term::Binary(op, a, b) => of(a).with(op, of(b)),
+            // The length of a vector of two parts.
+            Term::Leaf(ref leaf, [x, y, _]) if is_axis_distance(&**leaf) => {
+                let square = |part: u32| of(part).after(Unary::Square);
+                square(x).with(Binary::Add, square(y)).after(Unary::Sqrt)
+            }
             Term::Const(_) | Term::Leaf(..) => Self::UNKNOWN,
         }
     }
@@ -152,6 +165,8 @@ impl TermBending {
         match factor {
             factor if factor > 0.0 => Self { constant: None, ..self },
             factor if factor < 0.0 => self.after(Unary::Neg),
+            // Of a function that is defined everywhere nothing is left.
+            0.0 if self.curvature != Curvature::Unknown => Self::NOTHING,
             _ => Self::UNKNOWN,
         }
     }

@@ -224,7 +224,19 @@ fn round_solids_are_convex_however_they_are_written() {
     for one in &others {
         assert_eq!(curvature(one), Curvature::Unknown);
     }
-    let solids = [shapes::sphere(1.0).unwrap(), shapes::cylinder(1.0, 2.0).unwrap()];
+    let solids = [
+        shapes::sphere(1.0),
+        shapes::cylinder(1.0, 2.0),
+        shapes::capped_cone(2.0, 1.0, 3.0),
+        shapes::capped_cone(0.0, 1.0, 3.0),
+        shapes::capsule([0.0, 1.0, 2.0], [3.0, -1.0, 0.5], 0.5),
+        shapes::capsule([0.0, 1.0, 2.0], [3.0, 1.0, 2.0], 0.5),
+        shapes::capsule([1.0; 3], [1.0; 3], 0.5),
+        shapes::rounded_cuboid([4.0, 5.0, 6.0], 0.5),
+        shapes::rounded_rectangle([4.0, 5.0], 0.5),
+        shapes::segment([1.0, 2.0], [5.0, 3.0], 0.5),
+    ]
+    .map(Result::unwrap);
     for solid in &solids {
         for primitive in Csg::from_expr(solid.sign()).primitives() {
             assert!(primitive.curvature().is_convex(), "{:?}", primitive.tape().graph());

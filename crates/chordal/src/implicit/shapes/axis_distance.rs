@@ -53,6 +53,15 @@ impl Leaf for AxisDistance {
     fn evidence(&self) -> Evidence {
         Evidence::Proved
     }
+
+    fn as_any(&self) -> Option<&dyn std::any::Any> {
+        Some(self)
+    }
+}
+
+/// Whether a leaf is the distance from the z axis.
+pub(in crate::implicit) fn is_axis_distance(leaf: &dyn Leaf) -> bool {
+    leaf.as_any().is_some_and(|leaf| leaf.is::<AxisDistance>())
 }
 
 /// The interval of `x / √(x² + y²)`; on the axis, of all generalized gradients. Off the axis it grows with

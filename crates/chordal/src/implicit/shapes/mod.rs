@@ -42,7 +42,7 @@ use super::expr::Expr;
 use crate::math::Box3;
 use std::fmt;
 
-pub(super) use axis_distance::axis_distance;
+pub(super) use axis_distance::{axis_distance, is_axis_distance};
 pub use contours::{ContourFill, Contours};
 pub use hull::{hull, planar_hull};
 pub use hull_of::hull_of;
@@ -138,9 +138,14 @@ pub(super) fn largest(parts: &[Expr]) -> Expr {
 /// The distance to the region where all of `parts` are below 0, if each is the distance to one of several
 /// perpendicular slabs. Outside, the parts above 0 add up as squares; inside, the largest is nearest.
 pub(super) fn slabs(parts: &[Expr]) -> Expr {
+    outside_of_slabs(parts) + largest(parts).min(&Expr::constant(0.0))
+}
+
+/// The same, with 0 for all points inside: a convex function.
+pub(super) fn outside_of_slabs(parts: &[Expr]) -> Expr {
     let zero = Expr::constant(0.0);
     let above: Vec<Expr> = parts.iter().map(|q| q.max(&zero)).collect();
-    length_of(&above.iter().collect::<Vec<_>>()) + largest(parts).min(&zero)
+    length_of(&above.iter().collect::<Vec<_>>())
 }
 
 /// The box with these half sizes around the origin.

@@ -2,7 +2,7 @@
 use super::{InvalidShape, centred, finite_point, length_of, positive, sum};
 use crate::implicit::construction::{Construction, SolidForm};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
-use crate::math::{Box3, add_up, greater, lesser, sub_down};
+use crate::math::{Box3, add_up, cross, greater, length, lesser, sub_down, unit};
 
 /// The ball with this radius around the origin. The value is the exact distance.
 ///
@@ -35,27 +35,43 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
     if !square.is_finite() {
         return Err(InvalidShape::Number("the ends of a capsule are too far apart for their squares".into()));
     }
-    let axes = Expr::axes();
-    let from: [Expr; 3] = std::array::from_fn(|k| &axes[k] - a[k]);
-    let from = if square > 0.0 {
-        let dot = sum((0..3).filter(|k| along[*k] != 0.0).map(|k| &from[k] * along[k]));
-        let place = (dot / square).max(&0.0.into()).min(&1.0.into());
-        std::array::from_fn(|k| if along[k] == 0.0 { from[k].clone() } else { &from[k] - &place * along[k] })
-    } else {
-        from
-    };
     let construction = Construction::solid(SolidForm::Capsule { ends: [a, b], radius });
-    let field = Field::new(length_of(&[&from[0], &from[1], &from[2]]) - radius);
+    let field = Field::new(length_of(&from_segment(a, along).iter().collect::<Vec<_>>()) - radius);
     let field = field.known_construction(construction);
-    // The other end is `a + along`, rounded once each: a unit in the last place of the larger is more than
-    // enough.
+    // The other end is `a + along`, rounded once each: a unit in the last place of the larger is more than enough. A
+    // direction along no axis has three rounded components, and so have those across it.
+    let is_along_axis = along.iter().filter(|x| **x != 0.0).count() <= 1;
+    let sizes = along.iter().fold(radius, |sum, x| sum + x.abs());
+    let turned = if is_along_axis { 0.0 } else { 8.0 * f64::EPSILON * sizes };
     let mut bounds = Box3 { min: a, max: a };
     for k in 0..3 {
-        let slack = (a[k].abs() + b[k].abs()) * f64::EPSILON;
+        let slack = (a[k].abs() + b[k].abs()) * f64::EPSILON + turned;
         bounds.min[k] = sub_down(sub_down(lesser(a[k], b[k]), slack), radius);
         bounds.max[k] = add_up(add_up(greater(a[k], b[k]), slack), radius);
     }
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
+}
+
+/// Parts of the way from a segment to a point, perpendicular to each other: two across it, and one along it, beyond its
+/// ends. All are linear, or convex and at least 0, so that the length of the way is known to be convex, see
+/// [`Curvature`](crate::implicit::csg::Curvature).
+fn from_segment(from: [f64; 3], along: [f64; 3]) -> Vec<Expr> {
+    let axes = Expr::axes();
+    let way: [Expr; 3] = std::array::from_fn(|k| &axes[k] - from[k]);
+    let Some(direction) = unit(along) else { return way.to_vec() };
+    let least =
+        (1..3).fold(0, |k, other| if direction[other].abs() < direction[k].abs() { other } else { k });
+    let axis = std::array::from_fn(|k| if k == least { 1.0 } else { 0.0 });
+    let Some(across) = unit(cross(direction, axis)) else { return way.to_vec() };
+    let linear = |factors: [f64; 3]| {
+        sum((0..3).filter(|k| factors[*k] != 0.0).map(|k| match factors[k] {
+            1.0 => way[k].clone(),
+            factor => &way[k] * factor,
+        }))
+    };
+    let place = linear(direction);
+    let beyond = (&place - length(along)).max(&-&place).max(&0.0.into());
+    vec![linear(across), linear(cross(direction, across)), beyond]
 }
 
 /// All points nearer than `minor` to the circle of radius `major` around the z axis. The value is the exact
