@@ -137,7 +137,7 @@ impl FieldCover {
         let centre = bounds.centre();
         let origin = std::array::from_fn(|k| centre[k] + OFF_CENTRE[k] * longest - 0.5 * side);
         let root = CoverCell { corner: [0; 3], level: 0, state: CellState::Open, tree: 0 };
-        let trees = LocalTrees::new(evaluator.csg().tree());
+        let trees = LocalTrees::new(evaluator.csg());
         Self {
             origin,
             unit,

@@ -6,8 +6,15 @@
 //! is inside, and if {f = 0} has no interior, X lies in the closure of {F < 0}. If the tree is *outside* with
 //! either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both p and its
 //! complement are outside. So for a few such primitives all cases are enumerated.
-use crate::implicit::{CsgNode, CsgRestriction, CsgTree, DualRange, Membership};
-use std::collections::HashMap;
+//!
+//! **Parallel surfaces.** Primitives that are levels of one function t have an order: what is below the lower of two levels
+//! is below the upper one, however near they are. So the sides of a few of them are enumerated as well, without those that
+//! contradict the order. What was said holds for the cases that are left: a point off all zero sets has the sides of one of
+//! them, and where t is at a level, both sides of that one go with the sides of the others.
+use crate::implicit::csg::LevelFunction;
+use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// The sides of a primitive and of its complement on which a set is. Where the primitive is 0, both are
 /// outside; so a set where it is at most 0 may be outside of its complement without being inside of itself.
@@ -58,14 +65,67 @@ pub(super) struct LocalTree {
     kinds: Vec<u8>,
     /// Indices in `primitives` of those that occur as themselves and as their complements.
     mixed: Vec<u32>,
+    /// Indices in `primitives` of those that are parallel to another one of them, with their places among these.
+    parallel: Vec<(u32, LevelOrder)>,
 }
 
-/// The most primitives of both kinds whose cases are enumerated: 2⁴ evaluations of a tree.
+/// The place of a primitive among the levels of one function.
+#[derive(Clone, Copy, Debug)]
+struct LevelOrder {
+    /// The number of the function.
+    family: u32,
+    /// Lower levels have lower ranks.
+    rank: u32,
+    /// Whether the primitive falls where the function grows.
+    falls: bool,
+}
+
+impl LevelOrder {
+    /// By primitive, for those that are parallel to others.
+    fn of_all(primitives: &[Primitive]) -> Arc<[Option<Self>]> {
+        let mut orders = vec![None; primitives.len()];
+        for (number, mut family) in level_families(primitives).into_iter().enumerate() {
+            family.sort_by(|a, b| {
+                primitives[*a as usize].height().total_cmp(&primitives[*b as usize].height())
+            });
+            let is_apart =
+                |pair: &[u32]| primitives[pair[0] as usize].is_parallel_to(&primitives[pair[1] as usize]);
+            // Levels that are too near to each other to have an order have none among the others either.
+            if !family.windows(2).all(is_apart) {
+                continue;
+            }
+            for (rank, p) in family.iter().enumerate() {
+                let falls = primitives[*p as usize].falls();
+                orders[*p as usize] = Some(Self { family: number as u32, rank: rank as u32, falls });
+            }
+        }
+        orders.into()
+    }
+
+    /// Whether the sides of two primitives contradict each other.
+    fn contradicts(&self, is_inside: bool, other: &Self, is_inside_other: bool) -> bool {
+        let (is_below, is_below_other) = (is_inside != self.falls, is_inside_other != other.falls);
+        self.family == other.family && (self.rank < other.rank) == is_below && is_below != is_below_other
+    }
+}
+
+/// The most primitives whose cases are enumerated: 2⁴ evaluations of a tree.
 pub(super) const MOST_CASES: usize = 4;
 
 impl LocalTree {
     pub fn new(tree: CsgTree) -> Self {
+        Self::with_orders(tree, &[])
+    }
+
+    /// With what is known of the order of primitives, by their numbers.
+    fn with_orders(tree: CsgTree, orders: &[Option<LevelOrder>]) -> Self {
         let primitives = tree.primitives();
+        let of = |p: &u32| orders.get(*p as usize).copied().flatten();
+        let has_other =
+            |p: u32, family| primitives.iter().any(|q| *q != p && of(q).is_some_and(|o| o.family == family));
+        let parallel = (0_u32..).zip(&primitives).filter_map(|(place, p)| Some((place, of(p)?, *p)));
+        let parallel = parallel.filter(|(_, order, p)| has_other(*p, order.family));
+        let parallel = parallel.map(|(place, order, _)| (place, order)).collect();
         let mut kinds = vec![0_u8; primitives.len()];
         for node in tree.nodes() {
             let (p, kind) = match node {
@@ -76,7 +136,7 @@ impl LocalTree {
             kinds[primitives.binary_search(p).expect("all are listed")] |= kind;
         }
         let mixed = (0..primitives.len() as u32).filter(|k| kinds[*k as usize] == 3).collect();
-        Self { tree, primitives, kinds, mixed }
+        Self { tree, primitives, kinds, mixed, parallel }
     }
 
     /// Its memory, about: its lists, and itself with its entry in a table.
@@ -84,7 +144,8 @@ impl LocalTree {
         let of_lists = size_of_val(self.tree.nodes())
             + size_of_val(&*self.primitives)
             + size_of_val(&*self.kinds)
-            + size_of_val(&*self.mixed);
+            + size_of_val(&*self.mixed)
+            + size_of_val(&*self.parallel);
         (of_lists + 2 * size_of::<Self>()) as u64
     }
 
@@ -109,20 +170,18 @@ impl LocalTree {
     /// The side of a set, up to closed cracks, from the sides of the primitives in the order of the list.
     pub fn membership(&self, sides: &[LiteralSides], slopes: &[DualRange]) -> Membership {
         let plain = self.membership_without_cracks(sides);
-        if plain != Membership::Unknown || self.mixed.is_empty() {
+        if plain != Membership::Unknown || self.mixed.is_empty() && self.parallel.is_empty() {
             return plain;
         }
-        let is_open = |k: &&u32| sides[**k as usize].is_open();
-        let open: Vec<usize> = self.mixed.iter().filter(is_open).map(|k| *k as usize).collect();
+        let open = self.cases(sides);
         if open.is_empty() || open.len() > MOST_CASES {
             return Membership::Unknown;
         }
         let mut of_case = sides.to_vec();
         let mut all = None;
-        for case in 0..1_u32 << open.len() {
-            for (bit, k) in open.iter().enumerate() {
-                let is_inside = case >> bit & 1 == 1;
-                of_case[*k] = if is_inside { LiteralSides::INSIDE } else { LiteralSides::OUTSIDE };
+        for case in (0..1_u32 << open.len()).filter(|case| is_consistent(&open, *case)) {
+            for (bit, (k, _)) in open.iter().enumerate() {
+                of_case[*k] = if is_inside(case, bit) { LiteralSides::INSIDE } else { LiteralSides::OUTSIDE };
             }
             let side = self.membership_without_cracks(&of_case);
             if side == Membership::Unknown || all.is_some_and(|all| all != side) {
@@ -131,7 +190,7 @@ impl LocalTree {
             all = Some(side);
         }
         match all {
-            Some(Membership::Inside) if !open.iter().all(|k| has_thin_zeros(&slopes[*k])) => {
+            Some(Membership::Inside) if !open.iter().all(|(k, _)| has_thin_zeros(&slopes[*k])) => {
                 Membership::Unknown
             }
             Some(side) => side,
@@ -139,10 +198,53 @@ impl LocalTree {
         }
     }
 
+    /// The open primitives whose cases tell more than their ranges, by place, and their order: those that occur as
+    /// themselves and as their complements, and those of which a parallel one is open too.
+    fn cases(&self, sides: &[LiteralSides]) -> Vec<(usize, Option<LevelOrder>)> {
+        let is_open = |place: u32| sides[place as usize].is_open();
+        let open: Vec<(u32, LevelOrder)> =
+            self.parallel.iter().copied().filter(|(k, _)| is_open(*k)).collect();
+        let order_of = |place: u32| {
+            let own = open.iter().find(|(k, _)| *k == place)?.1;
+            open.iter().any(|(k, other)| *k != place && other.family == own.family).then_some(own)
+        };
+        let of_parallel = open.iter().map(|(k, _)| *k).filter(|k| order_of(*k).is_some());
+        let mut places: Vec<u32> =
+            self.mixed.iter().copied().filter(|k| is_open(*k)).chain(of_parallel).collect();
+        places.sort_unstable();
+        places.dedup();
+        places.into_iter().map(|k| (k as usize, order_of(k))).collect()
+    }
+
     /// The same without closing cracks.
     pub fn membership_without_cracks(&self, sides: &[LiteralSides]) -> Membership {
         self.tree.membership(|p, falls| sides[self.place(p)].membership_of(falls))
     }
+}
+
+/// Whether a case takes the primitive of a number as inside.
+fn is_inside(case: u32, number: usize) -> bool {
+    case >> number & 1 == 1
+}
+
+/// Whether a case keeps to the order of parallel primitives.
+fn is_consistent(open: &[(usize, Option<LevelOrder>)], case: u32) -> bool {
+    let ordered =
+        || open.iter().enumerate().filter_map(|(bit, (_, order))| Some((is_inside(case, bit), (*order)?)));
+    ordered().all(|(is_inside, order)| {
+        ordered().all(|(is_inside_other, other)| !order.contradicts(is_inside, &other, is_inside_other))
+    })
+}
+
+/// The primitives that are levels of one function, of each that has several.
+fn level_families(primitives: &[Primitive]) -> Vec<Vec<u32>> {
+    let mut by_function: BTreeMap<LevelFunction, Vec<u32>> = BTreeMap::new();
+    for (number, primitive) in (0_u32..).zip(primitives) {
+        if let Some(function) = primitive.level_function() {
+            by_function.entry(function).or_default().push(number);
+        }
+    }
+    by_function.into_values().filter(|family| family.len() > 1).collect()
 }
 
 /// Whether the zero set has no interior: along some axis the function grows everywhere, or falls.
@@ -157,14 +259,17 @@ pub(super) struct LocalTrees {
     /// Maps a tree's fingerprint to one of the trees that have it.
     numbers: HashMap<u64, u32>, // No order depends on it.
     bytes: u64,
+    /// By primitive.
+    orders: Arc<[Option<LevelOrder>]>,
 }
 
 impl LocalTrees {
     /// The whole tree has index 0.
-    pub fn new(whole: &CsgTree) -> Self {
+    pub fn new(csg: &Csg) -> Self {
+        let orders = LevelOrder::of_all(csg.primitives());
         // No order depends on it.
-        let mut trees = Self { all: Vec::new(), numbers: HashMap::new(), bytes: 0 };
-        trees.push(whole.clone());
+        let mut trees = Self { all: Vec::new(), numbers: HashMap::new(), bytes: 0, orders };
+        trees.push(csg.tree().clone());
         trees
     }
 
@@ -206,7 +311,7 @@ impl LocalTrees {
         if let Some(number) = self.numbers.get(&hash).filter(|number| self.get(**number).tree == tree) {
             return *number;
         }
-        let local = LocalTree::new(tree);
+        let local = LocalTree::with_orders(tree, &self.orders);
         self.bytes += local.bytes();
         self.all.push(local);
         let number = self.all.len() as u32 - 1;
@@ -266,4 +371,53 @@ pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([
     }
     let (range, nodes) = stack.pop().expect("a tree has one result");
     (range, CsgTree::new(nodes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::implicit::{Expr, PrimitiveEvaluator};
+    use crate::math::Box3;
+
+    /// The side of a box on which nothing is decided, but for the order of parallel primitives.
+    fn side(sign: &Expr, at: [f64; 3]) -> Membership {
+        let csg = Csg::from_expr(sign);
+        let mut trees = LocalTrees::new(&csg);
+        let bounds = Box3 { min: at.map(|x| x - 0.5), max: at.map(|x| x + 0.5) };
+        let job = crate::Job::default();
+        let mut evaluator = PrimitiveEvaluator::new(&csg, &bounds, &job);
+        let local = trees.get(0).clone();
+        let questions: Vec<(u32, Box3)> = local.primitives.iter().map(|p| (*p, bounds)).collect();
+        let slopes = evaluator.dual_ranges(&questions).unwrap();
+        let sides: Vec<LiteralSides> =
+            slopes.iter().map(|slope| LiteralSides::from_range(&slope.value)).collect();
+        assert!(sides.iter().all(LiteralSides::is_open) && trees.restricted(0, &sides) == Ok(0));
+        local.membership(&sides, &slopes)
+    }
+
+    #[test]
+    fn parallel_surfaces_keep_their_order_however_near_they_are() {
+        let [x, y, z] = Expr::axes();
+        let level = |height: f64| &z - height;
+        let ring = |radius: f64| (x.square() + y.square()).sqrt() - radius;
+        let (low, high) = (level(0.0), level(1e-6));
+        let (inner, outer) = (ring(3.0), ring(3.0 + 1e-6));
+        let at = [3.0, 0.0, 0.0];
+        for (a, b) in [(&low, &high), (&inner, &outer)] {
+            // Below the lower one and above the upper one is nothing, and each point is in one of the other two.
+            assert_eq!(side(&a.max(&-b), at), Membership::Outside);
+            assert_eq!(side(&b.min(&-a), at), Membership::Inside);
+            assert_eq!(side(&b.max(&-a), at), Membership::Unknown);
+            assert_eq!(side(&a.min(&-b), at), Membership::Unknown);
+        }
+        // Three levels, the middle one both ways; and two families at a time.
+        let middle = level(5e-7);
+        assert_eq!(side(&low.max(&-&high).min(&middle.max(&low).max(&-&high)), at), Membership::Outside);
+        assert_eq!(side(&low.max(&-&high).min(&inner.max(&-&outer)), at), Membership::Outside);
+        assert_eq!(side(&low.max(&-&high).min(&inner.max(&-&low)), at), Membership::Unknown);
+        // Levels whose difference is less than their roundings may be have no order.
+        let r = (x.square() + y.square()).sqrt();
+        let (one, same) = ((&r - 3.1) * 3.0, &r * 3.0 - (3.1 * 3.0 + 4.0 * f64::EPSILON));
+        assert_eq!(side(&one.max(&-&same), at), Membership::Unknown);
+    }
 }

@@ -41,7 +41,7 @@ const DEEPEST: u32 = 11;
 impl SignRegions {
     pub fn new(evaluator: &PrimitiveEvaluator, domain: &Box3, memory_limit: u64) -> Self {
         let root = SignRegion { cell: *domain, level: 0, tree: Ok(0), children: [None; 8] };
-        let trees = LocalTrees::new(evaluator.csg().tree());
+        let trees = LocalTrees::new(evaluator.csg());
         let known = FaceSideCache::new(memory_limit);
         Self { regions: vec![root], trees, known, most_bytes: memory_limit / MEMORY_SHARE }
     }

@@ -26,7 +26,7 @@ impl MonotoneOp {
 
 /// The function that a level is one of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum LevelBase {
+pub(crate) enum LevelFunction {
     Term(u32),
     /// A linear function, by the number of its gradient.
     Planes(u32),
@@ -35,7 +35,7 @@ enum LevelBase {
 /// The zero set of a primitive, as a level of a term of the whole.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LevelSet {
-    base: LevelBase,
+    base: LevelFunction,
     at: f64,
     /// The largest number in its computation.
     size: f64,
@@ -56,7 +56,7 @@ const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 const MOST_ROUNDINGS: usize = 1024;
 
 /// A term and a level of it, in an order.
-type LevelKey = (LevelBase, i64);
+type LevelKey = (LevelFunction, i64);
 
 /// The place of a number in the order of all.
 fn order_key(at: f64) -> i64 {
@@ -80,14 +80,20 @@ impl LevelSet {
             && scale.is_normal()
             && (at.is_normal() || offset == 0.0)
             && ops.len() <= MOST_ROUNDINGS;
-        is_sound.then_some(LevelSet { base: LevelBase::Term(base), at, size, is_exact, falls: scale < 0.0 })
+        is_sound.then_some(LevelSet {
+            base: LevelFunction::Term(base),
+            at,
+            size,
+            is_exact,
+            falls: scale < 0.0,
+        })
     }
 
     /// The same level of the linear function that its term is but for an offset.
     pub fn on_planes(self, planes: &PlaneFamily) -> Self {
         let at = if planes.is_opposite { 0.0 - self.at } else { self.at };
         Self {
-            base: LevelBase::Planes(planes.number),
+            base: LevelFunction::Planes(planes.number),
             at: at - planes.offset + 0.0,
             size: greater(planes.size, self.size),
             is_exact: self.is_exact && planes.size == 0.0,
@@ -96,7 +102,11 @@ impl LevelSet {
     }
 
     pub fn is_plane_along(&self, other: &Self) -> bool {
-        self.base == other.base && matches!(self.base, LevelBase::Planes(_))
+        self.base == other.base && matches!(self.base, LevelFunction::Planes(_))
+    }
+
+    pub fn function(&self) -> LevelFunction {
+        self.base
     }
 
     /// The value of the function.

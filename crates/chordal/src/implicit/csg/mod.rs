@@ -25,6 +25,7 @@ use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::greater;
 use affine_terms::AffineTerms;
+pub(crate) use level::LevelFunction;
 use level::{LevelSet, LevelTable, MonotoneOp};
 use materials::{MaterialsBuilder, OperandMaterial};
 use std::collections::HashMap;
@@ -94,6 +95,11 @@ impl Primitive {
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
         matches!((self.level, other.level), (Some(a), Some(b)) if a.is_parallel_to(&b))
+    }
+
+    /// The function of which it is a level, if it is known.
+    pub(crate) fn level_function(&self) -> Option<LevelFunction> {
+        self.level.map(|level| level.function())
     }
 
     /// Whether both vanish on planes across one direction.
