@@ -33,6 +33,7 @@ mod fitting;
 mod gpu;
 mod grids;
 mod interval_laws;
+mod kinks;
 mod lod;
 mod lod_screen;
 mod lod_tree;

@@ -1,6 +1,6 @@
 //! Samples in place of ranges, for functions known only at points and where ranges are too wide: gradients at the corners of
 //! cells, and signs on a lattice.
-use super::cells::{CellTest, PrunedTree, prune};
+use super::cells::{CellSizes, CellTest, PrunedTree, prune};
 use super::grid::{CELLS_A_TASK, CellAction, CellBuffers, CellQuery, FieldGrid, FieldGridError, PendingCell};
 use crate::budget::par_map;
 use crate::implicit::{DualRange, Membership, PrimitiveEvaluator};
@@ -47,6 +47,16 @@ impl<'a> FieldGrid<'a> {
         Ok(())
     }
 
+    /// The sizes of a cell.
+    pub(super) fn sizes_of(&self, corners: [u32; 4]) -> CellSizes {
+        CellSizes {
+            widths: self.tetrahedra.sides_of(self.tetrahedra.box_of(corners)),
+            longest: self.tetrahedra.longest(corners),
+            floor: self.options.floor,
+            stretch: self.tetrahedra.stretch(),
+        }
+    }
+
     /// Whether a cell is done, assuming that slopes in it are as at its corners.
     fn is_resolved_by_samples(&self, one: &PendingCell, gradient: impl Fn(u32, u32) -> [f64; 3]) -> bool {
         let (corners, open) = (one.tetrahedron.corners, &one.open);
@@ -62,9 +72,7 @@ impl<'a> FieldGrid<'a> {
             values: &values,
             noise: &vec![0.0; values.len()],
             idle: &[],
-            widths: self.tetrahedra.sides_of(self.tetrahedra.box_of(corners)),
-            longest: self.tetrahedra.longest(corners),
-            stretch: self.tetrahedra.stretch(),
+            sizes: self.sizes_of(corners),
         };
         facts.is_resolved()
     }

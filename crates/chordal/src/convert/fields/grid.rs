@@ -66,7 +66,7 @@ pub(super) struct GridCell {
 pub(in crate::convert) struct FieldGrid<'a> {
     pub(super) csg: &'a Csg,
     pub(super) job: &'a Job,
-    options: GridOptions,
+    pub(super) options: GridOptions,
     pub(super) tetrahedra: Tetrahedra,
     pub(super) values: VertexValues,
     /// By primitive.
@@ -409,12 +409,11 @@ impl<'a> FieldGrid<'a> {
         buffers: &mut CellBuffers,
     ) -> Option<(Arc<PrunedTree>, CellAction)> {
         let whole = cell.level.boxes[cell.level.box_of[cell.number as usize] as usize];
-        let (widths, stretch) = (self.tetrahedra.sides_of(whole), self.tetrahedra.stretch());
-        let longest = self.tetrahedra.longest(cell.one.corners);
+        let sizes = self.sizes_of(cell.one.corners);
+        let longest = sizes.longest;
         self.gather(cell, open, buffers);
         let CellBuffers { ranges, values, noise, sides, .. } = buffers;
-        let facts =
-            CellTest { csg: self.csg, open, ranges, values, noise, idle: &[], widths, longest, stretch };
+        let facts = CellTest { csg: self.csg, open, ranges, values, noise, idle: &[], sizes };
         sides.clear();
         sides.extend(
             (0..values.len())
@@ -433,9 +432,8 @@ impl<'a> FieldGrid<'a> {
         }
         self.gather_corner_gradients(cell, &left, buffers);
         let CellBuffers { ranges, values, noise, idle, .. } = buffers;
-        let facts =
-            CellTest { csg: self.csg, open: &left, ranges, values, noise, idle, widths, longest, stretch };
-        let verdict = match (facts.is_resolved(), longest <= self.options.floor) {
+        let facts = CellTest { csg: self.csg, open: &left, ranges, values, noise, idle, sizes };
+        let verdict = match (facts.is_resolved(), longest <= sizes.floor) {
             (true, _) => CellAction::Done,
             (false, true) => CellAction::TooSmall,
             (false, false) if self.extent == FieldGridStatus::Exhausted => CellAction::TooSmall,

@@ -21,6 +21,9 @@ const FEW_TIGHT: usize = 4096;
 /// Nor for vertices away from the surface that are more than one in so many: there the function jumps. Measured: one
 /// in 200 on a gyroid in a cube, one in 8 where 48 balls meet.
 const ASTRAY: usize = 6;
+/// Vertices that are so many times as far from the surface as they may be ask for smaller cells even if they are few. Chosen:
+/// above what is left to the proof.
+const FAR: f64 = 1.25;
 /// The longest edge of cells, relative to the longest side of the bounds. Chosen: ranges decide which cells
 /// are cut, so that large ones cost nothing.
 const COARSEST: f64 = 0.5;
@@ -67,6 +70,14 @@ pub(super) struct ImprovedSurface<'a> {
     pub surface: SurfaceImprover<'a>,
     /// How completely its cells were refined.
     pub extent: FieldGridStatus,
+}
+
+/// Vertices away from the surface.
+#[derive(Default)]
+struct Astray {
+    places: Vec<BlockedPlace>,
+    /// How many of them are far away.
+    n_far: usize,
 }
 
 impl From<FieldGridError> for Failure<Mesh> {
@@ -173,22 +184,27 @@ impl<'a> FieldMesher<'a> {
             };
             drop(start);
             let mut tight = surface.blocked().to_vec();
-            if cuts < MOST_CUTS {
-                let astray = self.astray(&surface)?;
-                tight.extend(astray.into_iter().take(MOST_TIGHT.saturating_sub(tight.len())));
-            }
+            let may_cut = cuts < MOST_CUTS && !self.job.is_finishing();
+            let mut misses = if may_cut { self.astray(&surface)? } else { Astray::default() };
+            let room = MOST_TIGHT.saturating_sub(tight.len());
+            tight.extend(misses.places.drain(..).take(room));
             // Smaller cells would not help where so many vertices are blocked.
-            let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT || self.job.is_finishing();
-            let is_enough = |tight: &[BlockedPlace], surface: &SurfaceImprover| {
-                is_last || tight.len() > MOST_TIGHT || cuts > 0 && tight.len() * FEW_TIGHT < surface.n_faces()
+            let is_enough = |tight: &[BlockedPlace], n_far: usize, surface: &SurfaceImprover| {
+                let are_few = cuts > 0 && n_far == 0 && tight.len() * FEW_TIGHT < surface.n_faces();
+                !may_cut || tight.is_empty() || tight.len() > MOST_TIGHT || are_few
             };
-            if tight.is_empty() || is_enough(&tight, &surface) {
+            if is_enough(&tight, misses.n_far, &surface) {
                 // Estimates for coarse faces are too high by up to about this; the work itself keeps to the
                 // limits.
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
+                // What was missed by all vertices of a coarse surface is seen by those of a finer one.
+                misses = if may_cut { self.astray(&surface)? } else { Astray::default() };
+                if misses.n_far > 0 && tight.len() + misses.places.len() <= MOST_TIGHT {
+                    tight.append(&mut misses.places);
+                }
             }
-            if tight.is_empty() || is_enough(&tight, &surface) {
+            if is_enough(&tight, misses.n_far, &surface) {
                 break surface;
             }
             let half =
@@ -207,21 +223,24 @@ impl<'a> FieldMesher<'a> {
     }
 
     /// Vertices on their primitives that are away from the surface all the same: cells are so coarse that other
-    /// primitives end at the wrong places.
-    fn astray(&self, surface: &SurfaceImprover) -> Result<Vec<BlockedPlace>, Failure<Mesh>> {
+    /// primitives end at the wrong places, or are not seen.
+    fn astray(&self, surface: &SurfaceImprover) -> Result<Astray, Failure<Mesh>> {
         if self.is_sampled {
-            return Ok(Vec::new());
+            return Ok(Astray::default());
         }
         let vertices = surface.vertices();
         let points: Vec<[f64; 3]> = vertices.iter().map(|v| surface.position(*v)).collect();
         let sampler = FieldSampler { tape: self.tape, job: self.job };
         let slopes = sampler.duals(&points).map_err(leaf_failure)?;
-        let is_far = |slope: &Dual<f64>| slope.value.abs() > surface.aim() * length(slope.gradient);
-        let n = vertices.len();
-        let far: Vec<u32> =
-            vertices.into_iter().zip(&slopes).filter(|(_, slope)| is_far(slope)).map(|(v, _)| v).collect();
-        let is_worth = far.len() <= MOST_TIGHT && ASTRAY * far.len() <= n;
-        Ok(if is_worth { far.into_iter().map(|v| surface.place_of(v)).collect() } else { Vec::new() })
+        let is_off = |slope: &Dual<f64>, by: f64| slope.value.abs() > by * length(slope.gradient);
+        let aim = surface.aim();
+        let off = vertices.iter().zip(&slopes).filter(|(_, slope)| is_off(slope, aim));
+        let off: Vec<(u32, bool)> = off.map(|(v, slope)| (*v, is_off(slope, FAR * aim))).collect();
+        if off.len() > MOST_TIGHT || ASTRAY * off.len() > vertices.len() {
+            return Ok(Astray::default());
+        }
+        let n_far = off.iter().filter(|(_, is_far)| *is_far).count();
+        Ok(Astray { places: off.into_iter().map(|(v, _)| surface.place_of(v)).collect(), n_far })
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {
