@@ -113,11 +113,13 @@ fn has_twist(part: &Construction) -> bool {
     part.has(&|node| matches!(node, ConstructionNode::Solid(SolidForm::Twisted { .. })))
 }
 
-/// The share of a length within which cuts are tidied up. Chosen: cuts leave vertices on flat faces and triangles that are
-/// thinner than any length that is asked for.
-const TIDY_SHARE: f64 = 1.0 / 64.0;
+/// The share of a length within which cuts are tidied up. Cuts leave vertices on flat faces and triangles that are thinner
+/// than any length that is asked for, above all where rods end in common balls. Measured: a wire in a zigzag has a third of
+/// the triangles and half of the time that it has with a 64th; of the tests' 179 parts the sum falls by a fourteenth, and
+/// no fewer are proved.
+const TIDY_SHARE: f64 = 0.1;
 
-/// The mesh without most of the triangles that cuts leave in flat faces; what judges it does not ask how it came about.
+/// The mesh without most of the triangles that cuts leave; what judges it does not ask how it came about.
 fn tidied(mesh: Mesh, length: Tolerance, request: &MeshRequest, job: &Job) -> Mesh {
     let Ok(little) = Tolerance::new(TIDY_SHARE * length.get()) else { return mesh };
     let mesh = boolean_unchecked(&mesh, &[], Some(little), job).unwrap_or(mesh);
