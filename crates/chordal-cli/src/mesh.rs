@@ -308,7 +308,8 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
         let was_tried = best.bound.open.is_some() || best.bound.evidence().bounds_above();
         if args.budget.require.is_none() && !was_tried {
             hints.push(
-                "its cells, or the time, ended first: --within 5m gives it longer, --max-memory more cells",
+                "memory for its cells, or the time, ran out before a proof: --within 5m gives it longer, --max-memory more \
+                 cells",
             );
         } else if wants_proof || args.budget.require.is_none() {
             hints.push("--require measured asks for no proof");

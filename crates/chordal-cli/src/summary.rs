@@ -242,6 +242,9 @@ pub(crate) fn bound(facts: &BoundFacts) -> String {
             )
         }
         None if facts.evidence == "estimated" && facts.at_least == 0.0 => "not known (estimated)".into(),
+        None if facts.evidence == "measured" => {
+            format!("{least} at the farthest point looked at (measured{one_way})")
+        }
         None => format!("at least {least} ({})", facts.evidence),
     }
 }

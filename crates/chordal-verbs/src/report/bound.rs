@@ -117,7 +117,7 @@ impl OpenPlacesFacts {
 }
 
 impl fmt::Display for OpenPlacesFacts {
-    /// `2 places (3.000 of 5900.000 in area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`, and where surfaces
+    /// `2 places (0.05% of the area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)`, and where surfaces
     /// touch there; where no place is open, why nothing is proved all the same.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.count == 0 {
@@ -127,7 +127,7 @@ impl fmt::Display for OpenPlacesFacts {
             );
         }
         let places = if self.count == 1 { "place" } else { "places" };
-        write!(f, "{} {places} ({:.3} of {:.3} in area)", self.count, self.area, self.whole_area)?;
+        write!(f, "{} {places} ({} of the area)", self.count, share(self.area, self.whole_area))?;
         let Some(place) = self.largest.first() else { return Ok(()) };
         let [x, y, z] = place.at;
         write!(f, ", the largest {:.3} across, about ({x:.4}, {y:.4}, {z:.4})", place.size)?;
@@ -137,6 +137,18 @@ impl fmt::Display for OpenPlacesFacts {
             // Faces that lie in one another are mostly meant.
             None => Ok(()),
         }
+    }
+}
+
+/// A part of a whole in percent, rounded to two digits and never to nothing or everything.
+fn share(part: f64, whole: f64) -> String {
+    let percent = 100.0 * part / whole;
+    match percent {
+        _ if part == whole => "all".to_owned(),
+        percent if percent < 0.01 => "less than 0.01%".to_owned(),
+        percent if percent >= 99.95 => "nearly all".to_owned(),
+        percent if percent < 1.0 => format!("{percent:.2}%"),
+        percent => format!("{percent:.1}%"),
     }
 }
 
@@ -175,7 +187,7 @@ mod tests {
         let one = OpenPlacesFacts::new(&OpenPlaces::new(vec![place], 5900.0));
         assert_eq!(
             one.to_string(),
-            "1 place (3.000 of 5900.000 in area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)"
+            "1 place (0.05% of the area), the largest 1.200 across, about (3.0000, 4.0000, 0.5000)"
         );
         let none = OpenPlacesFacts::new(&OpenPlaces::new(Vec::new(), 5900.0)).to_string();
         assert!(none.contains("promised of the shape does not hold") && !none.contains('0'), "{none}");

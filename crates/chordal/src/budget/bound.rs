@@ -410,6 +410,9 @@ impl fmt::Display for Bound {
             Some(most) => {
                 write!(f, "between {:.3e} and {:.3e} ({})", self.at_least, most, self.evidence.as_str())
             }
+            None if matches!(self.evidence, Evidence::Measured { .. }) => {
+                write!(f, "{:.3e} at the farthest point looked at (measured)", self.at_least)
+            }
             None => write!(f, "at least {:.3e} ({})", self.at_least, self.evidence.as_str()),
         }
     }
