@@ -30,6 +30,10 @@ fn kinds() -> Vec<(String, Field)> {
         ("a box on a bevelled plate".to_owned(), plate.union(&cuboid([10.0, 10.0, 9.0], [0.0, 0.0, 4.0]))),
         ("a ball on a bevelled plate".to_owned(), plate.union(&ball(8.0, [10.0, 0.0, 4.0]))),
         ("a bevelled disc less a ball".to_owned(), disc.difference(&ball(9.0, [3.0, 5.0, 4.0]))),
+        ("a bevelled disc less a rod at its rim".to_owned(), {
+            let rod = shapes::cylinder(2.2, 30.0).unwrap();
+            disc.difference(&rod.moved([28.2, 11.0, 0.0]).unwrap())
+        }),
         ("a rod with a flat".to_owned(), rod.intersection(&shapes::plane([0.0, 1.0, 0.0], 29.0).unwrap())),
         (
             "a ball with a flat".to_owned(),

@@ -223,7 +223,11 @@ impl<'a> FieldGrid<'a> {
         self.csg
     }
 
-    /// The number of cells.
+    /// Its memory, about.
+    pub fn bytes(&self) -> u64 {
+        BYTES_A_CELL * self.n_alive as u64 + self.trees.bytes()
+    }
+
     #[cfg(test)]
     pub fn n_cells(&self) -> usize {
         self.n_alive

@@ -12,6 +12,10 @@ use crate::math::{Box3, greater, length, lesser};
 /// The most times that cells are cut again where vertices of the surface are blocked. Measured: twice was
 /// enough on all models of the tests.
 const MOST_CUTS: usize = 3;
+/// The same where the places of the last time were few. Measured: along a crease in coarse cells what is blocked moves on by a
+/// cell with each time, until its end.
+const MOST_CUTS_OF_FEW: usize = 12;
+const FEW_CUT: usize = 32;
 /// Cells are not cut again if more vertices than these are blocked: there the function has poles or is noise.
 /// Measured: 750 on a drawing of letters.
 const MOST_TIGHT: usize = 4096;
@@ -21,6 +25,9 @@ const FEW_TIGHT: usize = 4096;
 /// Nor for vertices away from the surface that are more than one in so many: there the function jumps. Measured: one
 /// in 200 on a gyroid in a cube, one in 8 where 48 balls meet.
 const ASTRAY: usize = 6;
+/// The share of the memory up to which cells are kept while triangles are improved, for another attempt. Chosen: what is
+/// larger takes long as well.
+const KEPT_SHARE: u64 = 64;
 /// Vertices that are so many times as far from the surface as they may be ask for smaller cells even if they are few. Chosen:
 /// above what is left to the proof.
 const FAR: f64 = 1.25;
@@ -149,12 +156,13 @@ impl<'a> FieldMesher<'a> {
         tol: f64,
     ) -> Result<ImprovedSurface<'a>, Failure<Mesh>> {
         let report = |stage, done: usize| {
-            self.job.report(Progress { stage, done: done as u64, total: 1 + MOST_CUTS as u64 });
+            self.job.report(Progress { stage, done: done as u64, total: 1 + MOST_CUTS_OF_FEW as u64 });
         };
         report("cells", 0);
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
         let mut cuts = if grid.extent() == FieldGridStatus::Exhausted { MOST_CUTS } else { 0 };
+        let mut n_cut = usize::MAX;
         let mut surface = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
@@ -184,7 +192,8 @@ impl<'a> FieldMesher<'a> {
             };
             drop(start);
             let mut tight = surface.blocked().to_vec();
-            let may_cut = cuts < MOST_CUTS && !self.job.is_finishing();
+            let most_cuts = if n_cut <= FEW_CUT { MOST_CUTS_OF_FEW } else { MOST_CUTS };
+            let may_cut = cuts < most_cuts && !self.job.is_finishing();
             let mut misses = if may_cut { self.astray(&surface)? } else { Astray::default() };
             let room = MOST_TIGHT.saturating_sub(tight.len());
             tight.extend(misses.places.drain(..).take(room));
@@ -205,11 +214,26 @@ impl<'a> FieldMesher<'a> {
                 }
             }
             if is_enough(&tight, misses.n_far, &surface) {
-                break surface;
+                // Where nothing could come of it, the cells make room for the triangles.
+                if !may_cut || grid.bytes() > self.job.memory_limit / KEPT_SHARE {
+                    break surface;
+                }
+                surface.improve()?;
+                // Beside what is stuck faces may lie across a crease, or edges be split on the wrong surface.
+                misses = self.astray(&surface)?;
+                let across = self.astray_faces(&surface)?;
+                misses.n_far += across.n_far;
+                misses.places.extend(across.places);
+                if misses.n_far == 0 {
+                    self.check_size(surface.n_faces() as f64)?;
+                    return Ok(ImprovedSurface { surface, extent: grid.extent() });
+                }
+                tight = misses.places;
             }
             let half =
                 |place: &BlockedPlace| SizingPoint { at: place.at, size: 0.5 * grid.size_of(place.extent) };
             let places: Vec<SizingPoint> = tight.iter().map(half).collect();
+            n_cut = tight.len();
             cuts += 1;
             report("cells", cuts);
             evaluator = surface.into_evaluator();
@@ -225,22 +249,37 @@ impl<'a> FieldMesher<'a> {
     /// Vertices on their primitives that are away from the surface all the same: cells are so coarse that other
     /// primitives end at the wrong places, or are not seen.
     fn astray(&self, surface: &SurfaceImprover) -> Result<Astray, Failure<Mesh>> {
+        let vertices = surface.vertices();
+        let points = vertices.iter().map(|v| surface.position(*v)).collect();
+        self.astray_of(surface, points, |k| surface.place_of(vertices[k]))
+    }
+
+    /// Faces whose middles are away from it.
+    fn astray_faces(&self, surface: &SurfaceImprover) -> Result<Astray, Failure<Mesh>> {
+        let faces = surface.faces();
+        let points = faces.iter().map(|face| surface.middle_of_face(*face)).collect();
+        self.astray_of(surface, points, |k| surface.place_of_face(faces[k]))
+    }
+
+    fn astray_of(
+        &self,
+        surface: &SurfaceImprover,
+        points: Vec<[f64; 3]>,
+        place_of: impl Fn(usize) -> BlockedPlace,
+    ) -> Result<Astray, Failure<Mesh>> {
         if self.is_sampled {
             return Ok(Astray::default());
         }
-        let vertices = surface.vertices();
-        let points: Vec<[f64; 3]> = vertices.iter().map(|v| surface.position(*v)).collect();
         let sampler = FieldSampler { tape: self.tape, job: self.job };
         let slopes = sampler.duals(&points).map_err(leaf_failure)?;
         let is_off = |slope: &Dual<f64>, by: f64| slope.value.abs() > by * length(slope.gradient);
         let aim = surface.aim();
-        let off = vertices.iter().zip(&slopes).filter(|(_, slope)| is_off(slope, aim));
-        let off: Vec<(u32, bool)> = off.map(|(v, slope)| (*v, is_off(slope, FAR * aim))).collect();
-        if off.len() > MOST_TIGHT || ASTRAY * off.len() > vertices.len() {
+        let off: Vec<usize> = (0..points.len()).filter(|k| is_off(&slopes[*k], aim)).collect();
+        if off.len() > MOST_TIGHT || ASTRAY * off.len() > points.len() {
             return Ok(Astray::default());
         }
-        let n_far = off.iter().filter(|(_, is_far)| *is_far).count();
-        Ok(Astray { places: off.into_iter().map(|(v, _)| surface.place_of(v)).collect(), n_far })
+        let n_far = off.iter().filter(|k| is_off(&slopes[**k], FAR * aim)).count();
+        Ok(Astray { places: off.into_iter().map(place_of).collect(), n_far })
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

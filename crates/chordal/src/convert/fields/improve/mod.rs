@@ -271,6 +271,23 @@ impl<'a> SurfaceImprover<'a> {
         BlockedPlace { at: self.position(v), extent: self.extent_around(v, &self.position) }
     }
 
+    /// The numbers of all faces.
+    pub fn faces(&self) -> Vec<u32> {
+        (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)).collect()
+    }
+
+    pub fn middle_of_face(&self, face: u32) -> [f64; 3] {
+        let [a, b, c] = self.surface.corners(face).map(|v| self.at(v));
+        ((a + b + c) / 3.0).to_array()
+    }
+
+    /// A face, and how far it reaches.
+    pub fn place_of_face(&self, face: u32) -> BlockedPlace {
+        let [a, b, c] = self.surface.corners(face).map(|v| self.at(v));
+        let extent = (a.max(b).max(c) - a.min(b).min(c)).to_array();
+        BlockedPlace { at: self.middle_of_face(face), extent }
+    }
+
     /// The allowed error of edges and faces.
     pub fn aim(&self) -> f64 {
         self.aim
