@@ -16,6 +16,8 @@ const MOST_CUTS: usize = 3;
 /// cell with each time, until its end.
 const MOST_CUTS_OF_FEW: usize = 12;
 const FEW_CUT: usize = 32;
+/// The most times that this is done after triangles were improved. Measured: one was enough.
+const MOST_LATE: usize = 2;
 /// Cells are not cut again if more vertices than these are blocked: there the function has poles or is noise.
 /// Measured: 750 on a drawing of letters.
 const MOST_TIGHT: usize = 4096;
@@ -162,7 +164,7 @@ impl<'a> FieldMesher<'a> {
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
         let mut cuts = if grid.extent() == FieldGridStatus::Exhausted { MOST_CUTS } else { 0 };
-        let mut n_cut = usize::MAX;
+        let (mut n_cut, mut n_late) = (usize::MAX, 0);
         let mut surface = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
@@ -215,7 +217,7 @@ impl<'a> FieldMesher<'a> {
             }
             if is_enough(&tight, misses.n_far, &surface) {
                 // Where nothing could come of it, the cells make room for the triangles.
-                if !may_cut || grid.bytes() > self.job.memory_limit / KEPT_SHARE {
+                if !may_cut || n_late == MOST_LATE || grid.bytes() > self.job.memory_limit / KEPT_SHARE {
                     break surface;
                 }
                 surface.improve()?;
@@ -228,6 +230,7 @@ impl<'a> FieldMesher<'a> {
                     self.check_size(surface.n_faces() as f64)?;
                     return Ok(ImprovedSurface { surface, extent: grid.extent() });
                 }
+                n_late += 1;
                 tight = misses.places;
             }
             let half =
