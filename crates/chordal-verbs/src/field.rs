@@ -139,7 +139,8 @@ fn unproved_note(bound: &Bound) -> Option<Message> {
     }
     let what = match bound.open.as_deref() {
         None => {
-            "no proof was begun: memory for the cells of the shape, or the time, ran out before; points all over its triangles are measured"
+            "no proof was begun: memory for the cells of the shape, or the time, ran out before; points all over its \
+             triangles are measured"
                 .to_owned()
         }
         // More work would prove nothing.

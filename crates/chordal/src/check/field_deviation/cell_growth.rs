@@ -17,7 +17,7 @@
 //! point of the part is one that the mesh has to wind around correctly.
 use super::cover::WindingProbe;
 use super::growth::direction;
-use super::local_trees::{LiteralSides, LocalTree, MOST_CASES, by_value, has_thin_zeros};
+use super::local_trees::{LiteralSides, LocalTree, MOST_CASES, by_height, by_value, has_thin_zeros};
 use crate::implicit::{DualRange, Membership, Primitive};
 use crate::math::{Box3, Interval, greater, lesser};
 
@@ -126,15 +126,14 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
     }
 
     /// The signs of parallel planes in the parts that they cut space into.
-    fn slabs(&self, mut family: Vec<u32>) -> Option<CellCut> {
+    fn slabs(&self, family: Vec<u32>) -> Option<CellCut> {
         let of = |p: u32| &self.primitives[p as usize];
-        family.sort_by(|a, b| of(*a).height().total_cmp(&of(*b).height()));
-        let is_ordered = family.windows(2).all(|pair| of(pair[0]).is_parallel_to(of(pair[1])));
+        let family = by_height(self.primitives, family)?;
         let slab = |above: usize| {
             let sign = |(k, p): (usize, &u32)| (*p, (k < above) != of(*p).falls());
             family.iter().enumerate().map(sign).collect()
         };
-        is_ordered.then(|| (0..=family.len()).map(slab).collect())
+        Some((0..=family.len()).map(slab).collect())
     }
 
     /// Whether there is a direction for a flow inward, through negative values, or outward, through positive

@@ -84,16 +84,8 @@ impl LevelOrder {
     /// By primitive, for those that are parallel to others.
     fn of_all(primitives: &[Primitive]) -> Arc<[Option<Self>]> {
         let mut orders = vec![None; primitives.len()];
-        for (number, mut family) in level_families(primitives).into_iter().enumerate() {
-            family.sort_by(|a, b| {
-                primitives[*a as usize].height().total_cmp(&primitives[*b as usize].height())
-            });
-            let is_apart =
-                |pair: &[u32]| primitives[pair[0] as usize].is_parallel_to(&primitives[pair[1] as usize]);
-            // Levels that are too near to each other to have an order have none among the others either.
-            if !family.windows(2).all(is_apart) {
-                continue;
-            }
+        for (number, family) in level_families(primitives).into_iter().enumerate() {
+            let Some(family) = by_height(primitives, family) else { continue };
             for (rank, p) in family.iter().enumerate() {
                 let falls = primitives[*p as usize].falls();
                 orders[*p as usize] = Some(Self { family: number as u32, rank: rank as u32, falls });
@@ -245,6 +237,13 @@ fn level_families(primitives: &[Primitive]) -> Vec<Vec<u32>> {
         }
     }
     by_function.into_values().filter(|family| family.len() > 1).collect()
+}
+
+/// Levels of one function in their order. None where two of them are too near to each other to have one.
+pub(super) fn by_height(primitives: &[Primitive], mut family: Vec<u32>) -> Option<Vec<u32>> {
+    let of = |p: u32| &primitives[p as usize];
+    family.sort_by(|a, b| of(*a).height().total_cmp(&of(*b).height()));
+    family.windows(2).all(|pair| of(pair[0]).is_parallel_to(of(pair[1]))).then_some(family)
 }
 
 /// Whether the zero set has no interior: along some axis the function grows everywhere, or falls.

@@ -47,16 +47,6 @@ impl<'a> FieldGrid<'a> {
         Ok(())
     }
 
-    /// The sizes of a cell.
-    pub(super) fn sizes_of(&self, corners: [u32; 4]) -> CellSizes {
-        CellSizes {
-            widths: self.tetrahedra.sides_of(self.tetrahedra.box_of(corners)),
-            longest: self.tetrahedra.longest(corners),
-            floor: self.options.floor,
-            stretch: self.tetrahedra.stretch(),
-        }
-    }
-
     /// Whether a cell is done, assuming that slopes in it are as at its corners.
     fn is_resolved_by_samples(&self, one: &PendingCell, gradient: impl Fn(u32, u32) -> [f64; 3]) -> bool {
         let (corners, open) = (one.tetrahedron.corners, &one.open);
@@ -72,7 +62,7 @@ impl<'a> FieldGrid<'a> {
             values: &values,
             noise: &vec![0.0; values.len()],
             idle: &[],
-            sizes: self.sizes_of(corners),
+            sizes: CellSizes::new(&self.tetrahedra, corners, self.options.floor),
         };
         facts.is_resolved()
     }

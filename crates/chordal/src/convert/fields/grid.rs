@@ -3,7 +3,8 @@
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
 //! undecided primitives have a common direction in which they grow. Decided tetrahedra are dropped: they
 //! contain no boundary, whatever their neighbours look like. All others conform.
-use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side, zeros};
+use super::cells::{CellSizes, CellTest, PrunedTree, PrunedTreeCache, ZeroSide};
+use super::cells::{index_of, prune, range_side, zeros};
 use super::cells_at_vertices::CellsAtVertices;
 use super::sampled_signs::SampledSigns;
 use super::sizing::{SizingField, SizingPoint};
@@ -413,8 +414,7 @@ impl<'a> FieldGrid<'a> {
         buffers: &mut CellBuffers,
     ) -> Option<(Arc<PrunedTree>, CellAction)> {
         let whole = cell.level.boxes[cell.level.box_of[cell.number as usize] as usize];
-        let sizes = self.sizes_of(cell.one.corners);
-        let longest = sizes.longest;
+        let sizes = CellSizes::new(&self.tetrahedra, cell.one.corners, self.options.floor);
         self.gather(cell, open, buffers);
         let CellBuffers { ranges, values, noise, sides, .. } = buffers;
         let facts = CellTest { csg: self.csg, open, ranges, values, noise, idle: &[], sizes };
@@ -426,8 +426,8 @@ impl<'a> FieldGrid<'a> {
         let left = prune(open, sides)?;
         let is_requested = self.is_requested(&cell.one, asked);
         let space = self.space(whole);
-        let is_coarse = longest > self.options.coarsest || is_requested;
-        if is_coarse || self.misses_samples(open, values, &space, longest) {
+        let is_coarse = sizes.longest > self.options.coarsest || is_requested;
+        if is_coarse || self.misses_samples(open, values, &space, sizes.longest) {
             let is_empty = !is_requested && self.is_decided_by_signs(open, values, sides, &space);
             return Some((left, if is_empty { CellAction::Done } else { CellAction::CutAnyway }));
         }
@@ -437,7 +437,7 @@ impl<'a> FieldGrid<'a> {
         self.gather_corner_gradients(cell, &left, buffers);
         let CellBuffers { ranges, values, noise, idle, .. } = buffers;
         let facts = CellTest { csg: self.csg, open: &left, ranges, values, noise, idle, sizes };
-        let verdict = match (facts.is_resolved(), longest <= sizes.floor) {
+        let verdict = match (facts.is_resolved(), sizes.longest <= sizes.floor) {
             (true, _) => CellAction::Done,
             (false, true) => CellAction::TooSmall,
             (false, false) if self.extent == FieldGridStatus::Exhausted => CellAction::TooSmall,

@@ -165,7 +165,7 @@ impl<'a> FieldMesher<'a> {
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
         let mut cuts = if grid.extent() == FieldGridStatus::Exhausted { MOST_CUTS } else { 0 };
         let (mut n_cut, mut n_late) = (usize::MAX, 0);
-        let mut surface = loop {
+        let (mut surface, is_improved) = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
@@ -218,7 +218,7 @@ impl<'a> FieldMesher<'a> {
             if is_enough(&tight, misses.n_far, &surface) {
                 // Where nothing could come of it, the cells make room for the triangles.
                 if !may_cut || n_late == MOST_LATE || grid.bytes() > self.job.memory_limit / KEPT_SHARE {
-                    break surface;
+                    break (surface, false);
                 }
                 surface.improve()?;
                 // Beside what is stuck faces may lie across a crease, or edges be split on the wrong surface.
@@ -227,8 +227,7 @@ impl<'a> FieldMesher<'a> {
                 misses.n_far += across.n_far;
                 misses.places.extend(across.places);
                 if misses.n_far == 0 {
-                    self.check_size(surface.n_faces() as f64)?;
-                    return Ok(ImprovedSurface { surface, extent: grid.extent() });
+                    break (surface, true);
                 }
                 n_late += 1;
                 tight = misses.places;
@@ -244,7 +243,9 @@ impl<'a> FieldMesher<'a> {
         };
         let extent = grid.extent();
         drop(grid);
-        surface.improve()?;
+        if !is_improved {
+            surface.improve()?;
+        }
         self.check_size(surface.n_faces() as f64)?;
         Ok(ImprovedSurface { surface, extent })
     }

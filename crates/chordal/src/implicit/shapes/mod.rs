@@ -39,6 +39,7 @@ mod thread;
 mod triangle;
 
 use super::expr::Expr;
+use super::field::Field;
 use crate::math::Box3;
 use std::fmt;
 
@@ -141,8 +142,14 @@ pub(super) fn slabs(parts: &[Expr]) -> Expr {
     outside_of_slabs(parts) + largest(parts).min(&Expr::constant(0.0))
 }
 
-/// The same, with 0 for all points inside: a convex function.
-pub(super) fn outside_of_slabs(parts: &[Expr]) -> Expr {
+/// All points nearer than a radius to that region. The sign is that of the distance from it, which is 0 inside: a convex
+/// function.
+pub(super) fn rounded_slabs(parts: &[Expr], radius: f64) -> Field {
+    Field::new(slabs(parts) - radius).known_sign(outside_of_slabs(parts) - radius)
+}
+
+/// The same, with 0 for all points inside.
+fn outside_of_slabs(parts: &[Expr]) -> Expr {
     let zero = Expr::constant(0.0);
     let above: Vec<Expr> = parts.iter().map(|q| q.max(&zero)).collect();
     length_of(&above.iter().collect::<Vec<_>>())

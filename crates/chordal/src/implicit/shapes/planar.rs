@@ -1,8 +1,8 @@
 //! Planar shapes, unbounded along z; [`Field::extruded`] and [`Field::revolved`] make them solids.
 use super::solid::{fitting, halved, halves, walls};
 use super::{
-    ContourFill, Contours, InvalidShape, capsule, finite_point, largest, length_of, outside_of_slabs,
-    positive, slabs,
+    ContourFill, Contours, InvalidShape, capsule, finite_point, largest, length_of, positive, rounded_slabs,
+    slabs,
 };
 use crate::implicit::construction::{Construction, PlanarForm};
 use crate::implicit::{Distance, Expr, Field};
@@ -50,9 +50,7 @@ pub fn rounded_rectangle(sizes: [f64; 2], radius: f64) -> Result<Field, InvalidS
     let inner = half.map(|h| h - radius);
     let outer = inner.map(|h| add_up(h, radius));
     let construction = Construction::planar(PlanarForm::Rectangle { half: inner, radius });
-    let q = walls(inner);
-    let field = Field::new(slabs(&q) - radius).known_sign(outside_of_slabs(&q) - radius);
-    let field = field.known_construction(construction);
+    let field = rounded_slabs(&walls(inner), radius).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless(outer.map(|h| -h), outer)))
 }
 

@@ -3,7 +3,7 @@ use super::{
     ContourFill, Contours, InvalidShape, centred, finite, finite_point, largest, length_of, not_negative,
     positive,
 };
-use super::{axis_distance, outside_of_slabs, slabs, sum};
+use super::{axis_distance, rounded_slabs, slabs, sum};
 use crate::implicit::construction::{Construction, SolidForm};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, greater};
@@ -69,9 +69,7 @@ pub fn rounded_cuboid(sizes: [f64; 3], radius: f64) -> Result<Field, InvalidShap
     }
     let inner = half.map(|h| h - radius);
     let construction = Construction::solid(SolidForm::RoundedCuboid { half: inner, radius });
-    let q = walls(inner);
-    let field = Field::new(slabs(&q) - radius).known_sign(outside_of_slabs(&q) - radius);
-    let field = field.known_construction(construction);
+    let field = rounded_slabs(&walls(inner), radius).known_construction(construction);
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred(inner.map(|h| add_up(h, radius)))))
 }
 
