@@ -124,6 +124,31 @@ fn around_box(half: Point, radius: f64) -> (PointDistance, SurfacePoint) {
     (Box::new(distance), Box::new(at))
 }
 
+/// All points that far from a segment.
+fn around_segment(a: Point, b: Point, radius: f64) -> (PointDistance, SurfacePoint) {
+    let along = sub(b, a);
+    let on = move |t: f64| [0, 1, 2].map(|k| a[k] + t * along[k]);
+    let distance = move |p: Point| {
+        let t = (dot(sub(p, a), along) / dot(along, along)).clamp(0.0, 1.0);
+        (norm(sub(p, on(t))) - radius).abs()
+    };
+    let at = move |[s, t, u]: Point| {
+        let z = 2.0 * s - 1.0;
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        let towards = [r * (2.0 * PI * t).cos(), r * (2.0 * PI * t).sin(), z];
+        let share = dot(towards, along) / dot(along, along);
+        let (from, towards) = if u < 0.5 {
+            // The end that is farther in that direction.
+            (if share > 0.0 { b } else { a }, towards)
+        } else {
+            let across = [0, 1, 2].map(|k| towards[k] - share * along[k]);
+            (on(2.0 * u - 1.0), across.map(|x| x / norm(across)))
+        };
+        [0, 1, 2].map(|k| from[k] + radius * towards[k])
+    };
+    (Box::new(distance), Box::new(at))
+}
+
 /// The rectangle of 4 by 2 at each height up to `half`, as many times as large and turned by as much as `section` says: how far
 /// a point is from the outline at its height, which is no less than from the surface.
 fn of_sections(
@@ -170,6 +195,10 @@ fn referees() -> Vec<Referee> {
     add("rounded box", rounded, of_rounded, around_box([1.0, 1.5, 2.0], 1.0));
     let capsule = shapes::capsule([0.0, 0.0, -2.0], [0.0, 0.0, 2.0], 1.5).unwrap();
     add("capsule", capsule, PI * 2.25 * (4.0 + 2.0), around_box([0.0, 0.0, 2.0], 1.5));
+    let (a, b) = ([1.0, -2.0, 0.5], [3.0, 1.0, -1.0]);
+    let slanted = shapes::capsule(a, b, 0.75).unwrap();
+    let volume = PI * 0.5625 * (norm(sub(b, a)) + 1.0);
+    add("slanted capsule", slanted, volume, around_segment(a, b, 0.75));
     let cylinder = shapes::cylinder(2.0, 6.0).unwrap();
     let outline = vec![[0.0, -3.0], [2.0, -3.0], [2.0, 3.0], [0.0, 3.0]];
     add("cylinder", cylinder, 24.0 * PI, turned(outline));
@@ -307,6 +336,22 @@ fn placed_solids_keep_their_bounds() {
         let volume = measure(&placed.shape).signed_volume;
         assert!((volume / measure(&own.shape).signed_volume - scale.abs().powi(3)).abs() < 1e-9);
     }
+}
+
+#[test]
+fn rods_that_end_in_one_point_share_the_triangles_of_its_ball() {
+    let node = [0.3, -1.7, 2.9];
+    let rod = |end: Point| mesh(&shapes::capsule(node, end, 0.5).unwrap(), 0.01).shape;
+    let rods = [rod([5.0, 1.0, 0.0]), rod([-3.0, 2.0, 4.0]), rod([0.3, -1.7, -6.0])];
+    let ball = mesh(&shapes::sphere(0.5).unwrap(), 0.01).shape;
+    let mut n_shared = 0;
+    for row in 0..ball.positions().len() {
+        let p = [0, 1, 2].map(|k| node[k] + ball.positions()[row][k]);
+        let n_rods = rods.iter().filter(|rod| rod.positions().contains(&p)).count();
+        n_shared += usize::from(n_rods > 1);
+    }
+    // Each rod has the half of the ball that looks away from its other end.
+    assert!(3 * n_shared > ball.positions().len(), "{n_shared} of {}", ball.positions().len());
 }
 
 #[test]

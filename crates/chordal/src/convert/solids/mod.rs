@@ -52,7 +52,7 @@ impl SolidMesher {
     ///
     /// **Bound.** The Hausdorff distance between the surface and the triangles, *proved*, rounding included. Polyhedra are
     /// exact but for rounding. Round walls have vertices on both axes, where others may be flush with them, and outside
-    /// between these; rounded boxes and capsules have all of them on the surface, balls outside. The bound of round
+    /// between these; rounded boxes have all of them on the surface, balls and capsules outside. The bound of round
     /// surfaces is a sixteenth above what is known of them, which is room for those who prove it again. Half-spaces and threads
     /// have no ends: theirs holds in the room, and between the heights of the form.
     ///
