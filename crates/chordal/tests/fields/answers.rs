@@ -4,7 +4,7 @@ use chordal::budget::{Evidence, RequiredEvidence};
 use chordal::check::validity;
 use chordal::convert::{field_to_mesh, redistance};
 use chordal::explicit::Topology;
-use chordal::implicit::shapes::{cuboid, cylinder, rectangle};
+use chordal::implicit::shapes::{cuboid, cylinder, gyroid, plane, rectangle, sphere};
 use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
@@ -169,4 +169,20 @@ fn shells_and_shrunk_solids_with_flat_sides_are_proved_with_few_triangles() {
         let found = volume(&shape);
         assert!((found / expected - 1.0).abs() < 0.02, "{number}: {found}, not {expected}");
     }
+}
+
+#[test]
+fn walls_not_much_thicker_than_the_length_are_proved_with_few_triangles() {
+    // Takes ten seconds and more.
+    if !chordal_testkit::is_long() {
+        return;
+    }
+    let thick = |solid: &Field| solid.shell(0.12).unwrap();
+    let ball = sphere(2.0).unwrap();
+    let lower = plane([0.0, 0.0, -1.0], 0.0).unwrap();
+    let solid = ball.intersection(&thick(&gyroid(1.0, 0.0).unwrap())).union(&thick(&ball).intersection(&lower));
+    let made = field_to_mesh(&solid, &budget(RequiredEvidence::ProvedOrMeasured, 0.05), &Job::default()).unwrap();
+    assert!(*made.bound.evidence() == Evidence::Proved && is_closed(&made.shape), "{}", made.bound);
+    // 20,000 and more where repairs collapse triangles everywhere.
+    assert!(made.shape.faces().len() < 15_000, "{}", made.shape.faces().len());
 }

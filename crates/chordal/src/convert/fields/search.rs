@@ -120,6 +120,13 @@ struct UnprovedMesh {
     work: u64,
 }
 
+impl UnprovedMesh {
+    /// The number of copies of faces that are not proved.
+    fn n_open(&self) -> usize {
+        self.verdict.as_ref().map_or(usize::MAX, |verdict| verdict.open.iter().map(Vec::len).sum())
+    }
+}
+
 /// A mesh that was split where samples are too far.
 struct SampledAttempt<'s> {
     made: Bounded<Mesh>,
@@ -166,6 +173,10 @@ impl<'s> FieldMeshSearch<'s> {
                     // Where cells ended first, less is known of it.
                     MeshAttempt::Open { left: finer, .. } if finer.verdict.is_none() => {
                         (left, ProofStrategy::Nothing)
+                    }
+                    // What is as open with more triangles is no better.
+                    MeshAttempt::Open { left: finer, .. } if finer.n_open() >= left.n_open() => {
+                        (left, ProofStrategy::Boxes)
                     }
                     MeshAttempt::Open { left, strategy, .. } => (left, strategy),
                 }

@@ -35,8 +35,8 @@ pub(super) struct VertexStar {
 }
 
 impl SurfaceImprover<'_> {
-    /// Collapses until no vertex can be removed.
-    pub(super) fn collapse_all(&mut self) -> Result<(), ImproveError> {
+    /// Collapses until no vertex can be removed, or none of some.
+    pub(super) fn collapse_all(&mut self, among: Option<&[bool]>) -> Result<(), ImproveError> {
         let mut star = VertexStar::default();
         let mut list: Vec<CollapseEstimate> = Vec::new();
         for _ in 0..MOST_ROUNDS {
@@ -48,7 +48,7 @@ impl SurfaceImprover<'_> {
             list.retain(|one| {
                 self.surface.has_face(one.h / 3) && !self.is_open[self.surface.start(one.h) as usize]
             });
-            list.extend(self.estimated_collapses());
+            list.extend(self.estimated_collapses(among));
             // What is left of the last round is in order; bits of numbers that are not negative are in their order.
             list.sort_by_key(|one| (one.cost.to_bits(), one.length.to_bits(), one.h));
             let mut faces = Vec::new();
@@ -68,10 +68,12 @@ impl SurfaceImprover<'_> {
     }
 
     /// The best collapses of all open vertices, which are open no more.
-    fn estimated_collapses(&mut self) -> Vec<CollapseEstimate> {
+    fn estimated_collapses(&mut self, among: Option<&[bool]>) -> Vec<CollapseEstimate> {
         let n = self.surface.vertex_slots() as u32;
+        let may_collapse = |v: u32| among.is_none_or(|among| among[v as usize]);
         let open: Vec<u32> = (0..n)
-            .filter(|v| std::mem::take(&mut self.is_open[*v as usize]) && self.surface.has_vertex(*v))
+            .filter(|v| std::mem::take(&mut self.is_open[*v as usize]))
+            .filter(|v| self.surface.has_vertex(*v) && may_collapse(*v))
             .collect();
         let chunks: Vec<&[u32]> = open.chunks(CHUNK).collect();
         let view = &*self;

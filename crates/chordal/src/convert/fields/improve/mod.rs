@@ -219,7 +219,7 @@ impl<'a> SurfaceImprover<'a> {
         for cycle in 0..MOST_CYCLES {
             self.job.report(Progress { stage: "improve", done: cycle as u64, total: MOST_CYCLES as u64 });
             self.split_far(MOST_REPAIRS)?;
-            self.collapse_all()?;
+            self.collapse_all(None)?;
             self.flip_all()?;
             let now = self.surface.n_faces();
             // Less than 3 % in a cycle: further cycles gain less.

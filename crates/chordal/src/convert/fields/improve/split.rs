@@ -62,18 +62,19 @@ impl SurfaceImprover<'_> {
             self.changed.extend([*h / 3, self.surface.twin(*h) / 3]);
         }
         self.flip_all()?;
-        self.is_open.fill(false);
-        for h in far {
-            if !self.surface.has_face(*h / 3) {
-                continue;
-            }
+        // What is farther away would lose triangles that it gets back at once.
+        let mut is_near = vec![false; self.is_open.len()];
+        for h in far.iter().filter(|h| self.surface.has_face(**h / 3)) {
             for face in [*h / 3, self.surface.twin(*h) / 3] {
-                self.open_around(face);
+                for v in self.surface.corners(face) {
+                    self.surface.one_ring(v).for_each(|h| is_near[self.surface.end(h) as usize] = true);
+                }
             }
         }
+        self.is_open.copy_from_slice(&is_near);
         let limit = REPAIRED * excess;
         self.limit = lesser(limit, MOST_OFF);
-        let done = self.collapse_all();
+        let done = self.collapse_all(Some(&is_near));
         self.limit = 1.0;
         self.is_open.fill(true);
         done

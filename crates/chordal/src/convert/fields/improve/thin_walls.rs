@@ -1,11 +1,11 @@
 //! Thin walls: where another sheet is nearer than the tolerance, the aim is a fraction of that distance.
+use super::super::tetrahedra::IntegerMap;
 use super::face_tree::FaceBox;
 use super::{FaceLabel, SurfaceImprover, area_normal};
 use crate::budget::par_map;
 use crate::implicit::LeafError;
 use crate::math::{greater, lesser};
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// The aim relative to the distance to the other sheet: copies of a surface displaced by as much must not
 /// meet.
@@ -100,7 +100,7 @@ impl SurfaceImprover<'_> {
 
     /// The labels of the faces in each cube of a lattice with this step.
     fn labels_by_cube(&self, step: f64) -> CubeLabels {
-        let mut all = CubeLabels { step, cubes: HashMap::new(), everywhere: Vec::new() }; // No order depends on it.
+        let mut all = CubeLabels::new(step);
         for face in (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)) {
             let points = self.points(face);
             let low = all.cube(points[0].min(points[1]).min(points[2]));
@@ -156,13 +156,27 @@ impl OpposingFaces {
 /// The labels of faces by cubes.
 struct CubeLabels {
     step: f64,
-    // Only looked up, never iterated.
-    cubes: HashMap<[i64; 3], Vec<FaceLabel>>, // No order depends on it.
+    /// By cube the number of its set of labels.
+    cubes: IntegerMap<[i64; 3], u32>, // No order depends on it.
+    /// The first is empty.
+    sets: Vec<LabelSet>,
     /// The labels of faces that are in many cubes.
     everywhere: Vec<FaceLabel>,
 }
 
+/// Labels that are together in cubes: few such sets are in many cubes.
+#[derive(Default)]
+struct LabelSet {
+    labels: Vec<FaceLabel>,
+    /// The numbers of the sets that have one label more.
+    larger: Vec<(FaceLabel, u32)>,
+}
+
 impl CubeLabels {
+    fn new(step: f64) -> Self {
+        Self { step, cubes: IntegerMap::default(), sets: vec![LabelSet::default()], everywhere: Vec::new() }
+    }
+
     fn cube(&self, at: DVec3) -> [i64; 3] {
         at.to_array().map(|x| (x / self.step).floor() as i64)
     }
@@ -178,10 +192,8 @@ impl CubeLabels {
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
-                    let labels = self.cubes.entry([x, y, z]).or_default();
-                    if !labels.contains(&label) {
-                        labels.push(label);
-                    }
+                    let set = self.cubes.entry([x, y, z]).or_default();
+                    *set = with_label(&mut self.sets, *set, label);
                 }
             }
         }
@@ -191,7 +203,29 @@ impl CubeLabels {
     fn around(&self, at: DVec3) -> impl Iterator<Item = FaceLabel> + '_ {
         let [x, y, z] = self.cube(at);
         let beside = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
-        let labels = beside.filter_map(|cube| self.cubes.get(&cube)).flatten();
+        let sets = beside.filter_map(|cube| self.cubes.get(&cube));
+        let labels = sets.flat_map(|set| &self.sets[*set as usize].labels);
         labels.chain(&self.everywhere).copied()
     }
+}
+
+/// The number of the set with one label more.
+fn with_label(sets: &mut Vec<LabelSet>, set: u32, label: FaceLabel) -> u32 {
+    let own = &sets[set as usize];
+    if own.labels.contains(&label) {
+        return set;
+    }
+    if let Some((_, larger)) = own.larger.iter().find(|(other, _)| *other == label) {
+        return *larger;
+    }
+    let mut labels = own.labels.clone();
+    labels.push(label);
+    labels.sort_unstable();
+    let known = sets.iter().position(|other| other.labels == labels);
+    let number = known.unwrap_or(sets.len()) as u32;
+    if known.is_none() {
+        sets.push(LabelSet { labels, larger: Vec::new() });
+    }
+    sets[set as usize].larger.push((label, number));
+    number
 }
