@@ -11,6 +11,7 @@ import json
 import os
 import subprocess
 import sys
+from array import array
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,8 +32,9 @@ DEPTHS = range(4, 10)
 #: Half of the height to which the drawing of prospero is extruded.
 PROSPERO_HALF = 0.1
 ABOUT = """
-Each row asks for a length, proved. *Triangles* and *ms* stand beside their gates, and a **!** marks what misses its gate.
-The preview is the command with `--require measured`. fidget is run at growing depths until its mesh, measured by dense
+Each row asks the command for a length, and counts where it is proved; *ms* are the command's own, without the start of its
+process. *Triangles* and *ms* stand beside their gates, and a **!** marks what misses its gate. The preview is the command
+with `--require measured`. fidget is run at growing depths until its mesh, measured by dense
 samples of both surfaces, is no farther off than the same length; where it never is, its best row is shown. Both sides
 use two threads. A dash means no answer within {limit} s, no op list that fidget could read, or no such option.
 """.strip()
@@ -99,29 +101,52 @@ def extruded_prospero():
     return str(path)
 
 
-def proved(model, tol, limit):
-    """Chordal with its proof, and its error as measured."""
-    path = OUT / "ours.mesh"
-    got = ask([BENCH_PROGRAM, "ours", model, THREADS, tol, path], limit)
-    if got.get("triangles") is not None:
-        got.update(ask([BENCH_PROGRAM, "judge", model, path], limit))
-    return got
-
-
-def preview(model, tol, limit):
-    """The command without a proof: its own seconds, and the triangles."""
+def command(model, tol, limit, out, *more):
+    """What the command of a release makes of a model: its own seconds, the triangles, and the bound."""
     # Models of the bench itself are written out as what the command reads.
     if not Path(model).exists():
         path = OUT / f"{model}.vm"
         path.write_text(ask([BENCH_PROGRAM, "text", model], limit).get("text") or "")
         model = path
     region = ["--region=-1.25,-1.25,-1.25 1.25,1.25,1.25"] if str(model).endswith(".vm") else []
-    out = OUT / "preview.ply"
-    asked = ["--tol", tol, "--require", "measured", "--threads", THREADS, "-o", out, "--force", "--json"]
+    asked = ["--tol", tol, "--threads", THREADS, "-o", out, "--force", "--json", *more]
     got = ask([CHORDAL, "mesh", model, *region, *asked], limit)
     if "certificate" not in got:
         return {}
-    return {"seconds": got["run"]["seconds"], "triangles": got["certificate"]["output"]["triangles"]}
+    certificate = got["certificate"]
+    return {
+        "seconds": got["run"]["seconds"], "triangles": certificate["output"]["triangles"], "most": certificate["bound"]["at_most"],
+        "is_proved": certificate["bound"]["evidence"] == "proved",
+    }
+
+
+def dump(obj, path):
+    """Writes the triangles of an OBJ as the bench's programs read them: both counts, coordinates, rows."""
+    positions, faces = array("d"), array("I")
+    with open(obj, encoding="utf-8") as lines:
+        for line in lines:
+            kind, *words = line.split() or [""]
+            if kind == "v":
+                positions.extend(map(float, words))
+            elif kind == "f":
+                faces.extend(int(word.split("/")[0]) - 1 for word in words)
+    path.write_bytes(array("I", [len(positions) // 3, len(faces) // 3]).tobytes() + positions.tobytes() + faces.tobytes())
+
+
+def proved(model, tol, limit):
+    """Chordal with its proof, and its error as measured; nothing where the proof does not end."""
+    obj, path = OUT / "ours.obj", OUT / "ours.mesh"
+    got = command(model, tol, limit, obj)
+    if not got.get("is_proved"):
+        return {}
+    dump(obj, path)
+    got.update(ask([BENCH_PROGRAM, "judge", model, path], limit))
+    return got
+
+
+def preview(model, tol, limit):
+    """The command without a proof."""
+    return command(model, tol, limit, OUT / "preview.ply", "--require", "measured")
 
 
 def fidget(model, tol, limit):
