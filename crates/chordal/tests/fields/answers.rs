@@ -180,8 +180,10 @@ fn walls_not_much_thicker_than_the_length_are_proved_with_few_triangles() {
     let thick = |solid: &Field| solid.shell(0.12).unwrap();
     let ball = sphere(2.0).unwrap();
     let lower = plane([0.0, 0.0, -1.0], 0.0).unwrap();
-    let solid = ball.intersection(&thick(&gyroid(1.0, 0.0).unwrap())).union(&thick(&ball).intersection(&lower));
-    let made = field_to_mesh(&solid, &budget(RequiredEvidence::ProvedOrMeasured, 0.05), &Job::default()).unwrap();
+    let solid =
+        ball.intersection(&thick(&gyroid(1.0, 0.0).unwrap())).union(&thick(&ball).intersection(&lower));
+    let made =
+        field_to_mesh(&solid, &budget(RequiredEvidence::ProvedOrMeasured, 0.05), &Job::default()).unwrap();
     assert!(*made.bound.evidence() == Evidence::Proved && is_closed(&made.shape), "{}", made.bound);
     // 20,000 and more where repairs collapse triangles everywhere.
     assert!(made.shape.faces().len() < 15_000, "{}", made.shape.faces().len());

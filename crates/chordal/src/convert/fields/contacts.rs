@@ -1,4 +1,5 @@
-//! Contacts: places where two primitives of a solid touch without crossing, which no displaced copy of a mesh goes around.
+//! Contacts: places where two primitives of a solid touch without crossing, or where solids meet in an edge alone, which no
+//! displaced copy of a mesh goes around.
 use super::field_sampler::FieldSampler;
 use crate::budget::{Job, OpenPlace, SurfaceContact};
 use crate::implicit::{Csg, Dual, Expr, Tape};
@@ -19,6 +20,10 @@ const NEAR: f64 = 1e-3;
 /// and the cosine between their normals there is as far from 0 as this: 3 degrees.
 const PARALLEL: f64 = 0.9986;
 
+/// The most pairs of primitives whose edges are looked at. Chosen: some milliseconds.
+const MOST_EDGES: usize = 256;
+/// Steps towards an edge: those of Newton's method double the digits.
+const STEPS_TO_EDGE: usize = 6;
 /// Steps towards a contact. Measured: 2 to 7 lead there from anywhere on a wall beside a cylinder.
 const STEPS: usize = 24;
 /// They end nearer than this fraction of the place's size. Chosen: far below [`NEAR`].
@@ -63,9 +68,10 @@ impl<'a> ContactSearch<'a> {
 
     /// Where two primitives touch in a place, looked for from points of it: one from opposite sides if there is any.
     pub fn contact(&self, place: &OpenPlace, points: &[[f64; 3]]) -> Option<SurfaceContact> {
+        let feet = self.feet_near(place, points);
         let mut flush = None;
         let mut tried: Vec<[usize; 2]> = Vec::new();
-        for ContactStart { pair, at, .. } in self.starts(place, points) {
+        for ContactStart { pair, at, .. } in self.starts(place, points, &feet) {
             if tried.iter().filter(|other| **other == pair).count() >= TRIES_OF_PAIR {
                 continue;
             }
@@ -78,11 +84,11 @@ impl<'a> ContactSearch<'a> {
                 found => flush = flush.or(found),
             }
         }
-        flush
+        self.edge_contact(place, points, &feet).or(flush)
     }
 
-    /// All pairs of primitives near a place with points from which to look for their contact, the nearest first.
-    fn starts(&self, place: &OpenPlace, points: &[[f64; 3]]) -> Vec<ContactStart> {
+    /// The primitives near a place, the nearest first, and where steps lead from points of it.
+    fn feet_near(&self, place: &OpenPlace, points: &[[f64; 3]]) -> Vec<(usize, Vec<PrimitiveFoot>)> {
         let reach =
             |primitive: usize| Some((self.feet(primitive, &[place.at])?[0].distance.abs(), primitive));
         let mut nearest: Vec<(f64, usize)> = (0..self.csg.primitives().len())
@@ -92,7 +98,16 @@ impl<'a> ContactSearch<'a> {
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         nearest.truncate(NEAREST);
         let feet = |(_, primitive): (f64, usize)| Some((primitive, self.feet(primitive, points)?));
-        let feet: Vec<(usize, Vec<PrimitiveFoot>)> = nearest.into_iter().filter_map(feet).collect();
+        nearest.into_iter().filter_map(feet).collect()
+    }
+
+    /// All pairs of primitives near a place with points from which to look for their contact, the nearest first.
+    fn starts(
+        &self,
+        place: &OpenPlace,
+        points: &[[f64; 3]],
+        feet: &[(usize, Vec<PrimitiveFoot>)],
+    ) -> Vec<ContactStart> {
         let mut starts = Vec::new();
         for (k, (p, of_p)) in feet.iter().enumerate() {
             for (q, of_q) in &feet[k + 1..] {
@@ -109,6 +124,53 @@ impl<'a> ContactSearch<'a> {
         }
         starts.sort_by(|a, b| a.off.total_cmp(&b.off));
         starts
+    }
+
+    /// Where two primitives cross and only opposite ones of the four sides about their edge are inside, as where two boxes have
+    /// an edge in common and nothing else.
+    fn edge_contact(
+        &self,
+        place: &OpenPlace,
+        points: &[[f64; 3]],
+        feet: &[(usize, Vec<PrimitiveFoot>)],
+    ) -> Option<SurfaceContact> {
+        let pairs = feet.iter().enumerate().flat_map(|(k, p)| feet[k + 1..].iter().map(move |q| (p, q)));
+        pairs.take(MOST_EDGES).find_map(|((p, of_p), (q, of_q))| {
+            let off = |k: &usize| of_p[*k].distance.abs() + of_q[*k].distance.abs();
+            let nearest = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            let at = self.crossing_point([*p, *q], points[nearest])?;
+            self.contact_across(place, [*p, *q], at)
+        })
+    }
+
+    /// A point on two primitives that cross, as far as steps lead from a start.
+    fn crossing_point(&self, [p, q]: [usize; 2], start: [f64; 3]) -> Option<[f64; 3]> {
+        (0..STEPS_TO_EDGE).try_fold(start, |at, _| {
+            let [a, b] = [self.feet(p, &[at])?[0], self.feet(q, &[at])?[0]];
+            let cosine = dot(a.normal, b.normal);
+            let square = 1.0 - cosine * cosine;
+            let [u, v] = [a.distance - cosine * b.distance, b.distance - cosine * a.distance];
+            (square > 1.0 - PARALLEL * PARALLEL)
+                .then(|| std::array::from_fn(|k| at[k] - (u * a.normal[k] + v * b.normal[k]) / square))
+        })
+    }
+
+    /// The contact at a point of two primitives that cross, if the whole is inside at opposite sides of both alone.
+    fn contact_across(&self, place: &OpenPlace, [p, q]: [usize; 2], at: [f64; 3]) -> Option<SurfaceContact> {
+        let [a, b] = [self.feet(p, &[at])?[0], self.feet(q, &[at])?[0]];
+        let most = NEAR * place.size;
+        let is_there = greater(a.distance.abs(), b.distance.abs()) <= most
+            && length(difference(at, place.at)) <= place.size;
+        let aside = |of_p: f64, of_q: f64| -> [f64; 3] {
+            let way: [f64; 3] = std::array::from_fn(|k| of_p * a.normal[k] + of_q * b.normal[k]);
+            let by = 2.0 * most / length(way);
+            std::array::from_fn(|k| at[k] + by * way[k])
+        };
+        let around = [aside(1.0, 1.0), aside(1.0, -1.0), aside(-1.0, -1.0), aside(-1.0, 1.0)];
+        let inside: Vec<bool> =
+            duals(&self.whole, &around, self.job)?.iter().map(|here| here.value < 0.0).collect();
+        let is_across = inside[0] == inside[2] && inside[1] == inside[3] && inside[0] != inside[1];
+        (is_there && is_across).then_some(SurfaceContact { at, is_flush: false, lines: None })
     }
 
     /// Whether two primitives touch where steps from a point lead, and the surface of the whole is there.
@@ -244,6 +306,20 @@ mod tests {
         assert_is_at(contact_near(&block.difference(&hole), [4.9, 0.5, 1.0], 3.0), [5.0, 0.0], false);
         let bead = sphere(2.0).unwrap().moved([3.0, 0.0, 0.0]).unwrap();
         assert_is_at(contact_near(&block.union(&bead), [4.9, 0.5, 0.2], 3.0), [5.0, 0.0], true);
+    }
+
+    #[test]
+    fn solids_that_have_an_edge_alone_in_common_touch_there() {
+        let block = cuboid([10.0; 3]).unwrap();
+        let beside = |x: f64, y: f64| block.union(&block.moved([x, y, 0.0]).unwrap());
+        assert_is_at(contact_near(&beside(10.0, 10.0), [4.0, 5.0, 1.0], 12.0), [5.0, 5.0], false);
+        assert_is_at(contact_near(&beside(-10.0, 10.0), [0.0, 0.0, 0.0], 17.0), [-5.0, 5.0], false);
+        // Overlapping, apart, and face to face.
+        for (x, y) in [(9.0, 9.0), (11.0, 11.0), (10.0, 3.0)] {
+            assert_eq!(contact_near(&beside(x, y), [4.0, 5.0, 1.0], 12.0), None, "{x} {y}");
+        }
+        let post = cylinder(3.0, 20.0).unwrap();
+        assert_eq!(contact_near(&block.union(&post), [3.0, 0.0, 5.0], 6.0), None);
     }
 
     #[test]
