@@ -12,11 +12,11 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// The file to read; '-' reads stdin
+    /// Input file; '-' reads stdin
     #[arg(value_name = "IN", index = 1, help_heading = None::<&str>)]
     pub input: PathBuf,
 
-    /// The format of the input, instead of what its name or content says
+    /// Input format, if not the one that the file's name or content implies
     #[arg(long, value_name = "FORMAT")]
     pub from: Option<Format>,
 
@@ -24,64 +24,64 @@ pub struct InputArgs {
     #[arg(skip)]
     pub level: usize,
 
-    /// The unit of the input's coordinates: um, mm, cm, m, km, in or ft
+    /// Unit of the input's coordinates: um, mm, cm, m, km, in or ft
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<Unit>,
 
-    /// The axis of the input that is up
+    /// Up axis of the input: y or z
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub up: Option<Axis>,
 
-    /// The most memory that a job may take, as in 512M or 8G; half of what the machine or its control group
-    /// has unless said. A file may take no more, and 4 GiB at most
+    /// Maximum memory, e.g. 512M or 8G. Default: half of the machine's or its control group's. An input file may
+    /// be no larger than that, nor than 4 GiB
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
-    /// For a file of several volumes, arrays or fonts: the one to read, counted from 0
+    /// For a file with several volumes, arrays or fonts: which one to read, counted from 0
     #[arg(long, value_name = "N")]
     pub index: Option<u64>,
 
-    /// For a shape script: what one of its parameters is, as in r=0.5; may be given several times
+    /// For a shape script: the value of a parameter, e.g. r=0.5; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting, allow_hyphen_values = true)]
     pub set: Vec<(String, f64)>,
 
-    /// For a font: the text to set; a line break in it starts a new line
+    /// For a font: the text to set; line breaks start new lines
     #[arg(long, value_name = "TEXT", allow_hyphen_values = true)]
     pub text: Option<String>,
 
-    /// For a font: the length of its em, in which capitals are about 0.7 high; 1 unless said
+    /// For a font: the em size, of which capitals are about 0.7 high. Default: 1
     #[arg(long, value_name = "LENGTH", requires = "text", allow_hyphen_values = true)]
     pub em: Option<f64>,
 
-    /// For a variable font: where one of its axes is, as in wght=700; may be given several times
+    /// For a variable font: the position on an axis, e.g. wght=700; repeatable
     #[arg(long = "axis", value_name = "TAG=VALUE", value_parser = setting, requires = "text", allow_hyphen_values = true)]
     pub axes: Vec<(String, f64)>,
 
-    /// For a shape script: a folder, beside its own, below which the meshes that it names are looked for; may be
-    /// given several times
+    /// For a shape script: a folder that it may read meshes from, besides its own; repeatable
     #[arg(long, value_name = "FOLDER")]
     pub allow: Vec<PathBuf>,
 
-    /// For a field: the box that it is cut off at, as in "-1,-1,-1 1,1,1"
+    /// For a field: the box to clip it to, e.g. "-1,-1,-1 1,1,1"
     #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
     pub region: Option<Box3>,
 
-    /// What the polygons of an .obj stand for; unless said, catmull-clark where the file has subdivision
-    /// tags, else faceted
+    /// What the polygons of an .obj represent. Default: catmull-clark if the file has subdivision tags, else
+    /// faceted
     #[arg(long, value_name = "WHICH")]
     pub surface: Option<PolygonSurfaceArg>,
 
-    /// Refuse a glTF file for anything that Khronos' validator calls an error, also for what viewers accept, and
-    /// an .obj whose faces name normals or texture coordinates that it does not have
+    /// Reject a glTF file for anything that the Khronos validator calls an error, even if viewers accept it,
+    /// and an .obj whose faces use normals or texture coordinates that it does not define
     #[arg(long, conflicts_with = "lenient")]
     pub strict: bool,
 
-    /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
+    /// Only warn about errors in a glTF file that do not affect its geometry, and about extra bytes after a
+    /// volume
     #[arg(long)]
     pub lenient: bool,
 
-    /// Drop vertices that are not finite numbers, with their faces, and count them, instead of refusing the
-    /// file
+    /// Drop vertices with infinite or NaN coordinates, and their faces, and count them, instead of rejecting
+    /// the file
     #[arg(long)]
     pub drop_nonfinite: bool,
 }
@@ -102,13 +102,13 @@ impl InputArgs {
 /// Which surface polygons stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PolygonSurfaceArg {
-    /// The limit of Catmull-Clark subdivision
+    /// The limit surface of Catmull-Clark subdivision
     CatmullClark,
-    /// The limit of Loop subdivision, of triangles
+    /// The limit surface of Loop subdivision, for triangles
     Loop,
-    /// Each quad bilinear, each other polygon cut into quads
+    /// Bilinear quads; other polygons are split into quads first
     Bilinear,
-    /// The polygons as they are, cut into triangles
+    /// The polygons as they are, split into triangles
     Faceted,
 }
 
@@ -127,15 +127,15 @@ impl From<PolygonSurfaceArg> for PolygonSurface {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Report")]
 pub struct ConsoleArgs {
-    /// Print one report object on stdout
+    /// Print the report on stdout, as one JSON object
     #[arg(long)]
     pub json: bool,
 
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
 
-    /// Say more
+    /// Print more
     #[arg(short, long)]
     pub verbose: bool,
 }
@@ -144,15 +144,15 @@ pub struct ConsoleArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
-    /// The file to write; '-' writes to stdout
+    /// Output file; '-' writes to stdout
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
-    /// Replace the output if it exists
+    /// Overwrite the output if it exists
     #[arg(long)]
     pub force: bool,
 
-    /// Threads to use; 0 means all. The result does not depend on it
+    /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 }
@@ -161,12 +161,12 @@ pub struct OutputArgs {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Budget")]
 pub struct AttributeArgs {
-    /// For triangles that have some, beside a length or pixels: the largest distance to the input's texture
-    /// coordinates, 0.01 or 1% of the texture's side. Measured
+    /// For triangles with texture coordinates, with a length or pixels: maximum distance to the input's, 0.01
+    /// or 1% of the texture's side. Measured
     #[arg(long, value_name = "DISTANCE", value_parser = texcoord_distance, allow_hyphen_values = true)]
     pub uv_error: Option<f64>,
 
-    /// For triangles that have some, beside a length or pixels: the largest angle to the input's normals, as in 10deg.
+    /// For triangles with normals, with a length or pixels: maximum angle to the input's, e.g. 10deg.
     /// Measured; flat shading follows the faces
     #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
     pub normal_error: Option<f64>,

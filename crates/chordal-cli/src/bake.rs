@@ -32,33 +32,33 @@ Examples:
   chordal bake scan.ply --cells 200 -o scan.nrrd && chordal mesh scan.nrrd -o closed.ply")]
 #[command(group(ArgGroup::new("resolution").required(true).args(["cells", "tol"])))]
 pub struct BakeArgs {
-    /// The format of the output, npy or nrrd, instead of what its name says
+    /// Output format, npy or nrrd, if not the one that the file name implies
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
-    /// Cubes along the longest side of the shape's box; a margin comes on top
+    /// Number of cells along the longest side of the bounding box, without the margin
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub cells: Option<u64>,
 
-    /// As many cubes as it takes for the surface where the interpolant of the samples vanishes to be proved within this
-    /// length of the shape: 0.01, 0.1mm, or 0.1% of the diagonal of its box
+    /// As many cells as it takes to prove that the zero surface of the samples' interpolant is within this
+    /// length of the shape: 0.01, 0.1mm, or 0.1% of the diagonal of its bounding box
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub tol: Option<Length>,
 
-    /// Where --tol is not met: write the best that was reached, and still exit with code 5
+    /// If --tol is not met, write the best result; the exit code is still 5
     #[arg(long, requires = "tol")]
     pub keep_best: bool,
 
-    /// Distances only within so many cells of the surface, and the band's width with a sign elsewhere
+    /// Exact distances only within W cells of the surface; elsewhere the width of this band, with a sign
     #[arg(long, value_name = "W", value_parser = band, allow_hyphen_values = true)]
     pub band: Option<f64>,
 
-    /// Hold, and pack into the file, only what the band reaches: for lattices that would not fit into memory
+    /// Store only what the band reaches, in memory and in the file: for grids that would not fit into memory
     #[arg(long, requires = "band")]
     pub sparse: bool,
 
-    /// Prove how far the surface of the samples, where their interpolant vanishes, is from the shape, so that the
-    /// bounds of what is made of the samples add to it; --tol does so by itself
+    /// Prove how far the zero surface of the samples' interpolant is from the shape, so that bounds of what
+    /// is made of the samples include it; --tol always does
     #[arg(long)]
     pub bound: bool,
 

@@ -16,10 +16,10 @@ const OPTIONS: [(&str, BooleanOp, &str); 3] = [
     (
         "union",
         BooleanOp::Union,
-        "Add another solid; may be given several times, and all of these apply from left to right",
+        "Unite with another solid; these options are repeatable, and apply from left to right",
     ),
-    ("minus", BooleanOp::Difference, "Take another solid away"),
-    ("intersect", BooleanOp::Intersection, "Keep what is in another solid, too"),
+    ("minus", BooleanOp::Difference, "Subtract another solid"),
+    ("intersect", BooleanOp::Intersection, "Keep what is in another solid as well"),
 ];
 
 /// What is combined with the input.

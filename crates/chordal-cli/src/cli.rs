@@ -19,8 +19,8 @@ use std::path::PathBuf;
 
 /// You bring a budget, you leave with a bound.
 ///
-/// Turns shapes into triangles under one budget, the error that may be seen, in units or in pixels, and says
-/// how large the error is and how that is known.
+/// Turns shapes into triangles within an error budget, in units or in pixels, and reports how large the error
+/// is and how that is known: proved, measured or estimated.
 #[derive(Debug, Parser)]
 #[command(name = "chordal", version, max_term_width = 100, after_long_help = EXIT_CODES)]
 pub struct Cli {
@@ -47,38 +47,38 @@ Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_C
 pub enum Verb {
     /// Turn any shape into triangles, or curves into polylines, within a budget
     Mesh(MeshArgs),
-    /// Make levels of detail, each with its own proved error, as one .glb or as a folder of 3D Tiles
+    /// Make levels of detail, each with a proved error: one .glb, or a folder of 3D Tiles
     Lod(LodArgs),
-    /// Say what a file holds and whether it is sound
+    /// Show what a file contains, and list its defects
     Inspect(InspectArgs),
-    /// Say how far two shapes are apart, proved from both sides
+    /// Measure how far two shapes are apart, between proved bounds
     Deviation(DeviationArgs),
-    /// Re-prove the certificate of a written file, without what made the file
+    /// Prove the certificate of a file again, independently of the code that made the file
     Verify(VerifyArgs),
-    /// Take away what `inspect` found, and say what was changed
+    /// Repair what `inspect` found, and list every change
     Mend(MendArgs),
-    /// Sample the distance to triangles on a lattice, negative inside
+    /// Sample the signed distance of a shape on a grid, negative inside
     Bake(BakeArgs),
-    /// Write the same shape in another format, and say what that does not hold
+    /// Write the same shape in another format, and list what that format cannot hold
     Convert(ConvertArgs),
-    /// Take a picture: .png, .jpg or .webp
+    /// Render a picture: .png, .jpg or .webp
     Render(RenderArgs),
-    /// Do one of these with many files, and go on where it was stopped
+    /// Run one of these on many files, and resume where it was stopped
     #[cfg(not(target_family = "wasm"))]
     Batch(BatchArgs),
-    /// Open the studio in a browser: the lesson as exhibits, and a workbench for shapes
+    /// Open the lesson and the workbench in a browser
     #[cfg(not(target_family = "wasm"))]
     Studio(StudioArgs),
     /// Print the functions of shape scripts
     Language(LanguageArgs),
-    /// Print the completions of a shell
+    /// Print a shell's completion script
     Completions {
         /// Which shell
         shell: Shell,
     },
     /// Write the manual pages
     Man {
-        /// The folder for them; it is made if it is missing
+        /// The folder to write them to; it is created if it does not exist
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
     },

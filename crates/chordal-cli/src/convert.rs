@@ -38,11 +38,11 @@ Examples:
   chordal convert samples.npy samples.nrrd
   chordal convert part.obj -o - --to stl > part.stl")]
 pub struct ConvertArgs {
-    /// The file to write; '-' writes to stdout. -o says it, too
+    /// Output file; '-' writes to stdout. -o works as well
     #[arg(value_name = "OUT", index = 2, required_unless_present = "output_option")]
     pub output: Option<PathBuf>,
 
-    /// The file to write, as other verbs have it
+    /// Output file, as for the other verbs
     #[arg(
         short = 'o',
         long = "output",
@@ -52,20 +52,20 @@ pub struct ConvertArgs {
     )]
     pub output_option: Option<PathBuf>,
 
-    /// The format of the output, instead of what its name says
+    /// Output format, if not the one that the file name implies
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub to: Option<Format>,
 
-    /// For a drawing with arcs or rational curves to .svg, which holds cubics: the largest distance to these; 0.1, 0.1mm,
-    /// or 0.05% of the diagonal of its box. Lines and cubics stay as they are
+    /// For a drawing with arcs or rational curves to .svg, which has only cubics: maximum distance to them;
+    /// 0.1, 0.1mm, or 0.05% of the diagonal of its bounding box. Lines and cubics do not change
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, help_heading = "Output")]
     pub tol: Option<Length>,
 
-    /// Replace the output if it exists
+    /// Overwrite the output if it exists
     #[arg(long, help_heading = "Output")]
     pub force: bool,
 
-    /// Threads to use; 0 means all. The result does not depend on it
+    /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Output")]
     pub threads: usize,
 

@@ -27,25 +27,25 @@ Examples:
   chordal deviation bone.stl scan.nii.gz --iso 300
   chordal deviation a.stl b.stl --relative 0.01 --json")]
 pub struct DeviationArgs {
-    /// The shape to measure against; options about the input hold for it too, those about
-    /// fields and volumes for what is one
+    /// The shape to compare with; the input options apply to both, those for fields and volumes to whichever
+    /// is one
     #[arg(value_name = "AGAINST", index = 2)]
     pub against: PathBuf,
 
-    /// Fail with exit code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the
-    /// diagonal of the box of AGAINST. Stops as soon as that is known
+    /// Exit with code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the
+    /// diagonal of AGAINST's bounding box. Stops as soon as that is known
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub max: Option<Length>,
 
-    /// How far the upper end may be above the lower one, as a share of it
+    /// How far the upper bound may be above the lower one, as a share of it
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, allow_hyphen_values = true)]
     pub relative: f64,
 
-    /// It may also be this length above
+    /// How far it may be above, as a length; either is enough
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub absolute: Option<Length>,
 
-    /// Threads to use; 0 means all. The result does not depend on it
+    /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 

@@ -30,17 +30,16 @@ Examples:
   chordal inspect part.star --cost
   chordal inspect brain.nii.gz --iso 60 --require closed")]
 pub struct InspectArgs {
-    /// Fail with exit code 1 unless the mesh is all of these
+    /// Exit with code 1 unless the mesh has all of these properties
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
-    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for
-    /// some million
+    /// Find triangles that cross, overlap or touch where they should not: exactly, in seconds for millions
     #[arg(long)]
     pub self_intersections: bool,
 
-    /// For a shape script: mesh the last shape that each line's calls make, by itself, within this length (0.1% of
-    /// the whole unless said), and list triangles, seconds and bound
+    /// For a shape script: mesh the last shape that the calls of each line make, by itself, within this
+    /// length (default: 0.1% of the whole), and list triangles, seconds and bound
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "0.1%")]
     pub cost: Option<Length>,

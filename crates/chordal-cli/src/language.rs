@@ -20,7 +20,7 @@ Examples:
   chordal language
   chordal language --json")]
 pub struct LanguageArgs {
-    /// Print one object on stdout, as editors complete by
+    /// Print one JSON object, for completion in editors
     #[arg(long)]
     pub json: bool,
 }

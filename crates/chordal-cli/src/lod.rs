@@ -38,7 +38,7 @@ Examples:
   chordal lod cage.obj --px 1 --nearest 2 -o tiles/
   chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
 pub struct LodArgs {
-    /// The most that may be lost on the screen, in device pixels: what viewers of the tiles are to be set to
+    /// Maximum error on the screen, in device pixels; set viewers of the tiles to the same
     #[arg(
         long,
         help_heading = "Budget",
@@ -48,50 +48,49 @@ pub struct LodArgs {
     )]
     pub px: Pixels,
 
-    /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as
+    /// Screen and lens that the distances are for, e.g. "1920x1080 fov=60"; dist=LENGTH is the same as
     /// --nearest
     #[arg(long, help_heading = "Budget", value_name = "VIEW", default_value = "1920x1080 fov=60")]
     pub view: LodLens,
 
-    /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said:
+    /// The nearest that the camera comes to the bounding box: the finest level is fine enough there. Default:
     /// where the box fills the height of the screen
     #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = distance, allow_hyphen_values = true)]
     pub nearest: Option<f64>,
 
-    /// What the finest level may lose, instead of what --nearest says: 0.1, 0.1mm, or 0.05% of the diagonal
-    /// of the box
+    /// Maximum error of the finest level, instead of --nearest: 0.1, 0.1mm, or 0.05% of the diagonal of the
+    /// bounding box
     #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
     pub tol: Option<Length>,
 
-    /// Write the best levels that were reached even where the finest is not within the budget; the exit code says so all
-    /// the same
+    /// Write the best levels even if the finest is not within the budget; the exit code is still 5
     #[arg(long, help_heading = "Budget")]
     pub keep_best: bool,
 
     #[command(flatten)]
     pub attributes: AttributeArgs,
 
-    /// More distances for the table of what is shown from where, as in 1,10,100
+    /// More distances for the table of which level is shown from where, e.g. 1,10,100
     #[arg(long, help_heading = "Levels", value_name = "LENGTHS", value_delimiter = ',', value_parser = distance)]
     pub distances: Vec<f64>,
 
-    /// What tiles say of their errors: scaled, so that the formula of viewers, which holds in the middle of
-    /// the screen, keeps the pixels everywhere on it; or plain, the proved errors
+    /// Errors in tiles: scaled, so that the formula of viewers, which is exact in the middle of the screen,
+    /// keeps the pixels everywhere on it; or plain, the proved errors
     #[arg(long, help_heading = "Levels", value_name = "WHICH", default_value = "scaled")]
     pub errors: TileErrorsArg,
 
-    /// For tiles: the most triangles of one; a finest level with more is cut in space, with borders that
-    /// match
+    /// For tiles: maximum number of triangles of one; a finest level with more is split in space, with
+    /// matching borders
     #[arg(long, help_heading = "Levels", value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub tile_triangles: u64,
 
-    /// One mesh out of all parts, so that small ones can vanish into others. Unless said, each part has levels of its
-    /// own, and nodes, instances, skins and animations are kept
+    /// Merge all parts into one mesh, so that small ones can vanish into others. By default each part has
+    /// levels of its own, and nodes, instances, skins and animations are kept
     #[arg(long, help_heading = "Levels")]
     pub merge: bool,
 
-    /// For tiles: where on the Earth the origin stands, with x to the east: degrees north, degrees east, metres
-    /// above the ellipsoid of WGS 84
+    /// For tiles: the place of the origin on the Earth, with x to the east: degrees north, degrees east,
+    /// metres above the WGS 84 ellipsoid
     #[arg(long, help_heading = "Levels", value_name = "LAT,LON[,H]", allow_hyphen_values = true)]
     pub at: Option<GeoPlace>,
 

@@ -39,50 +39,50 @@ Examples:
   chordal mend part.obj -o part.glb --weld=0.01mm --unit mm --fill-holes=20
   chordal inspect broken.ply && chordal mend broken.ply -o whole.ply --split-nonmanifold --orient --fill-holes")]
 pub struct MendArgs {
-    /// The format of the output, instead of what its name says
+    /// Output format, if not the one that the file name implies
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
-    /// All cures of this list, exactly and with all holes unless others say more; what a print needs
+    /// All repairs of this list, exactly and with all holes unless other options say more: what a 3D print
+    /// needs
     #[arg(long)]
     pub all: bool,
 
-    /// Make vertices at one place one position: those with the same coordinates, or within a length of each
-    /// other
+    /// Merge vertices with the same coordinates, or within a length of each other
     #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true)]
     pub weld: Option<Option<Length>>,
 
-    /// Drop faces that repeat the positions of an earlier one, whichever way they are wound, or only those
-    /// wound alike
+    /// Drop faces that repeat an earlier one, whatever their winding, or only those wound alike
     #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "any")]
     pub drop_duplicates: Option<DuplicatesArg>,
 
-    /// Drop faces without area, so that no crack opens
+    /// Drop faces without area, without opening cracks
     #[arg(long)]
     pub drop_degenerate: bool,
 
-    /// Cut faces where a vertex lies in the middle of their edge: exactly, or within a length
+    /// Split faces where a vertex lies on their edge: exactly, or within a length
     #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true)]
     pub resolve_t_junctions: Option<Option<Length>>,
 
-    /// Take the surface apart at edges with three faces or more and at vertices with several fans
+    /// Split the surface at edges with three or more faces and at vertices with several fans
     #[arg(long)]
     pub split_nonmanifold: bool,
 
-    /// Wind faces alike and closed pieces outwards; pieces within others turn along with them, unless --nested says more
+    /// Wind faces alike and closed pieces outwards; pieces within others turn with them, unless --nested says
+    /// otherwise
     #[arg(long)]
     pub orient: bool,
 
-    /// What a closed piece within another is that faces the same way as that one: left solid, as its winding says, or
-    /// turned into a cavity
+    /// A closed piece within another that faces the same way: keep it solid, as its winding says, or turn it
+    /// into a cavity
     #[arg(long, value_name = "WHICH", default_value = "keep", requires = "orients")]
     pub nested: NestedArg,
 
-    /// Fill holes: all, or those with at most so many edges
+    /// Fill holes: all, or those with at most EDGES edges
     #[arg(long, value_name = "EDGES", num_args = 0..=1, require_equals = true)]
     pub fill_holes: Option<Option<usize>>,
 
-    /// Drop vertices that no face names
+    /// Drop vertices that no face uses
     #[arg(long)]
     pub drop_unused: bool,
 
@@ -102,9 +102,9 @@ pub struct MendArgs {
 /// Which repeated faces are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DuplicatesArg {
-    /// Whichever way they are wound
+    /// Whatever their winding
     Any,
-    /// Only those that are wound like the earlier one
+    /// Only with the same winding
     Alike,
 }
 

@@ -71,8 +71,8 @@ pub struct MeshArgs {
     #[command(flatten)]
     pub volume: VolumeArgs,
 
-    /// Mesh again whenever the input changes, or a file that it names: of a script first a draft, whose distance is
-    /// not known, and then the proved mesh, unless --require says which. Ctrl-C ends
+    /// Mesh again whenever the input changes, or a file that it uses: a script's draft first and then its
+    /// proved mesh, unless --require says which. Ctrl-C stops
     #[arg(long)]
     pub watch: bool,
 
@@ -87,44 +87,43 @@ pub struct MeshArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Budget")]
 pub struct BudgetArgs {
-    /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
+    /// Maximum distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its bounding box
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub tol: Option<Length>,
 
-    /// The largest distance on the screen of --view, in device pixels
+    /// Maximum distance on the screen of --view, in device pixels
     #[arg(long, value_name = "PIXELS", allow_hyphen_values = true)]
     pub px: Option<Pixels>,
 
-    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its
-    /// box or more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for
-    /// parallel rays
+    /// The camera that --px is for: "1920x1080 fov=45 dist=4" for any direction, at least 4 units from the
+    /// bounding box; "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one position; height=LENGTH instead of fov
+    /// for an orthographic camera
     #[arg(long, value_name = "VIEW")]
     pub view: Option<View>,
 
-    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles
-    /// and those of the shape, as in 5deg
+    /// For smooth surfaces, with another limit: maximum angle between the normals of the triangles and those
+    /// of the shape, e.g. 5deg
     #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true)]
     pub angle: Option<f64>,
 
     #[command(flatten)]
     pub attributes: AttributeArgs,
 
-    /// The most triangles: the best mesh with no more than these
+    /// Maximum number of triangles: the best mesh with at most N
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub triangles: Option<u64>,
 
-    /// For curves to polylines (.svg, .json): the most segments, all together
+    /// For curves to polylines (.svg, .json): maximum number of segments in total
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub segments: Option<u64>,
 
-    /// How a field's distance has to be known: proved, or the exit code is 5; measured, without a proof; or estimated, for
-    /// a draft that is there at once and whose distance nobody knows. Unless said, it is proved as far as that goes in
-    /// about the time that the mesh took, and measured where places are left over. Other shapes are proved either way
+    /// Evidence required for a field: proved (exit code 5 if it is not), measured (faster, by sampling), or
+    /// estimated (an instant draft, without a bound). By default the proof may take about as long as the
+    /// mesh, and what it leaves open is measured. Other shapes are always proved
     #[arg(long, value_name = "EVIDENCE")]
     pub require: Option<RequiredEvidence>,
 
-    /// Write the best result even where the budget was not reached, as is always done of a field; the exit code is 5 all
-    /// the same
+    /// Write the best result even if the budget is not met, as always for fields; the exit code is still 5
     #[arg(long)]
     pub keep_best: bool,
 }
@@ -133,42 +132,42 @@ pub struct BudgetArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Result")]
 pub struct ResultArgs {
-    /// The format of the output, instead of what its name says
+    /// Output format, if not the one that the file name implies
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
-    /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
+    /// For curves: the fewest segments within the budget, or equal steps of each piece's parameter
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: SpacingArg,
 
-    /// For a field: take its proof to the end (best), however long that is. For a count alone of a mesh's or a volume's
-    /// triangles (labels have one effort): the least error (best, also unless said), or mostly about a tenth of the time
-    /// for two to three times the error (fast)
+    /// For a field: best takes its proof to the end, however long that is. For a mesh or a volume with
+    /// --triangles alone: best, the default, has the least error; fast takes about a tenth of the time for
+    /// two to three times the error
     #[arg(long, value_name = "HOW")]
     pub effort: Option<EffortArg>,
 
-    /// For a field: write the best that is there after so long, as in 20s or 2m. Unless said, after 60s, and without a
-    /// limit where a proof is asked for by --require proved or --effort best
+    /// For a field: write the best result after this time, e.g. 20s or 2m. Default: 60s, or no limit with
+    /// --require proved or --effort best
     #[arg(long, value_name = "TIME", value_parser = parse_time)]
     pub within: Option<Duration>,
 
-    /// Normals of triangles: what the shape has and, for .obj, .glb, .gltf, .usda and .usdz, crease=30deg where it
-    /// has none and is from no .glb or .gltf (auto); keep, none are added; flat; smooth; crease=ANGLE, smooth up to
-    /// that angle; groups, by the smoothing groups of an .obj
+    /// Normals of triangles: those of the shape or, for .obj, .glb, .gltf, .usda and .usdz, crease=30deg if
+    /// it has none and is not from a .glb or .gltf (auto); keep (none are added); flat; smooth; crease=ANGLE
+    /// (smooth up to that angle); groups (the smoothing groups of an .obj)
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
 
-    /// For a drawing or letters: the height to which they are raised, as solids that stand on z = 0; 2, 2mm, or 10% of
-    /// the diagonal of its box
+    /// For a drawing or letters: extrude to solids of this height, which stand on z = 0; 2, 2mm, or 10% of
+    /// the diagonal of the bounding box
     #[arg(long, value_name = "LENGTH", value_parser = length, conflicts_with = "level", allow_hyphen_values = true)]
     pub extrude: Option<Length>,
 
-    /// With --extrude: cut off the edges of both ends at 45°, this wide, less than half of the height; where a stroke is
-    /// narrower than twice that, its bevels meet in a ridge
+    /// With --extrude: bevel the edges of both ends at 45°, this wide and less than half the height; if a
+    /// stroke is narrower than two bevels, they meet in a ridge
     #[arg(long, value_name = "LENGTH", value_parser = length, requires = "extrude", allow_hyphen_values = true)]
     pub bevel: Option<Length>,
 
-    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth
+    /// For a polygon cage (.obj): write its polygons after N rounds of subdivision instead of its smooth
     /// surface; 0 keeps them
     #[arg(long, value_name = "N", conflicts_with = "budget")]
     pub level: Option<u32>,
@@ -177,7 +176,7 @@ pub struct ResultArgs {
 /// How the ends of segments are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SpacingArg {
-    /// Nearly as few segments as can be
+    /// As few segments as possible, or nearly
     Fewest,
     /// Equal steps of the parameter
     Even,
@@ -186,9 +185,9 @@ pub enum SpacingArg {
 /// How much work a count of triangles is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EffortArg {
-    /// About the error of a length that leaves as many
+    /// The best result, however long it takes
     Best,
-    /// The cheapest steps first, and only the result is looked at
+    /// A good result in a fraction of the time
     Fast,
 }
 

@@ -12,14 +12,14 @@ use clap::{Args, ValueEnum};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Output")]
 pub struct OutputSetArgs {
-    /// For .gltf: write the buffer (.bin) and the pictures as files beside it, instead of into it as text
+    /// For .gltf: write the buffer (.bin) and the images as separate files instead of embedding them
     #[arg(long)]
     pub separate: bool,
-    /// For .glb and .gltf: compress vertices and triangles, without loss, as readers unpack by an extension
+    /// For .glb and .gltf: compress vertices and triangles losslessly, by an extension that readers need
     #[arg(long, value_name = "CODEC")]
     pub compress: Option<Compression>,
-    /// For .glb and .gltf: round positions to steps of 16 bits, normals to 8 bits, texture coordinates to 16, as
-    /// readers undo by an extension. The budget reserves it, and the bound covers it
+    /// For .glb and .gltf: quantize positions to 16 bits, normals to 8 and texture coordinates to 16, by an
+    /// extension that readers need. The bound includes the rounding
     #[arg(long)]
     pub quantize: bool,
 }

@@ -30,19 +30,19 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WHAT", default_value = "shaded")]
     pub show: RenderMode,
 
-    /// For --show deviation: the shape that the distance is measured from
+    /// For --show deviation: the shape to compare with
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
 
-    /// For --show deviation: the distance that is darkest; the largest one unless said
+    /// For --show deviation: the distance of the darkest colour. Default: the largest one
     #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
     pub darkest: Option<Length>,
 
-    /// Which sides of triangles are left out, as graphics processors do
+    /// Which sides of triangles are not drawn, as on a GPU
     #[arg(long, value_name = "SIDES", default_value = "none")]
     pub cull: CullArg,
 
-    /// The size of the picture
+    /// Size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
 
@@ -50,11 +50,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "VIEW")]
     pub view: Option<View>,
 
-    /// For smooth shapes: the largest distance to the true shape
+    /// For smooth shapes: maximum distance to the true shape
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub tol: Option<Length>,
 
-    /// For smooth shapes: the largest distance in the picture, in pixels; half a pixel if nothing is said
+    /// For smooth shapes: maximum distance in the picture, in pixels. Default: 0.5
     #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, conflicts_with = "tol")]
     pub px: Option<Pixels>,
 
@@ -74,20 +74,20 @@ pub struct RenderArgs {
 /// What a picture can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RenderMode {
-    /// Light on the surface, with the file's normals where it has some
+    /// Shaded, with the file's normals if it has some
     Shaded,
-    /// Light on the triangles
+    /// Flat shaded
     Flat,
     /// The triangles' edges
     Wire,
     /// The direction of the normal as a colour
     Normals,
-    /// Stripes as the surface mirrors them: kinks in its curvature show as kinks
+    /// Zebra stripes, as a mirror would show them: kinks in the curvature show as kinks
     Zebra,
     /// The curvature along the paths of a drawing, as teeth on the outer side of each bend
     Comb,
-    /// How many lanes a graphics processor launches for each pixel, from light for one to dark for 16 and
-    /// more; the report counts quads, helper lanes, triangles too small to be seen, and flicker
+    /// How many lanes a GPU launches for each pixel, from light for one to dark for 16 and more; the report
+    /// counts quads, helper lanes, triangles too small to be seen, and flicker
     Overshade,
     /// The distance from the shape of --against as a colour, from light through yellow and red to dark
     Deviation,
@@ -96,7 +96,7 @@ pub enum RenderMode {
 /// Which sides of triangles a picture leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CullArg {
-    /// Neither: both are shown
+    /// Both are drawn
     None,
     /// The backs: a triangle wound the wrong way is a hole
     Back,

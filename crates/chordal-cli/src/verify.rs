@@ -30,20 +30,20 @@ Examples:
   chordal verify small.glb --against cage.obj smooth.ply grid.nrrd again.ply
   chordal verify part.stl --against part.3mf --certificate report.json --json")]
 pub struct VerifyArgs {
-    /// The file that IN was made of; where it took several steps, also the files between, in any order
+    /// The file that IN was made from; after several steps also the files in between, in any order
     #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     pub against: Vec<PathBuf>,
 
-    /// The report that --json printed when IN was written, for formats that hold no certificate
+    /// The report that --json printed when IN was written, for formats without a certificate
     #[arg(long, value_name = "REPORT")]
     pub certificate: Option<PathBuf>,
 
-    /// Go on with every look to its end (best), however long that is; else one takes at most about as long as the work that
-    /// it looks at, counted and not by a clock, and what is then open is not re-proved
+    /// best: run every check to its end, however long that is. By default a check takes about as much work as
+    /// what it checks, and what is open then is not proved again
     #[arg(long, value_name = "HOW")]
     pub effort: Option<EffortArg>,
 
-    /// Threads to use; 0 means all. The result does not depend on it
+    /// Number of threads; 0 uses all. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 

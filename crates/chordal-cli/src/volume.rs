@@ -7,28 +7,28 @@ use clap::{Args, ValueEnum};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Volumes")]
 pub struct VolumeArgs {
-    /// The level of the surface; unless said, 0.5 for masks and occupancies, 0 for signed distances
+    /// Isovalue of the surface. Default: 0.5 for masks and occupancies, 0 for signed distances
     #[arg(long, value_name = "LEVEL", value_parser = level, allow_hyphen_values = true, conflicts_with = "labels")]
     pub iso: Option<f64>,
 
-    /// Which samples are inside: those above the level, or those below it as in distances
+    /// Which samples are inside: those above the isovalue, or those below it as in distances
     #[arg(long, value_name = "SIDE", conflicts_with = "labels")]
     pub inside: Option<InsideArg>,
 
-    /// Samples are labels: one part for each of "all" but 0, or of a list as in 1,2,10
+    /// Treat samples as labels: one part for each label but 0 ("all"), or of a list, e.g. 1,2,10
     #[arg(long, value_name = "LABELS", value_parser = labels, allow_hyphen_values = true)]
     pub labels: Option<LabelSelection>,
 
-    /// Smooth a mask by a Gaussian of this standard deviation, a length or in samples as in 0.8vox; the bound is against
-    /// the unsmoothed mask
+    /// Smooth a mask with a Gaussian of this standard deviation, a length or e.g. 0.8vox; the bound is the
+    /// distance to the unsmoothed mask
     #[arg(long, value_name = "SIGMA", conflicts_with_all = ["labels", "iso"])]
     pub smooth: Option<SmoothingWidth>,
 
-    /// Close a shape that reaches the border of the volume there; it is so unless --open says otherwise
+    /// Close the surface where it reaches the border of the volume (default)
     #[arg(long, conflicts_with = "open")]
     pub cap: bool,
 
-    /// Let the surface end where it reaches the border of the volume
+    /// Leave the surface open where it reaches the border of the volume
     #[arg(long)]
     pub open: bool,
 }
@@ -36,9 +36,9 @@ pub struct VolumeArgs {
 /// Which samples are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum InsideArg {
-    /// Those above the level
+    /// Those above the isovalue
     High,
-    /// Those below the level
+    /// Those below the isovalue
     Low,
 }
 

@@ -61,15 +61,15 @@ pub struct BatchArgs {
     #[arg(value_name = "IN", required = true)]
     pub inputs: Vec<PathBuf>,
 
-    /// The folder for the outputs and the manifest; it is made if it is missing
+    /// Folder for the outputs and the manifest; it is created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
 
-    /// The extension of the outputs, as in glb, ply or 3mf, instead of the usual one of the verb
+    /// Extension of the outputs, e.g. glb, ply or 3mf, instead of the verb's usual one
     #[arg(long, value_name = "EXTENSION")]
     pub to: Option<String>,
 
-    /// The folder that the places of the inputs are counted from, instead of the one where this runs
+    /// Folder that the paths of the inputs are relative to, instead of the current one
     #[arg(long, value_name = "FOLDER")]
     pub base: Option<PathBuf>,
 
@@ -77,33 +77,32 @@ pub struct BatchArgs {
     #[arg(long)]
     pub keep_extension: bool,
 
-    /// How many files are done at once; as many as there are cores, or threads of a cluster, unless said
+    /// Number of files at once. Default: as many as there are cores, or threads of a cluster
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub jobs: Option<u64>,
 
-    /// The most seconds that one file may take
+    /// Maximum seconds for one file
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub timeout: Option<Duration>,
 
-    /// The most memory for all files that are done at once, as in 8G; half of the machine's unless said. Each
-    /// gets its share
+    /// Maximum memory for all files at once, e.g. 8G, shared evenly. Default: half of the machine's
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
-    /// Do the files on the workers of a Dask cluster, by the address of its scheduler, as in tcp://10.0.0.1:8786.
-    /// They see the same files and have the same version; the command is that of the Python package
+    /// Run on the workers of a Dask cluster, given its scheduler, e.g. tcp://10.0.0.1:8786. Workers need the
+    /// same files and the same version; the command is that of the Python package
     #[arg(long, value_name = "ADDRESS")]
     pub dask: Option<String>,
 
-    /// Say what would be done, and do nothing
+    /// Print what would be done, and do nothing
     #[arg(long)]
     pub dry_run: bool,
 
-    /// Do again what was done before
+    /// Run files again that are done already
     #[arg(long)]
     pub redo: bool,
 
-    /// Replace files that have the name of an output and that no batch wrote
+    /// Overwrite files that have the name of an output but that no batch wrote
     #[arg(long)]
     pub force: bool,
 

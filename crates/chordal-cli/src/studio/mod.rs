@@ -26,32 +26,32 @@ Examples:
   chordal studio --port 8000 --open
   chordal studio --host 0.0.0.0 --allow-host lab.example --token $(openssl rand -hex 24)")]
 pub struct StudioArgs {
-    /// Files to put on the workbench: a shape, and the files that it names
+    /// Files to open in the workbench: a shape, and the files that it uses
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
 
-    /// The port to listen at; 0 takes a free one
+    /// Port to listen on; 0 takes a free one
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub port: u16,
 
-    /// The address to listen at, instead of 127.0.0.1; other machines can come in where it is none of this
-    /// machine's own, so that needs --token as well
+    /// Address to listen on, instead of 127.0.0.1; with one that other machines can reach, --token is
+    /// required
     #[arg(long, value_name = "ADDRESS")]
     pub host: Option<IpAddr>,
 
-    /// The token in the link, instead of one made by chance: 32 letters and digits or more
+    /// Token in the link, instead of a random one: 32 letters and digits or more
     #[arg(long, value_name = "TOKEN")]
     pub token: Option<String>,
 
-    /// A name by which browsers may call this machine, beside localhost, 127.0.0.1 and [::1]
+    /// A host name that browsers may use, besides localhost, 127.0.0.1 and [::1]
     #[arg(long, value_name = "NAME")]
     pub allow_host: Vec<String>,
 
-    /// The folder of the page, instead of the one that is built in
+    /// Folder of the page, instead of the built-in one
     #[arg(long, value_name = "DIR")]
     pub dir: Option<PathBuf>,
 
-    /// Open the link in the system's browser
+    /// Open the link in the default browser
     #[arg(long)]
     pub open: bool,
 }
