@@ -190,7 +190,7 @@ fn mesh_of_field(
     if field.evidence().bounds_above() && request.budget.require == RequiredEvidence::ProvedOrMeasured {
         notes.extend(unproved_note(&made.bound));
     }
-    notes.extend(shape_notes(&made.shape, request));
+    notes.extend(shape_notes(&made.shape, request, job));
     Ok(made)
 }
 
@@ -257,8 +257,8 @@ fn mesh_whole(field: &Field, request: &MeshRequest, job: &Job) -> Result<MadeMes
 /// What is to be said of a draft of cubes, whose vertices move by themselves. To count what crosses takes as long as the draft.
 pub(crate) const DRAFT: &str = "a draft: its triangles may cross each other, and `inspect` counts where";
 
-/// What is to be said of the triangles of a shape, as they are written: ties that their digits make.
-fn shape_notes(mesh: &Mesh, request: &MeshRequest) -> Vec<Message> {
+/// What is to be said of the triangles of a shape, as they are written: ties that their digits make, and triangles that cross.
+fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Vec<Message> {
     let mut notes = Vec::new();
     let ties = check::validity(mesh, Topology::Positions).non_manifold_edges.count;
     if ties > 0 {
@@ -269,7 +269,20 @@ fn shape_notes(mesh: &Mesh, request: &MeshRequest) -> Vec<Message> {
         );
         notes.push(message.into());
     }
+    notes.extend(crossing_note(mesh, job));
     notes
+}
+
+/// What is to be said of triangles that cross: their bound holds all the same, but what fills solids, as slicers do, may trip
+/// over them.
+fn crossing_note(mesh: &Mesh, job: &Job) -> Option<Message> {
+    let n_pairs = check::self_intersections(mesh, job).map_or(0, |found| found.count);
+    let pairs = if n_pairs == 1 { "pair" } else { "pairs" };
+    let message = format!(
+        "triangles cross or touch each other in {n_pairs} {pairs}, which `inspect --self-intersections` shows: where walls \
+         are thinner than the length, a shorter one mostly ends that"
+    );
+    (n_pairs > 0).then(|| message.into())
 }
 
 /// The coarsest length, relative to the diagonal of the bounds, for which a field is meshed; what a longer one has room for is
@@ -463,4 +476,25 @@ pub(crate) fn deviation_of(
         return Err(MeshFailure::refused(RefusalCode::Unsupported, message));
     }
     Ok(check::field_deviation(mesh, &field, goal, job)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_that_cross_are_told() {
+        let points = vec![
+            [0.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+            [0.0, 4.0, 0.0],
+            [1.0, 1.0, -1.0],
+            [1.0, 1.0, 1.0],
+            [9.0, 9.0, 0.0],
+        ];
+        let of = |faces| crossing_note(&Mesh::new(points.clone(), faces).unwrap(), &Job::default());
+        assert_eq!(of(vec![[0, 1, 2]]).map(|note| note.to_string()), None);
+        let said = of(vec![[0, 1, 2], [3, 4, 5]]).unwrap().to_string();
+        assert!(said.starts_with("triangles cross or touch each other in 1 pair, "), "{said}");
+    }
 }
