@@ -36,7 +36,11 @@ Each row asks the command for a length, and counts where it is proved; *ms* are 
 process. *Triangles* and *ms* stand beside their gates, and a **!** marks what misses its gate. The preview is the command
 with `--require measured`. fidget is run at growing depths until its mesh, measured by dense
 samples of both surfaces, is no farther off than the same length; where it never is, its best row is shown. Both sides
-use two threads. A dash means no answer within {limit} s, no op list that fidget could read, or no such option.
+use two threads. A dash means no proof or no answer within {limit} s, no op list that fidget could read, or no such option.
+
+Where a surface is very thin, as at the rim of the wedge and all over the wall, *measured* is too large: more than 20,000
+samples would have to be looked around. `chordal deviation` proves at most 3.1e-3 for the wedge. The gates' times are for
+a machine about three times as fast.
 """.strip()
 
 
