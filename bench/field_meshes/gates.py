@@ -119,8 +119,8 @@ def command(model, tol, limit, out, *more):
         return {}
     certificate = got["certificate"]
     return {
-        "seconds": got["run"]["seconds"], "triangles": certificate["output"]["triangles"], "most": certificate["bound"]["at_most"],
-        "is_proved": certificate["bound"]["evidence"] == "proved",
+        "seconds": got["run"]["seconds"], "triangles": certificate["output"]["triangles"],
+        "most": certificate["bound"]["at_most"], "is_proved": certificate["bound"]["evidence"] == "proved",
     }
 
 

@@ -279,8 +279,8 @@ fn crossing_note(mesh: &Mesh, job: &Job) -> Option<Message> {
     let n_pairs = check::self_intersections(mesh, job).map_or(0, |found| found.count);
     let pairs = if n_pairs == 1 { "pair" } else { "pairs" };
     let message = format!(
-        "triangles cross or touch each other in {n_pairs} {pairs}, which `inspect --self-intersections` shows: where walls \
-         are thinner than the length, a shorter one mostly ends that"
+        "triangles cross or touch each other in {n_pairs} {pairs}, which `inspect --self-intersections` shows; a shorter \
+         length may end that"
     );
     (n_pairs > 0).then(|| message.into())
 }
