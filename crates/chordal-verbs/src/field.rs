@@ -278,11 +278,11 @@ fn shape_notes(mesh: &Mesh, request: &MeshRequest, job: &Job) -> Vec<Message> {
 fn crossing_note(mesh: &Mesh, job: &Job) -> Option<Message> {
     let n_pairs = check::self_intersections(mesh, job).map_or(0, |found| found.count);
     let pairs = if n_pairs == 1 { "pair" } else { "pairs" };
-    let message = format!(
-        "triangles cross or touch each other in {n_pairs} {pairs}, which `inspect --self-intersections` shows; a shorter \
-         length may end that"
-    );
-    (n_pairs > 0).then(|| message.into())
+    let message =
+        Message::from(format!("triangles cross or touch each other in {n_pairs} {pairs}: `inspect` with "))
+            .setting(Setting::SelfIntersections)
+            .words(" shows where, and a shorter length may end that");
+    (n_pairs > 0).then_some(message)
 }
 
 /// The coarsest length, relative to the diagonal of the bounds, for which a field is meshed; what a longer one has room for is
@@ -495,6 +495,6 @@ mod tests {
         let of = |faces| crossing_note(&Mesh::new(points.clone(), faces).unwrap(), &Job::default());
         assert_eq!(of(vec![[0, 1, 2]]).map(|note| note.to_string()), None);
         let said = of(vec![[0, 1, 2], [3, 4, 5]]).unwrap().to_string();
-        assert!(said.starts_with("triangles cross or touch each other in 1 pair, "), "{said}");
+        assert!(said.starts_with("triangles cross or touch each other in 1 pair: "), "{said}");
     }
 }
