@@ -12,6 +12,7 @@ impl Spelling for CommandLine {
         match (setting, value) {
             // Fields are made in Python as often as in scripts, and the package has the command, too.
             (Setting::Region, Some(corners)) => format!("{option} \"{corners}\", in Python within()"),
+            (Setting::View, Some(view)) => format!("{option} \"{view}\""),
             // Their values may be left out, so that the sign has to tie one.
             (Setting::Cure(_), Some(value)) => format!("{option}={value}"),
             (_, Some(value)) => format!("{option} {value}"),

@@ -70,6 +70,7 @@ mod merged_parts;
 mod mesh;
 mod normals;
 mod notes;
+pub mod options;
 mod origin;
 mod outcome;
 mod output_form;

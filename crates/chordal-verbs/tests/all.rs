@@ -15,6 +15,7 @@ mod mend;
 mod mesh;
 mod monotone;
 mod open_scan;
+mod options;
 mod prescribed;
 mod quantized;
 mod skins;

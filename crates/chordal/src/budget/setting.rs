@@ -26,6 +26,14 @@ pub enum Setting {
     Smooth,
     /// Whether a surface stays open at the border of its volume.
     Open,
+    /// The largest distance from the true shape.
+    Tol,
+    /// The largest distance on a screen, in pixels.
+    Px,
+    /// The camera that pixels are for.
+    View,
+    /// How near an eye comes to levels of detail.
+    Nearest,
     /// The most triangles.
     Triangles,
     /// The most segments of polylines.
@@ -56,7 +64,7 @@ pub enum Setting {
 
 impl Setting {
     /// All but the repairs, of which [`Cure::ALL`] has the list.
-    pub const PLAIN: [Self; 23] = [
+    pub const PLAIN: [Self; 27] = [
         Self::Unit,
         Self::From,
         Self::Surface,
@@ -68,6 +76,10 @@ impl Setting {
         Self::Labels,
         Self::Smooth,
         Self::Open,
+        Self::Tol,
+        Self::Px,
+        Self::View,
+        Self::Nearest,
         Self::Triangles,
         Self::Segments,
         Self::Level,
@@ -103,6 +115,10 @@ impl Setting {
             Self::Labels => "labels",
             Self::Smooth => "smooth",
             Self::Open => "open",
+            Self::Tol => "tol",
+            Self::Px => "px",
+            Self::View => "view",
+            Self::Nearest => "nearest",
             Self::Triangles => "triangles",
             Self::Segments => "segments",
             Self::Level => "level",

@@ -1,0 +1,252 @@
+//! `OptionRow`: what a user can set. Each option stands in one table, with its name, its values, its help, and how it
+//! changes a request.
+//!
+//! Every shell reads these tables: the command makes arguments of them, the Python package keywords, the web module
+//! keys of JSON, and `docs/options.md` is written from them. A value is always a text as the command reads it, so that
+//! one parser judges it, whichever shell it comes from.
+mod lod;
+mod mesh;
+mod reading;
+mod surface;
+pub mod values;
+
+pub use lod::{LodContainer, LodOptions};
+pub use mesh::MeshOptions;
+pub use reading::ReadOptions;
+
+/// A set of options: the row of each, and the request that they change.
+///
+/// ```
+/// use chordal_verbs::options::{MeshOptions, OptionTable};
+/// let mut options = MeshOptions::default();
+/// options.set("tol", "0.05%")?;
+/// options.set("angle", "5deg")?;
+/// assert!(options.spec().is_ok_and(|spec| spec.has_limit()));
+/// assert!(options.set("tol", "thick").is_err());
+/// # Ok::<(), String>(())
+/// ```
+pub trait OptionTable: Default + Send + Sync + 'static {
+    /// The options, in the order in which help lists them.
+    const ROWS: &'static [OptionRow<Self>];
+
+    /// The row with this name.
+    #[must_use]
+    fn row(name: &str) -> Option<&'static OptionRow<Self>> {
+        Self::ROWS.iter().find(|row| row.name == name)
+    }
+
+    /// Sets one option from the text of its value, which is empty for a flag.
+    ///
+    /// # Errors
+    /// A sentence without the option's name, if the table has no such option or the text is no value of it.
+    fn set(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let row = Self::row(name).ok_or_else(|| format!("there is no option '{name}'"))?;
+        (row.set)(self, text)
+    }
+}
+
+/// One option of a table that changes a request of type `S`.
+pub struct OptionRow<S> {
+    /// The name, with hyphens.
+    pub name: &'static str,
+    /// The keyword of the Python package.
+    pub keyword: &'static str,
+    /// The values that it takes.
+    pub values: OptionValues,
+    /// What help calls the value: `LENGTH`.
+    pub value_name: &'static str,
+    /// The heading that help lists it under.
+    pub section: OptionSection,
+    /// What it does: one or two sentences, without the stop of the last. Other options stand in braces, as in `{view}`
+    /// and `{require=proved}`: see [`Self::spelled_help`].
+    pub help: &'static str,
+    /// The value that counts if none is given.
+    pub default: Option<&'static str>,
+    /// The options or the group of which one has to be given with it.
+    pub needs: Option<&'static str>,
+    /// The options and groups that exclude it.
+    pub conflicts: &'static [&'static str],
+    /// The group that it belongs to.
+    pub group: Option<&'static str>,
+    /// Whether it may be given several times.
+    pub is_repeatable: bool,
+    /// Sets it from the text of a value.
+    pub set: fn(&mut S, &str) -> Result<(), String>,
+}
+
+/// The values of an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OptionValues {
+    /// None: it is given or it is not.
+    Flag,
+    /// A whole number greater than 0, or from 0 on.
+    Count,
+    /// A number, which may have a unit of its own, such as `5deg`.
+    Number,
+    /// A length: in units of the shape, in a unit such as `0.1mm`, or as `0.05%` of the diagonal of its bounding box.
+    Length,
+    /// A time: `20s`, `2m` or `500ms`.
+    Time,
+    /// One of these words, each with its help.
+    Words(&'static [(&'static str, &'static str)]),
+    /// A text.
+    Text,
+}
+
+/// The heading that help lists an option under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OptionSection {
+    /// How the input is read.
+    Input,
+    /// How much error is allowed.
+    Budget,
+    /// What the result is.
+    Result,
+    /// Levels of detail.
+    Levels,
+    /// Which surface of a volume is meshed.
+    Volumes,
+}
+
+impl OptionSection {
+    /// The heading.
+    #[must_use]
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Input => "Input",
+            Self::Budget => "Budget",
+            Self::Result => "Result",
+            Self::Levels => "Levels",
+            Self::Volumes => "Volumes",
+        }
+    }
+}
+
+/// Rows are written in tables: a name, its values and their name, help, and a setter; what else there is follows.
+impl<S> OptionRow<S> {
+    const fn new(
+        name: &'static str,
+        (values, value_name): (OptionValues, &'static str),
+        help: &'static str,
+        set: fn(&mut S, &str) -> Result<(), String>,
+    ) -> Self {
+        Self {
+            name,
+            keyword: name,
+            values,
+            value_name,
+            section: OptionSection::Budget,
+            help,
+            default: None,
+            needs: None,
+            conflicts: &[],
+            group: None,
+            is_repeatable: false,
+            set,
+        }
+    }
+
+    const fn flag(
+        name: &'static str,
+        help: &'static str,
+        set: fn(&mut S, &str) -> Result<(), String>,
+    ) -> Self {
+        Self::new(name, (OptionValues::Flag, ""), help, set)
+    }
+
+    const fn under(self, section: OptionSection) -> Self {
+        Self { section, ..self }
+    }
+
+    const fn keyword(self, keyword: &'static str) -> Self {
+        Self { keyword, ..self }
+    }
+
+    const fn default(self, default: &'static str) -> Self {
+        Self { default: Some(default), ..self }
+    }
+
+    const fn needs(self, needs: &'static str) -> Self {
+        Self { needs: Some(needs), ..self }
+    }
+
+    const fn conflicts(self, conflicts: &'static [&'static str]) -> Self {
+        Self { conflicts, ..self }
+    }
+
+    const fn in_group(self, group: &'static str) -> Self {
+        Self { group: Some(group), ..self }
+    }
+
+    const fn repeatable(self) -> Self {
+        Self { is_repeatable: true, ..self }
+    }
+}
+
+impl<S> OptionRow<S> {
+    /// The help with other options as a shell spells them: each by its name, and its value if it has one.
+    #[must_use]
+    pub fn spelled_help(&self, spell: impl Fn(&str, Option<&str>) -> String) -> String {
+        let mut parts = self.help.split('{');
+        let mut help = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (option, words) = part.split_once('}').unwrap_or((part, ""));
+            let spelled = match option.split_once('=') {
+                Some((name, value)) => spell(name, Some(value)),
+                None => spell(option, None),
+            };
+            help.push_str(&spelled);
+            help.push_str(words);
+        }
+        help
+    }
+}
+
+const LENGTH: (OptionValues, &str) = (OptionValues::Length, "LENGTH");
+const COUNT: (OptionValues, &str) = (OptionValues::Count, "N");
+const ANGLE: (OptionValues, &str) = (OptionValues::Number, "ANGLE");
+
+/// Stores a value that was read.
+fn store<T, E: std::fmt::Display>(place: &mut T, value: Result<T, E>) -> Result<(), String> {
+    *place = value.map_err(|error| error.to_string())?;
+    Ok(())
+}
+
+/// The same for what may be left out.
+fn store_some<T, E: std::fmt::Display>(place: &mut Option<T>, value: Result<T, E>) -> Result<(), String> {
+    *place = Some(value.map_err(|error| error.to_string())?);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SurfaceSpec;
+
+    #[test]
+    fn help_names_options_of_the_same_table() {
+        fn check<S: OptionTable>() {
+            for row in S::ROWS {
+                let _ = row.spelled_help(|name, _| {
+                    assert!(S::row(name).is_some(), "{}: there is no {name}", row.name);
+                    String::new()
+                });
+                let of_table = |name: &&'static str| {
+                    S::row(name).is_some() || S::ROWS.iter().any(|row| row.group == Some(*name))
+                };
+                assert!(row.needs.iter().chain(row.conflicts).all(of_table), "{}", row.name);
+            }
+        }
+        check::<MeshOptions>();
+        check::<LodOptions>();
+        check::<SurfaceSpec>();
+        check::<ReadOptions>();
+    }
+
+    #[test]
+    fn a_shell_spells_the_options_in_help() {
+        let row = MeshOptions::row("within").expect("it is in the table");
+        let help = row.spelled_help(|name, value| format!("<{name} {}>", value.unwrap_or("-")));
+        assert!(help.contains("<require proved> or <effort best>"), "{help}");
+    }
+}

@@ -1,0 +1,94 @@
+//! The files that are written from the tables of options: `docs/options.md`, and what the Python package knows of them.
+//! `CHORDAL_WRITE_OPTIONS=1` writes them anew.
+use chordal_verbs::SurfaceSpec;
+use chordal_verbs::options::{LodOptions, MeshOptions, OptionRow, OptionTable, OptionValues, ReadOptions};
+use std::fmt::Write;
+use std::path::Path;
+
+fn assert_written(path: &str, text: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+    if std::env::var_os("CHORDAL_WRITE_OPTIONS").is_some() {
+        std::fs::write(&path, text).unwrap();
+    }
+    let written = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(written == text, "{} is not what the tables say: write it anew", path.display());
+}
+
+fn form(values: OptionValues) -> &'static str {
+    match values {
+        OptionValues::Flag => "flag",
+        OptionValues::Count => "count",
+        OptionValues::Number => "number",
+        OptionValues::Length => "length",
+        OptionValues::Time => "time",
+        OptionValues::Words(_) => "word",
+        OptionValues::Text => "text",
+    }
+}
+
+fn python_table<S: OptionTable>(name: &str) -> String {
+    let rows = S::ROWS
+        .iter()
+        .map(|row| format!("    \"{}\": (\"{}\", \"{}\"),\n", row.keyword, row.name, form(row.values)));
+    format!("{name}: Final[dict[str, tuple[str, str]]] = {{\n{}}}\n", rows.collect::<String>())
+}
+
+#[test]
+fn the_python_package_has_the_same_tables() {
+    let text = format!(
+        "\"\"\"The options of the command by keyword, each with the form of its values. Written from the tables in \n\
+         `crates/chordal-verbs/src/options` by `CHORDAL_WRITE_OPTIONS=1 cargo test -p chordal-verbs --test all options`.\"\"\"\n\n\
+         from __future__ import annotations\n\n\
+         from typing import Final\n\n{}\n{}\n{}\n{}",
+        python_table::<ReadOptions>("READING"),
+        python_table::<MeshOptions>("MESH"),
+        python_table::<LodOptions>("LOD"),
+        python_table::<SurfaceSpec>("SURFACE"),
+    );
+    assert_written("python/chordal/_option_tables.py", &text.replace("tables in \n", "tables in\n"));
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+fn markdown_row<S>(row: &OptionRow<S>) -> String {
+    let value = if row.value_name.is_empty() { String::new() } else { format!(" {}", row.value_name) };
+    let spelled = |name: &str, value: Option<&str>| match value {
+        Some(value) => format!("`--{name} {value}`"),
+        None => format!("`--{name}`"),
+    };
+    let mut help = format!("{}.", cell(&row.spelled_help(spelled)));
+    if let OptionValues::Words(words) = row.values {
+        let words: Vec<String> = words.iter().map(|(word, help)| format!("`{word}` ({help})")).collect();
+        write!(help, " One of: {}.", words.join("; ")).unwrap();
+    }
+    if let Some(default) = row.default {
+        write!(help, " Default: `{default}`.").unwrap();
+    }
+    if let Some(needed) = row.needs {
+        let needed = if needed == "budget" { "a limit".to_owned() } else { format!("`--{needed}`") };
+        write!(help, " Needs {needed}.").unwrap();
+    }
+    format!("| `--{}{value}` | `{}` | {help} |\n", row.name, row.keyword)
+}
+
+fn markdown_table<S: OptionTable>(title: &str) -> String {
+    let rows: String = S::ROWS.iter().map(markdown_row).collect();
+    format!("## {title}\n| option | keyword | what it does |\n|---|---|---|\n{rows}\n")
+}
+
+#[test]
+fn the_page_of_options_is_written_from_the_tables() {
+    let text = format!(
+        "# Options\n\n\
+         What the command, the Python package and the web module can set for `mesh`, `lod` and volumes. The command takes \n\
+         options, Python keywords, and the web module keys of JSON: the option's name with `_` for `-`. One table in \n\
+         `crates/chordal-verbs/src/options` holds them all, and this page is written from it.\n\n{}{}{}{}",
+        markdown_table::<ReadOptions>("Inputs"),
+        markdown_table::<MeshOptions>("Meshes"),
+        markdown_table::<LodOptions>("Levels of detail"),
+        markdown_table::<SurfaceSpec>("Volumes"),
+    );
+    assert_written("docs/options.md", &format!("{}\n", text.replace(" \n", "\n").trim_end()));
+}

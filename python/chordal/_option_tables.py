@@ -1,0 +1,68 @@
+"""The options of the command by keyword, each with the form of its values. Written from the tables in
+`crates/chordal-verbs/src/options` by `CHORDAL_WRITE_OPTIONS=1 cargo test -p chordal-verbs --test all options`."""
+
+from __future__ import annotations
+
+from typing import Final
+
+READING: Final[dict[str, tuple[str, str]]] = {
+    "format": ("from", "text"),
+    "unit": ("unit", "text"),
+    "up": ("up", "text"),
+    "index": ("index", "count"),
+    "set": ("set", "text"),
+    "text": ("text", "text"),
+    "em": ("em", "number"),
+    "axes": ("axis", "text"),
+    "region": ("region", "text"),
+    "surface": ("surface", "word"),
+    "strict": ("strict", "flag"),
+    "lenient": ("lenient", "flag"),
+    "drop_nonfinite": ("drop-nonfinite", "flag"),
+}
+
+MESH: Final[dict[str, tuple[str, str]]] = {
+    "tol": ("tol", "length"),
+    "pixels": ("px", "number"),
+    "view": ("view", "text"),
+    "angle": ("angle", "number"),
+    "uv_error": ("uv-error", "number"),
+    "normal_error": ("normal-error", "number"),
+    "triangles": ("triangles", "count"),
+    "segments": ("segments", "count"),
+    "require": ("require", "word"),
+    "keep_best": ("keep-best", "flag"),
+    "format": ("to", "text"),
+    "spacing": ("spacing", "word"),
+    "effort": ("effort", "word"),
+    "within": ("within", "time"),
+    "normals": ("normals", "text"),
+    "extrude": ("extrude", "length"),
+    "bevel": ("bevel", "length"),
+    "level": ("level", "count"),
+}
+
+LOD: Final[dict[str, tuple[str, str]]] = {
+    "pixels": ("px", "number"),
+    "view": ("view", "text"),
+    "nearest": ("nearest", "number"),
+    "tol": ("tol", "length"),
+    "keep_best": ("keep-best", "flag"),
+    "uv_error": ("uv-error", "number"),
+    "normal_error": ("normal-error", "number"),
+    "distances": ("distances", "text"),
+    "errors": ("errors", "word"),
+    "tile_triangles": ("tile-triangles", "count"),
+    "merge": ("merge", "flag"),
+    "at": ("at", "text"),
+    "normals": ("normals", "text"),
+}
+
+SURFACE: Final[dict[str, tuple[str, str]]] = {
+    "iso": ("iso", "number"),
+    "inside": ("inside", "word"),
+    "labels": ("labels", "text"),
+    "smooth": ("smooth", "text"),
+    "cap": ("cap", "flag"),
+    "open": ("open", "flag"),
+}
