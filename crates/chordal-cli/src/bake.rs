@@ -1,5 +1,5 @@
 //! `chordal bake`
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -15,6 +15,7 @@ use crate::summary::{self, SummaryLines};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
+use chordal_verbs::options::values::length;
 use chordal_verbs::report::{DistanceGridFacts, Report, RunFacts};
 use chordal_verbs::{BakeResolution, BakeSpec, bake};
 use clap::{ArgGroup, Args};

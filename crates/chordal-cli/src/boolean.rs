@@ -95,7 +95,8 @@ impl BooleanArgs {
         self.operands
             .iter()
             .map(|(op, path)| {
-                let own = InputArgs { input: path.clone(), from: None, unit: None, up: None, ..args.clone() };
+                let mut own = InputArgs { input: path.clone(), ..args.clone() };
+                (own.read.from, own.read.unit, own.read.up) = (None, None, None);
                 let source = InputSource::from_arg(path);
                 if matches!(source, InputSource::Stdin) {
                     return Err(Fault::usage("only the input itself can be stdin"));
@@ -103,8 +104,8 @@ impl BooleanArgs {
                 let mut input = load::read_other(&own, job, console)?;
                 // What is said of the space of the input is no other file's, unless that says nothing itself.
                 let frame = input.shape.frame_mut();
-                frame.metres_per_unit = frame.metres_per_unit.or(args.unit.map(|unit| unit.metres()));
-                frame.up = frame.up.or(args.up);
+                frame.metres_per_unit = frame.metres_per_unit.or(args.read.unit.map(|unit| unit.metres()));
+                frame.up = frame.up.or(args.read.up);
                 Ok(BooleanOperand { op: *op, name: source.name(), input })
             })
             .collect()

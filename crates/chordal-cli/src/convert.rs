@@ -1,5 +1,5 @@
 //! `chordal convert`
-use crate::args::{ConsoleArgs, InputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -18,6 +18,7 @@ use crate::summary::{self, SummaryLines};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
+use chordal_verbs::options::values::length;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{MeshFailure, Shape, convert_within, needs_mesh, polygons_lose_no_more};
 use clap::Args;

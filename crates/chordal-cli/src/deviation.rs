@@ -1,5 +1,5 @@
 //! `chordal deviation`
-use crate::args::{ConsoleArgs, InputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs};
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
 use crate::execution;
@@ -13,6 +13,7 @@ use crate::summary::{self, SummaryLines};
 use crate::volume::VolumeArgs;
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
+use chordal_verbs::options::values::length;
 use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, RunFacts, Verdict};
 use chordal_verbs::{DeviationSpec, deviation};
 use clap::Args;

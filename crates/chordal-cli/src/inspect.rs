@@ -1,5 +1,5 @@
 //! `chordal inspect`
-use crate::args::{ConsoleArgs, InputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs};
 use crate::clock::Clock;
 use crate::console::{Console, StdoutUse};
 use crate::execution;
@@ -16,6 +16,7 @@ use chordal::Job;
 use chordal::budget::advice::{Message, Spell};
 use chordal::budget::{JobError, Length};
 use chordal_io::font::{fonts_in, letters_in};
+use chordal_verbs::options::values::length;
 use chordal_verbs::report::{RunFacts, ValidityFacts};
 use chordal_verbs::{Input, Shape, SurfaceDepth, inspect, inspect_deeply, inspect_surface};
 use clap::Args;
@@ -104,7 +105,8 @@ fn read_first(
     job: &Job,
     console: &Console,
 ) -> Result<(Input, Vec<String>), Fault> {
-    let mut first = InputArgs { index: args.index.or(Some(0)), ..args.clone() };
+    let mut first = args.clone();
+    first.read.index = args.read.index.or(Some(0));
     let mut choices = Vec::new();
     if fault.code == "several-volumes" {
         let line = fault.lines.first().cloned().unwrap_or_default();
@@ -116,7 +118,8 @@ fn read_first(
     let limits = load::limits(&first);
     let bytes = InputSource::from_arg(&args.input).read(limits.bytes)?;
     let Ok(fonts) = fonts_in(&bytes, &limits) else { return Err(fault) };
-    let shown = first.index.and_then(|index| usize::try_from(index).ok()).and_then(|index| fonts.get(index));
+    let shown =
+        first.read.index.and_then(|index| usize::try_from(index).ok()).and_then(|index| fonts.get(index));
     let Some(name) = shown.and_then(|font| font.split(", ").next()) else { return Err(fault) };
     choices.extend(fonts.iter().enumerate().map(|(i, font)| format!("font {i}: {font}")));
     let has = letters_in(&bytes, &limits).unwrap_or_default();
@@ -125,7 +128,7 @@ fn read_first(
         (has.clone(), format!("it lacks letters of its name, and this is {has}; --text sets another text")),
     ];
     for (text, says) in texts.into_iter().filter(|(text, _)| !text.is_empty()) {
-        first.text = Some(text);
+        first.read.text = Some(text);
         if let Ok(input) = load::read(&first, job, console) {
             choices.push(says);
             return Ok((input, choices));

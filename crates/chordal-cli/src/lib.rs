@@ -31,6 +31,7 @@ pub mod memory;
 mod mend;
 mod mesh;
 mod numbers;
+mod options;
 mod output;
 mod output_folder;
 mod output_format;

@@ -1,5 +1,5 @@
 //! Reads the shapes that arguments name.
-use crate::args::{InputArgs, PolygonSurfaceArg};
+use crate::args::InputArgs;
 use crate::beside::{read_allowed, read_beside};
 use crate::console::Console;
 use crate::fault::{Exit, Fault};
@@ -12,7 +12,7 @@ use chordal::Job;
 use chordal::budget::RefusalCode;
 use chordal::budget::advice::Spell;
 use chordal_io::font::Letters;
-use chordal_io::{Conformance, Format, Limits};
+use chordal_io::{Format, Limits, PolygonSurface};
 use chordal_verbs::{FormatHint, Input, Shape, load_within, sha256};
 use std::path::{Path, PathBuf};
 
@@ -52,8 +52,9 @@ pub fn read_polygons(
     let raw = RawInput::read(args, job)?;
     let input = raw.parse(args)?;
     let was_cut = input.format == Format::Obj && input.warnings.iter().any(|w| w.code == "polygons-cut");
-    if was_cut && args.surface.is_none() {
-        let args = InputArgs { surface: Some(PolygonSurfaceArg::CatmullClark), ..args.clone() };
+    if was_cut && args.read.surface.is_none() {
+        let mut args = args.clone();
+        args.read.surface = Some(PolygonSurface::CatmullClark);
         // What is no cage stays triangles.
         if let Some(polygons) = raw.parse(&args).ok().filter(|polygons| prefers(polygons, &input)) {
             return Ok(raw.tell(polygons, console));
@@ -79,8 +80,8 @@ pub fn read_of_digest(
 ) -> Result<Input, Fault> {
     let bytes = RawInput::read(args, job)?;
     let mut own = applicable_args(args, bytes.format(args));
-    if own.surface.is_some() && !is_cage(&sha256(&bytes.bytes)) {
-        own.surface = None;
+    if own.read.surface.is_some() && !is_cage(&sha256(&bytes.bytes)) {
+        own.read.surface = None;
     }
     bytes.load(&own, console)
 }
@@ -95,18 +96,18 @@ pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<
     let bytes = [RawInput::read(first, job)?, RawInput::read(second, job)?];
     let formats = [bytes[0].format(first), bytes[1].format(second)];
     let has_script = formats.contains(&Some(Format::Star));
-    if first.text.is_some() && !formats.contains(&Some(Format::Ttf)) && !formats.contains(&None) {
+    if first.read.text.is_some() && !formats.contains(&Some(Format::Ttf)) && !formats.contains(&None) {
         return Err(Fault::usage("--text is for fonts, and neither of the two is one"));
     }
     let has_field = has_script || formats.contains(&Some(Format::Vm));
     // A text that nobody knows is refused for that.
-    if !first.set.is_empty() && !has_script && !formats.contains(&None) {
+    if !first.read.set.is_empty() && !has_script && !formats.contains(&None) {
         return Err(Fault::usage("--set is for shape scripts, and neither of the two is one"));
     }
-    if first.region.is_some() && !has_field && !formats.contains(&None) {
+    if first.read.region.is_some() && !has_field && !formats.contains(&None) {
         return Err(Fault::usage("--region is for fields, and neither of the two is one"));
     }
-    if first.surface.is_some() && !formats.contains(&Some(Format::Obj)) && !formats.contains(&None) {
+    if first.read.surface.is_some() && !formats.contains(&Some(Format::Obj)) && !formats.contains(&None) {
         return Err(Fault::usage("--surface is for polygons (.obj), and neither of the two has any"));
     }
     let [a, b] = bytes;
@@ -119,15 +120,16 @@ pub fn read_both(args: [&InputArgs; 2], job: &Job, console: &Console) -> Result<
 /// Without what is for fields or for polygons, where this has none.
 fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
     let mut args = args.clone();
+    let read = &mut *args.read;
     if format != Some(Format::Star) {
-        args.set.clear();
-        args.region = args.region.filter(|_| format == Some(Format::Vm));
+        read.set.clear();
+        read.region = read.region.filter(|_| format == Some(Format::Vm));
     }
     if format != Some(Format::Ttf) {
-        (args.text, args.em) = (None, None);
-        args.axes.clear();
+        (read.text, read.em) = (None, None);
+        read.axes.clear();
     }
-    args.surface = args.surface.filter(|_| format == Some(Format::Obj));
+    read.surface = read.surface.filter(|_| format == Some(Format::Obj));
     args
 }
 
@@ -162,7 +164,7 @@ impl RawInput {
     fn hint<'a>(&'a self, args: &'a InputArgs, letters: Option<&'a Letters>) -> FormatHint<'a> {
         let is_file = matches!(self.source, InputSource::File(_)) && !self.is_folder;
         let name = is_file.then_some(self.name.as_str());
-        FormatHint { name, format: args.from, set: &args.set, letters, region: args.region }
+        FormatHint { name, format: args.read.from, set: &args.read.set, letters, region: args.read.region }
     }
 
     fn format(&self, args: &InputArgs) -> Option<Format> {
@@ -184,7 +186,7 @@ impl RawInput {
 
     fn parse(&self, args: &InputArgs) -> Result<Input, Fault> {
         let name = &self.name;
-        let letters = args.letters();
+        let letters = args.read.letters();
         let limits = Limits { threads: self.job.threads, ..limits(args) };
         let mut open = |path: &str| match &self.source {
             // Files in a folder are beside its list.
@@ -205,9 +207,7 @@ impl RawInput {
                 .spelled(&CommandLine)
                 .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
         self.check_memory(&input, args)?;
-        let frame = input.shape.frame_mut();
-        frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
-        frame.up = args.up.or(frame.up);
+        args.read.complete(input.shape.frame_mut());
         Ok(input)
     }
 }
@@ -231,16 +231,8 @@ impl RawInput {
 }
 
 pub fn limits(args: &InputArgs) -> Limits {
-    let mut limits = Limits::default();
+    let mut limits = args.read.limits(Limits::default());
     limits.bytes = args.memory_limit().map_or(limits.bytes, |most| most.min(limits.bytes));
-    limits.conformance = match (args.strict, args.lenient) {
-        (true, _) => Conformance::Strict,
-        (_, true) => Conformance::Lenient,
-        _ => Conformance::Tolerant,
-    };
-    limits.drop_nonfinite = args.drop_nonfinite;
-    limits.index = args.index;
     limits.level = args.level;
-    limits.surface = args.surface.map(Into::into);
     limits
 }

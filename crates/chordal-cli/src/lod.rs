@@ -1,5 +1,5 @@
 //! `chordal lod`
-use crate::args::{AttributeArgs, ConsoleArgs, InputArgs, OutputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -7,6 +7,7 @@ use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
 use crate::numbers::{RoundingDirection, grouped, short};
+use crate::options::TableArgs;
 use crate::output::OutputTarget;
 use crate::output_folder::{FolderPlace, OutputFolder};
 use crate::output_set::OutputSetArgs;
@@ -16,13 +17,12 @@ use crate::run_outcome;
 use crate::spelling::CommandLine;
 use crate::summary::{SummaryLines, attribute};
 use chordal::budget::advice::Spell;
-use chordal::budget::{Length, Pixels};
-use chordal_io::tiles::GeoPlace;
 use chordal_io::{Format, picture_extensions};
 use chordal_verbs::formats::extensions_where;
+use chordal_verbs::options::{LodContainer, LodOptions};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report, RunFacts};
-use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, TileErrors, extension, lod};
-use clap::{Args, ValueEnum};
+use chordal_verbs::{Input, LodOutcome, extension, lod};
+use clap::Args;
 use std::io::Write;
 use std::path::Path;
 
@@ -38,65 +38,8 @@ Examples:
   chordal lod cage.obj --px 1 --nearest 2 -o tiles/
   chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
 pub struct LodArgs {
-    /// Maximum error on the screen, in device pixels; set viewers of the tiles to the same
-    #[arg(
-        long,
-        help_heading = "Budget",
-        value_name = "PIXELS",
-        default_value = "1",
-        allow_hyphen_values = true
-    )]
-    pub px: Pixels,
-
-    /// Screen and lens that the distances are for, e.g. "1920x1080 fov=60"; dist=LENGTH is the same as
-    /// --nearest
-    #[arg(long, help_heading = "Budget", value_name = "VIEW", default_value = "1920x1080 fov=60")]
-    pub view: LodLens,
-
-    /// The nearest that the camera comes to the bounding box: the finest level is fine enough there. Default:
-    /// where the box fills the height of the screen
-    #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = distance, allow_hyphen_values = true)]
-    pub nearest: Option<f64>,
-
-    /// Maximum error of the finest level, instead of --nearest: 0.1, 0.1mm, or 0.05% of the diagonal of the
-    /// bounding box
-    #[arg(long, help_heading = "Budget", value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
-    pub tol: Option<Length>,
-
-    /// Write the best levels even if the finest is not within the budget; the exit code is still 5
-    #[arg(long, help_heading = "Budget")]
-    pub keep_best: bool,
-
     #[command(flatten)]
-    pub attributes: AttributeArgs,
-
-    /// More distances for the table of which level is shown from where, e.g. 1,10,100
-    #[arg(long, help_heading = "Levels", value_name = "LENGTHS", value_delimiter = ',', value_parser = distance)]
-    pub distances: Vec<f64>,
-
-    /// Errors in tiles: scaled, so that the formula of viewers, which is exact in the middle of the screen,
-    /// keeps the pixels everywhere on it; or plain, the proved errors
-    #[arg(long, help_heading = "Levels", value_name = "WHICH", default_value = "scaled")]
-    pub errors: TileErrorsArg,
-
-    /// For tiles: maximum number of triangles of one; a finest level with more is split in space, with
-    /// matching borders
-    #[arg(long, help_heading = "Levels", value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
-    pub tile_triangles: u64,
-
-    /// Merge all parts into one mesh, so that small ones can vanish into others. By default each part has
-    /// levels of its own, and nodes, instances, skins and animations are kept
-    #[arg(long, help_heading = "Levels")]
-    pub merge: bool,
-
-    /// For tiles: the place of the origin on the Earth, with x to the east: degrees north, degrees east,
-    /// metres above the WGS 84 ellipsoid
-    #[arg(long, help_heading = "Levels", value_name = "LAT,LON[,H]", allow_hyphen_values = true)]
-    pub at: Option<GeoPlace>,
-
-    /// Normals of triangles, as for mesh
-    #[arg(long, help_heading = "Levels", value_name = "HOW", default_value = "auto")]
-    pub normals: Normals,
+    pub options: TableArgs<LodOptions>,
 
     #[command(flatten)]
     pub output: OutputArgs,
@@ -114,34 +57,18 @@ pub struct LodArgs {
     pub console: ConsoleArgs,
 }
 
-/// What tiles say of their errors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TileErrorsArg {
-    /// For the whole screen.
-    Scaled,
-    /// As proved.
-    Plain,
-}
-
-fn distance(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
-        _ => Err("a distance is a finite number greater than 0".to_owned()),
-    }
-}
-
 /// Reads, makes levels, writes, reports.
 pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let console = Console::new(&args.console);
-    if args.view.has_distance && (args.nearest.is_some() || args.tol.is_some()) {
-        let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
-        return Err(Fault::usage(message.to_owned()));
-    }
+    let options = &args.options;
     let form = LodForm::of(&args.output.output)?;
-    if args.at.is_some() && form != LodForm::Tiles {
+    if options.place.is_some() && form != LodForm::Tiles {
         return Err(Fault::usage("--at is for a folder of 3D Tiles: a glTF has no place on the Earth"));
     }
+    let container = if form == LodForm::Tiles { LodContainer::Tiles } else { LodContainer::OneFile };
+    let spec = options.spec(container, args.set.packing());
+    let spec = spec.map_err(|why| Fault::usage(why.spelled(&CommandLine).to_string()))?;
     let stdout = execution::stdout(&args.output, &args.console)?;
     let source = InputSource::from_arg(&args.input.input);
     let job = execution::job(&args.input, Some(&args.output), &console);
@@ -151,32 +78,15 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let input_triangles = input.shape.n_triangles();
     // A folder is made when there is an input.
     let output = output.open(args, &input)?;
-    let spec = LodSpec {
-        pixels: args.px,
-        lens: args.view.closest,
-        nearest: args.nearest.or(args.view.distance()),
-        length: args.tol,
-        distances: args.distances.clone(),
-        normals: args.normals,
-        attributes: args.attributes.limits(),
-        errors: match args.errors {
-            TileErrorsArg::Scaled => TileErrors::Scaled,
-            TileErrorsArg::Plain => TileErrors::Plain,
-        },
-        tile_triangles: (form == LodForm::Tiles).then_some(args.tile_triangles),
-        parts: if args.merge { LodParts::Merged } else { LodParts::Separate },
-        place: args.at,
-        packing: args.set.packing(),
-    };
     let name = source.name();
     let outcome = lod(input, &spec, &job)
         .spelled(&CommandLine)
         .map_err(|failure| run_outcome::fault(&name, &failure, ""))?;
     let unmet = outcome.unmet.as_ref().map(|why| {
-        let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
+        let hint = if options.keep_best { "" } else { "; --keep-best writes it" };
         Fault::new(Exit::Budget, "unmet", format!("{name}: {why}{hint}"))
     });
-    if let Some(fault) = unmet.clone().filter(|_| !args.keep_best) {
+    if let Some(fault) = unmet.clone().filter(|_| !options.keep_best) {
         return Err(fault);
     }
     let written = output.name();

@@ -1,5 +1,5 @@
 //! `chordal mend`
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -17,6 +17,7 @@ use crate::summary::{self, plural};
 use chordal::budget::Length;
 use chordal::budget::advice::Spell;
 use chordal_io::Format;
+use chordal_verbs::options::values::length;
 use chordal_verbs::report::{FindingFacts, RepairFacts, Report, RunFacts, ValidityFacts};
 use chordal_verbs::{Duplicates, HoleSelection, MendSpec, NestedShells, WeldTolerance, mend};
 use clap::{ArgGroup, Args, ValueEnum};

@@ -1,5 +1,5 @@
 //! `chordal render`
-use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::clock::Clock;
 use crate::console::Console;
 use crate::execution;
@@ -18,6 +18,7 @@ use chordal::budget::camera::Screen;
 use chordal::budget::{Length, Pixels, View};
 use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
 use chordal_io::PictureFormat;
+use chordal_verbs::options::values::length;
 use chordal_verbs::report::{Report, RunFacts};
 use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against, render_comb};
 use clap::{Args, ValueEnum};

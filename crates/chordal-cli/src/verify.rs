@@ -5,7 +5,6 @@ use crate::execution;
 use crate::fault::{Exit, Fault};
 use crate::input::InputSource;
 use crate::load;
-use crate::mesh::EffortArg;
 use crate::numbers::{RoundingDirection, short};
 use crate::run_outcome;
 use crate::spelling::CommandLine;
@@ -16,7 +15,7 @@ use chordal::budget::proof::ProofEffort;
 use chordal_verbs::{
     ClaimFacts, ClaimVerdict, VerifyReport, inputs_to_verify, n_coarser_levels, verify_levels,
 };
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -57,6 +56,15 @@ pub struct VerifyArgs {
     pub console: ConsoleArgs,
 }
 
+/// How far checks are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EffortArg {
+    /// To the end, however long it takes
+    Best,
+    /// About as far as what they check
+    Fast,
+}
+
 /// Reads all files, verifies, reports.
 pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let console = Console::new(&args.console);
@@ -67,7 +75,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
     let name = InputSource::from_arg(&args.input.input).name();
     let given = args.certificate.as_deref().map(read_report).transpose()?;
     // What polygons stand for is said of inputs that were read as cages, and of nothing that was made of them.
-    let plain = InputArgs { surface: None, ..args.input.clone() };
+    let mut plain = args.input.clone();
+    plain.read.surface = None;
     let mut out = load::read_other(&plain, &job, &console)?;
     let mut coarser = Vec::new();
     for level in 1..=n_coarser_levels(&out) {
@@ -78,7 +87,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Fault> {
         |sha256: &str| named.iter().any(|of| of.sha256.as_deref() == Some(sha256) && of.kind == "cage");
     let mut against = Vec::with_capacity(args.against.len());
     for path in &args.against {
-        let own = InputArgs { input: path.clone(), from: None, ..args.input.clone() };
+        let mut own = InputArgs { input: path.clone(), ..args.input.clone() };
+        own.read.from = None;
         against.push(load::read_of_digest(&own, is_cage, &job, &console)?);
     }
     args.volume.apply_to_all(std::iter::once(&mut out).chain(&mut against).map(|input| &mut input.shape))?;

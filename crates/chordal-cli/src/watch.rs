@@ -60,9 +60,9 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
 /// What evidence is asked for, one after the other: of a field a draft is there at once.
 fn attempts(args: &MeshArgs) -> Vec<Option<RequiredEvidence>> {
     let name = args.input.input.to_string_lossy();
-    let hint = FormatHint { name: Some(&name), format: args.input.from, ..FormatHint::default() };
+    let hint = FormatHint { name: Some(&name), format: args.input.read.from, ..FormatHint::default() };
     let is_field = matches!(hint.format_of(&[]), Some(Format::Star | Format::Vm));
-    match args.budget.require {
+    match args.options.require() {
         None if is_field && args.boolean.operands.is_empty() => vec![Some(RequiredEvidence::Estimated), None],
         require => vec![require],
     }
