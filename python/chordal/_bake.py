@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
 from chordal._arguments import function, number, whole
-from chordal._budget import Length, Share, budget_arguments
+from chordal._budget import Length, Share, length_argument
 from chordal._errors import BudgetError, BudgetUnmet
 from chordal._hints import keywords_hinted
 from chordal._sourced import Sourced
@@ -64,7 +64,7 @@ def _baked(
     """The distances; raises `BudgetUnmet` with the best where a length was not reached."""
     from chordal._volume import Volume
 
-    length = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="cells", is_needed=False)["length"]
+    length = length_argument(tol, rel)
     if (cells is None) == (length is None):
         raise BudgetError("cells, tol, rel: give one of them")
     arguments: _chordal.BakeArguments = {

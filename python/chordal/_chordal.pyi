@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final, TypedDict, final, type_check_only
 
 from chordal._blockwise.packing import BoundState, TileEntry
-from chordal._budget import BudgetArguments
+from chordal._options import Option
 from chordal._picture import PictureState
 
 __all__ = [
@@ -22,15 +22,8 @@ MOST_BYTES: Final[int]
 @type_check_only
 class Reading(TypedDict):
     name: str | None
-    format: str | None
-    unit: str | None
-    up: str | None
-    strict: bool
-    lenient: bool
-    drop_nonfinite: bool
-    surface: str | None
-    letters: tuple[str, float, list[tuple[str, float]], float] | None
-    index: int | None
+    options: list[Option]
+    align: float
 
 @type_check_only
 class Tags(TypedDict):
@@ -53,14 +46,6 @@ class BakeArguments(TypedDict):
     length: tuple[str, str] | None
     band: float | None
     bound: bool
-
-@type_check_only
-class Meant(TypedDict):
-    iso: float | None
-    inside: str | None
-    border: str
-    labels: Sequence[int] | None
-    smooth: str | None
 
 @type_check_only
 class FitArguments(TypedDict):
@@ -92,18 +77,8 @@ class MendArguments(TypedDict):
 
 @type_check_only
 class LodArguments(TypedDict):
-    pixels: float
-    view: str
-    nearest: float | None
-    length: tuple[str, str] | None
-    distances: Sequence[float]
-    uv_error: float | None
-    normal_error: float | None
-    normals: str | None
-    errors: str
-    tile_triangles: int | None
-    merge: bool
-    place: str | None
+    options: list[Option]
+    tiles: bool
     quantize: bool
     compress: bool
 
@@ -208,7 +183,7 @@ class Source:
     def deviation(
         self, other: Source, arguments: DeviationArguments, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
-    def surface(self, meant: Meant) -> Source: ...
+    def surface(self, options: list[Option]) -> Source: ...
     def transformed(
         self, rows: Sequence[Sequence[float]], unit: str | None, interval: tuple[float, float | None]
     ) -> tuple[Source, tuple[float, float | None]]: ...
@@ -217,7 +192,7 @@ class Source:
         self, arguments: BakeArguments, progress: Callable[[str, int, int], object] | None
     ) -> tuple[Source, str, str | None]: ...
     def mesh(
-        self, arguments: BudgetArguments, format: str, progress: Callable[[str, int, int], object] | None
+        self, options: list[Option], format: str, progress: Callable[[str, int, int], object] | None
     ) -> Outcome: ...
 
 @final
@@ -304,7 +279,7 @@ class ScriptValue:
 def combine(
     first: Source,
     others: list[tuple[str, Source]],
-    arguments: BudgetArguments,
+    options: list[Option],
     format: str,
     progress: Callable[[str, int, int], object] | None,
 ) -> Outcome: ...

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal
 from chordal import _chordal
 from chordal._arguments import function
 from chordal._bound import Bound
-from chordal._budget import Length, Share, Time, budget_arguments
+from chordal._budget import Length, Share, Time, length_options
 from chordal._errors import Refused
 from chordal._interop import mesh_of
+from chordal._option_tables import MESH
+from chordal._options import options
 from chordal._sourced import Sourced
 
 if TYPE_CHECKING:
@@ -137,9 +139,7 @@ def _combined(
 
     if not steps:
         raise ValueError("steps: at least one, as in ('difference', other)")
-    budget = budget_arguments(
-        tol=tol, rel=rel, pixels=None, view=None, within=within, counted="triangles", is_needed=False
-    )
+    budget = [*length_options(tol, rel), *options(MESH, within=within)]
     shapes: list[tuple[str, Combinable]] = [_step(step) for step in steps]
     tell = function("progress", progress)
     first, shapes = _without_nothing(first, shapes)

@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 
 from chordal import _chordal, _files
 from chordal._arguments import function, text
-from chordal._budget import Length, Share, budget_arguments
+from chordal._budget import Length, Share, length_argument
 from chordal._hints import keywords_hinted
 from chordal._made import Form
 from chordal._report import Report
@@ -87,9 +87,9 @@ class Convertible(Sourced):
         return written.write()
 
     def _written(self, form: Form, tol: Length | None, rel: Share | None) -> Written:
-        budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
+        distance = length_argument(tol, rel)
         refuse_unknown(self, form.format)
-        return _chordal.convert(self._source, form.format, form.packing, budget["length"], form.progress)
+        return _chordal.convert(self._source, form.format, form.packing, distance, form.progress)
 
 
 def extension_of(path: str | os.PathLike[str], shape: Sourced) -> str:

@@ -10,7 +10,7 @@ from chordal import _chordal
 from chordal._arguments import function, number, text
 from chordal._arrays import coordinates
 from chordal._bound import Bound, bound_of
-from chordal._budget import Length, Share, budget_arguments
+from chordal._budget import Length, Share, budget_options
 from chordal._hints import Guessed, refuse_own
 from chordal._polylines import Polylines
 from chordal._recipe import Recipe, Remakeable
@@ -316,7 +316,7 @@ class Curve(Remakeable, Guessed):
                [0.5 , 0.75],
                [1.  , 0.  ]])
         """
-        budget = budget_arguments(
+        budget = budget_options(
             tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
         )
         return Polylines._of(self._source.mesh(budget, "json", function("progress", progress)))

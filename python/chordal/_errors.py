@@ -70,7 +70,7 @@ class BudgetError(Error, ValueError):
     >>> shape.mesh(pixels=1)
     Traceback (most recent call last):
         ...
-    chordal._errors.BudgetError: pixels: say from where they are seen, as in view="1920x1080 fov=45 dist=4"
+    chordal._errors.BudgetError: a budget in pixels needs a view: add view="1920x1080 fov=45 dist=4" to pixels=1
     """
 
 

@@ -7,10 +7,11 @@ from typing import Literal, SupportsFloat
 
 from chordal import _chordal, _files
 from chordal._arguments import number
-from chordal._arguments import text as text_of
 from chordal._field import Field
 from chordal._files import shown
 from chordal._load import load, read
+from chordal._option_tables import READING
+from chordal._options import options
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
 
@@ -36,10 +37,11 @@ def text(
     length = number("tolerance", tolerance)
     if align not in _ALIGNMENTS:
         raise ValueError(f"align: 'left', 'center' or 'right', not {align!r}")
-    tags = [(tag, number(f"axes, {tag}", value)) for tag, value in axes.items()]
     reading = plain_reading("ttf")
     reading["name"] = shown(font)
-    reading["letters"] = (text_of("text", text) or "", number("em", em), tags, _ALIGNMENTS[align])
+    reading["options"] += options(READING, text=text, em=em)
+    reading["options"] += [("axis", tag, f"{tag}={number(f'axes, {tag}', value)!r}") for tag, value in axes.items()]
+    reading["align"] = _ALIGNMENTS[align]
     return _filled(read(_files.read(font), reading), shown(font), length)
 
 

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex, overload
 
 from chordal import _chordal, _files
-from chordal._arguments import function, number, text, whole
+from chordal._arguments import function, number
 from chordal._bound import Bound, bound_of
-from chordal._budget import Length, Share, budget_arguments
+from chordal._budget import Length, Share, length_options
 from chordal._errors import BudgetUnmet
 from chordal._hints import Guessed, keywords_hinted
+from chordal._option_tables import LOD
+from chordal._options import options
 from chordal._recipe import Recipe, Remakeable
 from chordal._report import Report
 from chordal._sourced import Sourced
@@ -206,22 +208,26 @@ class Levelled(Sourced):
         >>> levels.at(1e6).bound.at_most <= ring.mesh(triangles=40).bound.at_most * 40
         True
         """
-        budget = budget_arguments(tol=tol, rel=rel, pixels=None, view=None, counted="triangles", is_needed=False)
         if compress not in (None, "meshopt"):
             raise ValueError("compress: 'meshopt' is the one codec")
+        numbers = [repr(number("distances", distance)) for distance in distances]
+        given = options(
+            LOD,
+            pixels=pixels,
+            view=words_of(view),
+            nearest=nearest,
+            distances=",".join(numbers) or None,
+            uv_error=uv_error,
+            normal_error=normal_error,
+            normals=normals,
+            errors=errors,
+            tile_triangles=tile_triangles,
+            merge=merge,
+            at=at,
+        )
         arguments: _chordal.LodArguments = {
-            "pixels": number("pixels", pixels),
-            "view": words_of(view),
-            "nearest": None if nearest is None else number("nearest", nearest),
-            "length": budget["length"],
-            "distances": [number("distances", distance) for distance in distances],
-            "uv_error": None if uv_error is None else number("uv_error", uv_error),
-            "normal_error": None if normal_error is None else number("normal_error", normal_error),
-            "normals": text("normals", normals),
-            "errors": text("errors", errors) or "",
-            "tile_triangles": None if tile_triangles is None else whole("tile_triangles", tile_triangles),
-            "merge": bool(merge),
-            "place": text("at", at),
+            "options": [*length_options(tol, rel), *given],
+            "tiles": tile_triangles is not None,
             "quantize": bool(quantize),
             "compress": compress is not None,
         }

@@ -8,14 +8,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, TypeVar, overload
 
 from chordal import _chordal, _files
-from chordal._arguments import number, warn, whole
-from chordal._arguments import text as _text
+from chordal._arguments import number, warn
 from chordal._errors import ReadError
 from chordal._field import Field
 from chordal._hints import keywords_hinted
 from chordal._images import lattice_like
 from chordal._interop import mesh_like
 from chordal._mesh import Mesh
+from chordal._option_tables import READING
+from chordal._options import options
 from chordal._shape import Shape
 from chordal._volume import Volume
 
@@ -167,22 +168,21 @@ def load(
         raise TypeError(f"source: a path, an open file or bytes, not {type(source).__name__}{_who_takes(source)}")
     if text is None and (em is not None or axes is not None):
         raise ValueError("em, axes: they are for the text that a font sets; add text=")
-    letters = None
-    if text is not None:
-        tags = [(str(tag), number(f"axes, {tag}", value)) for tag, value in (axes or {}).items()]
-        letters = (_text("text", text) or "", 1.0 if em is None else number("em", em), tags, 0.0)
-    reading: _chordal.Reading = {
-        "name": name,
-        "format": _text("format", format),
-        "unit": _text("unit", unit),
-        "up": _text("up", up),
-        "strict": bool(strict),
-        "lenient": bool(lenient),
-        "drop_nonfinite": bool(drop_nonfinite),
-        "surface": _text("surface", surface),
-        "letters": letters,
-        "index": None if index is None else whole("index", index, 0),
-    }
+    given = options(
+        READING,
+        format=format,
+        unit=unit,
+        up=up,
+        strict=bool(strict),
+        lenient=bool(lenient),
+        drop_nonfinite=bool(drop_nonfinite),
+        surface=surface,
+        text=text,
+        em=em,
+        index=index,
+    )
+    given += [("axis", "axes", f"{tag}={number(f'axes, {tag}', value)!r}") for tag, value in (axes or {}).items()]
+    reading: _chordal.Reading = {"name": name, "options": given, "align": 0.0}
     found = read(content, reading)
     if kind is not None and not isinstance(found, kind):
         raise ReadError("other-kind", None, _other_kind(found, kind), name)

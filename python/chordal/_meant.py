@@ -7,7 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal
-from chordal._arguments import number, text, warn
+from chordal._arguments import number, warn
+from chordal._option_tables import SURFACE
+from chordal._options import options
 
 
 def meant_of(known: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
@@ -35,16 +37,14 @@ def meant(
         return source
     if source.kind != "volume":
         raise TypeError(f"{', '.join(said)}: for samples on a lattice; these are {source.kind}")
-    arguments: _chordal.Meant = {
-        "iso": None if iso is None else number("iso", iso),
-        "inside": text("inside", inside),
-        "border": text("border", border) or "capped",
-        "labels": None if labels is None else [] if isinstance(labels, str) and labels == "all" else _labels(labels),
-        "smooth": None if smooth is None else smooth if isinstance(smooth, str) else repr(number("smooth", smooth)),
-    }
+    if border not in (None, "capped", "open"):
+        raise ValueError(f"border: 'capped' or 'open', not {border!r}")
+    listed = labels if labels is None or isinstance(labels, str) and labels == "all" else ",".join(map(str, _labels(labels)))
+    width = smooth if smooth is None or isinstance(smooth, str) else repr(number("smooth", smooth))
+    given = options(SURFACE, iso=iso, inside=inside, open=border == "open", labels=listed, smooth=width)
     if iso is not None and inside is None and labels is None:
-        _warn_of_unclear_sides(source, arguments["iso"])
-    return source.surface(arguments)
+        _warn_of_unclear_sides(source, number("iso", iso))
+    return source.surface(given)
 
 
 #: Where more than this share of the ends of a lattice are on the side that is taken for inside, it is said. Chosen: a body reaches

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 from chordal import _chordal, _files
 from chordal._arguments import function, number, text, whole
 from chordal._arrays import as_asked
-from chordal._budget import Length, budget_arguments, length
+from chordal._budget import Length, length, length_argument
 from chordal._hints import Guessed, keywords_hinted
 from chordal._report import Report
 from chordal._sourced import Sourced
@@ -145,7 +145,7 @@ class Pictured(Sourced):
             raise ValueError("against: for show='deviation', which needs it")
         if pixels is not None and tol is not None:
             raise ValueError("pixels, tol: give one of them")
-        budget = budget_arguments(tol=tol, rel=None, pixels=None, view=None, counted="triangles", is_needed=False)
+        distance = length_argument(tol, None)
         styles = ("shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb")
         if show not in styles:
             raise ValueError(f"show: one of {', '.join(styles)}, not {show!r}")
@@ -155,7 +155,7 @@ class Pictured(Sourced):
             "size": (width, height),
             "view": None if view is None else words_of(view),
             "pixels": None if pixels is None else number("pixels", pixels),
-            "length": budget["length"],
+            "length": distance,
             "darkest": None if darkest is None else length("darkest", darkest),
         }
         from chordal._verbs import shaped

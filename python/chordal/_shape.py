@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function
 from chordal._bake import Bakeable
-from chordal._budget import NO_BUDGET, Length, Share, Time, budget_arguments
+from chordal._budget import Length, Share, Time, budget_options
 from chordal._combine import Combinable
 from chordal._convert import Convertible
 from chordal._deviation import Deviation, measured
@@ -189,9 +189,9 @@ class Shape(
         source = meant(self._source, **dict.fromkeys(words) | meant_of(known, words)) if is_said else self._source
         limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel, require)
         if source.kind == "volume" and all(limit is None for limit in limits):
-            budget = NO_BUDGET
+            budget = []
         else:
-            budget = budget_arguments(
+            budget = budget_options(
                 tol=tol,
                 rel=rel,
                 pixels=pixels,
@@ -265,7 +265,7 @@ class Shape(
         >>> len(lines), lines[0].closed, lines.bound.at_most <= 0.01
         (1, True, True)
         """
-        budget = budget_arguments(
+        budget = budget_options(
             tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
         )
         if self.kind not in ("curves", "drawing"):

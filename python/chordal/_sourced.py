@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from chordal import _chordal
+from chordal._option_tables import READING
+from chordal._options import options
 
 
 class Sourced:
@@ -17,15 +19,4 @@ class Sourced:
 
 def plain_reading(format: str, unit: str | None = None) -> _chordal.Reading:
     """How bytes of our own are read: of that format, and as they are."""
-    return {
-        "name": None,
-        "format": format,
-        "unit": unit,
-        "up": None,
-        "strict": False,
-        "lenient": False,
-        "drop_nonfinite": False,
-        "surface": None,
-        "letters": None,
-        "index": None,
-    }
+    return {"name": None, "options": options(READING, format=format, unit=unit), "align": 0.0}

@@ -94,6 +94,8 @@ class View:
 
 def words_of(view: View | str) -> str:
     """The text of a view, if it begins as one: with the size of the screen."""
+    if not isinstance(view, (str, View)):
+        raise TypeError(f"view: a chordal.View or the text of one, not {type(view).__name__}")
     if isinstance(view, str) and not view.lstrip()[:1].isdigit():
         raise BudgetError(
             f"view: it begins with the size of the screen, as in '1280x960 fov=30 eye=4,-6,3 target=0,0,1', not {view!r}; "

@@ -3,7 +3,7 @@ use crate::deviation::NamedInput;
 use crate::failure;
 use crate::outcome::{MeshOrder, MeshTask, Outcome};
 use crate::source::Source;
-use crate::spec::BudgetArguments;
+use crate::spec::{self, GivenOptions};
 use chordal::boolean::BooleanOp;
 use chordal_io::{Format, UnknownFormat};
 use chordal_verbs::{BooleanOperand, Input};
@@ -15,7 +15,7 @@ pub(crate) fn combine(
     py: Python<'_>,
     first: &Source,
     others: Vec<(String, Py<Source>)>,
-    arguments: BudgetArguments,
+    options: GivenOptions,
     format: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Outcome> {
@@ -34,7 +34,7 @@ pub(crate) fn combine(
         let name = name.unwrap_or_else(|| format!("step {number}"));
         operands.push(BooleanOperand { op, name, input: Input::clone(&input) });
     }
-    let (spec, patience) = arguments.spec(py)?;
+    let (spec, patience) = spec::budget(py, &options)?;
     let order = MeshOrder { input, name, task: MeshTask::Combine(operands, spec, patience), calls };
     Outcome::new(py, order, to.into(), progress)
 }

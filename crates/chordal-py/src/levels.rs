@@ -1,18 +1,16 @@
 //! Levels of detail, from Python's arguments.
 use crate::outcome::{FileBytes, file_bytes};
 use crate::source::Source;
-use crate::spec::parse_argument;
+use crate::spec::{GivenOptions, mismatch, request};
 use crate::work::ProgressListener;
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
-use chordal::budget::attributes::AttributeLimits;
-use chordal::budget::{Length, Pixels};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::glb::GltfPacking;
-use chordal_io::tiles::GeoPlace;
 use chordal_io::{FileSet, Format};
+use chordal_verbs::options::{LodContainer, LodOptions};
 use chordal_verbs::report::{BoundFacts, Report, RunFacts};
-use chordal_verbs::{Input, LodLens, LodOutcome, LodParts, LodSpec, Normals, Shape, TileErrors, lod};
+use chordal_verbs::{Input, LodOutcome, LodSpec, Shape, lod};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -21,60 +19,19 @@ use std::sync::Arc;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct LodArguments {
-    pixels: f64,
-    view: String,
-    nearest: Option<f64>,
-    /// The name of an argument, and the length as the command reads it.
-    length: Option<(String, String)>,
-    distances: Vec<f64>,
-    uv_error: Option<f64>,
-    normal_error: Option<f64>,
-    normals: Option<String>,
-    /// "scaled" or "plain".
-    errors: String,
-    tile_triangles: Option<u64>,
-    merge: bool,
-    /// Degrees north and east, metres, as the command reads them.
-    place: Option<String>,
+    options: GivenOptions,
+    /// Whether a large finest level is split into tiles.
+    tiles: bool,
     quantize: bool,
     compress: bool,
 }
 
 impl LodArguments {
-    fn spec(self, py: Python<'_>) -> PyResult<LodSpec> {
-        let wrong = |name: &str, error: String| failure::budget(py, &format!("{name}: {error}"));
-        let lens: LodLens = self.view.parse().map_err(|error| wrong("view", error))?;
-        let length = self
-            .length
-            .map(|(name, text)| text.parse::<Length>().map_err(|error| wrong(&name, error.to_string())));
-        let length = length.transpose()?;
-        if lens.has_distance && (self.nearest.is_some() || length.is_some()) {
-            return Err(wrong(
-                "view",
-                "it says a distance, and so does nearest=, or tol= in its place".to_owned(),
-            ));
-        }
-        let attributes = AttributeLimits::new(self.uv_error, self.normal_error);
-        Ok(LodSpec {
-            pixels: Pixels::new(self.pixels).map_err(|error| wrong("pixels", error.to_string()))?,
-            lens: lens.closest,
-            nearest: self.nearest.or(lens.distance()),
-            length,
-            distances: self.distances,
-            normals: parse_argument::<Normals>("normals", self.normals.as_deref())?.unwrap_or_default(),
-            errors: match self.errors.as_str() {
-                "scaled" => TileErrors::Scaled,
-                "plain" => TileErrors::Plain,
-                other => {
-                    return Err(failure::argument("errors", format!("'scaled' or 'plain', not '{other}'")));
-                }
-            },
-            tile_triangles: self.tile_triangles,
-            attributes: attributes.map_err(|error| wrong("uv_error, normal_error", error.to_string()))?,
-            parts: if self.merge { LodParts::Merged } else { LodParts::Separate },
-            place: parse_argument::<GeoPlace>("at", self.place.as_deref())?,
-            packing: GltfPacking { is_compressed: self.compress, is_quantized: self.quantize },
-        })
+    fn spec(&self, py: Python<'_>) -> PyResult<LodSpec> {
+        let options: LodOptions = request(py, &self.options)?;
+        let container = if self.tiles { LodContainer::Tiles } else { LodContainer::OneFile };
+        let packing = GltfPacking { is_compressed: self.compress, is_quantized: self.quantize };
+        options.spec(container, packing).map_err(|why| mismatch(py, why))
     }
 }
 

@@ -5,15 +5,18 @@ use crate::deviation::{self, DeviationArguments, NamedInput};
 use crate::outcome::{MeshOrder, MeshTask, Outcome};
 use crate::python_leaf::CallLog;
 use crate::script_value::take_exception;
-use crate::spec::{BudgetArguments, parse_argument};
-use crate::volume::{BakeArguments, BakedVolume, Meant, bake_input};
+use crate::spec::{self, GivenOptions, parse_argument};
+use crate::volume::{BakeArguments, BakedVolume, bake_input};
 use crate::{failure, work};
 use chordal::budget::advice::Spell;
 use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::font::Letters;
-use chordal_io::{Axis, Conformance, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{FormatHint, Input, Shape, inspect, load_with, transform_input, written_names};
+use chordal_io::{Format, Frame, Limits, ReadError, UnknownFormat};
+use chordal_verbs::options::ReadOptions;
+use chordal_verbs::{
+    FormatHint, Input, Shape, SurfaceSpec, inspect, load_with, transform_input, written_names,
+};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::path::Path;
@@ -28,51 +31,31 @@ pub(crate) struct Source {
     calls: Vec<Arc<CallLog>>,
 }
 
-/// A text, the length of the em, where axes of the font are, and the share of each line that stands left of 0.
-type LetterArguments = (String, f64, Vec<(String, f64)>, f64);
-
 /// How to read some bytes.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Reading {
     /// The name of the file, if they are from one.
     name: Option<String>,
-    format: Option<String>,
-    unit: Option<String>,
-    up: Option<String>,
-    strict: bool,
-    lenient: bool,
-    drop_nonfinite: bool,
-    surface: Option<String>,
-    /// What a font sets, its em, where its axes are, and how lines are aligned.
-    letters: Option<LetterArguments>,
-    /// Which volume of a file of several.
-    index: Option<u64>,
+    options: GivenOptions,
+    /// How the lines of a text are aligned, see [`Letters::align`].
+    align: f64,
 }
 
-impl Reading {
-    fn read(
-        self,
-        bytes: &[u8],
-        format: Option<Format>,
-        surface: Option<PolygonSurface>,
-    ) -> Result<(Input, Option<String>), ReadFailure> {
-        let conformance = match (self.strict, self.lenient) {
-            (true, _) => Conformance::Strict,
-            (_, true) => Conformance::Lenient,
-            _ => Conformance::Tolerant,
-        };
-        let limits = Limits {
-            conformance,
-            drop_nonfinite: self.drop_nonfinite,
-            surface,
-            index: self.index,
-            ..Limits::default()
-        };
-        let letters = self.letters.map(|(text, em, axes, align)| Letters { text, em, axes, align });
+/// How to read some bytes, as the verbs take it.
+struct ReadRequest {
+    name: Option<String>,
+    options: ReadOptions,
+    align: f64,
+}
+
+impl ReadRequest {
+    fn read(self, bytes: &[u8]) -> Result<(Input, Option<String>), ReadFailure> {
+        let limits = self.options.limits(Limits::default());
+        let letters = self.options.letters().map(|letters| Letters { align: self.align, ..letters });
         let hint = FormatHint {
             name: self.name.as_deref(),
-            format,
+            format: self.options.from,
             letters: letters.as_ref(),
             ..FormatHint::default()
         };
@@ -80,9 +63,11 @@ impl Reading {
             Some(first) => chordal_cli::read_beside(Path::new(first), path, limits.bytes),
             None => Err("bytes are in no folder".to_owned()),
         };
-        let loaded = load_with(bytes, hint, &mut open, &limits);
-        match loaded {
-            Ok(input) => Ok((input.spelled(&CommandLine), self.name)),
+        match load_with(bytes, hint, &mut open, &limits) {
+            Ok(mut input) => {
+                self.options.complete(input.shape.frame_mut());
+                Ok((input.spelled(&CommandLine), self.name))
+            }
             Err(error) => Err(ReadFailure { error, name: self.name }),
         }
     }
@@ -99,16 +84,13 @@ impl Source {
     /// The shape that some bytes hold.
     #[new]
     fn new(py: Python<'_>, bytes: PyBackedBytes, reading: Reading) -> PyResult<Self> {
-        let format = parse_argument::<Format>("format", reading.format.as_deref())?;
-        let unit = parse_argument::<Unit>("unit", reading.unit.as_deref())?;
-        let up = reading.up.as_deref().map(axis).transpose()?;
-        let surface = reading.surface.as_deref().map(polygon_surface).transpose()?;
-        let read = work::run(py, None, move |_| reading.read(&bytes, format, surface))?;
-        let (mut input, name) =
-            read.map_err(|unread| failure::read(py, unread.error, unread.name.as_deref()))?;
-        let frame = input.shape.frame_mut();
-        frame.metres_per_unit = unit.map(Unit::metres).or(frame.metres_per_unit);
-        frame.up = up.or(frame.up);
+        let request = ReadRequest {
+            name: reading.name,
+            options: spec::request(py, &reading.options)?,
+            align: reading.align,
+        };
+        let read = work::run(py, None, move |_| request.read(&bytes))?;
+        let (input, name) = read.map_err(|unread| failure::read(py, unread.error, unread.name.as_deref()))?;
         Ok(Self { input: Arc::new(input), name, calls: Vec::new() })
     }
 
@@ -185,8 +167,8 @@ impl Source {
     }
 
     /// A volume with the surface of it that is meant.
-    fn surface(&self, py: Python<'_>, meant: Meant) -> PyResult<Self> {
-        let spec = meant.spec()?;
+    fn surface(&self, py: Python<'_>, options: GivenOptions) -> PyResult<Self> {
+        let spec: SurfaceSpec = spec::request(py, &options)?;
         let mut input = Input::clone(&self.input);
         let Shape::Volume(sampled) = &mut input.shape else {
             return Err(failure::internal(py, "this is no volume"));
@@ -238,12 +220,12 @@ impl Source {
     fn mesh(
         &self,
         py: Python<'_>,
-        arguments: BudgetArguments,
+        options: GivenOptions,
         format: &str,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Outcome> {
         let to: Format = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
-        let (spec, patience) = arguments.spec(py)?;
+        let (spec, patience) = spec::budget(py, &options)?;
         let order = self.order(MeshTask::Mesh(spec, patience));
         Outcome::new(py, order, to.into(), progress).map_err(|error| self.raised().unwrap_or(error))
     }
@@ -301,25 +283,4 @@ fn transformed_input(
         scene.frame.metres_per_unit = Some(unit.metres());
     }
     Ok((made, stretch.interval(at_least, at_most)))
-}
-
-fn polygon_surface(text: &str) -> PyResult<PolygonSurface> {
-    match text {
-        "catmull-clark" => Ok(PolygonSurface::CatmullClark),
-        "loop" => Ok(PolygonSurface::Loop),
-        "bilinear" => Ok(PolygonSurface::Bilinear),
-        "faceted" => Ok(PolygonSurface::Faceted),
-        _ => Err(failure::argument(
-            "surface",
-            format!("'catmull-clark', 'loop', 'bilinear' or 'faceted', not '{text}'"),
-        )),
-    }
-}
-
-fn axis(text: &str) -> PyResult<Axis> {
-    match text {
-        "y" => Ok(Axis::Y),
-        "z" => Ok(Axis::Z),
-        _ => Err(failure::argument("up", format!("'{text}' is not y or z"))),
-    }
 }

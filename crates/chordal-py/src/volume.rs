@@ -4,15 +4,12 @@ use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::work::ProgressListener;
 use crate::{failure, work};
+use chordal::budget::Length;
 use chordal::budget::advice::Spell;
-use chordal::budget::{InvalidLength, Length};
 use chordal_cli::spelling::CommandLine;
 use chordal_io::{Format, Volume};
 use chordal_verbs::report::{Report, RunFacts};
-use chordal_verbs::{
-    BakeResolution, BakeSpec, Border, Input, Inside, LabelSelection, Shape, SurfaceSpec, VolumeShape, bake,
-    sha256,
-};
+use chordal_verbs::{BakeResolution, BakeSpec, Input, Shape, SurfaceSpec, VolumeShape, bake, sha256};
 use pyo3::prelude::*;
 
 /// Samples as an array, z, y and x, x fastest; the three rows that take an index (x, y, z, 1) to space; and the length of a unit
@@ -35,46 +32,6 @@ pub(crate) fn samples(py: Python<'_>, source: &Source) -> PyResult<(Array, [[f64
         _ => ArrayData::empty(),
     });
     Ok((array, affine, sampled.volume.frame.metres_per_unit))
-}
-
-/// Which surface of a volume is meant, in Python's words.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct Meant {
-    iso: Option<f64>,
-    /// "high" or "low".
-    inside: Option<String>,
-    /// "capped" or "open".
-    border: String,
-    /// An empty list stands for all but 0.
-    labels: Option<Vec<i64>>,
-    /// As in "1.5mm" or "0.8vox".
-    smooth: Option<String>,
-}
-
-impl Meant {
-    /// The same as the verbs take it.
-    pub(crate) fn spec(self) -> PyResult<SurfaceSpec> {
-        let inside = match self.inside.as_deref() {
-            None => None,
-            Some("high") => Some(Inside::High),
-            Some("low") => Some(Inside::Low),
-            Some(other) => {
-                return Err(failure::argument("inside", format!("'high' or 'low', not '{other}'")));
-            }
-        };
-        let border = match self.border.as_str() {
-            "capped" => Border::Capped,
-            "open" => Border::Open,
-            other => return Err(failure::argument("border", format!("'capped' or 'open', not '{other}'"))),
-        };
-        let labels = self
-            .labels
-            .map(|list| if list.is_empty() { LabelSelection::All } else { LabelSelection::Listed(list) });
-        let smooth = self.smooth.map(|text| text.parse()).transpose();
-        let smooth = smooth.map_err(|why: InvalidLength| failure::argument("smooth", why.to_string()))?;
-        Ok(SurfaceSpec { level: self.iso, inside, border, labels, smooth })
-    }
 }
 
 /// The lattice of a bake, in Python's words.
