@@ -1,26 +1,40 @@
 //! A file in, a file out: any shape into triangles.
-use crate::options::MeshOptions;
+use crate::options::MeshCall;
 use crate::outcome::Outcome;
 use crate::spelling::{AsCommand, JsonKeys};
 use chordal::Job;
 use chordal::budget::advice::Spell;
 use chordal_io::Limits;
-use chordal_verbs::{FormatHint, MeshFailure, MeshOutcome, load, mesh as mesh_verb};
+use chordal_verbs::{FormatHint, MeshFailure, MeshOutcome, Shape, load, mesh as mesh_verb};
 
 /// Turns the shape in `input` into triangles.
 pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
-    let options = match MeshOptions::parse(options) {
+    let options = match MeshCall::parse(options) {
         Ok(options) => options,
         Err(error) => return Outcome::failed(2, error),
     };
-    let hint = FormatHint { name: options.name.as_deref(), format: options.from, ..FormatHint::default() };
-    let mut input = match load(input, hint, &Limits::default()) {
+    let letters = options.read.letters();
+    let hint = FormatHint {
+        name: options.name.as_deref(),
+        format: options.read.from,
+        set: &options.read.set,
+        letters: letters.as_ref(),
+        region: options.read.region,
+    };
+    let mut input = match load(input, hint, &options.read.limits(Limits::default())) {
         Ok(input) => input,
         Err(error) => return Outcome::failed(3, error.spelled(&JsonKeys)),
     };
-    let frame = input.shape.frame_mut();
-    frame.metres_per_unit = options.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
-    frame.up = options.up.or(frame.up);
+    options.read.complete(input.shape.frame_mut());
+    if let Some(surface) = options.surface {
+        let Shape::Volume(sampled) = &mut input.shape else {
+            return Outcome::failed(
+                2,
+                "iso, inside, labels, smooth, cap and open are for volumes, and this is none",
+            );
+        };
+        sampled.surface = surface;
+    }
     match mesh_verb(input, &options.spec, options.to, &Job::default()) {
         Ok(made) => mesh_outcome(made),
         Err(failure) => {

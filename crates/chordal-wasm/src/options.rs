@@ -1,72 +1,55 @@
-//! What a caller asks for, from its JSON.
-use chordal::budget::{Length, PixelBudget, Pixels, RequiredEvidence, Unit, View};
+//! `MeshCall`: a call of `mesh`, from its JSON. Its keys are the options of the tables that all shells read, with `_` for `-`.
+use crate::spelling::JsonKeys;
+use chordal::budget::advice::Spell;
+use chordal_io::Format;
 use chordal_io::glb::GltfPacking;
-use chordal_io::{Axis, Format};
 use chordal_verbs::formats::{self, in_words, names_where};
-use chordal_verbs::{BudgetSpec, Normals, OutputForm};
+use chordal_verbs::options::{MeshOptions, OptionRow, OptionTable, OptionValues, ReadOptions};
+use chordal_verbs::{BudgetSpec, OutputForm, SurfaceSpec};
 use serde_json::{Map, Value};
-use std::str::FromStr;
 
-/// What a caller asks for.
+/// A call of `mesh`.
 #[derive(Clone, Debug)]
-pub(crate) struct MeshOptions {
+pub(crate) struct MeshCall {
     pub name: Option<String>,
-    pub from: Option<Format>,
+    pub read: ReadOptions,
     pub to: OutputForm,
-    pub unit: Option<Unit>,
-    pub up: Option<Axis>,
     pub spec: BudgetSpec,
     pub keep_best: bool,
+    /// Which surface of a volume is meant, if anything is said of one.
+    pub surface: Option<SurfaceSpec>,
 }
 
-/// The names of all options.
-pub(crate) const KEYS: [&str; 15] = [
-    "name",
-    "from",
-    "to",
-    "unit",
-    "up",
-    "tol",
-    "px",
-    "view",
-    "triangles",
-    "segments",
-    "normals",
-    "require",
-    "keep_best",
-    "compress",
-    "quantize",
-];
+/// The keys that stand in no table.
+const OWN_KEYS: [&str; 3] = ["name", "compress", "quantize"];
+/// Options that a module without a clock and with one file as its result cannot serve.
+const NOT_HERE: [&str; 2] = ["within", "level"];
 
-impl MeshOptions {
-    /// Reads the JSON object; what is wrong with it comes back in one sentence.
+/// The names of all keys.
+pub(crate) fn keys() -> impl Iterator<Item = String> {
+    let budget = MeshOptions::ROWS.iter().map(|row| row.name).filter(|name| !NOT_HERE.contains(name));
+    let reading = ReadOptions::ROWS.iter().map(|row| row.name);
+    let surface = SurfaceSpec::ROWS.iter().map(|row| row.name);
+    OWN_KEYS.into_iter().chain(reading).chain(budget).chain(surface).map(|name| name.replace('-', "_"))
+}
+
+impl MeshCall {
+    /// Reads the JSON object. The error is one sentence.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         let value: Value =
             serde_json::from_slice(bytes).map_err(|error| format!("options are a JSON object: {error}"))?;
         let Value::Object(all) = value else { return Err("options are a JSON object".to_owned()) };
-        if let Some(key) = all.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            return Err(format!("there is no option '{key}'; there are {}", KEYS.join(", ")));
+        if let Some(key) = all.keys().find(|key| !keys().any(|known| known == **key)) {
+            let known: Vec<String> = keys().collect();
+            return Err(format!("there is no option '{key}'; there are {}", known.join(", ")));
         }
         let all = OptionReader(&all);
-        let pixels = match (all.parsed::<Pixels>("px")?, all.parsed::<View>("view")?) {
-            (Some(pixels), Some(view)) => Some(PixelBudget { pixels, view }),
-            (None, None) => None,
-            _ => return Err("px and view belong together".to_owned()),
-        };
-        let spec = BudgetSpec {
-            length: all.parsed::<Length>("tol")?,
-            pixels,
-            triangles: all.count("triangles")?,
-            segments: all.count("segments")?,
-            normals: all.parsed::<Normals>("normals")?.unwrap_or_default(),
-            require: all.parsed::<RequiredEvidence>("require")?,
-            ..BudgetSpec::default()
-        };
+        let options: MeshOptions = all.request()?.unwrap_or_default();
+        let spec = options.spec().map_err(|why| why.spelled(&JsonKeys).to_string())?;
         if !spec.has_limit() {
             return Err("a budget is needed: tol, px with view, triangles or segments".to_owned());
         }
-        let to: Format =
-            all.parsed("to")?.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
+        let to = options.to.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
         if !to.holds_triangles() && !to.holds_polylines() {
             return Err(format!("{to} is only read; what can be written is {}", formats::output_names()));
         }
@@ -81,12 +64,11 @@ impl MeshOptions {
         }
         Ok(Self {
             name: all.text("name")?,
-            from: all.parsed("from")?,
+            read: all.request()?.unwrap_or_default(),
             to: OutputForm { format: to, packing },
-            unit: all.parsed::<Unit>("unit")?,
-            up: all.axis("up")?,
             spec,
-            keep_best: all.flag("keep_best")?,
+            keep_best: options.keep_best,
+            surface: all.request()?,
         })
     }
 }
@@ -95,6 +77,43 @@ impl MeshOptions {
 struct OptionReader<'a>(&'a Map<String, Value>);
 
 impl OptionReader<'_> {
+    /// The request that the options of a table make, if any of them is given.
+    fn request<S: OptionTable>(&self) -> Result<Option<S>, String> {
+        let mut request = None;
+        for row in S::ROWS {
+            let key = row.name.replace('-', "_");
+            let texts = match self.get(&key) {
+                // As in `"set": ["r=1", "h=2"]`.
+                Some(Value::Array(all)) if row.is_repeatable => {
+                    let text = |value: &Value| value.as_str().map(str::to_owned);
+                    let texts: Option<Vec<String>> = all.iter().map(text).collect();
+                    texts.ok_or_else(|| format!("{key} is a list of texts"))?
+                }
+                _ => self.text_for(row, &key)?.into_iter().collect(),
+            };
+            for text in texts {
+                let request = request.get_or_insert_with(S::default);
+                (row.set)(request, &text).map_err(|why| format!("{key}: {why}"))?;
+            }
+        }
+        Ok(request)
+    }
+
+    /// The text of an option's value, empty for a flag that is set.
+    fn text_for<S>(&self, row: &OptionRow<S>, key: &str) -> Result<Option<String>, String> {
+        if row.values == OptionValues::Flag {
+            return Ok(self.flag(key)?.then(String::new));
+        }
+        match self.get(key) {
+            // As in `"labels": [1, 2]`.
+            Some(Value::Array(all)) => {
+                let texts: Vec<String> = all.iter().map(Value::to_string).collect();
+                Ok(Some(texts.join(",")))
+            }
+            _ => self.text(key),
+        }
+    }
+
     fn get(&self, key: &str) -> Option<&Value> {
         self.0.get(key).filter(|value| !value.is_null())
     }
@@ -109,28 +128,39 @@ impl OptionReader<'_> {
         }
     }
 
-    fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, String> {
-        let text = self.text(key)?;
-        text.map(|text| text.parse().map_err(|error: T::Err| format!("{key}: {}", error.to_string())))
-            .transpose()
-    }
-
-    fn axis(&self, key: &str) -> Result<Option<Axis>, String> {
-        match self.text(key)?.as_deref() {
-            None => Ok(None),
-            Some("y") => Ok(Some(Axis::Y)),
-            Some("z") => Ok(Some(Axis::Z)),
-            Some(_) => Err(format!("{key} is y or z")),
-        }
-    }
-
-    fn count(&self, key: &str) -> Result<Option<u64>, String> {
-        let wrong = || format!("{key} is a whole number greater than 0");
-        self.get(key).map(|value| value.as_u64().filter(|n| *n > 0).ok_or_else(wrong)).transpose()
-    }
-
     fn flag(&self, key: &str) -> Result<bool, String> {
         self.get(key)
             .map_or(Ok(false), |value| value.as_bool().ok_or_else(|| format!("{key} is true or false")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_option_of_the_tables_is_a_key() {
+        let call = MeshCall::parse(
+            br#"{"to": "glb", "tol": "0.1%", "px": 1, "view": "100x100 fov=45 dist=4", "angle": "5deg", "uv_error": "1%",
+                "normal_error": 10, "triangles": 500, "require": "measured", "effort": "fast", "spacing": "even",
+                "normals": "flat", "extrude": "2mm", "bevel": 0.1, "keep_best": true, "labels": [1, 2], "open": true, "unit": "mm",
+                "set": ["r=1", "h=2"]}"#,
+        )
+        .expect("all are keys");
+        assert!(call.keep_best && call.spec.bevel.is_some() && call.spec.attributes.is_set());
+        assert_eq!(call.read.set.len(), 2);
+        let surface = call.surface.expect("labels are given");
+        assert_eq!(surface.labels.map(|labels| format!("{labels:?}")), Some("Listed([1, 2])".to_owned()));
+    }
+
+    #[test]
+    fn tells_the_key_that_is_wrong() {
+        let error = |json: &str| MeshCall::parse(json.as_bytes()).expect_err("it is wrong");
+        assert!(error(r#"{"to": "glb", "tol": -1}"#).starts_with("tol: "));
+        assert!(
+            error(r#"{"to": "glb", "tol": 1, "within": "5s"}"#).starts_with("there is no option 'within'")
+        );
+        assert!(error(r#"{"to": "glb", "px": 1}"#).contains("\"view\": \"1920x1080"));
+        assert!(error(r#"{"to": "glb", "normals": "flat"}"#).starts_with("a budget is needed"));
     }
 }

@@ -1,5 +1,5 @@
 //! `JsonKeys` and `AsCommand`: how this module spells settings, in its sentences and in certificates.
-use crate::options::KEYS;
+use crate::options::keys;
 use chordal::budget::advice::{Setting, Spelling};
 
 /// Settings as keys of the options; what has no key is named as an option of the command.
@@ -7,10 +7,12 @@ pub(crate) struct JsonKeys;
 
 impl Spelling for JsonKeys {
     fn spell(&self, setting: Setting, value: Option<&str>) -> String {
-        let name = setting.name();
+        let name = setting.name().replace('-', "_");
         match value {
-            _ if !KEYS.contains(&name) => format!("{} of the command", AsCommand.spell(setting, value)),
-            Some(value) if matches!(setting, Setting::Triangles | Setting::Segments) => {
+            _ if !keys().any(|key| key == name) => {
+                format!("{} of the command", AsCommand.spell(setting, value))
+            }
+            Some(value) if matches!(setting, Setting::Px | Setting::Triangles | Setting::Segments) => {
                 format!("\"{name}\": {value}")
             }
             Some(value) => format!("\"{name}\": \"{value}\""),
@@ -38,6 +40,7 @@ mod tests {
         assert_eq!(JsonKeys.spell(Setting::From, None), "\"from\"");
         assert_eq!(JsonKeys.spell(Setting::Segments, Some("5")), "\"segments\": 5");
         assert_eq!(JsonKeys.spell(Setting::Unit, Some("mm")), "\"unit\": \"mm\"");
-        assert_eq!(JsonKeys.spell(Setting::Iso, Some("0.5")), "--iso 0.5 of the command");
+        assert_eq!(JsonKeys.spell(Setting::UvError, Some("0.01")), "\"uv_error\": \"0.01\"");
+        assert_eq!(JsonKeys.spell(Setting::Level, Some("2")), "--level 2 of the command");
     }
 }
