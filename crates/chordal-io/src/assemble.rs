@@ -18,11 +18,11 @@ pub(crate) struct RawMesh {
     pub(crate) attributes: Vec<Attribute>,
 }
 
-/// Builds the mesh. Vertices that are not finite are dropped with their faces; the reader has refused them
-/// before, unless the limits allow dropping.
+/// Builds the mesh. Vertices that are not finite are dropped with their faces; readers pass such vertices
+/// only if the limits allow dropping.
 ///
 /// # Errors
-/// `extent-overflow` when the box of the positions has no finite size.
+/// `extent-overflow` if the size of the bounding box is not finite.
 pub(crate) fn mesh(mut raw: RawMesh, limits: &Limits, warnings: &mut Warnings) -> Result<Mesh, ReadError> {
     drop_nonfinite(&mut raw, warnings)?;
     check_extent(&raw.positions)?;
@@ -101,8 +101,8 @@ pub(crate) fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>
     Err(ReadError::new("extent-overflow", FileLocation::File, message))
 }
 
-/// How far the length of a normal may be from 1 before it is scaled. Derived: two decimals a coordinate, the
-/// least that writers print, cost 0.005·√3 ≈ 0.0087.
+/// How far the length of a normal may be from 1 before it is scaled. Derived: two decimals per coordinate,
+/// the fewest that writers print, cost 0.005·√3 ≈ 0.0087.
 const UNIT_SLACK: f64 = 0.01;
 
 pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
@@ -123,7 +123,7 @@ pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
             missing += 1;
             continue;
         }
-        // What is this near to 1 is nearer with the root of it: most normals need no more.
+        // If the square is this near to 1, the length is nearer: most normals skip the square root.
         if (normal.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < UNIT_SLACK {
             continue;
         }
@@ -139,17 +139,18 @@ pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
     warnings.count_all("normals-zero", missing, "vertices have a normal of length 0, which is none");
 }
 
-/// From so many faces on, threads count. Measured: 4096 faces take one of them a tenth of a millisecond.
+/// The number of faces from which threads pay off. Measured: one thread counts 4096 faces in a tenth of a
+/// millisecond.
 const MANY_FACES: usize = 4096;
 
 /// Counts one kind of oddity, or two that are found together.
 type OddityCount = fn(&Mesh, &mut Warnings) -> Result<(), ReadError>;
 
-/// What is counted of a mesh, in the order in which it is said.
+/// The checks, in the order in which their warnings are reported.
 const ODDITIES: [OddityCount; 4] =
     [count_isolated_vertices, count_flat_faces, count_duplicate_vertices, count_duplicate_faces];
 
-/// Counts what is legal but rarely intended. Changes nothing.
+/// Counts properties that are legal but rarely intended. Changes nothing.
 fn count_oddities(mesh: &Mesh, threads: usize, warnings: &mut Warnings) -> Result<(), ReadError> {
     let (n_vertices, n_faces) = (mesh.positions().len(), mesh.faces().len());
     if n_vertices == 0 {
@@ -159,13 +160,13 @@ fn count_oddities(mesh: &Mesh, threads: usize, warnings: &mut Warnings) -> Resul
         warnings.count_all("no-faces", 1, "the file has no faces");
         return Ok(());
     }
-    // Few faces are counted before a thread has started.
+    // With few faces, the counts are done before a thread has started.
     let threads = if n_faces < MANY_FACES { 1 } else { threads };
-    let found = par_map(&Job::default().with_threads(threads), &ODDITIES, |_, count| {
-        let mut found = Warnings::default();
-        count(mesh, &mut found).map(|()| found)
+    let counts = par_map(&Job::default().with_threads(threads), &ODDITIES, |_, count| {
+        let mut counts = Warnings::default();
+        count(mesh, &mut counts).map(|()| counts)
     });
-    found.into_iter().try_for_each(|found| found.map(|found| warnings.append(found)))
+    counts.into_iter().try_for_each(|counts| counts.map(|counts| warnings.append(counts)))
 }
 
 fn count_isolated_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
@@ -189,8 +190,8 @@ fn is_flat(corners: [[f64; 3]; 3]) -> bool {
     let [a, b, c] = corners;
     let from_a = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
     let (ab, ac) = (from_a(b), from_a(c));
-    // Far above what a product loses when it underflows (2⁻¹⁰⁷⁴). A cross product above it is told from zero
-    // without scaling.
+    // Far above the loss of a product that underflows (2⁻¹⁰⁷⁴): a cross product above it is distinguished
+    // from zero without scaling.
     const CLEAR: f64 = f64::from_bits((1023 - 900) << 52);
     let is_clear = |i: usize, j: usize| {
         let component = (ab[i] * ac[j] - ab[j] * ac[i]).abs();
@@ -200,8 +201,8 @@ fn is_flat(corners: [[f64; 3]; 3]) -> bool {
     !clear && face_normal(corners).is_none()
 }
 
-/// Counts vertices at bit-identical positions that the file does not tie. Compares hashes instead of
-/// positions: a collision, one in 10¹⁹, would count one too many.
+/// Counts vertices at bit-identical positions to which the file gives different position ids. Compares hashes
+/// instead of positions: a collision, one in 10¹⁹, would count one too many.
 fn count_duplicate_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
     let mut hashes = with_room(mesh.positions().len())?;
     for (i, position) in mesh.positions().iter().enumerate() {
@@ -224,7 +225,8 @@ fn count_duplicate_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), 
 
 /// Counts faces over the same three positions, with the same or the opposite orientation.
 fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
-    // Sorted by their lowest position first, in linear time: few faces share one, and their sorts are short.
+    // A counting sort by the lowest position, in linear time. Few faces share a lowest position, so the sorts
+    // inside the buckets are short.
     let mut ends: Vec<u32> = with_room(mesh.positions().len())?;
     ends.resize(mesh.positions().len(), 0);
     let key =
@@ -262,8 +264,8 @@ fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), Rea
     Ok(())
 }
 
-/// The lowest position of a face, and a number for the two others and the orientation; `None` where two corners share
-/// a position.
+/// The lowest position of a face, and a number for the other two and the orientation; `None` if two corners
+/// share a position.
 #[inline]
 fn face_key([a, b, c]: [u32; 3]) -> Option<(u32, u128)> {
     if a == b || b == c || c == a {
@@ -277,13 +279,13 @@ fn face_key([a, b, c]: [u32; 3]) -> Option<(u32, u128)> {
     Some((sorted[0], (b << 33) | (c << 1) | u128::from(odd)))
 }
 
-/// The error of a list with more rows than the limits allow, or than 32-bit indices can name.
+/// The error for a list with more rows than the limits allow or 32-bit indices can address.
 pub(crate) fn too_many_rows(place: FileLocation, what: &str, rows: u64, limit: u64) -> ReadError {
     let message = format!("{} {what} are over the limit of {}", grouped(rows), grouped(limit));
     ReadError::new("too-many-rows", place, message)
 }
 
-/// Counts oddities of patches, and refuses patches whose box has no finite size.
+/// Counts oddities of patches, and refuses patches whose bounding box is not finite.
 pub(crate) fn check_patches(patches: &[Patch], warnings: &mut Warnings) -> Result<(), ReadError> {
     check_extent(patches.iter().flat_map(|p| p.control.as_flattened()))?;
     warnings.count_all("no-patches", u64::from(patches.is_empty()), "the file has no patches");
@@ -299,7 +301,7 @@ pub(crate) fn check_surfaces(surfaces: &[TrimmedSurface], warnings: &mut Warning
     Ok(())
 }
 
-/// The ids, if each names a vertex at the same position.
+/// The position ids, if each names a vertex at the same position.
 pub(crate) fn checked_position_ids(
     ids: &[i64],
     positions: &[[f64; 3]],

@@ -1,17 +1,18 @@
-//! `SceneAssets`: what a scene has beside its meshes and the nodes that place them: materials with their
-//! textures, cameras, lights, animations, skins.
+//! `SceneAssets`: the data of a scene other than meshes and nodes: materials with their textures, cameras,
+//! lights, animations, skins.
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a scene has beside its meshes and nodes, in the terms of glTF: each list holds glTF's objects, which
-/// name each other by index. It is carried from a reader to a writer, and nothing in between looks inside.
+/// The data of a scene other than meshes and nodes, as glTF describes it: each list holds glTF's objects,
+/// which refer to each other by index. It is passed from a reader to a writer, and nothing in between
+/// interprets it.
 ///
 /// A face attribute [`Semantic::Group`](chordal::explicit::Semantic::Group) of the kind [`MATERIAL`] names
 /// materials: number n is `materials[n - 1]`, and 0 is none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneAssets {
-    /// The materials, which name textures.
+    /// The materials, which refer to textures.
     pub materials: Vec<Value>,
     /// The textures, each an image with a sampler.
     pub textures: Vec<Value>,
@@ -19,67 +20,67 @@ pub struct SceneAssets {
     pub samplers: Vec<Value>,
     /// The images.
     pub images: Vec<SceneImage>,
-    /// The cameras, which nodes name.
+    /// The cameras, which nodes refer to.
     pub cameras: Vec<Value>,
-    /// The animations of nodes, which name `accessors`.
+    /// The animations of nodes, which refer to `accessors`.
     pub animations: Vec<Value>,
-    /// The skins, which nodes name: joints, and `accessors` with their matrices.
+    /// The skins, which nodes refer to: joints, and `accessors` with their matrices.
     pub skins: Vec<Value>,
-    /// The numbers of animations and skins.
+    /// The numeric data of animations and skins.
     pub accessors: Vec<PackedAccessor>,
-    /// Extensions of the file as a whole: lights, which nodes name.
+    /// Extensions of the file as a whole, such as lights, which nodes refer to.
     pub extensions: Map<String, Value>,
-    /// Names of extensions without which the file means something else.
+    /// Names of the extensions that a reader must support to interpret the file correctly.
     pub required_extensions: Vec<String>,
-    /// What the file says of itself: its copyright, and extras.
+    /// Metadata of the file: its copyright, and extras.
     pub about: Map<String, Value>,
-    /// What the scene that is shown says of itself: its name, and extras.
+    /// Metadata of the scene that is shown: its name, and extras.
     pub scene: Map<String, Value>,
     /// The extras of the file as a whole.
     pub extras: Option<Value>,
-    /// What primitives say beside their triangles, by the index of the material of their faces. Materials that
-    /// stand for another one come after all others.
+    /// Properties of primitives other than their triangles, by the index of the material of their faces.
+    /// Duplicates of materials come after all others.
     pub face_kinds: BTreeMap<usize, FaceKind>,
-    /// Whether glTF is to have no material where faces have none, as the file had it. Unless it is, such faces
-    /// get a plain one: glTF's default is a metal, which viewers without an environment show black.
+    /// Whether faces without a material stay without one in glTF, as in the source file. If not, such faces
+    /// get a plain material: glTF's default is a metal, which viewers without an environment show black.
     pub keeps_bare_faces: bool,
 }
 
-/// What primitives of a mesh say beside their triangles and their material: extras, and the materials that
+/// Properties of a mesh's primitives other than their triangles and material: extras, and the materials that
 /// they have in variants of the scene (`KHR_materials_variants`).
 ///
-/// Faces of one material that say different things have different groups. Then the materials after the first
-/// are copies that stand for it.
+/// Faces of one material whose primitives have different properties are in different groups. The groups after
+/// the first use duplicates of the material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceKind {
-    /// The material: the index that the kind has itself, unless it stands for another one.
+    /// The index of the material: that of the kind itself, or of the original if this one is a duplicate.
     pub material: usize,
     /// Extras and extensions.
     pub properties: Map<String, Value>,
 }
 
 impl FaceKind {
-    /// The numbers of materials that it names: its own, and those of variants.
+    /// The indices of the materials that it refers to: its own, and those of variants.
     pub(crate) fn materials(&self) -> Vec<usize> {
-        let mut all = vec![self.material];
+        let mut materials = vec![self.material];
         each_variant_material(&mut self.properties.clone(), &mut |at| {
-            all.extend(at.as_u64().and_then(|at| usize::try_from(at).ok()));
+            materials.extend(at.as_u64().and_then(|at| usize::try_from(at).ok()));
         });
-        all
+        materials
     }
 }
 
-/// The extension by which a scene has several looks, each with materials of its own.
+/// The extension by which a scene has several variants, each with its own materials.
 pub(crate) const VARIANTS: &str = "KHR_materials_variants";
 
-/// Visits where what primitives say names materials.
+/// Visits every material index in the properties of a primitive.
 pub(crate) fn each_variant_material(properties: &mut Map<String, Value>, visit: &mut impl FnMut(&mut Value)) {
-    let extension = properties.get_mut("extensions").and_then(|all| all.get_mut(VARIANTS));
+    let extension = properties.get_mut("extensions").and_then(|extensions| extensions.get_mut(VARIANTS));
     let mappings = extension.and_then(|variants| variants.get_mut("mappings")).and_then(Value::as_array_mut);
     mappings.into_iter().flatten().filter_map(|mapping| mapping.get_mut("material")).for_each(visit);
 }
 
-/// The kind of the groups of faces that name materials.
+/// The kind of the face groups that name materials.
 pub const MATERIAL: &str = "material";
 
 /// An image of a scene.
@@ -87,20 +88,20 @@ pub const MATERIAL: &str = "material";
 pub struct SceneImage {
     /// Its name, media type and extras.
     pub properties: Map<String, Value>,
-    /// Where its pixels are.
+    /// Where its pixels are stored.
     pub content: ImageContent,
 }
 
-/// Where the pixels of an image are.
+/// Where the pixels of an image are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImageContent {
-    /// A whole picture file.
+    /// A complete picture file.
     Bytes(Arc<[u8]>),
-    /// In another file, which was not opened.
+    /// The URI of another file, which was not opened.
     Uri(String),
 }
 
-/// Rows of numbers, one after another.
+/// Rows of numbers without gaps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedAccessor {
     /// Type, component type, count, bounds.
@@ -110,7 +111,8 @@ pub struct PackedAccessor {
 }
 
 impl SceneAssets {
-    /// The materials with all that they need: what holds for meshes that other nodes show.
+    /// The materials and everything that they refer to: the part of the assets that also applies to meshes
+    /// that other nodes show.
     #[must_use]
     pub fn materials_only(&self) -> Self {
         Self {
@@ -127,7 +129,7 @@ impl SceneAssets {
         }
     }
 
-    /// What [`Self::materials_only`] leaves out, by name.
+    /// The names of the assets that [`Self::materials_only`] leaves out.
     #[must_use]
     pub fn beside_materials(&self) -> Vec<&str> {
         let lists = [(&self.cameras, "cameras"), (&self.animations, "animations"), (&self.skins, "skins")];
@@ -139,14 +141,14 @@ impl SceneAssets {
         names.chain(extensions).chain(extras).collect()
     }
 
-    /// The materials that a file has: those that stand for no other one.
+    /// The materials of the file, without duplicates.
     pub(crate) fn own_materials(&self) -> Vec<Value> {
         let is_own = |i: usize| self.face_kinds.get(&i).is_none_or(|kind| kind.material == i);
-        let own = self.materials.iter().enumerate().filter(|(i, _)| is_own(*i));
-        own.map(|(_, material)| material.clone()).collect()
+        let originals = self.materials.iter().enumerate().filter(|(i, _)| is_own(*i));
+        originals.map(|(_, material)| material.clone()).collect()
     }
 
-    /// The names of the extensions that its objects use, in order.
+    /// The names of the extensions that the assets use, in order.
     pub(crate) fn used_extensions(&self) -> Vec<String> {
         let mut names = Vec::new();
         let Self { materials, textures, samplers, cameras, animations, skins, .. } = self;
@@ -170,7 +172,8 @@ fn pair((key, value): (&String, &Value)) -> (String, Value) {
     (key.clone(), value.clone())
 }
 
-/// Adds the names of the extensions of an object and of those in it. Extras are data of others.
+/// Adds the names of the extensions of an object and of its members. Extras are application data and are
+/// skipped.
 pub(crate) fn collect_extensions(value: &Value, names: &mut Vec<String>) {
     match value {
         Value::Object(members) => collect_of_members(members, names),
@@ -189,7 +192,7 @@ pub(crate) fn collect_of_members(members: &Map<String, Value>, names: &mut Vec<S
 }
 
 /// The material that the writer gives to meshes without one: glTF's default is a metal, which viewers without
-/// an environment show black. `open` where triangles are seen from behind.
+/// an environment show black. `open`: the back sides of triangles are visible.
 #[must_use]
 pub fn plain_material(open: bool) -> Value {
     let mut plain = json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } });

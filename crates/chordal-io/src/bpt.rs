@@ -9,14 +9,14 @@ use crate::{Axis, Content, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
 use chordal::budget::advice::Message;
 
-/// Reads the patches of a `.bpt` file. The first line is their number. Each patch is a line with its two
-/// degrees, which must be `3 3`, then its points row by row, `x y z`. Up is z, as is customary for this
+/// Reads the patches of a `.bpt` file. The first line is the number of patches. Each patch is a line with its
+/// two degrees, which must be `3 3`, then its points row by row, `x y z`. Z is up, as is customary for this
 /// format.
 ///
 /// Lower degrees are refused too: raising them to 3 divides by 3, which is not exact.
 ///
 /// # Errors
-/// [`ReadError`] at the line: another degree, too few numbers, a coordinate that is not finite.
+/// [`ReadError`] at the line, for another degree, too few numbers, or a coordinate that is not finite.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, bpt};
@@ -60,7 +60,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 
-/// Whether a line that holds only a number is followed by one of two degrees.
+/// Whether the text begins with a line that holds only a number, then a line with two degrees.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
     let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };

@@ -1,25 +1,25 @@
-//! A certificate in comments: how it is written into lines that every program reads, and put together again.
+//! Certificates in comments: split into lines that every program can read, and joined again.
 use crate::text::{grouped, integer};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, WriteError};
 use serde_json::Value;
 use std::io::Write;
 
-/// The most bytes of a certificate in comments. Chosen: ten thousand lines, which no program that was tried minds.
+/// The most bytes of a certificate in comments. Chosen: ten thousand lines, which all programs that were
+/// tried accept.
 pub(crate) const MOST: usize = 1 << 20;
 
-/// The most bytes of JSON in one line. Chosen: with what stands before them lines have at most 200 bytes. MeshLab
-/// refuses a PLY with a line of 700, and RPly, which Open3D is built on, ends the program at 1,024.
+/// The most bytes of JSON in one line. Chosen: with the prefix, lines have at most 200 bytes. MeshLab refuses
+/// a PLY with a line of 700, and RPly, which Open3D is built on, ends the program at 1,024.
 const PIECE: usize = 160;
 
 /// The bytes of the longest escape that [`pieces`] writes, `\u0020`.
 const LONGEST_ESCAPE: usize = 6;
 
-/// Serialises the certificate as one text without a line break, in ASCII: the header of a PLY holds no other
-/// letters.
+/// Serialises the certificate as one ASCII text without a line break: the header of a PLY must be ASCII.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] when it is longer than readers accept.
+/// [`WriteError::Unsupported`] if it is longer than readers accept.
 pub(crate) fn text(certificate: &Value) -> Result<String, WriteError> {
     let text = in_ascii(&certificate.to_string());
     if text.len() > MOST {
@@ -33,10 +33,11 @@ pub(crate) fn text(certificate: &Value) -> Result<String, WriteError> {
     Ok(text)
 }
 
-/// Writes a certificate as comments, each as `prefix 3/12 piece of its JSON`, counted from 1; nothing for none.
+/// Writes a certificate as comments, each as `prefix 3/12 piece of its JSON`, counted from 1; nothing for
+/// `None`.
 ///
 /// # Errors
-/// As for [`text`], and when the sink fails.
+/// As for [`text`], and if the sink fails.
 pub(crate) fn write_comments(
     prefix: &str,
     certificate: Option<&Value>,
@@ -51,7 +52,7 @@ pub(crate) fn write_comments(
     Ok(())
 }
 
-/// JSON with the same content: letters beyond ASCII are in its strings, where an escape says the same.
+/// The same JSON in ASCII: other characters occur only in strings, where they are escaped.
 fn in_ascii(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for letter in json.chars() {
@@ -66,8 +67,8 @@ fn in_ascii(json: &str) -> String {
     text
 }
 
-/// Cuts JSON into pieces that lines hold: none begins or ends with a space, which programs cut off, or ends with a
-/// backslash, which joins it to the next line in an OBJ. Where one would, an escape says the same.
+/// Cuts JSON into pieces that fit a line. No piece begins or ends with a space, which programs trim, or ends
+/// with a backslash, which joins it to the next line of an OBJ. At such a place the character is escaped.
 fn pieces(json: &str) -> Vec<String> {
     let (mut pieces, mut piece) = (Vec::new(), String::new());
     let mut rest = json;
@@ -79,7 +80,7 @@ fn pieces(json: &str) -> Vec<String> {
         };
         let (unit, after) = rest.split_at(n.min(rest.len()));
         rest = after;
-        // What comes after a space here may not fit beside it.
+        // The character after this space may not fit into the piece.
         let is_at_end = piece.is_empty() || piece.len() + LONGEST_ESCAPE >= PIECE;
         let unit = match unit {
             " " if is_at_end => "\\u0020",
@@ -95,23 +96,23 @@ fn pieces(json: &str) -> Vec<String> {
     pieces
 }
 
-/// The comments of a file that hold its certificate, in the order in which they stand.
+/// The comments of a file that hold its certificate, in file order.
 ///
-/// Each is a piece with its number, as [`write_comments`] writes it, or all of it, as files of earlier versions have
-/// it. What is not whole and in order is no certificate.
+/// Each is a numbered piece, as [`write_comments`] writes it, or the whole certificate, as files of earlier
+/// versions have it. A certificate with missing or misplaced pieces is rejected.
 #[derive(Debug, Default)]
 pub(crate) struct CertificateComments {
     text: Vec<u8>,
     n_lines: u64,
     n_read: u64,
-    /// The first comment.
+    /// The location of the first comment.
     place: Option<FileLocation>,
-    /// Where what was read cannot be a certificate, and why.
+    /// Where and why the comments cannot be a certificate.
     damage: Option<(FileLocation, String)>,
 }
 
 impl CertificateComments {
-    /// Takes the text of the next comment.
+    /// Adds the text of the next comment.
     pub(crate) fn take(&mut self, comment: &[u8], place: FileLocation) {
         if self.damage.is_some() {
             return;
@@ -138,7 +139,7 @@ impl CertificateComments {
         self.text.extend_from_slice(if self.damage.is_none() { piece } else { &[] });
     }
 
-    /// The certificate, where all of it was found. Counts a warning where there is only something of it.
+    /// The certificate, if it is complete. An incomplete one is counted as a warning.
     pub(crate) fn finish(self, warnings: &mut Warnings) -> Option<Value> {
         let first = self.place?;
         let mut damage = self.damage;
@@ -153,7 +154,7 @@ impl CertificateComments {
     }
 }
 
-/// The parts of `3/12 piece`: its number, how many there are, and itself.
+/// The parts of `3/12 piece`: the number of the piece, the number of pieces, and the piece.
 fn numbered(comment: &[u8]) -> Option<(u64, u64, &[u8])> {
     let space = comment.iter().position(|byte| *byte == b' ')?;
     let (numbers, piece) = (&comment[..space], &comment[space + 1..]);
@@ -165,7 +166,7 @@ fn numbered(comment: &[u8]) -> Option<(u64, u64, &[u8])> {
     Some((count(&numbers[..slash])?, count(&numbers[slash + 1..])?, piece))
 }
 
-/// Parses a certificate. Counts a warning where it is not valid.
+/// Parses a certificate. An invalid one is counted as a warning.
 pub(crate) fn read(text: &[u8], place: FileLocation, warnings: &mut Warnings) -> Option<Value> {
     if text.len() > MOST {
         let n = grouped(text.len() as u64);
@@ -181,7 +182,7 @@ pub(crate) fn read(text: &[u8], place: FileLocation, warnings: &mut Warnings) ->
     }
 }
 
-/// Counts a certificate that is not one.
+/// Counts a warning for an invalid certificate.
 pub(crate) fn unreadable(why: String, place: FileLocation, warnings: &mut Warnings) -> Option<Value> {
     warnings.count("certificate-unreadable", || {
         (place, format!("the certificate is unreadable and was skipped: {why}"))
@@ -191,7 +192,7 @@ pub(crate) fn unreadable(why: String, place: FileLocation, warnings: &mut Warnin
 
 /// The most bytes of a certificate in one line of a header.
 pub(crate) fn most_in_a_line() -> usize {
-    /// What stands before it.
+    /// The bytes before it.
     const PREFIX: usize = 32;
     Limits::default().header_line - PREFIX
 }
@@ -208,7 +209,7 @@ mod tests {
         String::from_utf8(out).unwrap().lines().map(str::to_owned).collect()
     }
 
-    /// What is read of lines, without the prefix, and the warning.
+    /// The certificate read from lines without the prefix, and the warning.
     fn read_of(lines: &[&str]) -> (Option<Value>, Option<String>) {
         let (mut comments, mut warnings) = (CertificateComments::default(), Warnings::default());
         for (i, line) in lines.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! How much room formats have for a certificate.
+//! The room that formats have for a certificate.
 use crate::Format;
 use crate::certificate::{MOST, most_in_a_line};
 
-/// The most bytes of a certificate in a file, where the format has a limit.
+/// The most bytes of a certificate in a file, if the format has a limit.
 ///
 /// ```
 /// use chordal_io::{Format, most_certificate_bytes};

@@ -1,26 +1,27 @@
-//! Streams of Draco, which are files of their own and primitives of glTF: decoded within limits.
+//! Draco streams, as files of their own and as glTF primitives: decoded within limits.
 //!
-//! They are decoded by `draco-core`, a port of Google's library to safe Rust. A stream declares how much it decodes to
-//! in a few bytes, so the decoder gets limits.
+//! They are decoded by `draco-core`, a port of Google's library to safe Rust. A few bytes of a stream can
+//! declare a very large mesh, so the decoder gets limits.
 use crate::Limits;
 use draco_core::geometry_attribute::PointAttribute;
 use draco_core::geometry_indices::{FaceIndex, PointIndex};
 use draco_core::{DecodeLimits, DecoderBuffer, ErrorKind, Mesh, MeshDecoder};
 
-/// The code of a stream that cannot be decoded, or is not what its file says.
+/// The error code of a stream that cannot be decoded, or that contradicts its file.
 pub(crate) const BROKEN_STREAM: &str = "draco-stream";
 
-/// Room for the tables of the decoder: up to a dozen arrays of four bytes over the three corners of a triangle and
-/// the seams of its attributes.
+/// Room for the decoder's tables. Derived: up to a dozen arrays of four bytes over the three corners of a
+/// triangle and the seams of its attributes.
 const BYTES_PER_FACE: u64 = 200;
 
 /// Why a stream is refused: a code, and a sentence.
 pub(crate) type Refusal = (&'static str, String);
 
-/// The mesh of a stream, which takes `left` bytes at most.
+/// The mesh of a stream. It may take at most `left` bytes.
 ///
 /// # Errors
-/// `too-large`, `unsupported-extension` for what the decoder does not know, else [`BROKEN_STREAM`].
+/// `too-large`, `unsupported-extension` for features that the decoder does not support, else
+/// [`BROKEN_STREAM`].
 pub(crate) fn decode(stream: &[u8], limits: &Limits, left: u64) -> Result<Mesh, Refusal> {
     let most_faces = left / BYTES_PER_FACE;
     let ceilings = DecodeLimits::default()
@@ -45,10 +46,10 @@ pub(crate) fn decode(stream: &[u8], limits: &Limits, left: u64) -> Result<Mesh, 
     Ok(mesh)
 }
 
-/// The corners of each triangle, points of the mesh.
+/// The corners of each triangle, as indices of points of the mesh.
 ///
 /// # Errors
-/// When one is none.
+/// If a corner is not a point of the mesh.
 pub(crate) fn faces(mesh: &Mesh) -> impl Iterator<Item = Result<[u32; 3], Refusal>> {
     (0..mesh.num_faces()).map(|i| {
         let corners = mesh.face(FaceIndex(i as u32)).map(|corner| corner.0);
@@ -62,7 +63,7 @@ pub(crate) fn faces(mesh: &Mesh) -> impl Iterator<Item = Result<[u32; 3], Refusa
 /// The values of an attribute by point, tightly packed.
 ///
 /// # Errors
-/// When a point has none.
+/// If a point has no value.
 pub(crate) fn value_bytes(attribute: &PointAttribute, n_points: usize) -> Result<Vec<u8>, Refusal> {
     let n_row = attribute.data_type().byte_length() * usize::from(attribute.num_components());
     let stride = usize::try_from(attribute.byte_stride()).unwrap_or(0);

@@ -1,21 +1,22 @@
-//! `for_vertex_caches`: a mesh whose triangles and vertices stand in the order that draws, and compresses, best.
+//! `for_vertex_caches`: orders the triangles and vertices of a mesh so that it draws fast and compresses
+//! well.
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic, cache_misses, cache_order, fetch_order};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// The post-transform cache that orders are compared for, in vertices. Chosen: of what graphics processors have, the
-/// size that reports of sizes use.
+/// The size of the post-transform cache for which orders are compared, in vertices. Chosen: among the sizes
+/// of graphics processors, the one that published reports use.
 const CACHE: u32 = 16;
 
-/// The mesh in an order in which a graphics processor shades the fewest vertices again, where that is better than its
-/// own: triangles of the same groups, materials above all, which come to stand together, then the vertices by their
-/// first use. Attributes and ties go along.
+/// The mesh in the order in which a graphics processor shades the fewest vertices twice, if that is better
+/// than its present order. Triangles of the same groups, above all of the same material, become consecutive;
+/// then vertices are sorted by first use. Attributes and position ids follow.
 ///
 /// Nearly linear in the size of the mesh.
 ///
 /// # Errors
-/// None for a mesh: that it refuses what it had is the error of the type.
+/// None for a valid mesh: an error means that the mesh was invalid before.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -35,20 +36,20 @@ pub fn for_vertex_caches(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     if cache_misses(&faces, CACHE) >= cache_misses(mesh.faces(), CACHE) {
         return Ok(Cow::Borrowed(mesh));
     }
-    drawn(mesh, &order, faces).map(Cow::Owned)
+    reordered(mesh, &order, faces).map(Cow::Owned)
 }
 
-/// The same triangles with the vertices that they share close to each other, in vertices by their first use.
-/// Triangles of the same groups stand together.
+/// The same triangles, reordered so that triangles with common vertices are close to each other; vertices are
+/// sorted by first use. Triangles of the same groups are consecutive.
 ///
 /// Nearly linear in the size of the mesh.
 pub(crate) fn in_draw_order(mesh: &Mesh) -> Result<Mesh, InvalidMesh> {
     let order = draw_order(mesh);
     let faces = faces_in(&order, mesh);
-    drawn(mesh, &order, faces)
+    reordered(mesh, &order, faces)
 }
 
-/// The order of faces: groups by their first faces, and in each the order for caches.
+/// The order of faces: groups in the order of their first faces; inside each group the order for caches.
 fn draw_order(mesh: &Mesh) -> Vec<u32> {
     let groups = groups_of_faces(mesh);
     if groups.iter().all(|group| *group == 0) {
@@ -57,11 +58,11 @@ fn draw_order(mesh: &Mesh) -> Vec<u32> {
     let mut faces: Vec<u32> = (0..groups.len() as u32).collect();
     faces.sort_by_key(|face| groups[*face as usize]);
     let mut order = Vec::with_capacity(faces.len());
-    // The vertices of a group by numbers of its own, so that many small groups take no longer than one.
+    // Vertices are renumbered inside each group, so that many small groups take no longer than one.
     let mut number = vec![u32::MAX; mesh.positions().len()];
     for run in faces.chunk_by(|a, b| groups[*a as usize] == groups[*b as usize]) {
         let mut vertices = Vec::new();
-        let mut own = |vertex: u32| {
+        let mut local_index = |vertex: u32| {
             let number = &mut number[vertex as usize];
             if *number == u32::MAX {
                 *number = vertices.len() as u32;
@@ -69,14 +70,15 @@ fn draw_order(mesh: &Mesh) -> Vec<u32> {
             }
             *number
         };
-        let own: Vec<[u32; 3]> = run.iter().map(|face| mesh.faces()[*face as usize].map(&mut own)).collect();
-        order.extend(cache_order(&own).into_iter().map(|i| run[i as usize]));
+        let local_faces: Vec<[u32; 3]> =
+            run.iter().map(|face| mesh.faces()[*face as usize].map(&mut local_index)).collect();
+        order.extend(cache_order(&local_faces).into_iter().map(|i| run[i as usize]));
         vertices.into_iter().for_each(|vertex| number[vertex as usize] = u32::MAX);
     }
     order
 }
 
-/// For each face the number of its groups of all kinds, in the order of their first faces.
+/// For each face the number of its combination of groups; numbers follow the first faces.
 fn groups_of_faces(mesh: &Mesh) -> Vec<u32> {
     let mut groups = vec![0_u32; mesh.faces().len()];
     let of_faces = |attribute: &&Attribute| {
@@ -97,13 +99,13 @@ fn faces_in(order: &[u32], mesh: &Mesh) -> Vec<[u32; 3]> {
     order.iter().map(|face| mesh.faces()[*face as usize]).collect()
 }
 
-/// The mesh with its faces in an order, which they have already, and its vertices by their first use.
-fn drawn(mesh: &Mesh, order: &[u32], mut faces: Vec<[u32; 3]>) -> Result<Mesh, InvalidMesh> {
+/// The mesh with its faces in the given order (`faces` is sorted already), and its vertices by first use.
+fn reordered(mesh: &Mesh, order: &[u32], mut faces: Vec<[u32; 3]>) -> Result<Mesh, InvalidMesh> {
     let mut old = fetch_order(&faces);
     let n_vertices = mesh.positions().len();
     let mut new = vec![u32::MAX; n_vertices];
     old.iter().zip(0..).for_each(|(vertex, place)| new[*vertex as usize] = place);
-    // What no triangle uses comes last.
+    // Unused vertices come last.
     for (vertex, place) in (0..n_vertices as u32).zip(&mut new).filter(|(_, place)| **place == u32::MAX) {
         *place = old.len() as u32;
         old.push(vertex);
@@ -116,7 +118,7 @@ fn drawn(mesh: &Mesh, order: &[u32], mut faces: Vec<[u32; 3]>) -> Result<Mesh, I
         ordered = ordered.with_position_id(ids)?;
     }
     for attribute in mesh.attributes() {
-        // The rows of one vertex or face follow each other.
+        // The rows of one vertex or face are consecutive.
         let (order, n) = match attribute.domain {
             Domain::Vertex => (&old[..], attribute.width),
             Domain::Face => (order, attribute.width),

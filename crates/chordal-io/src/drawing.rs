@@ -10,11 +10,11 @@ pub struct DrawingElement {
     pub kind: &'static str,
     /// Its name in the file (the id in SVG), or empty.
     pub name: Box<str>,
-    /// The number that stands for it in a list of polylines: its index among the drawn elements of its file.
+    /// Identifies the element in a list of polylines: its index among the drawn elements of its file.
     pub source: u64,
-    /// The fill rule: which points its lines enclose.
+    /// The fill rule, which decides the points that its lines enclose.
     pub rule: FillRule,
-    /// Whether the file fills it.
+    /// Whether the element is filled in the file.
     pub filled: bool,
 }
 
@@ -27,7 +27,7 @@ pub struct PathSet<T> {
     pub owners: Vec<u32>,
     /// The elements, in the file's order.
     pub elements: Vec<DrawingElement>,
-    /// The lowest x and y, the width and the height of the picture, where the file gives them.
+    /// The lowest x and y, the width and the height of the picture, if the file gives them.
     pub view_box: Option<[f64; 4]>,
     /// Whether y grows downwards, as in SVG.
     pub y_down: bool,
@@ -66,13 +66,13 @@ impl<T> Default for PathSet<T> {
 }
 
 impl<T> PathSet<T> {
-    /// Splits off the lines; the rest has an empty list of lines.
+    /// Splits off the lines; the second value has an empty list of lines.
     #[must_use]
     pub fn take_lines(self) -> (Vec<T>, PathSet<T>) {
         (self.lines, Self { lines: Vec::new(), ..self })
     }
 
-    /// The same drawing with its lines replaced, one for each of the old ones.
+    /// The same drawing with each line replaced by a new one.
     #[must_use]
     pub fn with_lines<U>(self, lines: Vec<U>) -> PathSet<U> {
         PathSet {
@@ -92,7 +92,7 @@ impl<T> PathSet<T> {
         self.owners.get(line).and_then(|owner| self.elements.get(*owner as usize))
     }
 
-    /// The lines of each element that has any.
+    /// The elements that have lines, each with its lines.
     pub fn groups(&self) -> impl Iterator<Item = (&DrawingElement, &[T])> {
         let mut from = 0;
         std::iter::from_fn(move || {
@@ -106,7 +106,7 @@ impl<T> PathSet<T> {
 }
 
 impl Drawing {
-    /// The outline of each filled element, with its index.
+    /// The outline of each filled element, with the index of the element.
     pub fn filled(&self) -> impl Iterator<Item = Outline> {
         self.groups()
             .filter(|(element, _)| element.filled)

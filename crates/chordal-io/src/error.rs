@@ -11,7 +11,7 @@ pub enum FileLocation {
     Byte(u64),
     /// A line, counted from 1.
     Line(u64),
-    /// A character in a text whose lines can be long.
+    /// A character of a text that may have long lines.
     LineColumn {
         /// The line, counted from 1.
         line: u64,
@@ -47,9 +47,9 @@ impl fmt::Display for FileLocation {
 pub struct ReadError {
     /// Stable code for programs, as in "index-out-of-range".
     pub code: &'static str,
-    /// Where it is wrong.
+    /// The location of the error.
     pub place: FileLocation,
-    /// What is wrong, with the value and the limit.
+    /// The error, with the value and the limit.
     pub message: Message,
 }
 
@@ -59,7 +59,8 @@ impl ReadError {
         Self { code, place, message: message.into() }
     }
 
-    /// The same error of a file inside or beside the one that is read: its name stands first.
+    /// The same error, of a file inside or beside the input file; the message begins with the name of that
+    /// file.
     pub(crate) fn within(self, name: &str) -> Self {
         let message = Message::from(format!("{}: ", name.escape_default())).message(&self.message);
         Self { message, ..self }
@@ -88,7 +89,7 @@ impl Spell for ReadError {
 pub struct Warning {
     /// Stable code for programs, as in "unused-vertices".
     pub code: &'static str,
-    /// How often.
+    /// The number of occurrences.
     pub count: u64,
     /// The first location.
     pub place: FileLocation,
@@ -97,7 +98,7 @@ pub struct Warning {
 }
 
 impl Warning {
-    /// The sentence with count and place, and with the settings that it advises.
+    /// The sentence with the count, the location, and the settings that it advises.
     ///
     /// ```
     /// use chordal::budget::advice::{Message, Setting};

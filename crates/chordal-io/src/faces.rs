@@ -5,21 +5,24 @@ use crate::{FileLocation, ReadError};
 use chordal::explicit::triangulate::{Triangulator, other_cut_within};
 use chordal::math::greater;
 
-/// The message for faces of no area.
+/// The message for faces with fewer than 3 corners.
 pub(crate) const SHORT_FACES: &str = "faces of fewer than 3 corners were skipped";
 
 /// A polygon with more corners than this, and far fewer vertices than corners, is not triangulated. It visits
-/// its vertices again and again, and finding out how would take memory out of all proportion to its bytes.
+/// the same vertices again and again, and to triangulate it would take memory out of all proportion to its
+/// bytes.
 const LONG: usize = 1 << 16;
 
-/// What single precision may take corners off their plane, by the size of their coordinates: polygons are flat within it.
-/// Derived: 2⁻²⁴ of a coordinate for each of three, and the same at each of the corners that span the plane.
+/// How far rounding to single precision may move corners out of their plane, relative to their coordinates:
+/// polygons are flat within it. Derived: 2⁻²⁴ of a coordinate for each of three, and the same at each of the
+/// corners that span the plane.
 const SINGLE_PRECISION: f64 = 8.0 / (1 << 24) as f64;
 
-/// The code of the warning that says how far cut polygons may be from those that are cut otherwise.
+/// The code of the warning that says how far two triangulations of a non-planar polygon may be apart.
 pub const BENT_POLYGONS: &str = "polygons-bent";
 
-/// Polygons that are not flat: how many, the first of them, and how far the ways to cut any of them are apart at most.
+/// Polygons that are not flat: their number, the first of them, and the largest distance between two
+/// triangulations of one of them.
 #[derive(Debug, Default)]
 struct BentPolygons {
     n: u64,
@@ -39,7 +42,7 @@ impl BentPolygons {
     }
 }
 
-/// A face with more than three corners. Its triangles are reserved, and are filled in once all positions are
+/// A face with more than three corners. Its triangles are reserved, and filled in once all positions are
 /// known.
 #[derive(Debug)]
 struct DeferredPolygon {
@@ -58,12 +61,12 @@ pub(crate) struct Faces {
 }
 
 impl Faces {
-    /// Reserves memory for the number of faces that was counted in the bytes of the file.
+    /// Reserves memory for as many faces as were counted in the bytes of the file.
     pub(crate) fn with_room(rows: usize) -> Result<Self, ReadError> {
         Ok(Self { triangles: crate::grow::with_room(rows)?, ..Self::default() })
     }
 
-    /// Reserves memory for more triangles, of which so many can be in the bytes of the file.
+    /// Reserves memory for `more` triangles; the bytes of the file can hold that many.
     pub(crate) fn reserve(&mut self, more: usize) -> Result<(), ReadError> {
         let n = self.triangles.len();
         self.triangles.try_reserve_exact(more).map_err(|_| crate::grow::out_of_memory(n))
@@ -74,7 +77,7 @@ impl Faces {
         self.triangles.len()
     }
 
-    /// Appends a face of at least three corners, from line or row `at`.
+    /// Appends a face of at least three corners that starts at line or row `at`.
     #[inline]
     pub(crate) fn push(&mut self, corners: &[u32], at: u64) -> Result<(), ReadError> {
         if let &[a, b, c] = corners {
@@ -92,7 +95,7 @@ impl Faces {
         push(&mut self.polygons, polygon)
     }
 
-    /// Triangulates all faces, in order. Counts how many were cut and how many overlap themselves.
+    /// Triangulates all faces in order. Counts the faces that were cut and those that overlap themselves.
     pub(crate) fn cut(
         mut self,
         positions: &[[f64; 3]],
@@ -149,7 +152,8 @@ impl Faces {
             let message = format!(
                 "polygons are not flat: another program may cut them otherwise, up to {:.3e} (proved) from the triangles that \
                  are read here, and what is bounded is the distance from these",
-                // Four digits are rounded by less than a two-thousandth, so that none of them is below the bound.
+                // The message shows four digits, rounded by less than a two-thousandth; the margin keeps the
+                // shown number above the bound.
                 bent.at_most * 1.001
             );
             (place(bent.first), message)

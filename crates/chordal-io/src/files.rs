@@ -1,19 +1,18 @@
-//! Files beside the one that is read: resolves their relative URIs to paths below its folder, and refuses all
-//! others.
+//! Files beside the input file: resolves relative URIs to paths below its folder, and refuses all other URIs.
 use std::borrow::Cow;
 
-/// Returns the bytes of a file by its path below the folder of the file that is read, or says why not. Such a
-/// path has no `..`, no scheme and no leading `/`. The opener must handle symbolic links that leave the
-/// folder.
+/// Returns the bytes of a file, or the reason why it cannot be opened. The path is relative to the folder of
+/// the input file and has no `..`, no scheme and no leading `/`. The opener must handle symbolic links that
+/// leave the folder.
 ///
-/// A path that begins with `*.` stands for the file of the same name with that extension in the place of its own, since
-/// readers do not know the name: [`crate::with_stem`] puts it in.
+/// A path that begins with `*.` means the file with the same name as the input file and that extension, since
+/// readers do not know the name. [`crate::with_stem`] inserts it.
 pub type FileOpener<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
-/// The start of the path of a file that has the name of the first, with another extension.
+/// The start of a path that means the input file's name with another extension.
 pub(crate) const SAME_STEM: &str = "*.";
 
-/// The path that an opener was asked for, with the name of the first file, up to its extension, in the place of a `*`.
+/// The path for an opener: a leading `*` is replaced by the name of the input file without its extension.
 ///
 /// ```
 /// use chordal_io::with_stem;
@@ -29,7 +28,7 @@ pub fn with_stem<'p>(path: &'p str, name: Option<&str>) -> Option<Cow<'p, str>> 
     Some(Cow::Owned(format!("{stem}.{extension}")))
 }
 
-/// Why a URI names no file below the folder.
+/// Why a URI is not a file below the folder.
 pub(crate) enum UriError {
     /// It has a scheme, as in `https:`.
     Scheme,
@@ -62,8 +61,8 @@ impl UriError {
     }
 }
 
-/// Resolves a URI in `folder` to a path below the top folder, without query and fragment. `folder` is such a
-/// path itself.
+/// Resolves a URI in `folder` to a path below the top folder, without query and fragment. `folder` is also a
+/// path below the top folder.
 ///
 /// Escapes are decoded first, so that none of them hides a dot or a slash.
 pub(crate) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
@@ -71,8 +70,8 @@ pub(crate) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
     below(folder, &decoded(&uri[..end]).ok_or(UriError::NoFile)?)
 }
 
-/// Resolves a path that is no URI: nothing in it is escaped, and a backslash separates folders too, as
-/// programs on Windows write it.
+/// Resolves a path that is not a URI: nothing in it is escaped, and a backslash separates folders too, as in
+/// paths written on Windows.
 pub(crate) fn resolve_path(folder: &str, path: &str) -> Result<String, UriError> {
     below(folder, &path.replace('\\', "/"))
 }

@@ -1,4 +1,5 @@
-//! `ForeignFormat`: files of others that are not read, by their names and their first bytes, and the way around.
+//! `ForeignFormat`: formats that are not supported, known by extensions and first bytes, with advice on
+//! converting them.
 use crate::format::Format;
 use crate::text::text_start;
 
@@ -15,9 +16,9 @@ pub struct ForeignFormat {
     /// Its name in a sentence.
     pub name: &'static str,
     extensions: &'static [&'static str],
-    /// What its files begin with, one of these; empty where nothing tells them.
+    /// The signatures of its files; empty if they have none.
     starts: &'static [&'static [u8]],
-    /// The usual way to something that is read.
+    /// The usual way to convert it to a supported format.
     pub way: &'static str,
 }
 
@@ -43,7 +44,7 @@ const fn row(
     ForeignFormat { name, extensions, starts, way }
 }
 
-/// The table. Only beginnings that no text or number of a known format could have stand in it.
+/// The table. It lists only signatures that no text or binary file of a supported format could begin with.
 static TABLE: [ForeignFormat; 39] = [
     row("a script of OpenSCAD", &["scad", "csg"], &[], OPENSCAD),
     row("FBX", &["fbx"], &[b"Kaydara FBX Binary", b"; FBX "], SCENE),
@@ -107,7 +108,7 @@ static TABLE: [ForeignFormat; 39] = [
 ];
 
 impl ForeignFormat {
-    /// The format of an extension, in any case; none where a known format has it.
+    /// The format of an extension, in any case; `None` if it belongs to a supported format.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<&'static Self> {
         if Format::from_extension(extension).is_some() {
@@ -116,13 +117,13 @@ impl ForeignFormat {
         TABLE.iter().find(|row| row.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
     }
 
-    /// Whether it is one of pictures.
+    /// Whether the format holds pictures.
     #[must_use]
     pub fn is_picture(&self) -> bool {
         self.name.ends_with(" picture")
     }
 
-    /// The format that content begins like. What it begins with, nothing that is read does.
+    /// The format whose signature the content begins with. No supported format begins like that.
     #[must_use]
     pub fn sniff(bytes: &[u8]) -> Option<&'static Self> {
         let text = text_start(bytes);
@@ -130,11 +131,11 @@ impl ForeignFormat {
             |row: &&Self| row.starts.iter().any(|start| bytes.starts_with(start) || text.starts_with(start));
         let by_start = || TABLE.iter().find(begins);
         let is_webp = bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP");
-        // An XML file says what it is by its root.
+        // The root element tells the kind of an XML file.
         let head = &text[..text.len().min(1024)];
         let is_x3d = text.starts_with(b"<") && memchr::memmem::find(head, b"<X3D").is_some();
-        // A line of IGES has 80 columns, of which the last ones name the section and count its lines; the first section
-        // is called S (U.S. Product Data Association, *IGES 5.3*, 1996, 2.2.1).
+        // A line of IGES has 80 columns. The last ones name the section and count its lines; the first
+        // section is called S (U.S. Product Data Association, *IGES 5.3*, 1996, 2.2.1).
         let is_iges = matches!(bytes.get(72..80), Some(b"S      1" | b"S0000001"));
         let named = |name| TABLE.iter().find(|row| row.extensions.contains(&name));
         match (is_webp, is_x3d) {

@@ -13,7 +13,7 @@
 pub enum Format {
     /// Bicubic Bézier patches, one block of 4 × 4 points each.
     Bpt,
-    /// Bézier patches of any degree, as Geomview has them, text or binary.
+    /// Bézier patches of any degree in Geomview's format, text or binary.
     Bez,
     /// Newell's teaset text: patches as indices, then points.
     Teaset,
@@ -27,17 +27,17 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
-    /// glTF 2.0 as JSON, with buffers and pictures in it or beside it.
+    /// glTF 2.0 as JSON, with embedded or separate buffers and pictures.
     Gltf,
-    /// A tile of 3D Tiles 1.0, with a GLB in it.
+    /// A tile of 3D Tiles 1.0 that holds a GLB.
     B3dm,
-    /// Such a tile whose GLB is shown at several places.
+    /// A tile of 3D Tiles 1.0 whose GLB is instanced at several places.
     I3dm,
-    /// Several such tiles in one file.
+    /// Several tiles of 3D Tiles 1.0 in one file.
     Cmpt,
-    /// The list of the tiles of 3D Tiles, of which the finest are read.
+    /// A tileset of 3D Tiles; its finest tiles are read.
     Tileset,
-    /// Draco's compressed triangles.
+    /// Triangles compressed by Draco.
     Drc,
     /// Geomview's OFF, text or binary.
     Off,
@@ -45,25 +45,25 @@ pub enum Format {
     ThreeMf,
     /// AMF, an older format of 3D printing, zipped or not.
     Amf,
-    /// Collada.
+    /// COLLADA.
     Dae,
     /// VTK PolyData in XML.
     Vtp,
-    /// VTK UnstructuredGrid in XML, of which the surface is read.
+    /// VTK UnstructuredGrid in XML; its surface is read.
     Vtu,
-    /// VTK's legacy form of both, and of volumes.
+    /// VTK's legacy format, for surfaces, unstructured grids and volumes.
     Vtk,
-    /// GIFTI, surfaces of brains in XML.
+    /// GIFTI, brain surfaces in XML.
     Gii,
-    /// USD as text, or a `.usd` file in either form.
+    /// USD as text, or a `.usd` file that holds text or binary.
     Usda,
     /// USD in its binary form.
     Usdc,
-    /// A package of USD with its pictures.
+    /// A USD package with its pictures.
     Usdz,
     /// Scalable Vector Graphics.
     Svg,
-    /// A font of TrueType or OpenType, or a collection of some: its letters are a drawing once a text is set.
+    /// A TrueType or OpenType font, or a collection of them. A text set in it is a drawing of its glyphs.
     Ttf,
     /// An expression graph as an op list, in fidget's text format.
     Vm,
@@ -73,16 +73,16 @@ pub enum Format {
     Nrrd,
     /// NIfTI volume, gzipped or not.
     Nii,
-    /// NumPy arrays in a zip file, one of them with three axes.
+    /// NumPy arrays in a zip file, one of which has three axes.
     Npz,
-    /// MetaImage volume, in one file or with its samples beside.
+    /// MetaImage volume, in one file or with its samples in other files.
     MetaImage,
-    /// Image data of VTK in XML.
+    /// VTK ImageData in XML.
     Vti,
-    /// A series of DICOM: slices in files of their own, and the list of them.
+    /// A DICOM series: slices in files of their own, and a list of them.
     Dicom,
-    /// Volume of VolVis.
+    /// VolVis volume.
     Slc,
-    /// A shape script, which is run instead of read.
+    /// A shape script; it is run, not read.
     Star,
 }

@@ -1,4 +1,4 @@
-//! The columns of the table of formats: what reads a format and writes it, and what it holds.
+//! The columns of the table of formats: the readers and writers of a format, and the data that it holds.
 use crate::drawing::Polylines;
 use crate::error::{ReadError, WriteError};
 use crate::files::FileOpener;
@@ -9,17 +9,17 @@ use chordal::explicit::Attribute;
 use serde_json::Value;
 use std::io::Write;
 
-/// How the vertices of triangles lie in a file.
+/// How a file arranges the vertices of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexRows {
     /// One row for each vertex of the mesh.
     Mesh,
-    /// One row for each position; attributes have rows of their own, or are kept where vertices of one
-    /// position agree in them.
+    /// One row for each position. Attributes have their own rows, or are kept only where all vertices at a
+    /// position have the same value.
     Positions,
-    /// One row for each vertex, split where corners differ in an attribute.
+    /// One row for each vertex; a vertex whose corners differ in an attribute is split.
     Split,
-    /// Three rows for each triangle, and one part without attributes.
+    /// Three rows for each triangle, in a single part without attributes.
     Soup,
 }
 
@@ -37,7 +37,8 @@ pub enum PositionPrecision {
 /// How a format holds polygons of any number of corners.
 pub(crate) struct PolygonFormat {
     pub write: fn(&Polygons, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
-    /// Writes a document of a stem with files beside it; none where all is in one file.
+    /// Writes a document with files beside it, all named after a stem; `None` if the format has one file
+    /// only.
     pub write_files: Option<PolygonSetWriter>,
     /// Whether texture coordinates, groups and subdivision tags are kept too.
     pub is_cage: bool,
@@ -46,28 +47,29 @@ pub(crate) struct PolygonFormat {
 /// How a format holds triangles.
 pub(crate) struct TriangleFormat {
     pub write: fn(&Scene, Option<&Value>, &mut dyn Write) -> Result<(), WriteError>,
-    /// Writes a document of a stem with files beside it; none where all is in one file.
+    /// Writes a document with files beside it, all named after a stem; `None` if the format has one file
+    /// only.
     pub write_files: Option<FileSetWriter>,
     pub rows: VertexRows,
     pub precision: PositionPrecision,
-    /// None where polygons are cut into triangles.
+    /// `None` if the format holds triangles only, so that polygons are cut.
     pub polygons: Option<PolygonFormat>,
-    /// Whether materials are in files beside the document, which names them.
+    /// Whether materials are in separate files that the document names.
     pub has_materials_beside: bool,
-    /// Whether parts stay apart.
+    /// Whether the format keeps parts separate.
     pub has_parts: bool,
-    /// Whether nodes place parts, so that instances share triangles.
+    /// Whether the format has nodes that place parts, so that instances share triangles.
     pub has_nodes: bool,
-    /// Whether readers of it want normals rather than compute their own.
+    /// Whether programs that read the format expect normals in the file, instead of computing their own.
     pub wants_normals: bool,
     pub has_certificate: bool,
-    /// Whether a file may hold points and no triangle.
+    /// Whether a file may hold points without any triangle.
     pub holds_points: bool,
-    /// Whether an attribute is kept, with the first of all rows that are the same vertex; none where the writer
-    /// itself reports what it leaves out.
+    /// Whether an attribute is kept; the second argument is, for each row, the first row of the same vertex.
+    /// `None` if the writer itself reports what it leaves out.
     pub keeps: Option<fn(&Attribute, &[u32]) -> bool>,
-    /// What else the writer changes, and what it leaves out of the looks of materials, in sentences. Where there
-    /// is none and no file beside the document, it leaves out all looks.
+    /// Other changes that the writer makes, and the properties of materials that it leaves out, as sentences.
+    /// If this is `None` and the format has no separate files, the writer leaves out all materials.
     pub changes: Option<fn(&Scene) -> Vec<Message>>,
 }
 
@@ -76,7 +78,7 @@ pub(crate) struct TriangleFormat {
 pub(crate) enum FormatReader {
     /// From one file.
     OneFile(fn(&[u8], &Limits) -> Result<ReadOutcome, ReadError>),
-    /// From a file and those that it names, where they can be opened.
+    /// From a file and the files that it names, if they can be opened.
     WithOthers(FileSetReader),
 }
 

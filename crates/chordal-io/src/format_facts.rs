@@ -1,4 +1,4 @@
-//! What there is to know of a format by its row in the table: names, what content looks like, what it holds.
+//! Queries about a format, answered from its row in the table: names, signatures, the data it holds.
 use crate::SceneAssets;
 use crate::format::Format;
 use crate::format_columns::{PositionPrecision, VertexRows};
@@ -19,7 +19,8 @@ impl Format {
         &TABLE[self as usize]
     }
 
-    /// The format of an extension, with or without its dot, in any case; `nii.gz` is one too.
+    /// The format of an extension, with or without its dot, in any case. `nii.gz` also counts as an
+    /// extension.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<Self> {
         let name = extension.strip_prefix('.').unwrap_or(extension);
@@ -28,8 +29,8 @@ impl Format {
         TABLE.iter().find(has_name).map(|row| row.format)
     }
 
-    /// The format of an extension of a file that is read: [`crate::read`] unpacks what is gzipped, so that
-    /// `obj.gz` is one too.
+    /// The format of the extension of an input file. [`crate::read`] unpacks gzipped files, so `obj.gz` is an
+    /// OBJ.
     ///
     /// ```
     /// use chordal_io::Format;
@@ -46,11 +47,12 @@ impl Format {
         Self::from_extension(extension).or_else(packed)
     }
 
-    /// The format that the content looks like, whatever its extension. Looks only at as much as it must; of a
-    /// gzipped file at its first 64 KiB. A reader may still refuse the file.
+    /// The format that the content looks like, whatever its extension. Inspects as few bytes as possible, and
+    /// only the first 64 KiB of a gzipped file. A reader may still refuse the file.
     #[must_use]
     pub fn sniff(bytes: &[u8]) -> Option<Self> {
-        /// What is unpacked, which is more than any format needs that is told by its first bytes.
+        /// The bytes that are unpacked. Chosen: more than the signature of any format that is recognised by
+        /// its first bytes.
         const HEAD: usize = 1 << 16;
         if bytes.starts_with(&MAGIC) {
             let head = peek(bytes, HEAD);
@@ -59,7 +61,7 @@ impl Format {
         BY_CONTENT.into_iter().find(|format| (format.row().looks_like)(bytes))
     }
 
-    /// Whether triangles can be written in it.
+    /// Whether the format can hold triangles.
     ///
     /// ```
     /// use chordal_io::Format;
@@ -70,93 +72,94 @@ impl Format {
         self.row().triangles.is_some()
     }
 
-    /// Whether what it names can stand in files beside it, instead of in it; see [`crate::write_files`].
+    /// Whether the pictures and buffers of the format can be separate files; see [`crate::write_files`].
     #[must_use]
     pub fn has_side_files(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.write_files.is_some())
     }
 
-    /// Whether the format names files beside it for what these assets have: an OBJ its materials. A document
-    /// alone is then less than the whole.
+    /// Whether the format puts some of these assets into separate files, as OBJ does with materials. Without
+    /// those files the document is then incomplete.
     #[must_use]
     pub fn names_files(self, assets: &SceneAssets) -> bool {
         let has_some = self.row().triangles.as_ref().is_some_and(|held| held.has_materials_beside);
         has_some && !assets.materials.is_empty()
     }
 
-    /// Whether polygons of any number of corners can be written in it.
+    /// Whether the format can hold polygons with any number of corners.
     #[must_use]
     pub fn holds_polygons(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.polygons.is_some())
     }
 
-    /// Whether polygons in a file of it may be a cage, whose surface is smooth.
+    /// Whether polygons of the format may be a control cage, which defines a smooth surface.
     #[must_use]
     pub fn may_hold_cages(self) -> bool {
         matches!(self, Self::Obj | Self::Usda | Self::Usdc | Self::Usdz)
     }
 
-    /// Whether polylines can be written in it.
+    /// Whether the format can hold polylines.
     #[must_use]
     pub fn holds_polylines(self) -> bool {
         self.row().polylines.is_some()
     }
 
-    /// Whether samples on a lattice can be written in it.
+    /// Whether the format can hold samples on a lattice.
     #[must_use]
     pub fn holds_volumes(self) -> bool {
         self.row().volumes.is_some()
     }
 
-    /// Whether parts stay apart, with their names.
+    /// Whether the format keeps parts separate, with their names.
     #[must_use]
     pub fn has_parts(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.has_parts)
     }
 
-    /// Whether its nodes place parts, so that instances share triangles.
+    /// Whether the format has nodes that place parts, so that instances share triangles.
     #[must_use]
     pub fn has_nodes(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.has_nodes)
     }
 
-    /// Whether readers of it want normals rather than compute their own.
+    /// Whether programs that read the format expect normals in the file, instead of computing their own.
     #[must_use]
     pub fn wants_normals(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.wants_normals)
     }
 
-    /// Whether a file of it may hold points and no triangle.
+    /// Whether a file of the format may hold points without any triangle.
     #[must_use]
     pub fn holds_points(self) -> bool {
         self.row().triangles.as_ref().is_some_and(|format| format.holds_points)
     }
 
-    /// Whether triangles lose no digit: every bit of their positions is kept.
+    /// Whether the format keeps every bit of the positions of triangles.
     #[must_use]
     pub fn keeps_every_digit(self) -> bool {
         self.holds_triangles() && self.precision() == PositionPrecision::Double
     }
 
-    /// Whether it is glTF, in either container: its numbers can be packed, and it holds levels of detail.
+    /// Whether the format is glTF, in either container, which can be packed and can hold levels of detail.
     #[must_use]
     pub fn is_gltf(self) -> bool {
         matches!(self, Self::Glb | Self::Gltf)
     }
 
-    /// How vertices lie in a file of it.
+    /// How a file of the format arranges its vertices.
     #[must_use]
     pub fn vertex_rows(self) -> VertexRows {
         self.row().triangles.as_ref().map_or(VertexRows::Mesh, |format| format.rows)
     }
 
-    /// The precision of its positions.
+    /// The precision of the format's positions.
     #[must_use]
     pub fn precision(self) -> PositionPrecision {
         self.row().triangles.as_ref().map_or(PositionPrecision::Double, |format| format.precision)
     }
 
-    /// How its files identify positions: by their own indices where they have some, else by their bits.
+    /// How files of the format tell which vertices share a position: by position indices if the format has
+    /// them, else by equal bits.
     #[must_use]
     pub fn topology(self) -> Topology {
         match self.vertex_rows() {

@@ -1,4 +1,4 @@
-//! The table of formats: what they are called and look like, what reads and writes them, and what they hold.
+//! The table of formats: names, signatures, readers, writers, and the data that each format holds.
 use crate::error::ReadError;
 use crate::format::Format;
 use crate::format_columns::{
@@ -13,25 +13,25 @@ use crate::{
     stl, svg, teaset, threemf, tiles, usd, vm, vti, vtk,
 };
 
-/// A row of the table of formats: everything that differs from format to format.
+/// A row of the table of formats. All differences between formats are here.
 pub(crate) struct FormatRow {
     pub format: Format,
-    /// The name, which `from` and `to` take and which is also an extension.
+    /// The name. The options `from` and `to` take it, and it is also an extension.
     pub name: &'static str,
     /// Other extensions.
     pub extensions: &'static [&'static str],
-    /// Whether a file's bytes look like it.
+    /// Whether the bytes of a file look like this format.
     pub looks_like: fn(&[u8]) -> bool,
-    /// The reader; none where a file has a shape only once it has run, which this crate does not do.
+    /// The reader. `None` for scripts: they must be run to get a shape, which this crate does not do.
     pub read: Option<FormatReader>,
     pub triangles: Option<TriangleFormat>,
     pub polylines: Option<PolylineWriter>,
     pub volumes: Option<VolumeWriter>,
-    /// How much a gzipped file of it may unpack to.
+    /// The size to which a gzipped file of the format may unpack.
     pub cap: UnpackCap,
 }
 
-/// A format that is only read.
+/// The row of a format that is read but never written.
 const fn only_read(
     format: Format,
     name: &'static str,
@@ -52,7 +52,7 @@ const fn only_read(
     }
 }
 
-/// The same for samples on a lattice.
+/// The row of a format for samples on a lattice.
 const fn volume_row(
     format: Format,
     name: &'static str,
@@ -62,7 +62,7 @@ const fn volume_row(
     FormatRow { cap: UnpackCap::VOLUME, ..only_read(format, name, looks_like, read) }
 }
 
-/// How glTF holds triangles, whatever its container.
+/// How glTF holds triangles, in either container.
 const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     write: glb::write,
     write_files: None,
@@ -79,7 +79,7 @@ const GLTF_TRIANGLES: TriangleFormat = TriangleFormat {
     changes: None,
 };
 
-/// How USD holds triangles, in a text or a package.
+/// How USD holds triangles, as text or in a package.
 const USD_TRIANGLES: TriangleFormat = TriangleFormat {
     write: usd::write,
     write_files: Some(usd::write_files),
@@ -342,8 +342,8 @@ pub(crate) static TABLE: [FormatRow; 37] = [
     },
 ];
 
-/// The order in which content is compared with formats: those that begin with a number of their own come before
-/// texts, and what nearly any text could be comes last.
+/// The order in which content is compared with formats: formats with a magic number come before texts, and
+/// formats that nearly any text could match come last.
 pub(crate) const BY_CONTENT: [Format; 36] = [
     Format::Glb,
     Format::B3dm,

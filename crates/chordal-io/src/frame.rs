@@ -29,20 +29,20 @@ impl Axis {
     }
 }
 
-/// What is known of the coordinate space.
+/// The known properties of the coordinate space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// Which axis is up, if the format or the user says.
+    /// Which axis is up, if the format or the user specifies it.
     pub up: Option<Axis>,
-    /// The length of one unit, if the format or the user says.
+    /// The length of one unit, if the format or the user specifies it.
     pub metres_per_unit: Option<f64>,
-    /// Where the space of texture coordinates begins, if the format says. A writer whose format begins at the
-    /// other corner turns v over, as 1 - v; where nothing is known it writes v as it is.
+    /// The origin of texture coordinates, if the format specifies it. A writer whose format has the other
+    /// origin flips v: it writes (1 - v); if the origin is unknown it writes v unchanged.
     pub texture_origin: Option<TextureOrigin>,
 }
 
 impl Frame {
-    /// Whether texture coordinates must be turned over for a format that begins at `origin`.
+    /// Whether texture coordinates must be flipped for a format whose origin is `origin`.
     pub(crate) fn turns_v(&self, origin: TextureOrigin) -> bool {
         self.texture_origin.is_some_and(|own| own != origin)
     }

@@ -1,15 +1,15 @@
-//! `Groups`: named groups of faces, from statements that name the group of the faces after them.
+//! `Groups`: named groups of faces, from statements that apply to the faces after them.
 use crate::ReadError;
 use crate::grow::{push, with_room};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::HashMap;
 
-/// The groups of one kind ("material", "g", …): names in order of appearance, and where each begins. Number 0
-/// means that there was no such statement, or that it ended the group.
+/// The groups of one kind ("material", "g", …): names in order of appearance, and the face where each begins.
+/// Number 0 is for faces before any statement, or after a statement that ended the group.
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
     names: Vec<String>,
-    /// Only looked up: numbers are given in the order of the file.
+    /// Only for lookups: numbers follow the order of the file, not of the map.
     index: HashMap<String, u32>,
     current: u32,
     /// First triangle and number of each run.
@@ -17,7 +17,7 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
-    /// Faces from index `triangle` on belong to the group of that name; to none for the empty name.
+    /// Faces from index `triangle` on belong to the group `name`, or to none if the name is empty.
     pub(crate) fn name(&mut self, name: &str, triangle: usize) -> Result<(), ReadError> {
         if name.is_empty() {
             return self.number(0, triangle);
@@ -45,7 +45,7 @@ impl Groups {
         }
         self.current = number;
         match self.runs.last_mut() {
-            // The last statement had no faces.
+            // No faces followed the last statement.
             Some(last) if last.0 == triangle => last.1 = number,
             _ => push(&mut self.runs, (triangle, number))?,
         }

@@ -1,9 +1,9 @@
-//! `grow`: lists whose length a file decides. They grow with what was read, in small steps, and never abort.
+//! `grow`: lists whose length depends on a file. They grow in small steps as data is read, and never abort.
 use crate::{FileLocation, ReadError};
 
 /// The capacity that a list starts with.
 const FIRST: usize = 64;
-/// The same for large items, of which there can be many short lists.
+/// The same for lists of large items, many of which may be short.
 const FIRST_LARGE: usize = 8;
 
 /// The error of a list that does not fit into memory.
@@ -11,7 +11,7 @@ pub(crate) fn out_of_memory(rows: usize) -> ReadError {
     ReadError::new("out-of-memory", FileLocation::File, format!("no memory for more than {rows} rows"))
 }
 
-/// Appends to a list. It grows by half, so it holds at most 1.5 times what was read.
+/// Appends to a list. It grows by half, so its capacity is at most 1.5 times the items that were read.
 #[inline]
 pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     if list.len() == list.capacity() {
@@ -21,8 +21,8 @@ pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Appends to a list of large items. It grows by a quarter, so that the old and the new list together are no
-/// more than 2.25 times what was read while it moves.
+/// Appends to a list of large items. It grows by a quarter, so that the old and the new list together take at
+/// most 2.25 times the items that were read while the list is moved.
 #[inline]
 pub(crate) fn push_large<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     if list.len() == list.capacity() {
@@ -32,7 +32,7 @@ pub(crate) fn push_large<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError>
     Ok(())
 }
 
-/// Makes room for `more` large items at once, and for a quarter of the list at least.
+/// Reserves `more` large items at once, and at least a quarter of the list.
 pub(crate) fn reserve_large<T>(list: &mut Vec<T>, more: usize) -> Result<(), ReadError> {
     if list.capacity() - list.len() < more {
         list.try_reserve_exact(more.max(list.len() / 4)).map_err(|_| out_of_memory(list.len()))?;
@@ -64,8 +64,8 @@ fn grow<T>(list: &mut Vec<T>, more: usize) -> Result<(), ReadError> {
     list.try_reserve_exact(step).map_err(|_| out_of_memory(list.len()))
 }
 
-/// An empty list with capacity for `rows` rows that were counted in the bytes of the file, never declared by
-/// it.
+/// An empty list with capacity for `rows` rows. The rows must be counted in the bytes of the file, not
+/// declared by it.
 pub(crate) fn with_room<T>(rows: usize) -> Result<Vec<T>, ReadError> {
     let mut list = Vec::new();
     list.try_reserve_exact(rows).map_err(|_| out_of_memory(rows))?;

@@ -6,12 +6,12 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::math::unit;
 use std::borrow::Cow;
 
-/// A part as a node shows it.
+/// A part as shown by a node.
 #[derive(Clone, Debug)]
 pub(crate) struct PartInstance<'a> {
-    /// As the file has it, or posed where a skin or morph targets move it at rest.
+    /// The part as in the file, or posed if a skin or morph targets move it at rest.
     pub(crate) part: Cow<'a, Part>,
-    /// The node's name, or else the part's.
+    /// The name of the node, or of the part if the node has none.
     pub(crate) name: &'a str,
     transform: Option<InstanceTransform>,
 }
@@ -28,17 +28,17 @@ struct InstanceTransform {
 
 impl Scene {
     /// Every part with the transforms of its node applied, in scene coordinates. Each has the name of the
-    /// node, or else of the part. They come in the order of the tree: a part that two nodes show comes twice,
-    /// one that no node shows never.
+    /// node, or of the part if the node has none. They come in the order of the tree: a part that two nodes
+    /// show comes twice, one that no node shows is left out.
     ///
     /// Positions are rounded once for each transform. Normals and tangents are transformed and stay of unit
     /// length. Mirrored parts are wound the other way round, so that the front stays the front. Parts without
-    /// a transform are borrowed and cost nothing. What a skin or morph targets move stands in its
-    /// [rest pose](crate::RestPose), without the attributes that pose it.
+    /// a transform are borrowed and cost nothing. Parts moved by a skin or morph targets are in their [rest
+    /// pose](crate::RestPose), without the attributes that pose them.
     ///
     /// # Errors
-    /// [`WriteError::Unsupported`] for nodes that are no tree, matrices that are not affine, and positions
-    /// that overflow.
+    /// [`WriteError::Unsupported`] if the nodes are not a tree, a matrix is not affine, or a position
+    /// overflows.
     ///
     /// ```
     /// use chordal::Mesh;
@@ -56,17 +56,17 @@ impl Scene {
 }
 
 /// The most triangles and vertices of parts, counted once for each instance: a small file can show one large
-/// mesh a million times. About 4 GB.
+/// mesh a million times. Chosen: about 4 GB.
 const MOST_PLACED_ROWS: usize = 100_000_000;
 
 /// Every instance of a part, in the order of the tree.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] for nodes that are no tree, and matrices that are not affine.
+/// [`WriteError::Unsupported`] if the nodes are not a tree, or a matrix is not affine.
 pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, WriteError> {
     let mut seen = vec![false; scene.nodes.len()];
     let mut open: Vec<(usize, [f64; 16])> = scene.roots.iter().rev().map(|root| (*root, IDENTITY)).collect();
-    let mut found = Vec::new();
+    let mut instances = Vec::new();
     let mut rows = 0_usize;
     let poses = scene.rest_poses();
     while let Some((index, parent)) = open.pop() {
@@ -88,7 +88,7 @@ pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, Wri
                 ));
             }
             let name = if node.name.is_empty() { &part.name } else { &node.name };
-            found.push(match poses.pose(index)? {
+            instances.push(match poses.pose(index)? {
                 Some(pose) => {
                     let part = Cow::Owned(Part { mesh: pose.posed(&part.mesh)?, ..part.clone() });
                     PartInstance { part, name, transform: None }
@@ -101,7 +101,7 @@ pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, Wri
         }
         open.extend(node.children.iter().rev().map(|child| (*child, matrix)));
     }
-    Ok(found)
+    Ok(instances)
 }
 
 impl InstanceTransform {
@@ -179,7 +179,7 @@ impl<'a> PartInstance<'a> {
     /// The position of a vertex in scene coordinates.
     ///
     /// # Errors
-    /// [`WriteError::Unsupported`] when it overflows.
+    /// [`WriteError::Unsupported`] if it overflows.
     pub(crate) fn position(&self, vertex: usize) -> Result<[f64; 3], WriteError> {
         let position = self.part.mesh.positions()[vertex];
         let Some(transform) = &self.transform else { return Ok(position) };
@@ -194,11 +194,11 @@ impl<'a> PartInstance<'a> {
         )))
     }
 
-    /// The normal of a row in scene coordinates: of unit length, or zero where there is none.
+    /// The normal of a row in scene coordinates: of unit length, or zero if there is none.
     pub(crate) fn normal(&self, row: &[f64]) -> [f64; 3] {
         let normal = [row[0], row[1], row[2]];
         let Some(transform) = &self.transform else { return normal };
-        // Zero where there is no direction.
+        // Zero if it has no direction.
         unit(combine(&transform.normals, normal)).unwrap_or_default()
     }
 
@@ -207,7 +207,7 @@ impl<'a> PartInstance<'a> {
         if self.transform.as_ref().is_some_and(|t| t.is_mirror) { [0, 2, 1] } else { [0, 1, 2] }
     }
 
-    /// The attribute of a semantic, if it is on vertices and its rows are at least that wide.
+    /// The vertex attribute of a semantic, if its rows have at least that width.
     pub(crate) fn vertex_attribute(&self, semantic: &Semantic, width: usize) -> Option<&Attribute> {
         let attribute = self.part.mesh.attribute(semantic)?;
         (attribute.domain == Domain::Vertex && attribute.width >= width).then_some(attribute)
@@ -227,9 +227,9 @@ pub(crate) fn first_rows(mesh: &Mesh) -> Vec<u32> {
     (0..n)
         .zip(id)
         .map(|(row, id)| {
-            let known = &mut first[*id as usize];
-            *known = if *known == u32::MAX { row } else { *known };
-            *known
+            let first_row = &mut first[*id as usize];
+            *first_row = if *first_row == u32::MAX { row } else { *first_row };
+            *first_row
         })
         .collect()
 }
@@ -252,7 +252,7 @@ mod tests {
     }
 
     /// A corner of a cube with a normal and a tangent on each vertex and a number on each corner. It is shown
-    /// as it is and, one node further, mirrored in x and twice as long in y.
+    /// unchanged, and again by a child node, mirrored in x and stretched by two in y.
     fn scene() -> Scene {
         let stream = |semantic, domain, width, values: &[f64]| Attribute {
             semantic,
@@ -303,7 +303,7 @@ mod tests {
         let row = |semantic: &Semantic, i: usize| mirrored.attribute(semantic).unwrap().row(i).to_vec();
         assert_eq!([0, 1, 2].map(|i| row(&Semantic::Custom("n".into()), i)[0]), [10.0, 12.0, 11.0]);
         let (normal, tangent) = (row(&Semantic::Normal, 0), row(&Semantic::Tangent, 0));
-        // Normals shrink where lengths grow: (−0.6, 0.4) and (0.8, 1.2), at length 1.
+        // Normals shrink along an axis that is stretched: (−0.6, 0.4) and (0.8, 1.2), at length 1.
         let close = |a: &[f64], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 4.0 * f64::EPSILON);
         assert!(close(&normal, [-0.6, 0.4, 0.0].map(|x| x / 0.52_f64.sqrt())), "{normal:?}");
         assert!(close(&tangent[..3], [0.8, 1.2, 0.0].map(|x| x / 2.08_f64.sqrt())), "{tangent:?}");

@@ -4,15 +4,15 @@ use crate::picture_size::check_size;
 use chordal::render::Picture;
 use std::io::Write;
 
-/// Writes a picture as baseline JPEG. What is transparent stands on white. Colours change a little: JPEG is not
-/// without loss.
+/// Writes a picture as baseline JPEG, on a white background if it is transparent. Colours change a little:
+/// JPEG is lossy.
 ///
-/// Each pair of `text` is a comment, `keyword: text`; a longer one than a comment holds goes on in the next. The
-/// same picture and text give the same bytes as long as the version of the encoder is the same.
+/// Each pair of `text` is a comment, `keyword: text`; a text that is too long for one comment continues in
+/// the next. The same picture and text give the same bytes as long as the version of the encoder is the same.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] for a picture without pixels, of more than 65,535 columns or rows, or whose bytes
-/// do not fit its size; [`WriteError::Io`] when the sink fails.
+/// [`WriteError::Unsupported`] for a picture without pixels, of more than 65,535 columns or rows, or whose
+/// bytes do not fit its size; [`WriteError::Io`] if the sink fails.
 ///
 /// ```
 /// use chordal::render::Picture;
@@ -50,8 +50,8 @@ pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> 
     Ok(out.write_all(rest)?)
 }
 
-/// Of 1 to 100, by the scale of the Independent JPEG Group's encoder. Chosen: from 90 on, edges of a triangle show
-/// no rings at the size of the screen.
+/// From 1 to 100, on the scale of the Independent JPEG Group's encoder. Chosen: from 90 on, edges of a
+/// triangle show no ringing at screen size.
 const QUALITY: u8 = 90;
 
 /// The byte before each marker, the markers of a comment and of JFIF's header: T.81, table B.1.
@@ -62,8 +62,8 @@ const APP0: u8 = 0xE0;
 /// The bytes of a comment: its length has 16 bits, and counts itself.
 const MOST_COMMENT: usize = u16::MAX as usize - 2;
 
-/// Where the start of the image ends, and the header of JFIF that has to follow it: two bytes for the one, two for
-/// the marker of the other, which counts the rest.
+/// The end of the start-of-image marker and of the JFIF header that must follow it: two bytes for the first,
+/// two for the marker of the second, whose length counts the rest.
 fn end_of_header(file: &[u8]) -> usize {
     match file {
         [_, _, MARKER, APP0, high, low, ..] => 4 + usize::from(u16::from_be_bytes([*high, *low])),
@@ -71,10 +71,10 @@ fn end_of_header(file: &[u8]) -> usize {
     }
 }
 
-/// A pixel as it looks on white.
+/// A pixel blended over white.
 fn on_white(rgba: &[u8]) -> [u8; 3] {
     let alpha = u32::from(rgba[3]);
-    // 255 is white, and a half of it rounds to the nearest.
+    // Adding 127, half of 255, rounds to the nearest.
     let over = |channel: u8| (u32::from(channel) * alpha + 255 * (255 - alpha) + 127) / 255;
     [rgba[0], rgba[1], rgba[2]].map(|channel| over(channel) as u8)
 }

@@ -4,7 +4,7 @@ use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
 use std::collections::HashSet;
 
-/// The deepest nesting, whatever the limits allow: each level takes some of the call stack.
+/// The deepest nesting, whatever the limits allow. Chosen: each level takes some of the call stack.
 const DEEPEST: usize = 512;
 
 /// The kind of the next value.
@@ -45,7 +45,7 @@ impl<'a> JsonReader<'a> {
         Ok(Self { bytes, at: 0, deepest: limits.depth.min(DEEPEST), path: Vec::new() })
     }
 
-    /// The current location as a pointer; at the root, the file.
+    /// The current location as a pointer; the file itself at the root.
     pub(crate) fn place(&self) -> FileLocation {
         if self.path.is_empty() {
             return FileLocation::File;
@@ -64,14 +64,14 @@ impl<'a> JsonReader<'a> {
 
     fn syntax(&self, expected: &str) -> ReadError {
         let rest = &self.bytes[self.at..];
-        let found = match rest.first() {
+        let actual = match rest.first() {
             None => "the end of the file".to_owned(),
             Some(_) => show(&rest[..rest.len().min(12)]),
         };
         ReadError::new(
             "not-json",
             FileLocation::Byte(self.at as u64),
-            format!("{found} where {expected} should stand"),
+            format!("{actual} where {expected} should stand"),
         )
     }
 
@@ -83,9 +83,9 @@ impl<'a> JsonReader<'a> {
 
     fn take(&mut self, byte: u8) -> bool {
         self.skip_space();
-        let found = self.bytes.get(self.at) == Some(&byte);
-        self.at += usize::from(found);
-        found
+        let is_next = self.bytes.get(self.at) == Some(&byte);
+        self.at += usize::from(is_next);
+        is_next
     }
 
     /// The kind of the next value, without reading it.
@@ -102,13 +102,13 @@ impl<'a> JsonReader<'a> {
     }
 
     fn expect(&mut self, kind: JsonKind, what: &str) -> JsonResult<()> {
-        let found = self.peek()?;
-        if found == kind {
+        let actual = self.peek()?;
+        if actual == kind {
             return Ok(());
         }
         Err(self.error(
             "wrong-type",
-            format!("{what} should stand here, not {found:?}").replace("Word", "a word"),
+            format!("{what} should stand here, not {actual:?}").replace("Word", "a word"),
         ))
     }
 
@@ -121,7 +121,7 @@ impl<'a> JsonReader<'a> {
         Ok(())
     }
 
-    /// Reads an array: `each` must read one element, and gets its index. Returns the number of elements.
+    /// Reads an array. `each` must read one element, and gets its index. Returns the number of elements.
     pub(crate) fn array(
         &mut self,
         mut each: impl FnMut(&mut Self, u64) -> JsonResult<()>,
@@ -146,7 +146,7 @@ impl<'a> JsonReader<'a> {
         }
     }
 
-    /// Reads an object: `each` must read one value, and gets its key.
+    /// Reads an object. `each` must read one value, and gets its key.
     pub(crate) fn object(
         &mut self,
         mut each: impl FnMut(&mut Self, &str) -> JsonResult<()>,
@@ -156,7 +156,7 @@ impl<'a> JsonReader<'a> {
         if self.take(b'}') {
             return Ok(());
         }
-        // Only asked whether it holds a key: no order depends on it.
+        // Only queried for membership: no result depends on its order.
         let mut seen = HashSet::new();
         loop {
             self.skip_space();
@@ -180,7 +180,7 @@ impl<'a> JsonReader<'a> {
         }
     }
 
-    /// Reads a number that is finite as an f64.
+    /// Reads a number that is finite in double precision.
     pub(crate) fn number(&mut self) -> JsonResult<f64> {
         self.expect(JsonKind::Number, "a number")?;
         let rest = &self.bytes[self.at..];
@@ -264,8 +264,8 @@ impl<'a> JsonReader<'a> {
     pub(crate) fn flag(&mut self) -> JsonResult<bool> {
         self.skip_space();
         let rest = &self.bytes[self.at..];
-        let known = [(&b"true"[..], true), (&b"false"[..], false)];
-        match known.iter().find(|(word, _)| rest.starts_with(word)) {
+        let words = [(&b"true"[..], true), (&b"false"[..], false)];
+        match words.iter().find(|(word, _)| rest.starts_with(word)) {
             Some((word, value)) => {
                 self.at += word.len();
                 Ok(*value)
@@ -310,11 +310,11 @@ impl<'a> JsonReader<'a> {
 fn is_json_number(token: &[u8]) -> bool {
     let rest = token.strip_prefix(b"-").unwrap_or(token);
     let digits = |text: &[u8]| text.iter().take_while(|b| b.is_ascii_digit()).count();
-    let whole = digits(rest);
-    if whole == 0 || (whole > 1 && rest[0] == b'0') {
+    let n_digits = digits(rest);
+    if n_digits == 0 || (n_digits > 1 && rest[0] == b'0') {
         return false;
     }
-    let mut rest = &rest[whole..];
+    let mut rest = &rest[n_digits..];
     if let Some(fraction) = rest.strip_prefix(b".") {
         let n = digits(fraction);
         if n == 0 {

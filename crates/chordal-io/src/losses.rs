@@ -1,4 +1,4 @@
-//! `losses`: what of a scene a format cannot hold.
+//! `losses`: the data of a scene that a format cannot hold.
 use crate::format_columns::TriangleFormat;
 use crate::instances::{PartInstance, first_rows, part_instances};
 use crate::{FileLocation, Format, MATERIAL, Part, Polygons, Scene, Warning, WriteError};
@@ -9,12 +9,12 @@ use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
-/// What writing a scene in a format leaves out, counted in parts, so that nothing is lost silently. Rounding
-/// is not counted here. For GLB only points of parts without a triangle are listed: of all else its writer reports
-/// for itself what it cannot write.
+/// The data that a format leaves out of a scene, counted in parts, so that nothing is lost silently. Rounding
+/// is not counted. For GLB only points of parts without a triangle are listed; its writer reports all other
+/// losses itself.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] where the writer would report the same.
+/// [`WriteError::Unsupported`] if the writer would report the same.
 ///
 /// ```
 /// use chordal::{Mesh, explicit::Attribute};
@@ -82,7 +82,7 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     if parts.len() > 1 && !has_parts {
         parts.iter().for_each(|_| count(format!("{title} holds one part: all were joined")));
     }
-    // Where nodes place parts, each is written once, however often it is shown.
+    // If nodes place parts, each part is written once, however often it is shown.
     let meshes: Vec<&Mesh> = match has_nodes {
         true => scene.parts.iter().map(|part| &part.mesh).collect(),
         false => parts.iter().map(|part| &part.part.mesh).collect(),
@@ -97,16 +97,16 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     Ok(lost)
 }
 
-/// Whether a part has points, and nothing that a format shows that holds no points.
+/// Whether a part has only points, and nothing that a format without points can show.
 fn is_points_alone(part: &Part) -> bool {
     part.mesh.faces().is_empty() && !part.mesh.positions().is_empty() && part.marks.is_empty()
 }
 
-/// Refuses parts for a format that holds no points, where all of them are points: the file would show nothing. Beside
-/// others they are left out, and [`losses`] says so.
+/// Refuses parts for a format without points if all of them are points, because the file would show nothing.
+/// Points beside other parts are left out, and [`losses`] reports them.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] for the first of them.
+/// [`WriteError::Unsupported`] for the first such part.
 pub(crate) fn refuse_points_alone(parts: &[Part]) -> Result<(), WriteError> {
     let shows = |part: &Part| !part.mesh.faces().is_empty() || !part.marks.is_empty();
     match parts.iter().find(|part| is_points_alone(part)) {
@@ -118,7 +118,7 @@ pub(crate) fn refuse_points_alone(parts: &[Part]) -> Result<(), WriteError> {
     }
 }
 
-/// The materials that only points and lines have, as the end of a sentence.
+/// The materials used only by points and lines, as the end of a sentence.
 fn materials_of_marks(scene: &Scene) -> String {
     let mut of_faces = BTreeSet::new();
     for part in &scene.parts {
@@ -126,7 +126,7 @@ fn materials_of_marks(scene: &Scene) -> String {
         of_faces.extend(groups.into_iter().flat_map(|groups| &groups.values).map(|group| *group as usize));
     }
     let marks = scene.parts.iter().flat_map(|part| part.marks.iter());
-    let own: BTreeSet<usize> = marks
+    let marks_only: BTreeSet<usize> = marks
         .filter_map(|marks| marks.material)
         .filter(|material| !of_faces.contains(&(material + 1)))
         .collect();
@@ -134,7 +134,7 @@ fn materials_of_marks(scene: &Scene) -> String {
         Some(Value::String(name)) => format!("'{}'", name.escape_default()),
         _ => format!("number {material}"),
     };
-    let names: Vec<String> = own.iter().map(name).collect();
+    let names: Vec<String> = marks_only.iter().map(name).collect();
     match names.as_slice() {
         [] => String::new(),
         [one] => format!(", and the material {one} is theirs alone"),
@@ -142,7 +142,7 @@ fn materials_of_marks(scene: &Scene) -> String {
     }
 }
 
-/// Counts what is lost by its sentence.
+/// Counts a loss under its sentence.
 fn add(lost: &mut Vec<Warning>, message: Message) {
     match lost.iter_mut().find(|known| known.message == message) {
         Some(known) => known.count += 1,
@@ -150,7 +150,8 @@ fn add(lost: &mut Vec<Warning>, message: Message) {
     }
 }
 
-/// What glTF says of a scene in words, which no other format holds, once for each object that says it.
+/// The metadata of a scene in glTF (names, extras), which no other format holds; one item for each object
+/// that has it.
 fn words_of(scene: &Scene) -> impl Iterator<Item = String> {
     let extras = |properties: &Map<String, Value>| properties.contains_key("extras");
     let of_parts =
@@ -168,7 +169,8 @@ fn words_of(scene: &Scene) -> impl Iterator<Item = String> {
         .chain(extensions.map(|name| format!("extension '{}'", name.escape_default())))
 }
 
-/// What writing a cage as polygons leaves out. USDA holds everything, OBJ all but the looks of materials.
+/// The data left out of a cage that is written as polygons. USDA holds everything, OBJ everything but
+/// materials' properties.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -185,14 +187,21 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     let polygons_of = |held: &'static TriangleFormat| held.polygons.as_ref();
     let title = format.to_string().to_uppercase();
     let mut lost = Vec::new();
-    let held = format.row().triangles.as_ref();
-    let holds_looks = held.is_some_and(|held| held.has_nodes && held.has_materials_beside);
+    let triangles = format.row().triangles.as_ref();
+    let holds_looks =
+        triangles.is_some_and(|triangles| triangles.has_nodes && triangles.has_materials_beside);
     if !polygons.assets.materials.is_empty() && !holds_looks {
         let message = format!("{title} holds no looks of materials").into();
         let count = polygons.assets.materials.len() as u64;
         lost.push(Warning { code: "not-written", count, place: FileLocation::File, message });
     }
-    if format.row().triangles.as_ref().and_then(polygons_of).is_some_and(|held| held.is_cage) {
+    if format
+        .row()
+        .triangles
+        .as_ref()
+        .and_then(polygons_of)
+        .is_some_and(|polygon_format| polygon_format.is_cage)
+    {
         return lost;
     }
     let mut count = |what: String| {
@@ -214,7 +223,7 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     lost
 }
 
-/// Whether anything but its polygons shapes the surface of a cage.
+/// Whether the surface of a cage depends on tags besides its polygons.
 fn has_tags(cage: &Cage) -> bool {
     let is_plain = cage.scheme() == Scheme::CatmullClark && cage.boundary() == Boundary::EdgeOnly;
     !is_plain || !cage.creases().is_empty() || !cage.sharp_vertices().is_empty() || !cage.holes().is_empty()

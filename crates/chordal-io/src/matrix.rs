@@ -1,4 +1,4 @@
-//! Matrices of nodes, column-major, and what they are made of.
+//! Matrices of nodes, column-major, and the functions that build them.
 
 /// The identity matrix.
 pub(crate) const IDENTITY: [f64; 16] =
@@ -24,7 +24,7 @@ const QUARTER: f64 = 90.0;
 
 /// Sine and cosine of an angle in degrees, exact for quarters of a turn.
 pub(crate) fn sine_cosine(degrees: f64) -> [f64; 2] {
-    // The remainder of a division is exact.
+    // `%` is exact.
     let turned = degrees % 360.0;
     let quarters = turned / QUARTER;
     if quarters != quarters.trunc() {

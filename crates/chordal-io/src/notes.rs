@@ -1,11 +1,12 @@
-//! `NamedNotes`: what is said of a file, with the names of what it is about.
+//! `NamedNotes`: notes on a file, each with the names of the objects that it concerns.
 use crate::FileLocation;
 use crate::warnings::Warnings;
 
-/// Names that a note lists; others are counted.
+/// The most names that a note lists; more are only counted. Chosen: a longer list makes the note hard to
+/// read.
 const LISTED: usize = 8;
 
-/// The characters of a name that a note shows.
+/// The most characters of a name that a note shows. Chosen: larger values let one name fill the note.
 const SHOWN: usize = 100;
 
 struct NamedNote {
@@ -23,7 +24,7 @@ pub(crate) struct NamedNotes {
 }
 
 impl NamedNotes {
-    /// Counts one more, and lists its name if it is new.
+    /// Counts an occurrence, and lists its name if it is new.
     pub fn add(&mut self, code: &'static str, what: &'static str, name: &str) {
         let at = self.list.iter().position(|note| note.code == code).unwrap_or_else(|| {
             self.list.push(NamedNote { code, what, count: 0, names: Vec::new(), n_others: 0 });
@@ -43,8 +44,8 @@ impl NamedNotes {
         }
     }
 
-    /// Passes them on as warnings of the file.
-    pub fn tell(self, warnings: &mut Warnings) {
+    /// Adds the notes as warnings of the file.
+    pub fn report(self, warnings: &mut Warnings) {
         for note in self.list {
             let others =
                 if note.n_others > 0 { format!(" and {} more", note.n_others) } else { String::new() };

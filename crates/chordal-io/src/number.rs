@@ -1,5 +1,5 @@
-//! `ShortestDecimal`: a number with the fewest digits that read back to the same bits; and the same appended to a
-//! line, which writers of long texts do.
+//! `ShortestDecimal`: a number with the fewest digits that read back to the same bits; and functions that
+//! append it to a line, for writers of long texts.
 use std::fmt;
 use std::io::Write;
 
@@ -29,7 +29,7 @@ pub(crate) fn put_shortest(line: &mut Vec<u8>, number: f64) {
     let _ = write!(line, "{}", ShortestDecimal(number));
 }
 
-/// Appends a number of double precision as `{:?}` shows it, whole numbers without a point.
+/// Appends a double-precision number as `{:?}` shows it, but whole numbers without a point.
 #[inline]
 pub(crate) fn put_double(line: &mut Vec<u8>, number: f64) {
     match is_usual(number.abs()) {
@@ -38,7 +38,7 @@ pub(crate) fn put_double(line: &mut Vec<u8>, number: f64) {
     }
 }
 
-/// The same of single precision.
+/// The same for single precision.
 #[inline]
 pub(crate) fn put_single(line: &mut Vec<u8>, number: f32) {
     match is_usual(f64::from(number.abs())) {
@@ -47,14 +47,14 @@ pub(crate) fn put_single(line: &mut Vec<u8>, number: f32) {
     }
 }
 
-/// Whether all ways to show a number are the same: decimals without an exponent, of which one is the nearest.
-/// Where two of the fewest digits are equally near, std and zmij take different ones. Such a number has one
-/// binary digit more behind the point than decimals, and so many that its steps are no finer than the last
-/// decimal: at sizes of 1e-4 and more these are at most 20 decimals.
+/// Whether std and zmij show the same decimal: one without an exponent, and only one of the fewest digits is
+/// nearest. If two are equally near, they choose different ones. Such a number has one binary digit more
+/// after the point than decimals, and so many that its steps are no finer than the last decimal: at sizes of
+/// 1e-4 and more these are at most 20 decimals.
 #[inline]
 fn is_usual(size: f64) -> bool {
     const TWENTY_ONE_BITS: f64 = (1 << 21) as f64; // derived above
-    // Whole numbers of single precision are exact up to 2²⁴, which is over 1e7.
+    // Whole numbers in single precision are exact up to 2²⁴, which is over 1e7.
     let is_clear = |size: f64| size.fract() == 0.0 || (size * TWENTY_ONE_BITS).fract() != 0.0;
     size == 0.0 || (1e-4..1e7).contains(&size) && is_clear(size)
 }
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use chordal_testkit::Random;
 
-    /// How writers showed a number before: by std alone.
+    /// The former way to show a number: by std alone.
     fn shown(number: impl fmt::Debug) -> String {
         let text = format!("{number:?}");
         text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
@@ -101,11 +101,12 @@ mod tests {
     fn numbers_are_put_as_std_shows_them() {
         let mut random = Random::new(3);
         for i in 0..100_000_u64 {
-            // All bits, sizes of coordinates, few digits, and what stands beside a change of the form.
+            // Random bits, sizes of coordinates, few digits, and the neighbours of the sizes at which the
+            // notation changes.
             let edges = [1e-5, 1e-4, 1e12, 1e13, 1e15, 1e16, 1.0, 0.0, -0.0];
             let edge: f64 = edges[(random.bits() % edges.len() as u64) as usize];
             let number = match i % 5 {
-                // Few binary digits, which two decimals may be equally near to.
+                // Few binary digits, so that two decimals may be equally near.
                 4 => random.below(1 << 30) as f64 / (1_u64 << random.below(40)) as f64,
                 0 => f64::from_bits(random.bits()),
                 1 => random.signed() * 10.0,

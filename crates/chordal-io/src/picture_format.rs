@@ -12,12 +12,12 @@ use std::io::Write;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// Every pixel as it is.
+    /// Lossless.
     #[default]
     Png,
-    /// Small, for photographs: pixels are changed a little, and there is no transparency.
+    /// Small, for photographs: lossy, and without transparency.
     Jpeg,
-    /// Every pixel as it is.
+    /// Lossless.
     Webp,
 }
 
@@ -36,8 +36,8 @@ impl PictureFormat {
     /// Writes a picture with pairs of a keyword and a text: see [`png::write`], [`jpeg::write`], [`webp::write`].
     ///
     /// # Errors
-    /// [`WriteError::Unsupported`] for a picture or a text that the format does not hold, [`WriteError::Io`]
-    /// when the sink fails.
+    /// [`WriteError::Unsupported`] for a picture or a text that the format cannot hold, [`WriteError::Io`] if
+    /// the sink fails.
     pub fn write(
         self,
         picture: &Picture,

@@ -1,8 +1,9 @@
-//! `check_size`: what every writer of pictures asks of their size.
+//! `check_size`: the check of a picture's size that all writers share.
 use crate::WriteError;
 use chordal::render::Picture;
 
-/// Refuses a picture without pixels, with longer sides than a format has, or whose bytes do not fit its size.
+/// Refuses a picture without pixels, with sides longer than the format allows, or whose bytes do not fit its
+/// size.
 pub(crate) fn check_size(picture: &Picture, format: &str, most_side: u32) -> Result<(), WriteError> {
     let Picture { width, height, rgba } = picture;
     let unsupported = |message: String| Err(WriteError::Unsupported(message));

@@ -1,12 +1,12 @@
-//! `PlainCursor`: the fast way through the lines of a text that are spelled as programs spell them. What it
-//! does not take is left, untouched, to the reader that takes everything and says what is wrong.
+//! `PlainCursor`: the fast path for lines of a text in the spelling that most programs use. Other lines are
+//! left untouched for the complete reader, which accepts every spelling and reports errors.
 use crate::short_decimal::{digit, short_decimal};
 use crate::text::number;
 use memchr::memchr2;
 use std::num::NonZero;
 
-/// A cursor in a text. After a call that returned `None` its place means nothing: go back to where the line
-/// began.
+/// A cursor in a text. After a call that returned `None` its position is undefined: go back to the start of
+/// the line.
 #[derive(Clone, Debug)]
 pub(crate) struct PlainCursor<'a> {
     pub(crate) text: &'a [u8],
@@ -19,7 +19,7 @@ impl PlainCursor<'_> {
         self.text.get(self.at).copied()
     }
 
-    /// Passes spaces and tabs.
+    /// Skips spaces and tabs.
     #[inline]
     pub(crate) fn skip_blanks(&mut self) {
         while matches!(self.peek(), Some(b' ' | b'\t')) {
@@ -27,7 +27,7 @@ impl PlainCursor<'_> {
         }
     }
 
-    /// Passes a word that stands here with a blank after it.
+    /// Skips `word` if it comes next, followed by a blank.
     #[inline]
     pub(crate) fn word(&mut self, word: &[u8]) -> Option<()> {
         let rest = self.text.get(self.at..)?.strip_prefix(word)?;
@@ -55,9 +55,9 @@ impl PlainCursor<'_> {
         number(token)
     }
 
-    /// A whole number of few digits after its sign.
+    /// A whole number of few digits, with an optional sign.
     #[inline]
-    pub(crate) fn whole(&mut self) -> Option<i32> {
+    pub(crate) fn integer(&mut self) -> Option<i32> {
         let negative = self.peek() == Some(b'-');
         self.at += usize::from(negative);
         let (start, mut value) = (self.at, 0_i32);
@@ -69,7 +69,7 @@ impl PlainCursor<'_> {
         (1..=9).contains(&(self.at - start)).then_some(if negative { -value } else { value })
     }
 
-    /// Passes a byte, if it stands here.
+    /// Skips a byte if it comes next.
     #[inline]
     pub(crate) fn passes(&mut self, byte: u8) -> bool {
         let stands = self.peek() == Some(byte);
@@ -83,14 +83,14 @@ impl PlainCursor<'_> {
         self.peek().is_none_or(is_end)
     }
 
-    /// Whether the line goes on after blanks.
+    /// Whether the line continues after blanks.
     #[inline]
     pub(crate) fn goes_on(&mut self) -> bool {
         self.skip_blanks();
         !matches!(self.peek(), None | Some(b'\n' | b'\r'))
     }
 
-    /// Passes blanks and the end of the line.
+    /// Skips blanks and the end of the line.
     #[inline]
     pub(crate) fn end_line(&mut self) -> Option<()> {
         self.skip_blanks();
@@ -105,7 +105,7 @@ impl PlainCursor<'_> {
         Some(())
     }
 
-    /// Passes the rest of the line, and its end.
+    /// Skips the rest of the line and its end.
     pub(crate) fn skip_line(&mut self) {
         let rest = &self.text[self.at..];
         self.at += memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
@@ -118,8 +118,8 @@ fn is_end(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\n' | b'\r')
 }
 
-/// The parts that a text is cut into, each of about `size` bytes and of whole lines; where `keeps` says so of
-/// the lines so far, without the end of the last, the next one stays with them.
+/// Cuts a text into parts of whole lines, each of about `size` bytes. If `keeps` is true for the lines so
+/// far, without the last line's end, the next line stays with them.
 pub(crate) fn parts_of_lines(text: &[u8], size: usize, keeps: fn(&[u8]) -> bool) -> Vec<&[u8]> {
     let (mut parts, mut rest) = (Vec::new(), text);
     while rest.len() > size {
@@ -144,12 +144,12 @@ pub(crate) fn parts_of_lines(text: &[u8], size: usize, keeps: fn(&[u8]) -> bool)
     parts
 }
 
-/// How many parts are read before any of them is taken over: enough for all threads to end at nearly the same time, and
-/// few, since what was read of them is kept beside the mesh until then.
+/// The number of parts that are parsed before any of them is merged: enough for all threads to finish at
+/// nearly the same time, and few, since the parsed parts are kept in memory beside the mesh until then.
 pub(crate) fn parts_at_once(threads: usize) -> usize {
-    // Parts are taken over in the order of the text, whatever their number: no result depends on it.
+    // Parts are merged in the order of the text, whatever their number: no result depends on it.
     let available = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    // Four for each: the last ones to end leave a quarter of a thread's work at most.
+    // Chosen: with four per thread, the last ones to finish leave at most a quarter of a thread's work.
     4 * if threads == 0 { available() } else { threads }
 }
 

@@ -1,11 +1,11 @@
-//! Pictures as PNG, and shades of grey from it.
+//! Pictures as PNG, and greyscale images read from PNG.
 use crate::picture_size::check_size;
 use crate::text::grouped;
 use crate::{FileLocation, Limits, ReadError, WriteError};
 use chordal::render::Picture;
 use std::io::{Cursor, Write};
 
-/// Writes a picture as PNG, 8-bit sRGB; without alpha where the picture is opaque.
+/// Writes a picture as PNG, 8-bit sRGB; without alpha if the picture is opaque.
 ///
 /// `text` holds pairs of a keyword and UTF-8 text, written to `iTXt` chunks before the pixels. A keyword is 1
 /// to 79 printable characters of Latin-1 without leading, trailing or double spaces, as the PNG specification
@@ -14,7 +14,7 @@ use std::io::{Cursor, Write};
 ///
 /// # Errors
 /// [`WriteError::Unsupported`] for a picture without pixels or whose bytes do not fit its size, for a keyword
-/// that PNG does not allow, and for text with a NUL; [`WriteError::Io`] when the sink fails.
+/// that PNG does not allow, and for text with a NUL; [`WriteError::Io`] if the sink fails.
 ///
 /// ```
 /// use chordal::render::Picture;
@@ -55,12 +55,12 @@ pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> 
     writer.finish().map_err(error)
 }
 
-/// A picture without colours, as heights.
+/// A greyscale picture, used as heights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Greys {
-    /// Its columns.
+    /// The number of columns.
     pub width: u32,
-    /// Its rows.
+    /// The number of rows.
     pub height: u32,
     /// From 0 (black) to 1 (white), row by row from the top.
     pub values: Vec<f64>,
@@ -68,15 +68,15 @@ pub struct Greys {
 
 /// The most pixels that are read. Chosen: a square of 2,048, which is 8 million triangles as heights.
 const MOST_PIXELS: u64 = 1 << 22;
-/// The most bytes that the decoder holds beside the pixels. Chosen: those of as many pixels at 16 bytes.
+/// The most bytes that the decoder holds beside the pixels. Chosen: room for as many pixels at 16 bytes.
 const MOST_BYTES: u64 = 1 << 26;
 
-/// Reads a picture of 1 to 16 bits without colours: shades of grey, or colours whose three parts are equal. Numbers are
-/// taken as the file has them, whatever it says of their gamma; alpha is left out.
+/// Reads a greyscale picture of 1 to 16 bits, or a colour picture whose three channels are equal. Values are
+/// taken unchanged, whatever the file's gamma; alpha is ignored.
 ///
 /// # Errors
-/// When the bytes are no PNG or a broken one, the picture has colours, more than 4,194,304 pixels, or more bytes than the
-/// limits allow.
+/// If the bytes are not a PNG or a broken one, or the picture has colours, more than 4,194,304 pixels, or
+/// more bytes than the limits allow.
 pub fn read_greys(bytes: &[u8], limits: &Limits) -> Result<Greys, ReadError> {
     let refused = |code, message: String| ReadError::new(code, FileLocation::File, message);
     let broken = |error: ::png::DecodingError| refused("bad-picture", format!("this is no PNG: {error}"));
@@ -95,9 +95,9 @@ pub fn read_greys(bytes: &[u8], limits: &Limits) -> Result<Greys, ReadError> {
     let size = reader.output_buffer_size().filter(|size| *size as u64 <= limits.bytes);
     let size = size.ok_or_else(|| refused("too-large", "the picture takes too much memory".to_owned()))?;
     let mut samples = vec![0; size];
-    let found = reader.next_frame(&mut samples).map_err(broken)?;
-    let is_wide = found.bit_depth == ::png::BitDepth::Sixteen;
-    let n_channels = found.color_type.samples();
+    let frame = reader.next_frame(&mut samples).map_err(broken)?;
+    let is_wide = frame.bit_depth == ::png::BitDepth::Sixteen;
+    let n_channels = frame.color_type.samples();
     let n_bytes = if is_wide { 2 } else { 1 };
     let mut values = Vec::with_capacity(n_pixels as usize);
     for (k, pixel) in samples.chunks_exact(n_channels * n_bytes).take(n_pixels as usize).enumerate() {

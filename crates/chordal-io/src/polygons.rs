@@ -11,7 +11,7 @@ pub enum PolygonSurface {
     CatmullClark,
     /// The limit of Loop subdivision, for triangles.
     Loop,
-    /// Each quad bilinear; other polygons are first cut into quads.
+    /// Each quad as a bilinear patch; other polygons are first cut into quads.
     Bilinear,
     /// The polygons themselves, cut into triangles.
     Faceted,

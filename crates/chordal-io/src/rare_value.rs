@@ -1,13 +1,13 @@
-//! `RareValue`: a value that is nearly always the usual one, and takes memory only where it is not.
+//! `RareValue`: a value that is nearly always the default, and takes memory only if it is not.
 use crate::matrix::IDENTITY;
 use serde_json::{Map, Value};
 use std::ops::{Deref, DerefMut};
 use std::sync::LazyLock;
 
-/// A value that takes 8 bytes where it is the usual one of its kind (the identity for a matrix, the empty map for
-/// properties), and a box where it is another: a file of a megabyte may have three hundred thousand nodes.
+/// A value that takes 8 bytes if it is the default of its type (the identity for a matrix, the empty map for
+/// properties), and a box otherwise: a file of a megabyte may have three hundred thousand nodes.
 ///
-/// It reads like the value itself. To write to it takes the box.
+/// It dereferences to the value. Mutable access allocates the box.
 ///
 /// ```
 /// use chordal_io::Node;
@@ -20,11 +20,11 @@ use std::sync::LazyLock;
 #[derive(Clone, Debug)]
 pub struct RareValue<T>(Option<Box<T>>);
 
-/// A kind of value of which one is the usual one.
+/// A type with a usual value.
 pub trait UsualValue: Sized + 'static {
-    /// The usual one.
+    /// The usual value.
     fn usual() -> &'static Self;
-    /// Whether this is the usual one to the last bit.
+    /// Whether this is the usual value to the last bit.
     fn is_usual(&self) -> bool;
 }
 
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(size_of::<RareValue<[f64; 16]>>(), 8);
         assert!(RareValue::from(IDENTITY).0.is_none());
         let mut turned = IDENTITY;
-        // The other zero is another transform to the last bit, though it compares equal.
+        // −0 compares equal to 0, but makes another transform to the last bit.
         turned[1] = -0.0;
         let kept = RareValue::from(turned);
         assert!(kept.0.is_some() && kept[1].is_sign_negative());

@@ -5,17 +5,17 @@ use crate::{FileLocation, FileOpener, Format, Limits, ReadError, ReadOutcome, un
 
 /// Reads a file of `format` into its shape, and counts its oddities.
 ///
-/// Time and memory grow with the bytes that are there, never with a count that they declare. The bound is
-/// 64 MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles
-/// tighter than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point
-/// that a path packs tighter; or 16 times the 32 bytes of each control point of a Bézier patch, after it
-/// is halved; or 16 times the bytes of the samples that a packed volume, or of the parts that a packed
-/// model, or of the content that a gzipped file, unpacks to.
+/// Time and memory grow with the bytes of the file, never with a count that it declares. The bound is 64
+/// MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle if a file packs triangles tighter than
+/// that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that a path packs
+/// tighter; or 16 times the 32 bytes of each control point of a Bézier patch, after it is halved; or 16 times
+/// the unpacked bytes of a packed volume's samples, a packed model's parts or a gzipped file's content.
 ///
-/// A gzipped file of any format is unpacked first ([`crate::unpacked`]); places are those of its content.
+/// A gzipped file of any format is unpacked first ([`crate::unpacked`]); locations refer to the unpacked
+/// content.
 ///
 /// # Errors
-/// One [`ReadError`] with its location. Where the content looks like another format, the message names that
+/// One [`ReadError`] with its location. If the content looks like another format, the message names that
 /// format.
 ///
 /// ```
@@ -33,14 +33,14 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<ReadOutcome
     read_from(bytes, format, None, limits)
 }
 
-/// As [`read`], for a file that may name others beside it: the buffers and pictures of a `.gltf`. `open`
-/// returns them by their paths below the folder of the file. Whatever lies outside that folder or
-/// on the network is refused without asking.
+/// As [`read`], for a file that may refer to others beside it, as a `.gltf` to its buffers and pictures.
+/// `open` returns them by their paths below the folder of the file. Paths outside that folder or on the
+/// network are refused without a call.
 ///
-/// Together the files are subject to [`Limits::bytes`].
+/// [`Limits::bytes`] applies to the sum of all files.
 ///
 /// # Errors
-/// As for [`read`]; also where a file that the triangles need cannot be had.
+/// As for [`read`]; also if a file that the triangles need is not available.
 ///
 /// ```
 /// use chordal_io::{Format, Limits, read_with};

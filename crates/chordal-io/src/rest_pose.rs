@@ -1,4 +1,4 @@
-//! `RestPose`: where a part stands that a skin or morph targets move: by the joints and weights of the file itself.
+//! `RestPose`: a part as its skin or morph targets pose it, with the joints and weights in the file.
 use crate::glb::deformation::{targets_of, weights_of};
 use crate::matrix::cross;
 use crate::{Node, Part, Scene, WriteError};
@@ -7,47 +7,47 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::math::{Interval, add_up, greater, lesser, mul_up, sqrt_up, sub_up, unit};
 use serde_json::{Map, Value};
 
-/// The columns of an affine map, enclosed.
+/// The columns of an affine map, in interval arithmetic.
 type IntervalMap = [[Interval; 3]; 4];
 
-/// A part as a skin or morph targets pose it before any animation: each vertex at Σ wᵢ · jointᵢ · inverse bind matrixᵢ of
-/// its position, with weights that sum to 1, after its morph targets have moved it by their default weights. The
-/// transform of a node with a skin counts for nothing, as glTF has it.
+/// A part as posed by a skin or morph targets before any animation: each vertex at Σ wᵢ · jointᵢ · inverse
+/// bind matrixᵢ of its position, with weights that sum to 1, after its morph targets have moved it by their
+/// default weights. The transform of a node with a skin is ignored, as glTF defines it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RestPose {
     /// By vertex: its position in scene coordinates.
     pub positions: Vec<[f64; 3]>,
-    /// No position is farther than this from that of exact arithmetic.
+    /// An upper bound of the distance from each position to the one of exact arithmetic.
     pub rounding: f64,
-    /// The largest singular value of the linear part of a vertex's map, bounded from above: no vertex whose weights stay
-    /// moves farther than so many times the length by which it moves in its own coordinates.
+    /// An upper bound of the largest singular value of the linear part of all vertices' maps: a vertex whose
+    /// weights stay the same moves at most so many times as far as it moves in its own coordinates.
     pub stretch: f64,
     /// By vertex: the columns of its map, rounded.
     maps: Vec<[[f64; 3]; 4]>,
 }
 
-/// What poses the parts of a scene at rest: the transforms of its nodes, and its skins.
+/// The data that poses the parts of a scene at rest: the transforms of its nodes, and its skins.
 pub struct RestPoses<'a> {
     scene: &'a Scene,
-    /// By node: its map to the scene; `None` where a circle of nodes has none. Empty where nothing is posed.
+    /// By node: its map to the scene; `None` if the node lies on a cycle. Empty if nothing is posed.
     globals: Vec<Option<IntervalMap>>,
 }
 
-/// What poses a node.
+/// The maps and weights that pose a node.
 struct PoseMaps {
-    /// The maps of its joints, or its own alone.
+    /// The maps of its joints, or the single map of the node.
     maps: Vec<IntervalMap>,
     is_skinned: bool,
-    /// Those of its morph targets; empty where these move nothing.
+    /// The weights of its morph targets; empty if these move nothing.
     weights: Vec<f64>,
 }
 
-/// Whether a node shows its part by a skin or by morph targets that move it at rest.
+/// Whether a node shows a part that has a skin, or morph targets that move it at rest.
 fn may_be_posed(node: &Node, part: &Part) -> bool {
     skin_of(node).is_some() && !weights_of(&part.mesh).is_empty() || default_weights(node, part).is_some()
 }
 
-/// The number of the skin of a node.
+/// The index of the skin of a node.
 fn skin_of(node: &Node) -> Option<usize> {
     node.properties.get("skin").and_then(Value::as_u64).and_then(|skin| usize::try_from(skin).ok())
 }
@@ -64,7 +64,7 @@ fn default_weights(node: &Node, part: &Part) -> Option<Vec<f64>> {
 }
 
 impl Scene {
-    /// The poses at rest of what its nodes show.
+    /// The rest poses of the parts that the nodes show.
     #[must_use]
     pub fn rest_poses(&self) -> RestPoses<'_> {
         RestPoses::new(self)
@@ -80,20 +80,21 @@ impl<'a> RestPoses<'a> {
         Self { scene, globals }
     }
 
-    /// Whether a skin or morph targets pose what a node shows, and the file has all that they need.
+    /// Whether a skin or morph targets pose the part of a node, and the file has all data for it.
     #[must_use]
     pub fn is_posed(&self, node: usize) -> bool {
         self.maps_of(node).is_some()
     }
 
-    /// Whether a node names a skin that cannot be applied: it, one of its nodes or a joint that the mesh follows is missing.
+    /// Whether a node has a skin that cannot be applied: the skin, one of its nodes or a joint that the mesh
+    /// uses is missing.
     #[must_use]
     pub fn lacks_skin(&self, node: usize) -> bool {
         let names = self.scene.nodes.get(node).is_some_and(|at| at.part.is_some() && skin_of(at).is_some());
         names && self.maps_of(node).is_none_or(|maps| !maps.is_skinned)
     }
 
-    /// What poses a node; `None` where nothing does.
+    /// The maps and weights that pose a node; `None` if nothing does.
     fn maps_of(&self, node: usize) -> Option<PoseMaps> {
         self.globals.first()?;
         let at = self.scene.nodes.get(node)?;
@@ -109,8 +110,8 @@ impl<'a> RestPoses<'a> {
         Some(PoseMaps { maps, is_skinned, weights: weights.unwrap_or_default() })
     }
 
-    /// By joint of a skin: where it takes a vertex that follows it alone; `None` where the skin, one of its nodes or a joint
-    /// that the mesh follows is missing.
+    /// By joint of a skin: the map of a vertex that follows only this joint; `None` if the skin, one of its
+    /// nodes or a joint that the mesh uses is missing.
     fn joint_maps(&self, skin: usize, mesh: &Mesh) -> Option<Vec<IntervalMap>> {
         let skin = self.scene.assets.skins.get(skin)?;
         let joints = skin["joints"].as_array()?;
@@ -138,19 +139,19 @@ impl<'a> RestPoses<'a> {
         (!follows && !maps.is_empty()).then_some(maps)
     }
 
-    /// The pose of the part that a node shows; `None` where neither a skin nor morph targets move it, or where the file
-    /// lacks what they need: then the transform of the node places it.
+    /// The pose of the part that a node shows; `None` if neither a skin nor morph targets move it, or if the
+    /// file lacks data for it: then the transform of the node places it.
     ///
     /// Linear in the vertices times the joints of each.
     ///
     /// # Errors
-    /// [`WriteError::Unsupported`] where a position is out of range.
+    /// [`WriteError::Unsupported`] if a position is out of range.
     pub fn pose(&self, node: usize) -> Result<Option<RestPose>, WriteError> {
         let part = self.scene.nodes.get(node).and_then(|node| self.scene.parts.get(node.part?));
         part.map_or(Ok(None), |part| self.pose_of(node, &part.mesh))
     }
 
-    /// The same of another mesh with the same joints and morph targets, in place of that of the part.
+    /// The same for another mesh with the same joints and morph targets, instead of the part's mesh.
     ///
     /// # Errors
     /// As for [`Self::pose`].
@@ -177,18 +178,19 @@ impl<'a> RestPoses<'a> {
 }
 
 impl RestPose {
-    /// Adds a vertex; false where it is out of range.
+    /// Adds a vertex; false if it is out of range.
     fn add(&mut self, map: &IntervalMap, local: [Interval; 3]) -> bool {
         let exact: [Interval; 3] = std::array::from_fn(|row| apply_row(map, local, row));
         let position = exact.map(|x| x.midpoint().unwrap_or(f64::NAN));
-        let off = |k: usize| greater(sub_up(exact[k].hi(), position[k]), sub_up(position[k], exact[k].lo()));
-        let off = length_up([0, 1, 2].map(off));
+        let error =
+            |k: usize| greater(sub_up(exact[k].hi(), position[k]), sub_up(position[k], exact[k].lo()));
+        let error = length_up([0, 1, 2].map(error));
         let stretch = largest_stretch(map);
         self.positions.push(position);
         self.maps.push(map.map(|column| column.map(|x| x.midpoint().unwrap_or(f64::NAN))));
-        self.rounding = greater(off, self.rounding);
+        self.rounding = greater(error, self.rounding);
         self.stretch = greater(stretch, self.stretch);
-        position.iter().all(|x| x.is_finite()) && off.is_finite() && stretch.is_finite()
+        position.iter().all(|x| x.is_finite()) && error.is_finite() && stretch.is_finite()
     }
 
     /// The map of its first vertex, as it is rounded: column-major, 4 × 4; the identity for a mesh without vertices.
@@ -198,8 +200,8 @@ impl RestPose {
         std::array::from_fn(|k| if k % 4 == 3 { f64::from(u8::from(k == 15)) } else { map[k / 4][k % 4] })
     }
 
-    /// The mesh in this pose: with normals and tangents turned, wound the other way where most of the maps mirror it, and
-    /// without what would pose it again.
+    /// The mesh in this pose: with normals and tangents rotated, with the opposite winding if most of the
+    /// maps mirror it, and without the attributes that would pose it again.
     ///
     /// # Errors
     /// [`WriteError::Unsupported`] for another mesh than the one that was posed.
@@ -208,7 +210,7 @@ impl RestPose {
         let order = if is_mirror { [0, 2, 1] } else { [0, 1, 2] };
         let faces = mesh.faces().iter().map(|face| order.map(|corner| face[corner])).collect();
         let mut posed = Mesh::new(self.positions.clone(), faces);
-        if let Some(ids) = tied(mesh, &self.positions) {
+        if let Some(ids) = kept_position_ids(mesh, &self.positions) {
             posed = posed.and_then(|posed| posed.with_position_id(ids));
         }
         let kept = mesh.attributes().iter().filter(|own| !matches!(own.semantic, Semantic::Blended(_)));
@@ -223,7 +225,8 @@ impl RestPose {
                 Domain::Corner => mesh.faces()[row / 3][row % 3] as usize,
                 Domain::Face => mesh.faces()[row][0] as usize,
             };
-            let turned = |row: usize| self.turned(vertex(source(row)), &own.semantic, own.row(source(row)));
+            let turned =
+                |row: usize| self.posed_row(vertex(source(row)), &own.semantic, own.row(source(row)));
             let values = (0..rows).flat_map(turned).collect();
             posed = posed.and_then(|posed| posed.with_attribute(Attribute { values, ..own.clone() }));
         }
@@ -235,8 +238,8 @@ impl RestPose {
         2 * n > self.maps.len()
     }
 
-    /// A row of an attribute of a vertex in the pose.
-    fn turned(&self, vertex: usize, semantic: &Semantic, row: &[f64]) -> Vec<f64> {
+    /// A row of a vertex's attribute in the pose.
+    fn posed_row(&self, vertex: usize, semantic: &Semantic, row: &[f64]) -> Vec<f64> {
         let [a, b, c, _] = self.maps[vertex];
         let along = |columns: [[f64; 3]; 3], v: &[f64]| {
             let sum: [f64; 3] =
@@ -259,14 +262,14 @@ impl RestPose {
     }
 }
 
-/// The identities of positions that stay: rows at one position that are posed apart are no longer one.
-fn tied(mesh: &Mesh, positions: &[[f64; 3]]) -> Option<Vec<u32>> {
+/// The position ids after posing: rows at one position that the pose moves apart lose their common id.
+fn kept_position_ids(mesh: &Mesh, positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     let ids = mesh.position_id()?;
     let mut first: Vec<Option<usize>> = vec![None; ids.len()];
     let mut is_one = true;
     for (row, id) in ids.iter().enumerate() {
-        let known = *first.get_mut(*id as usize)?.get_or_insert(row);
-        is_one &= positions[known] == positions[row];
+        let first_row = *first.get_mut(*id as usize)?.get_or_insert(row);
+        is_one &= positions[first_row] == positions[row];
     }
     is_one.then(|| ids.to_vec())
 }
@@ -294,7 +297,7 @@ fn apply_row(map: &IntervalMap, v: [Interval; 3], row: usize) -> Interval {
     ((map[0][row] * v[0] + map[1][row] * v[1]) + map[2][row] * v[2]) + map[3][row]
 }
 
-/// One map after another.
+/// The composition of two maps.
 fn product(after: &IntervalMap, map: &IntervalMap) -> IntervalMap {
     if is_identity(after) || is_identity(map) {
         return if is_identity(after) { *map } else { *after };
@@ -311,23 +314,23 @@ fn product(after: &IntervalMap, map: &IntervalMap) -> IntervalMap {
 /// By node: its map to the scene.
 fn globals(scene: &Scene) -> Vec<Option<IntervalMap>> {
     let n = scene.nodes.len();
-    let (mut found, mut has_parent) = (vec![None; n], vec![false; n]);
+    let (mut maps, mut has_parent) = (vec![None; n], vec![false; n]);
     let children = scene.nodes.iter().flat_map(|node| &node.children).filter(|child| **child < n);
     children.for_each(|child| has_parent[*child] = true);
-    // Those of the scene first: what is above its roots does not count for them.
+    // Roots of the scene first: nodes above them are ignored.
     let others = (0..n).filter(|node| !has_parent[*node]);
     let starts: Vec<usize> = scene.roots.iter().copied().chain(others).collect();
     let identity = as_map(&crate::matrix::IDENTITY);
     for start in starts {
         let mut open = vec![(start, identity)];
         while let Some((at, above)) = open.pop() {
-            let Some(node) = scene.nodes.get(at).filter(|_| found[at].is_none()) else { continue };
+            let Some(node) = scene.nodes.get(at).filter(|_| maps[at].is_none()) else { continue };
             let map = product(&above, &as_map(&node.matrix));
-            found[at] = Some(map);
+            maps[at] = Some(map);
             open.extend(node.children.iter().map(|child| (*child, map)));
         }
     }
-    found
+    maps
 }
 
 /// The morph targets that move positions at rest, with their weights.
@@ -346,7 +349,7 @@ fn moving_targets<'m>(mesh: &'m Mesh, weights: &[f64]) -> Vec<(f64, &'m Attribut
     positions.collect()
 }
 
-/// The map of a vertex. One that follows no joint follows the first, as writers have it.
+/// The map of a vertex. A vertex without joints follows the first joint, as writers intend.
 fn blend(maps: &[IntervalMap], followed: &[(usize, usize, &Attribute)], vertex: usize) -> IntervalMap {
     let rows = followed.iter().flat_map(|(first, _, own)| {
         own.row(vertex).iter().enumerate().map(move |(k, weight)| (first + k, *weight))
@@ -366,15 +369,15 @@ fn blend(maps: &[IntervalMap], followed: &[(usize, usize, &Attribute)], vertex: 
         (only, n) = (joint, n + 1);
     }
     match sum {
-        // A single one has all the weight, whatever it is.
+        // A single joint has all the weight, whatever its value.
         Some(_) if n == 1 => maps[only],
         Some((all, total)) => all.map(|column| column.map(|x| x / total)),
         None => maps[0],
     }
 }
 
-/// An upper bound of the largest singular value of the linear part M: no eigenvalue of MᵀM exceeds the largest sum of
-/// absolute values in a row of it, nor its trace.
+/// An upper bound of the largest singular value of the linear part M: no eigenvalue of MᵀM exceeds the
+/// largest sum of absolute values in a row of it, nor its trace.
 fn largest_stretch(map: &IntervalMap) -> f64 {
     let entry = |a: usize, b: usize| {
         let [x, y, z] = [0, 1, 2].map(|k| map[a][k] * map[b][k]);

@@ -17,15 +17,15 @@ pub struct Part {
     pub name: String,
     /// The triangles.
     pub mesh: Mesh,
-    /// Whether vertices are tied by the file's own position indices (OBJ, PLY, OFF). False where the format has
-    /// none (STL, glTF) and bit-identical positions tie them.
+    /// Whether the file's own position indices say which vertices share a position (OBJ, PLY, OFF). False if
+    /// the format has none (STL, glTF), so that bit-identical positions do.
     pub indexed: bool,
-    /// What glTF says of the mesh beside: extras, and the weights of its morph targets. In a box, since a file may
-    /// have a hundred thousand parts and few of them have any.
+    /// Other properties of the mesh in glTF: extras, and the weights of its morph targets. Boxed, since a
+    /// file may have a hundred thousand parts and few of them have any.
     pub properties: Option<Box<Map<String, Value>>>,
-    /// How its numbers are stored where glTF is quantized; readers leave it open. In a box for the same reason.
+    /// How its numbers are stored if glTF is quantized; readers leave it `None`. Boxed for the same reason.
     pub storage: Option<Box<VertexStorage>>,
-    /// Points and lines of the mesh in glTF, carried as they are.
+    /// Points and lines of the mesh in glTF, passed through unchanged.
     pub marks: RareValue<Vec<Marks>>,
 }
 
@@ -48,8 +48,8 @@ pub struct Node {
     pub children: Vec<usize>,
     /// Index of the part that it shows.
     pub part: Option<usize>,
-    /// What glTF says of it beside: camera, light, extras, and translation, rotation and scale where these
-    /// make its matrix.
+    /// Other properties of the node in glTF: camera, light, extras, and translation, rotation and scale if
+    /// these define its matrix.
     pub properties: RareValue<Map<String, Value>>,
 }
 
@@ -66,17 +66,17 @@ pub struct Scene {
     pub frame: Frame,
     /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
-    /// How many coarser levels of detail a glTF has beside those that were read; writers ignore it.
+    /// The number of coarser levels of detail in a glTF beside those that were read; writers ignore it.
     pub coarser_levels: usize,
     /// The names of the values of a face attribute `Semantic::Group(kind)`: `groups[kind][value]`, for the
-    /// kinds that have names ([`MATERIAL`], "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a
-    /// group.
+    /// kinds that have names ([`MATERIAL`], "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such
+    /// a group.
     pub groups: BTreeMap<String, Vec<String>>,
     /// Materials with their textures, cameras, lights, animations.
     pub assets: Box<SceneAssets>,
     /// How glTF stores its numbers. Readers leave it at the plain form, whatever the form of their file.
     pub packing: GltfPacking,
-    /// How the glTF that this was read from stored its numbers; the plain form for other files.
+    /// How the glTF that was read stored its numbers; the plain form for other files.
     pub stored: GltfPacking,
 }
 
@@ -85,7 +85,7 @@ pub struct Scene {
 pub enum Content {
     /// Bicubic Bézier patches.
     Patches(Vec<Patch>, Frame),
-    /// NURBS surfaces, each of them whole or trimmed.
+    /// NURBS surfaces, untrimmed or trimmed.
     Surfaces(Vec<TrimmedSurface>, Frame),
     /// Meshes.
     Scene(Scene),
@@ -99,7 +99,7 @@ pub enum Content {
     Field {
         /// The field.
         field: Field,
-        /// The box in which the format views it, where it has one.
+        /// The box in which the format views it, if it has one.
         region: Option<Box3>,
         /// The coordinate frame.
         frame: Frame,
@@ -118,8 +118,8 @@ pub struct ReadOutcome {
 }
 
 impl Scene {
-    /// Its assets; where groups of faces name materials and nothing says how they look, plain ones of these
-    /// names.
+    /// Its assets. If groups of faces name materials that have no properties, these are plain materials of
+    /// the same names.
     pub(crate) fn assets_for_gltf(&self, plain: impl Fn(&Self) -> Value) -> Cow<'_, SceneAssets> {
         let names = self.groups.get(MATERIAL).map_or(&[][..], |names| names);
         if !self.assets.materials.is_empty() || names.len() < 2 {
@@ -131,7 +131,7 @@ impl Scene {
             material["name"] = Value::from(name.as_str());
             material
         };
-        // The first is the name of no material.
+        // The first name is for faces without a material.
         let materials = names[1..].iter().map(named).collect();
         Cow::Owned(SceneAssets { materials, ..(*self.assets).clone() })
     }
@@ -142,7 +142,8 @@ impl Scene {
         Self::from_part(Part { name: name.to_owned(), mesh, indexed: true, ..Part::default() }, frame)
     }
 
-    /// The scene of one mesh of a format without indices, where triangles share positions by their numbers.
+    /// The scene of one mesh of a format without indices, whose triangles share positions by equal
+    /// coordinates.
     #[must_use]
     pub fn from_triangle_soup(name: &str, mesh: Mesh, frame: Frame) -> Self {
         Self::from_part(Part { name: name.to_owned(), mesh, ..Part::default() }, frame)

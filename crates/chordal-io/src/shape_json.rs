@@ -1,4 +1,4 @@
-//! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`,
+//! Shapes in JSON: patches, curves and polylines, as defined by `docs/schema/patches.schema.json`,
 //! `curves.schema.json`, `polylines.schema.json` and `surfaces.schema.json`.
 mod constructions;
 mod lines;
@@ -34,12 +34,12 @@ pub use write::write;
 /// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal
 ///   writes them.
 ///
-/// The points of curves and polylines have all two numbers, or all three. Consecutive lines with the same
+/// All points of curves and polylines have two numbers, or all have three. Consecutive lines with the same
 /// `"source"` are one element, which matters for filling; `"rule"` is the fill rule. `"up": "y" | "z"` and
 /// `"metres_per_unit"` are optional and default to unknown.
 ///
 /// # Errors
-/// [`ReadError`] with the JSON pointer of what is wrong, or the byte where the text is no JSON.
+/// [`ReadError`] with the JSON pointer of the error, or the byte if the text is not JSON.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, shape_json};
@@ -54,26 +54,29 @@ pub use write::write;
 /// ```
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut json = JsonReader::new(text_of(bytes)?, limits)?;
-    let mut found = ShapeJsonMembers::default();
-    json.object(|json, key| found.member(json, key, limits))?;
+    let mut members = ShapeJsonMembers::default();
+    json.object(|json, key| members.member(json, key, limits))?;
     json.end()?;
-    if let Some(form) = found.lines.form {
-        return found.lines(form);
+    if let Some(form) = members.lines.form {
+        return members.lines(form);
     }
-    if let Some(surfaces) = found.surfaces.take() {
-        if found.has_patches {
+    if let Some(surfaces) = members.surfaces.take() {
+        if members.has_patches {
             return Err(surfaces::mixed("patches"));
         }
-        if let Some(points) = found.points {
-            found.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
+        if let Some(points) = members.points {
+            members.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
         }
-        check_surfaces(&surfaces, &mut found.warnings)?;
-        let content = Content::Surfaces(surfaces, found.frame);
-        return Ok(ReadOutcome { content, warnings: found.warnings.into_list() });
+        check_surfaces(&surfaces, &mut members.warnings)?;
+        let content = Content::Surfaces(surfaces, members.frame);
+        return Ok(ReadOutcome { content, warnings: members.warnings.into_list() });
     }
-    let patches = found.patches()?;
-    check_patches(&patches, &mut found.warnings)?;
-    Ok(ReadOutcome { content: Content::Patches(patches, found.frame), warnings: found.warnings.into_list() })
+    let patches = members.patches()?;
+    check_patches(&patches, &mut members.warnings)?;
+    Ok(ReadOutcome {
+        content: Content::Patches(patches, members.frame),
+        warnings: members.warnings.into_list(),
+    })
 }
 
 /// Whether the text is a JSON object with shapes.
@@ -82,16 +85,16 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
         return false;
     }
     let Ok(mut json) = JsonReader::new(text, &Limits::default()) else { return false };
-    let mut found = false;
+    let mut has_shapes = false;
     // Stops with an error at the key that decides, so the shapes themselves are not read.
     let _ = json.object(|json, key| {
-        found |= matches!(key, "patches" | "surfaces" | "curves" | "polylines");
-        if found { Err(json.error("found", "")) } else { json.skip() }
+        has_shapes |= matches!(key, "patches" | "surfaces" | "curves" | "polylines");
+        if has_shapes { Err(json.error("found", "")) } else { json.skip() }
     });
-    found
+    has_shapes
 }
 
-/// A report of more bytes is not kept: the reports that Chordal writes have a few thousand.
+/// A larger report is dropped. Chosen: the reports that Chordal writes have a few thousand bytes.
 const LARGEST_REPORT: usize = 256 << 10;
 
 /// Counts an unknown member.
@@ -102,7 +105,7 @@ fn unknown(json: &JsonReader, key: &str, warnings: &mut Warnings) {
 
 const UNUSED: &str = "points that no patch names were dropped";
 
-/// The members read so far; indices may come before the points that they name.
+/// The members read so far; indices may precede the points that they refer to.
 #[derive(Default)]
 struct ShapeJsonMembers {
     points: Option<Vec<[f64; 3]>>,
@@ -139,7 +142,7 @@ impl ShapeJsonMembers {
             "polylines" => self.read_lines(json, CurveForm::Polylines, limits)?,
             "report" => {
                 let text = json.raw()?;
-                // A truncated or invalid report counts as none.
+                // A truncated or invalid report is dropped.
                 self.report =
                     if text.len() <= LARGEST_REPORT { serde_json::from_slice(text).ok() } else { None };
             }
@@ -199,10 +202,10 @@ impl ShapeJsonMembers {
             self.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
         }
         let mut content = self.lines.content(form, self.frame)?;
-        let found = self.report.as_ref().and_then(|report| report.get("certificate")).cloned();
+        let certificate = self.report.as_ref().and_then(|report| report.get("certificate")).cloned();
         match &mut content {
-            Content::Drawing(drawing) => drawing.certificate = found,
-            Content::Curves(curves) => curves.certificate = found,
+            Content::Drawing(drawing) => drawing.certificate = certificate,
+            Content::Curves(curves) => curves.certificate = certificate,
             Content::Patches(..)
             | Content::Surfaces(..)
             | Content::Scene(_)
@@ -287,8 +290,7 @@ impl ShapeJsonMembers {
     }
 }
 
-/// Sets an item if the list is long enough. A list that is too long is reported after all of it has been
-/// counted.
+/// Sets an item if the list is long enough. A list that is too long is reported after all of it was counted.
 fn set<T>(list: &mut [T], i: u64, item: T) {
     if let Some(slot) = list.get_mut(i as usize) {
         *slot = item;
@@ -299,8 +301,8 @@ fn check_rows(json: &JsonReader, what: &str, row: u64, limits: &Limits) -> Resul
     if row >= limits.rows { Err(too_many_rows(json.place(), what, row + 1, limits.rows)) } else { Ok(()) }
 }
 
-fn width(json: &JsonReader, found: u64, what: &str, needed: u64) -> ReadError {
-    json.error("wrong-width", format!("{found} {what} where {needed} are needed"))
+fn width(json: &JsonReader, actual: u64, what: &str, needed: u64) -> ReadError {
+    json.error("wrong-width", format!("{actual} {what} where {needed} are needed"))
 }
 
 fn index(json: &mut JsonReader) -> Result<u32, ReadError> {

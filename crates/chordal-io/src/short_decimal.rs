@@ -1,17 +1,17 @@
 //! Decimals of few digits, read with one rounding.
 
-/// Powers of ten that are numbers of f64 to the last bit: 5²² < 2⁵³.
+/// Powers of ten that f64 holds exactly: 5²² < 2⁵³.
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
     1e19, 1e20, 1e21, 1e22,
 ];
 
-/// Digits that a u64 always holds: 10¹⁹ < 2⁶⁴.
+/// The most digits that always fit in a u64. Derived: 10¹⁹ < 2⁶⁴.
 const MOST_DIGITS: usize = 19;
 
 /// A decimal of few digits that is a quotient or a product of two numbers that f64 holds exactly, so that one
-/// rounding makes the nearest number: W. Clinger, *How to Read Floating Point Numbers Accurately*, 1990. With
-/// the number of bytes that it takes; what follows is not looked at.
+/// rounding makes the nearest number: W. Clinger, *How to Read Floating Point Numbers Accurately*, 1990.
+/// Returned with its number of bytes; the bytes after it are not checked.
 #[inline]
 pub(crate) fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
     let negative = text.first() == Some(&b'-');
@@ -46,7 +46,7 @@ pub(crate) fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
             exponent = exponent.wrapping_mul(10).wrapping_add(digit as i32);
             at += 1;
         }
-        // Three digits are more than POWERS has, and an exponent of many does not fit.
+        // More than three digits exceed POWERS, and an exponent of many digits does not fit.
         if at == first || at - first > 3 {
             return None;
         }

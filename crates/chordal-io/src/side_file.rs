@@ -1,10 +1,10 @@
-//! `SideFile`: a file that stands beside another, which names it by a relative URI; pictures as such files.
+//! `SideFile`: a file beside another one that refers to it by a relative URI; pictures as such files.
 use crate::files;
 use crate::{ImageContent, SceneAssets};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A file beside another that names it.
+/// A file beside another one that refers to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SideFile<'a> {
     /// Its name, without a folder.
@@ -16,14 +16,14 @@ pub struct SideFile<'a> {
 /// One shape as several files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileSet<'a> {
-    /// The file that names the others.
+    /// The file that refers to the others.
     pub document: Vec<u8>,
-    /// The others, each with a name of its own.
+    /// The others, each with its own name.
     pub beside: Vec<SideFile<'a>>,
 }
 
 impl FileSet<'_> {
-    /// The same set, which holds all its bytes itself.
+    /// The same set with all its bytes owned.
     #[must_use]
     pub fn into_owned(self) -> FileSet<'static> {
         let owned =
@@ -33,8 +33,8 @@ impl FileSet<'_> {
 }
 
 impl SceneAssets {
-    /// The pictures of the assets as files called `{prefix}image_0.png` and so on, by their place in the list of
-    /// images; those with the same bytes are one file.
+    /// The pictures of the assets as files called `{prefix}image_0.png` and so on, by their index in the list
+    /// of images. Pictures with the same bytes share one file.
     ///
     /// ```
     /// use chordal_io::{ImageContent, SceneAssets, SceneImage};
@@ -58,7 +58,7 @@ impl SceneAssets {
         files
     }
 
-    /// The same assets, whose images name the files of [`Self::picture_files`] instead of holding them.
+    /// The same assets, whose images refer to the files of [`Self::picture_files`] instead of holding them.
     #[must_use]
     pub fn with_pictures_beside(&self, prefix: &str) -> Self {
         let mut assets = self.clone();
@@ -70,10 +70,10 @@ impl SceneAssets {
         assets
     }
 
-    /// For each image the name of its file, where its bytes are here.
+    /// For each image the name of its file, if the image holds its bytes.
     fn picture_names(&self, prefix: &str) -> Vec<Option<String>> {
         let mut by_content: BTreeMap<&[u8], String> = BTreeMap::new();
-        // No other image may name what will stand there: its picture is elsewhere.
+        // Names used by images whose pictures are elsewhere must not be reused.
         let elsewhere = self.images.iter().filter_map(|image| match &image.content {
             ImageContent::Uri(uri) => files::resolve("", uri).ok(),
             ImageContent::Bytes(_) => None,
@@ -107,7 +107,7 @@ const PICTURES: [(&str, &str); 6] = [
     ("image/vnd-ms.dds", "dds"),
 ];
 
-/// The media type of a picture by its first bytes, of those that glTF and its extensions hold.
+/// The media type of a picture by its first bytes, if glTF or its extensions allow it.
 pub(crate) fn picture_type(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xFF, 0xD8, 0xFF, ..] => Some("image/jpeg"),
@@ -140,15 +140,15 @@ pub fn picture_extensions() -> impl Iterator<Item = &'static str> {
     PICTURES.iter().map(|(_, extension)| *extension).chain(["img"])
 }
 
-/// The stem of the names of files beside one called `stem`: without what separates folders and disks, or is
-/// not allowed in names on some system.
+/// The stem of the names of files beside one called `stem`: without separators of folders and disks, and
+/// without characters that some system does not allow in names.
 pub(crate) fn side_stem(stem: &str) -> String {
     let is_plain = |c: &char| !c.is_control() && !"/\\:*?\"<>|".contains(*c);
     let safe: String = stem.chars().map(|c| if is_plain(&c) { c } else { '_' }).collect();
     if safe.is_empty() { "_".to_owned() } else { safe }
 }
 
-/// A name as a relative URI (RFC 3986): what is not unreserved is escaped.
+/// A name as a relative URI (RFC 3986): all but unreserved characters are escaped.
 pub(crate) fn uri_of(name: &str) -> String {
     let mut uri = String::with_capacity(name.len());
     for byte in name.bytes() {

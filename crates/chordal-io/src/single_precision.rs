@@ -23,12 +23,12 @@ pub(crate) fn restore(origin: f64, stored: f32) -> f64 {
 
 /// The point about which GLB stores a mesh.
 ///
-/// Each axis takes zero unless that costs more than one bit of the extent. It first tries the few origins
-/// that an earlier snap could have chosen, zero before all others, and takes one that keeps every coordinate.
-/// This makes snapping idempotent although it changes the bounds a little.
+/// Each axis has origin zero unless that costs more than one bit of the extent. The few origins that an
+/// earlier snap could have chosen are tried first, zero before all others, and the first that keeps every
+/// coordinate is taken. So snapping is idempotent although it changes the bounds a little.
 pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
     let bounds = mesh.bounds();
-    // The joints of a skin place a mesh, and not its node; and weights of morph targets are those of one node.
+    // The joints of a skin place a mesh, not its node, and the weights of morph targets belong to one node.
     if bounds.is_empty() || is_deformed(mesh) {
         return [0.0; 3];
     }
@@ -48,8 +48,8 @@ pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
 fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
     let half = 0.5 * high - 0.5 * low;
     let centre = 0.5 * high + 0.5 * low;
-    // A coarse grid leaves the origin few bits, so that coordinates on a grid of their own stay exact about
-    // it.
+    // A coarse grid leaves the origin few bits, so that coordinates that already lie on a grid stay exact
+    // about it.
     let coarse = power_of_two_below(half / 8.0);
     let finest = power_of_two_below(centre.abs()) * F32_STEP;
     let step = greater(coarse, finest);

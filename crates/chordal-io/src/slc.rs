@@ -12,16 +12,16 @@ use chordal::implicit::{Affine3, Grid, Samples};
 
 /// The number that a file starts with.
 const MAGIC: &[u8] = b"11111";
-/// A byte of a run holds its length in the lower seven bits; the eighth is set where so many samples follow, and
-/// not where one follows that counts so often.
+/// The lower seven bits of a run's first byte hold its length. If the eighth bit is set, that many samples
+/// follow; if not, one sample follows, which is repeated that many times.
 const LENGTH: u8 = 0x7f;
 
-/// Reads an SLC volume: its samples at multiples of its steps, from the origin. The small picture in the file is
-/// passed over.
+/// Reads an SLC volume: its samples at multiples of its steps, from the origin. The icon in the file is
+/// skipped.
 ///
 /// # Errors
-/// [`ReadError`] at the byte: for a header that is no such, other than 8 bits a sample, runs that are cut off or
-/// go beyond their slice.
+/// [`ReadError`] at the byte, for an invalid header, samples that do not have 8 bits, or runs that are
+/// truncated or exceed their slice.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, slc};
@@ -40,20 +40,20 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         return Err(ReadError::new("bad-magic", FileLocation::Byte(0), message));
     }
     let place = cursor.place();
-    let declared = [cursor.whole("a size")?, cursor.whole("a size")?, cursor.whole("a size")?];
-    let bits = cursor.whole("the bits of a sample")?;
+    let declared = [cursor.integer("a size")?, cursor.integer("a size")?, cursor.integer("a size")?];
+    let bits = cursor.integer("the bits of a sample")?;
     if bits != 8 {
         let message = format!("samples of {bits} bits are not read: those of an .slc file have 8");
         return Err(ReadError::new("unsupported-type", place, message));
     }
     let size = size_of(declared, SampleType::U8, &place, limits)?;
     let steps = [cursor.step()?, cursor.step()?, cursor.step()?];
-    // The unit, where the volume comes from, and what was done to it: numbers that no reader is known to heed.
+    // The unit, the source of the volume, and its modification: no known reader uses these numbers.
     for what in ["a unit", "an origin", "a modification"] {
-        cursor.whole(what)?;
+        cursor.integer(what)?;
     }
     let packing_at = cursor.place();
-    let packing = cursor.whole("a compression")?;
+    let packing = cursor.integer("a compression")?;
     cursor.skip_icon()?;
     let samples = match packing {
         0 => cursor.plain(size)?,
@@ -77,15 +77,15 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Volume(Volume::from_grid(grid)), warnings: warnings.into_list() })
 }
 
-/// Whether bytes start like an SLC file: its number and four more.
+/// Whether bytes start like an SLC file: the magic number, then four more numbers.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     let mut cursor = SlcCursor { bytes, at: 0 };
     cursor.token("").is_ok_and(|magic| magic == MAGIC)
-        && (0..3).all(|_| cursor.whole("").is_ok_and(|n| n > 0))
-        && cursor.whole("").is_ok_and(|bits| bits == 8)
+        && (0..3).all(|_| cursor.integer("").is_ok_and(|n| n > 0))
+        && cursor.integer("").is_ok_and(|bits| bits == 8)
 }
 
-/// A place in the file.
+/// A position in the file.
 struct SlcCursor<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -110,7 +110,7 @@ impl<'a> SlcCursor<'a> {
         Ok(&rest[..end])
     }
 
-    fn whole(&mut self, what: &str) -> Result<i64, ReadError> {
+    fn integer(&mut self, what: &str) -> Result<i64, ReadError> {
         let place = self.place();
         let token = self.token(what)?;
         integer(token).map_err(|_| {
@@ -127,11 +127,11 @@ impl<'a> SlcCursor<'a> {
         Err(ReadError::new("bad-spacing", place, format!("a step of {step} between samples is not above 0")))
     }
 
-    /// A number, and the X at whose end its bytes begin.
+    /// A number, and the X after which its bytes begin.
     fn counted(&mut self, what: &str) -> Result<usize, ReadError> {
         let place = self.place();
         let rest = &self.bytes[self.at..];
-        // A number of 64 bits has 20 digits at most; a few blanks are beside it.
+        // A number of 64 bits has at most 20 digits, with a few blanks.
         let end = rest.iter().take(32).position(|b| *b == b'X').ok_or_else(|| {
             ReadError::new(
                 "bad-header",
@@ -150,10 +150,10 @@ impl<'a> SlcCursor<'a> {
 
     fn take(&mut self, n: usize, what: &str) -> Result<&'a [u8], ReadError> {
         let taken = self.bytes[self.at..].get(..n).ok_or_else(|| {
-            let there = self.bytes.len() - self.at;
+            let n_left = self.bytes.len() - self.at;
             let message = format!(
                 "{what} is cut off: {} bytes are there, the file says {}",
-                grouped(there as u64),
+                grouped(n_left as u64),
                 grouped(n as u64)
             );
             ReadError::new("truncated", self.place(), message)
@@ -162,10 +162,10 @@ impl<'a> SlcCursor<'a> {
         Ok(taken)
     }
 
-    /// Passes over the small picture: its width and height, and a byte for red, green and blue of each pixel.
+    /// Skips the icon: its width and height, and a byte for red, green and blue of each pixel.
     fn skip_icon(&mut self) -> Result<(), ReadError> {
         let place = self.place();
-        let width = self.whole("the width of the picture")?;
+        let width = self.integer("the width of the picture")?;
         let height = self.counted("the picture")?;
         let n = usize::try_from(width).ok().and_then(|width| width.checked_mul(height)?.checked_mul(3));
         let n = n.ok_or_else(|| {
@@ -182,7 +182,7 @@ impl<'a> SlcCursor<'a> {
         Ok(copy)
     }
 
-    /// The slices, each as the number of its bytes and runs.
+    /// The slices, each as its number of bytes and its runs.
     fn runs(&mut self, [x, y, z]: [usize; 3]) -> Result<Vec<u8>, ReadError> {
         let mut samples = Vec::new();
         for slice in 0..z {
@@ -194,7 +194,7 @@ impl<'a> SlcCursor<'a> {
             let mut k = 0;
             while let Some(head) = runs.get(k).filter(|head| *head & LENGTH != 0) {
                 let length = usize::from(head & LENGTH);
-                // The end is known before anything is kept: no more than 64 samples come of a byte.
+                // Checked before samples are stored: a byte yields at most 64 samples.
                 if length > end - samples.len() {
                     let message =
                         format!("slice {slice} has more than its {} samples", grouped((x * y) as u64));
@@ -202,16 +202,16 @@ impl<'a> SlcCursor<'a> {
                 }
                 samples.try_reserve(length).map_err(|_| out_of_memory(length))?;
                 let is_copy = head & !LENGTH != 0;
-                let wanted = if is_copy { length } else { 1 };
-                let given = runs.get(k + 1..k + 1 + wanted).ok_or_else(|| {
+                let n_stored = if is_copy { length } else { 1 };
+                let stored = runs.get(k + 1..k + 1 + n_stored).ok_or_else(|| {
                     ReadError::new("truncated", at(k), format!("the last run of slice {slice} is cut off"))
                 })?;
                 if is_copy {
-                    samples.extend_from_slice(given);
+                    samples.extend_from_slice(stored);
                 } else {
-                    samples.resize(samples.len() + length, given[0]);
+                    samples.resize(samples.len() + length, stored[0]);
                 }
-                k += 1 + wanted;
+                k += 1 + n_stored;
             }
             if samples.len() < end {
                 let message = format!(

@@ -1,4 +1,5 @@
-//! `snap`: rounds positions to what a format stores. Snap first, then validate and bound what is written.
+//! `snap`: rounds positions to those that a format stores. Snap first, then validate and bound the snapped
+//! mesh.
 use crate::Polygons;
 use crate::format::Format;
 use crate::format_columns::PositionPrecision;
@@ -26,12 +27,13 @@ impl std::error::Error for CoordinateOverflow {}
 /// Returns the mesh with every position as it reads back from `format`.
 ///
 /// OBJ, PLY and OFF hold f64 exactly, STL rounds to f32, GLB rounds to f32 about an origin that it chooses.
-/// Snapping is idempotent. `moved_at_most` covers all rounding, including that of the reader's sum.
+/// Snapping is idempotent. `moved_at_most` covers all rounding, including the rounding when a reader adds the
+/// origin.
 ///
 /// Linear in the number of vertices.
 ///
 /// # Errors
-/// [`CoordinateOverflow`] when a coordinate overflows single precision.
+/// [`CoordinateOverflow`] if a coordinate overflows single precision.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -58,12 +60,12 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<SnappedMesh, CoordinateOverfl
         moved_at_most = greater(distance_up(position, snapped), moved_at_most);
         positions.push(snapped);
     }
-    // The positions are finite and equal where they were equal, so the mesh cannot refuse them.
+    // The positions are finite, and equal ones stay equal, so the mesh accepts them.
     let mesh = mesh.with_positions(positions).map_err(|_| CoordinateOverflow { value: f64::INFINITY })?;
     Ok(SnappedMesh { mesh, origin, moved_at_most })
 }
 
-/// A position as it reads back where it is stored about an origin.
+/// A position as it reads back if it is stored about an origin.
 fn snapped(position: [f64; 3], origin: [f64; 3]) -> Result<[f64; 3], CoordinateOverflow> {
     let snapped: [f64; 3] = std::array::from_fn(|k| restore(origin[k], store(origin[k], position[k])));
     match (0..3).find(|k| !snapped[*k].is_finite()) {
@@ -72,11 +74,11 @@ fn snapped(position: [f64; 3], origin: [f64; 3]) -> Result<[f64; 3], CoordinateO
     }
 }
 
-/// The most that rounding to a format moves a vertex of polygons, rounded up; 0 where all are kept to the last
-/// bit. Their text may have more digits than the type that the format gives them.
+/// An upper bound of the distance by which rounding to a format moves a vertex of polygons; 0 if every bit is
+/// kept. The text of a file may have more digits than the number type of its format.
 ///
 /// # Errors
-/// [`CoordinateOverflow`] when a coordinate overflows single precision.
+/// [`CoordinateOverflow`] if a coordinate overflows single precision.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -137,8 +139,8 @@ mod tests {
                 let wider = mesh.bounds().with([0.0; 3]);
                 prop_assert!(worst_snap(&mesh.bounds(), format) <= worst_snap(&wider, format));
                 for (a, b) in mesh.positions().iter().zip(snapped.mesh.positions()) {
-                    // Differences of neighbours are exact, and the root of their squares has no more than
-                    // three roundings: 2⁻⁵⁰ allows for eight.
+                    // Differences of neighbours are exact, and the root of the sum of their squares has at
+                    // most three roundings: 2⁻⁵⁰ allows for eight.
                     let d = (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt();
                     prop_assert!(d * (1.0 - 4.0 * f64::EPSILON) <= snapped.moved_at_most);
                 }

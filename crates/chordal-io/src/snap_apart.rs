@@ -1,4 +1,4 @@
-//! `snap_apart`: rounds positions to what a format stores, and keeps apart what only rounding would tie together.
+//! `snap_apart`: rounds positions to those that a format stores, without merging vertices that no edge joins.
 use crate::format::Format;
 use crate::snap::{CoordinateOverflow, snap};
 use crate::snapped_mesh::{SnappedMesh, distance_up};
@@ -7,14 +7,14 @@ use chordal::explicit::position_id_by_bits;
 use chordal::math::{greater, lesser};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// As [`snap`], but vertices that no edge joins and that rounding would put at one place are put at neighbouring ones:
-/// two sheets that come nearer to each other than single precision tells apart would share edges in the file otherwise,
-/// and a surface that is a manifold would be read back as none. Vertices that are joined by an edge may become one, since
-/// that takes triangles away and ties nothing together.
+/// As [`snap`], but if rounding moves vertices that no edge joins to the same position, they get neighbouring
+/// positions instead. Otherwise two sheets that are closer to each other than single precision can resolve
+/// would share edges in the file, and a manifold surface would read back as non-manifold. Vertices joined by
+/// an edge may still merge, since that only removes triangles and connects nothing new.
 ///
-/// Such a vertex moves by the last digit of its largest coordinate for each that it is kept apart from, and
-/// `moved_at_most` counts that. Where a format stores positions about an origin of their own nothing is kept apart.
-/// Linear in vertices and faces.
+/// Such a vertex moves by the last digit of its largest coordinate for each vertex that it is separated from;
+/// `moved_at_most` includes this. For formats that store positions about an origin, vertices are not
+/// separated. Linear in vertices and faces.
 ///
 /// # Errors
 /// As for [`snap`].
@@ -40,11 +40,11 @@ pub fn snap_apart(mesh: &Mesh, format: Format) -> Result<SnappedMesh, Coordinate
     let ids = position_id_by_bits(mesh.positions());
     let rounded = position_id_by_bits(plain.mesh.positions());
     let root = roots(mesh, &ids, &rounded);
-    let groups = tied_together(mesh, &root, &rounded);
+    let groups = merged_roots(mesh, &root, &rounded);
     if groups.is_empty() {
         return Ok(plain);
     }
-    let places = places_apart(mesh, &plain.mesh, &groups)?;
+    let places = separate_positions(mesh, &plain.mesh, &groups)?;
     let mut positions = plain.mesh.positions().to_vec();
     let mut moved_at_most = plain.moved_at_most;
     for (row, position) in positions.iter_mut().enumerate() {
@@ -57,9 +57,10 @@ pub fn snap_apart(mesh: &Mesh, format: Format) -> Result<SnappedMesh, Coordinate
     Ok(SnappedMesh { mesh, moved_at_most, ..plain })
 }
 
-/// For each row the first of those that edges join it to without leaving its rounded place.
+/// For each row the first row that it is connected to by edges within its rounded position.
 fn roots(mesh: &Mesh, ids: &[u32], rounded: &[u32]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..ids.len() as u32).collect();
+    // Union–find with path halving; the smaller row becomes the root, so that the order does not matter.
     fn root(parent: &mut [u32], mut row: u32) -> u32 {
         while parent[row as usize] != row {
             parent[row as usize] = parent[parent[row as usize] as usize];
@@ -80,32 +81,32 @@ fn roots(mesh: &Mesh, ids: &[u32], rounded: &[u32]) -> Vec<u32> {
     ids.iter().map(|row| root(&mut parent, *row)).collect()
 }
 
-/// More vertices at one place are left there: what is smaller than the digits has no shape that could be kept. Chosen: more
-/// than come together where two creases cross.
+/// The most vertices at one position that are separated; more are left merged, since a shape smaller than the
+/// last digits cannot be kept. Chosen: more than meet where two creases cross.
 const MOST: usize = 8;
 
-/// The roots that rounding puts at one place though nothing joins them, place by place.
-fn tied_together(mesh: &Mesh, root: &[u32], rounded: &[u32]) -> Vec<Vec<u32>> {
+/// For each rounded position, the roots that are merged there although no edges connect them.
+fn merged_roots(mesh: &Mesh, root: &[u32], rounded: &[u32]) -> Vec<Vec<u32>> {
     let mut at: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-    // Of rows that no face has, nothing is tied together.
+    // Rows without a face cannot connect anything.
     for row in mesh.faces().iter().flatten().map(|row| *row as usize) {
         at.entry(rounded[row]).or_default().insert(root[row]);
     }
     at.into_values()
-        .filter(|all| (2..=MOST).contains(&all.len()))
-        .map(|all| all.into_iter().collect())
+        .filter(|roots| (2..=MOST).contains(&roots.len()))
+        .map(|roots| roots.into_iter().collect())
         .collect()
 }
 
-/// A place of its own for each root of each group, in the order in which they lie along the axis where they are farthest
-/// apart.
-fn places_apart(
+/// A separate position for each root of each group, in their order along the axis of their largest extent.
+fn separate_positions(
     mesh: &Mesh,
     plain: &Mesh,
     groups: &[Vec<u32>],
 ) -> Result<BTreeMap<u32, [f64; 3]>, CoordinateOverflow> {
     let bits = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
-    let mut taken: HashSet<[u64; 3]> = plain.positions().iter().map(|p| bits(*p)).collect(); // No order depends on it.
+    // Only for membership: no result depends on its order.
+    let mut taken: HashSet<[u64; 3]> = plain.positions().iter().map(|p| bits(*p)).collect();
     let mut places = BTreeMap::new();
     for group in groups {
         let exact = |root: &u32| mesh.positions()[*root as usize];
@@ -117,7 +118,9 @@ fn places_apart(
         let axis = (1..3).fold(0, |best, k| if spread(k) > spread(best) { k } else { best });
         let mut order = group.clone();
         order.sort_by(|a, b| exact(a)[axis].total_cmp(&exact(b)[axis]).then(a.cmp(b)));
-        // The common place is that of one in the middle, and the others are beside it.
+        // The middle vertex keeps the common position x, the others the single-precision numbers beside it:
+        //   exact    … a  b  c …       all three round to x
+        //   stored   x⁻    x    x⁺
         let mut x = common[axis] as f32;
         for _ in 0..order.len() / 2 {
             x = x.next_down();

@@ -1,17 +1,17 @@
-//! `SnappedMesh`: a mesh as a format stores its positions.
+//! `SnappedMesh`: a mesh with positions as a format stores them.
 use chordal::Mesh;
 use chordal::math::Box3;
 
 /// A mesh rounded to the positions that a format stores.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SnappedMesh {
-    /// The mesh that a reader gets, in the coordinates of the input mesh.
+    /// The mesh as it reads back, in the coordinates of the input mesh.
     pub mesh: Mesh,
     /// The point about which the format stores positions. It is `[0, 0, 0]` for all formats but GLB, and for
-    /// GLB too unless the part is far from zero for its size. Each of its coordinates is a single-precision
-    /// number.
+    /// GLB unless the part is far from zero compared with its size. Each of its coordinates is a
+    /// single-precision number.
     pub origin: [f64; 3],
-    /// No vertex moved by more than this, in the mesh's units; 0 when all positions are kept to the last bit.
+    /// No vertex moved by more than this, in the mesh's units; 0 if every bit of all positions is kept.
     pub moved_at_most: f64,
 }
 

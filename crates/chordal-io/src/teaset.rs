@@ -1,4 +1,4 @@
-//! Newell's teaset text: patches as sixteen indices from 1, then the points, all with commas.
+//! Newell's teaset text: patches as sixteen indices from 1, then the points, all separated by commas.
 use crate::grow::{push, with_room};
 use crate::text::{IntegerError, TextLines, finite, grouped, integer, show, text_of, trim};
 use crate::warnings::Warnings;
@@ -6,11 +6,11 @@ use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
 
 /// Reads the patches of a file of the 1991 teaset: the number of patches, a line of sixteen indices for each,
-/// the number of points, a line `x,y,z` for each. Indices start at 1. Up is z, as in the teaset.
+/// the number of points, a line `x,y,z` for each. Indices start at 1. Z is up, as in the teaset.
 ///
 /// # Errors
-/// [`ReadError`] at the line: another number of values, an index out of range, a coordinate that is not
-/// finite.
+/// [`ReadError`] at the line, for a wrong number of values, an index out of range, or a coordinate that is
+/// not finite.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, teaset};
@@ -47,7 +47,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 
-/// Whether a line that holds only a number is followed by indices with commas.
+/// Whether the text begins with a line that holds only a number, then indices with commas.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
     let (Some(first), Some(second)) = (lines.next(), lines.next()) else { return false };
@@ -131,10 +131,10 @@ impl<'a> NonBlankLines<'a> {
         value: impl Fn(&[u8], FileLocation) -> Result<T, ReadError>,
     ) -> Result<[T; N], ReadError> {
         let text = self.expect(&what)?;
-        let found = text.split(|b| *b == b',').count();
-        if found != N {
+        let n_values = text.split(|b| *b == b',').count();
+        if n_values != N {
             let message =
-                format!("{} has {found} values with commas between them where {N} are needed", what());
+                format!("{} has {n_values} values with commas between them where {N} are needed", what());
             return Err(ReadError::new("wrong-width", FileLocation::Line(self.line), message));
         }
         let mut values = [T::default(); N];

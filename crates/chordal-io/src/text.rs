@@ -4,14 +4,14 @@ use crate::{FileLocation, ReadError};
 use memchr::{memchr, memchr2, memchr2_iter};
 use std::sync::OnceLock;
 
-/// A token as an error shows it: quoted, escaped, and cut where it is long.
+/// A token as shown in messages: quoted, escaped, and shortened if it is long.
 pub(crate) fn show(token: &[u8]) -> String {
     const MOST: usize = 40;
     let cut = if token.len() > MOST { "…" } else { "" };
     format!("'{}{cut}'", token[..token.len().min(MOST)].escape_ascii())
 }
 
-/// A count as an error shows it: 4294967295 as 4,294,967,295.
+/// A count as shown in messages: 4294967295 as 4,294,967,295.
 pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
@@ -42,7 +42,7 @@ impl<'a> TextLines<'a> {
         self.at
     }
 
-    /// Passes lines that somebody else has read.
+    /// Skips lines that were read elsewhere.
     pub(crate) fn advance(&mut self, n_bytes: usize, n_lines: u64) {
         self.at += n_bytes;
         self.line += n_lines;
@@ -75,18 +75,19 @@ impl<'a> Iterator for TextLines<'a> {
     }
 }
 
-/// How many bytes lie between two counts of a [`LineIndex`].
-const LINE_COUNT_STEP: usize = 4096; // a count per page: a place costs what reading one page costs
+/// The number of bytes between two counts of a [`LineIndex`].
+const LINE_COUNT_STEP: usize = 4096; // chosen: one page, so that a lookup costs as much as reading a page
 
-/// The lines of a text by the offsets of their bytes, in time that does not grow with the text.
+/// Finds the line of a byte in constant time.
 #[derive(Debug, Default)]
 pub(crate) struct LineIndex {
-    /// The ends of lines before each step.
+    /// The number of line ends before each step.
     n_ends: OnceLock<Vec<u32>>,
 }
 
 impl LineIndex {
-    /// The line of a byte of the text, which is the same at every call; beyond the end, the last one.
+    /// The line of a byte of `text`, which must be the same text at every call; beyond the end, the last
+    /// line.
     pub(crate) fn line_at(&self, text: &[u8], offset: usize) -> u64 {
         let offset = offset.min(text.len().saturating_sub(1));
         let n_ends = self.n_ends.get_or_init(|| {
@@ -106,13 +107,13 @@ impl LineIndex {
     }
 }
 
-/// How many lines end in a range of a text.
+/// The number of lines that end in a range of a text.
 fn ends_of_lines(text: &[u8], start: usize, end: usize) -> u32 {
     let is_end = |i: &usize| text[start + i] == b'\n' || text.get(start + i + 1) != Some(&b'\n');
     memchr2_iter(b'\n', b'\r', &text[start..end.min(text.len())]).filter(is_end).count() as u32
 }
 
-/// The text of a file, from its first letter.
+/// The text of a file, without byte order mark and leading spaces.
 pub(crate) fn text_start(bytes: &[u8]) -> &[u8] {
     let text = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
     let start = text.iter().position(|b| !is_space(*b)).unwrap_or(text.len());
@@ -170,8 +171,8 @@ pub(crate) fn trim(mut bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// Parses a number, or returns `None`. A number that is too large is infinite, as `inf` is. `nan` and what
-/// old Microsoft runtimes print for it (`-1.#IND`) are NaN.
+/// Parses a number, or returns `None`. A number that is too large is infinite, like `inf`. `nan` and the
+/// spellings of old Microsoft runtimes (`-1.#IND`) are NaN.
 #[inline]
 pub(crate) fn number(token: &[u8]) -> Option<f64> {
     if let Some((value, n)) = short_decimal(token)
@@ -188,13 +189,13 @@ fn long_number(token: &[u8]) -> Option<f64> {
         Ok(value) => Some(value),
         Err(_) => {
             let (_, kind) = text.split_once('#')?;
-            let known = ["IND", "INF", "QNAN", "SNAN"].iter().any(|k| kind.starts_with(k));
-            known.then_some(f64::NAN)
+            let is_nan = ["IND", "INF", "QNAN", "SNAN"].iter().any(|k| kind.starts_with(k));
+            is_nan.then_some(f64::NAN)
         }
     }
 }
 
-/// One sentence that says why a token is no number.
+/// One sentence that says why a token is not a number.
 pub(crate) fn number_error(token: &[u8]) -> String {
     let shown = show(token);
     if memchr(b',', token).is_some() {
@@ -218,10 +219,10 @@ pub(crate) fn not_finite(token: &[u8], place: FileLocation) -> ReadError {
     ReadError::new("not-finite", place, message)
 }
 
-/// Why a token is no integer.
+/// Why a token is not an integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum IntegerError {
-    /// It is not spelled like one.
+    /// It is not spelled as an integer.
     Spelling,
     /// It does not fit into an i64.
     TooLarge,
@@ -287,7 +288,7 @@ mod tests {
     #[test]
     fn the_line_of_a_byte_is_the_one_that_counting_finds() {
         for end in ["\n", "\r", "\r\n", "\n\r", "\r\r\n"] {
-            // Lines of 0 to 12 letters, so that ends of all kinds lie across a step.
+            // Lines of 0 to 12 letters, so that line ends of all kinds cross a step.
             let mut text = String::new();
             for i in 0..LINE_COUNT_STEP / 2 {
                 text.push_str(&"x".repeat(i * 5 % 13));

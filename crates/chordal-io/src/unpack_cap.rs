@@ -1,13 +1,13 @@
-//! `UnpackCap`: how much packed bytes may unpack to, before they count as a bomb.
+//! `UnpackCap`: the size that packed bytes may unpack to before they count as a bomb.
 use crate::text::grouped;
 
-/// The most that is unpacked, where [`crate::Limits`] allow it.
+/// The most bytes that are unpacked, if [`crate::Limits`] allow as many.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnpackCap {
-    /// The most bytes of one entry, and of all together.
+    /// The most bytes of one entry, and of all entries together.
     pub entry: u64,
     pub total: u64,
-    /// The most unpacked bytes for one packed byte, beyond a size up to which the ratio does not matter.
+    /// The most unpacked bytes per packed byte. Up to the size `small` the ratio is not checked.
     pub ratio: u64,
     pub small: u64,
 }
@@ -15,13 +15,13 @@ pub(crate) struct UnpackCap {
 impl UnpackCap {
     /// For meshes, drawings and texts.
     pub(crate) const MODEL: Self = Self {
-        // Chosen: seven times the largest single part that a tool was reported to fail on, which has 76 MB, and
+        // Chosen: seven times the largest part for which a failure of another tool was reported (76 MB), and
         // about six million triangles.
         entry: 512 << 20,
         total: 1 << 30,
-        // Measured on models: 4 to 12; nothing but a bomb comes near.
+        // Measured: models have 4 to 12; only bombs come near.
         ratio: 200,
-        // A small part of few different bytes is harmless.
+        // Chosen: a small part with few distinct bytes is harmless.
         small: 16 << 20,
     };
 
@@ -32,16 +32,16 @@ impl UnpackCap {
         // The format's own maximum is 1,032 (RFC 1951: 258 bytes by two bits); only nearly constant samples come
         // close to it.
         ratio: 1_000,
-        // Chosen: 1024³ labels of a byte, so that a mask of one organ is read whatever its ratio.
+        // Chosen: 1024³ labels of one byte, so that the mask of one organ is read whatever its ratio.
         small: 1 << 30,
     };
 
-    /// Whether `size` bytes are too many for so many packed ones.
+    /// Whether `size` unpacked bytes are too many for `packed` bytes.
     pub(crate) fn is_too_dense(&self, size: u64, packed: u64) -> bool {
         size > self.small && size > self.ratio.saturating_mul(packed)
     }
 
-    /// What is said of bytes that are too dense.
+    /// The message for data that is too dense.
     pub(crate) fn too_dense(&self, packed: u64) -> String {
         format!("unpacks to more than {} times its {} bytes", self.ratio, grouped(packed))
     }

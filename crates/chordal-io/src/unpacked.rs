@@ -1,20 +1,20 @@
-//! `unpacked`: the content of a gzipped file of any format, within limits that are checked on the way.
+//! `unpacked`: the content of a gzipped file of any format; limits are checked during decompression.
 use crate::text::grouped;
 use crate::volume::inflate::{InflateReader, MAGIC};
 use crate::{FileLocation, Format, Limits, ReadError};
 use std::borrow::Cow;
 
-/// The bytes unpacked at once.
+/// The number of bytes unpacked at once.
 const STEP: usize = 1 << 16;
 
-/// The content of a file: unpacked where it is gzipped, else the bytes themselves. `format` is what is known of
-/// it. NIfTI stays packed, because its reader unpacks no more than it needs.
+/// The content of a file: unpacked if it is gzipped, else the bytes themselves. `format` is the format, if it
+/// is known. NIfTI stays packed, because its reader unpacks only the bytes that it needs.
 ///
-/// Of meshes, drawings and texts more than 16 MiB may be 200 times the packed bytes that were read for them, of
-/// volumes more than 1 GiB may be 1,000 times these, and nothing more than [`Limits::bytes`].
+/// The content of meshes, drawings and texts may have 16 MiB or 200 times the packed bytes read so far,
+/// volumes 1 GiB or 1,000 times these, and nothing may have more than [`Limits::bytes`].
 ///
 /// # Errors
-/// When the packed bytes are damaged or cut off, unpack to too much, or are packed twice.
+/// If the packed bytes are damaged or truncated, unpack to too much, or are packed twice.
 ///
 /// ```
 /// use chordal_io::{Limits, unpacked};
@@ -45,7 +45,8 @@ pub fn unpacked<'a>(
                 format!("the file unpacks to more than the limit of {} bytes", grouped(limits.bytes));
             return Err(ReadError::new("too-large", inflater.place(), message));
         }
-        // Beside what was read so far: beside the whole file, a bomb of 10 MB would fill 2 GB first.
+        // The ratio to the bytes read so far: compared with the whole file, a bomb of 10 MB would fill 2 GB
+        // first.
         let n_read = (bytes.len() - inflater.rest().len()) as u64;
         if cap.is_too_dense(size, n_read) {
             let message = format!("what was read of the file so far {}", cap.too_dense(n_read));

@@ -1,5 +1,4 @@
-//! Assets without what nothing uses: the materials that faces have, and the textures and pictures that these
-//! name.
+//! Removes unused assets: keeps the materials of faces, and the textures and pictures that they use.
 use crate::assets::{VARIANTS, collect_extensions, each_variant_material};
 use crate::{FaceKind, MATERIAL, Scene, SceneAssets};
 use chordal::Mesh;
@@ -8,16 +7,17 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// By old number the new one; `None` for what is left out.
+/// The new index for each old one; `None` for a removed item.
 type Renumbering = Vec<Option<usize>>;
 
 impl SceneAssets {
-    /// The same assets with these materials alone and what they name: other materials (`MSFT_lod`, variants), textures,
-    /// samplers and pictures. What is kept stays in its order and is numbered anew. Also returns the new number
-    /// of each old material.
+    /// The same assets, reduced to these materials and everything that they refer to: other materials
+    /// (`MSFT_lod`, variants), textures, samplers and pictures. The order is kept, and items are renumbered.
+    /// Also returns the new index of each old material.
     ///
-    /// Textures are found as glTF's texture infos: members called `…Texture` with an `index`. Where a material
-    /// has an extension that may name them in another way, all textures and pictures are kept.
+    /// Texture references are recognised as glTF's texture infos: members called `…Texture` with an `index`.
+    /// If a material has an extension that may refer to textures in another way, all textures and pictures
+    /// are kept.
     ///
     /// ```
     /// use chordal_io::SceneAssets;
@@ -37,7 +37,7 @@ impl SceneAssets {
     pub fn with_materials(&self, used: &BTreeSet<usize>) -> (Self, Vec<Option<usize>>) {
         let mut assets = self.clone();
         let materials = renumbering(self.materials.len(), &self.closure(used));
-        assets.materials = kept(&self.materials, &materials);
+        assets.materials = kept_items(&self.materials, &materials);
         assets.materials.iter_mut().for_each(|material| {
             levels_of(material).into_iter().flatten().for_each(|at| renumber(at, &materials));
         });
@@ -56,7 +56,7 @@ impl SceneAssets {
         each_texture(&mut assets.materials, &mut |at| textures.extend(number(at)));
         let textures = renumbering(self.textures.len(), &textures);
         each_texture(&mut assets.materials, &mut |at| renumber(at, &textures));
-        assets.textures = kept(&self.textures, &textures);
+        assets.textures = kept_items(&self.textures, &textures);
         let (mut images, mut samplers) = (BTreeSet::new(), BTreeSet::new());
         assets.textures.iter_mut().for_each(|texture| {
             sources_of(texture).into_iter().for_each(|at| images.extend(number(at)));
@@ -68,13 +68,13 @@ impl SceneAssets {
             sources_of(texture).into_iter().for_each(|at| renumber(at, &images));
             texture.get_mut("sampler").into_iter().for_each(|at| renumber(at, &samplers));
         });
-        assets.images = kept(&self.images, &images);
-        assets.samplers = kept(&self.samplers, &samplers);
+        assets.images = kept_items(&self.images, &images);
+        assets.samplers = kept_items(&self.samplers, &samplers);
         (assets, materials)
     }
 
-    /// Adds the materials of another scene with all that they need, after those that are there; returns how many
-    /// were there. Looks by variant are kept where this scene has none of its own.
+    /// Appends the materials of another scene and everything that they refer to; returns how many materials
+    /// were here before. Variants of the appended materials are kept only if this scene has none.
     ///
     /// ```
     /// use chordal_io::SceneAssets;
@@ -133,28 +133,28 @@ impl SceneAssets {
         n_materials
     }
 
-    /// These materials with those that they name as their own levels of detail.
+    /// These materials and those that they refer to as their own levels of detail.
     fn closure(&self, used: &BTreeSet<usize>) -> BTreeSet<usize> {
-        let mut all = BTreeSet::new();
+        let mut closure = BTreeSet::new();
         let mut open: Vec<usize> = used.iter().copied().collect();
         while let Some(idx) = open.pop() {
             let Some(material) = self.materials.get(idx) else { continue };
-            if all.insert(idx) {
+            if closure.insert(idx) {
                 let levels = material.pointer("/extensions/MSFT_lod/ids").and_then(Value::as_array);
                 open.extend(levels.into_iter().flatten().filter_map(number));
                 open.extend(self.face_kinds.get(&idx).into_iter().flat_map(FaceKind::materials));
             }
         }
-        all
+        closure
     }
 }
 
 impl Scene {
-    /// The same scene with the materials that its faces have alone, and what those name: see
-    /// [`SceneAssets::with_materials`]. Groups of faces are numbered like them.
+    /// The same scene with only the materials of its faces and everything that these refer to: see
+    /// [`SceneAssets::with_materials`]. Groups of faces are renumbered accordingly.
     ///
     /// # Errors
-    /// None for meshes that exist: the type is that of building one.
+    /// None for a valid scene; the error type is that of building a mesh.
     pub fn with_used_materials(&self) -> Result<Cow<'_, Self>, InvalidMesh> {
         let n_names = self.groups.get(MATERIAL).map_or(0, |names| names.len().saturating_sub(1));
         let n_materials = self.assets.materials.len().max(n_names);
@@ -197,7 +197,7 @@ impl Scene {
     }
 }
 
-/// The same mesh with its groups of materials numbered anew.
+/// The same mesh with its material groups renumbered.
 fn with_groups(mesh: &Mesh, numbers: &Renumbering) -> Result<Mesh, InvalidMesh> {
     mesh.with_only(mesh.attributes().iter().cloned().map(|mut attribute| {
         if is_material(&attribute) {
@@ -213,7 +213,7 @@ fn is_material(attribute: &Attribute) -> bool {
     is_kind && attribute.domain == Domain::Face && attribute.width == 1
 }
 
-/// The material of a group: 0 is none.
+/// The material of a group; group 0 has none.
 fn material_of(group: f64) -> Option<usize> {
     (group as usize).checked_sub(1)
 }
@@ -227,39 +227,39 @@ fn renumbering(n: usize, used: &BTreeSet<usize>) -> Renumbering {
     (0..n).map(|old| if used.contains(&old) { next.next() } else { None }).collect()
 }
 
-fn kept<T: Clone>(list: &[T], numbers: &Renumbering) -> Vec<T> {
+fn kept_items<T: Clone>(list: &[T], numbers: &Renumbering) -> Vec<T> {
     list.iter().zip(numbers).filter(|(_, new)| new.is_some()).map(|(item, _)| item.clone()).collect()
 }
 
-/// What names something that is not there is left as it is.
+/// References to missing items stay unchanged.
 fn renumber(at: &mut Value, numbers: &Renumbering) {
     if let Some(new) = number(at).and_then(|old| *numbers.get(old)?) {
         *at = json!(new);
     }
 }
 
-/// Where a material names others as its levels of detail.
+/// The references of a material to its levels of detail.
 fn levels_of(material: &mut Value) -> Option<impl Iterator<Item = &mut Value>> {
     Some(material.pointer_mut("/extensions/MSFT_lod/ids")?.as_array_mut()?.iter_mut())
 }
 
-/// Where a texture names images: in `source`, its own and that of its extensions.
+/// The image references of a texture: its own `source`, and those in its extensions.
 fn sources_of(texture: &mut Value) -> Vec<&mut Value> {
     let Some(members) = texture.as_object_mut() else { return Vec::new() };
-    let mut found = Vec::new();
+    let mut sources = Vec::new();
     for (key, value) in members {
         match (key.as_str(), value) {
-            ("source", value) => found.push(value),
+            ("source", value) => sources.push(value),
             ("extensions", Value::Object(extensions)) => {
-                found.extend(extensions.values_mut().filter_map(|extension| extension.get_mut("source")));
+                sources.extend(extensions.values_mut().filter_map(|extension| extension.get_mut("source")));
             }
             _ => {}
         }
     }
-    found
+    sources
 }
 
-/// Visits where materials name textures. Extras are data of others.
+/// Visits all references of materials to textures. Extras are application data and are skipped.
 fn each_texture(materials: &mut [Value], visit: &mut impl FnMut(&mut Value)) {
     for material in materials {
         let Some(members) = material.as_object_mut() else { continue };
@@ -272,7 +272,7 @@ fn each_texture(materials: &mut [Value], visit: &mut impl FnMut(&mut Value)) {
     }
 }
 
-/// Whether all extensions of a material are those whose textures are texture infos: Khronos' own, and levels.
+/// Whether all extensions of a material use texture infos: Khronos' own extensions, and levels of detail.
 fn names_textures_as_known(material: &Value) -> bool {
     let mut names = Vec::new();
     collect_extensions(material, &mut names);

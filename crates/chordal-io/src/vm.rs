@@ -8,19 +8,19 @@ use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use std::collections::HashMap;
 
-/// The box in which op lists are viewed.
+/// The box in which shapes of op lists are viewed.
 pub const REGION: Box3 = Box3 { min: [-1.0; 3], max: [1.0; 3] };
 
 /// Reads the field of an op list. A line is `name op argument…`. The value is the last line's, negative
 /// inside. Text from `#` on is a comment.
 ///
 /// `const` takes a number, `var-x`, `var-y` and `var-z` take nothing, the other operations one or two names
-/// of earlier lines. The format does not say how the value relates to the distance, so only its sign counts.
-/// It does not give a size either; by fidget's custom the shape is viewed in [`REGION`].
+/// of earlier lines. The format does not define how the value relates to the distance, so only its sign is
+/// used. It does not define a size either; as is customary with fidget, the shape is viewed in [`REGION`].
 ///
 /// # Errors
-/// [`ReadError`] at line and column: an unknown operation, a name that is unknown or defined twice, too many
-/// or too few arguments, a number that is invalid or not finite; and for a text without operations.
+/// [`ReadError`] at line and column, for an unknown operation, a name that is unknown or defined twice, too
+/// many or too few arguments, or a number that is invalid or not finite; also for a text without operations.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, vm};
@@ -37,7 +37,7 @@ pub const REGION: Box3 = Box3 { min: [-1.0; 3], max: [1.0; 3] };
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let text = text_of(bytes)?;
     let axes = Expr::axes();
-    // Only looked up: no order depends on it.
+    // Only for lookups: no result depends on its order.
     let mut steps: HashMap<&[u8], VmBinding> = HashMap::new();
     let mut last = None;
     for (line, text) in TextLines::new(text) {
@@ -89,7 +89,7 @@ struct VmBinding {
 fn step(
     words: &mut VmLine,
     axes: &[Expr; 3],
-    // Names are only looked up: no order depends on the map.
+    // Only for lookups: no result depends on its order.
     steps: &mut HashMap<&[u8], VmBinding>,
 ) -> Result<Expr, ReadError> {
     let (op, at) = words.expect(|| "an operation after the name".to_owned())?;

@@ -1,15 +1,16 @@
-//! `Warnings`: the warnings of a reader, one entry for each kind.
+//! `Warnings`: the warnings of a reader, one entry for each code.
 use crate::{FileLocation, Warning};
 use chordal::budget::advice::Message;
 
-/// Counted oddities in the order in which their kinds first occurred.
+/// Counted oddities in the order in which their codes first occurred.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings {
     list: Vec<Warning>,
 }
 
 impl Warnings {
-    /// Counts one more of `code`. `first` gives location and sentence and is called only the first time.
+    /// Counts one occurrence of `code`. `first` returns the location and sentence, and is called only the
+    /// first time.
     pub(crate) fn count<M: Into<Message>>(
         &mut self,
         code: &'static str,
@@ -18,7 +19,7 @@ impl Warnings {
         self.count_many(code, 1, first);
     }
 
-    /// Counts `many` more of `code`; nothing for 0.
+    /// Counts `many` occurrences of `code`; does nothing for 0.
     pub(crate) fn count_many<M: Into<Message>>(
         &mut self,
         code: &'static str,
@@ -36,13 +37,12 @@ impl Warnings {
         self.list.push(Warning { code, count: many, place, message: message.into() });
     }
 
-    /// Counts `many` of `code` that have no location of their own.
+    /// Counts `many` occurrences of `code` that have no location of their own.
     pub(crate) fn count_all(&mut self, code: &'static str, many: u64, message: &str) {
         self.count_many(code, many, || (FileLocation::File, message.to_owned()));
     }
 
-    /// Adds what others have counted, after all before.
-    /// Whether anything of a kind was counted.
+    /// Whether a warning of this code was counted.
     pub(crate) fn has(&self, code: &str) -> bool {
         self.list.iter().any(|warning| warning.code == code)
     }

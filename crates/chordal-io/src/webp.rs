@@ -6,14 +6,14 @@ use chordal::render::Picture;
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// Writes a picture as WebP without loss; without alpha where the picture is opaque.
+/// Writes a picture as lossless WebP; without alpha if the picture is opaque.
 ///
-/// The pairs of `text` are the description in the metadata (XMP), one a line, `keyword: text`. The same picture and
-/// text give the same bytes as long as the version of the encoder is the same.
+/// The pairs of `text` become the description in the metadata (XMP), one per line, as `keyword: text`. The
+/// same picture and text give the same bytes as long as the version of the encoder is the same.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] for a picture without pixels, of more than 16,384 columns or rows, or whose bytes do
-/// not fit its size; [`WriteError::Io`] when the sink fails.
+/// [`WriteError::Unsupported`] for a picture without pixels, of more than 16,384 columns or rows, or whose
+/// bytes do not fit its size; [`WriteError::Io`] if the sink fails.
 ///
 /// ```
 /// use chordal::render::Picture;
@@ -45,15 +45,15 @@ pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> 
     })
 }
 
-/// WebP's limit on columns and rows without loss, 14 bits that begin at 1.
+/// The limit of lossless WebP on columns and rows: 14 bits that count from 1.
 const MOST_SIDE: u32 = 1 << 14;
 
-/// The metadata that holds a text as the description of the picture.
+/// XMP metadata with a text as the description of the picture.
 fn described(text: &[(&str, &str)]) -> String {
-    let mut all = String::new();
+    let mut lines = String::new();
     for (keyword, text) in text {
-        // Writing to a text does not fail.
-        let _ = writeln!(all, "{keyword}: {text}");
+        // Writing to a string does not fail.
+        let _ = writeln!(lines, "{keyword}: {text}");
     }
     format!(
         "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\
@@ -61,6 +61,6 @@ fn described(text: &[(&str, &str)]) -> String {
          <rdf:Description rdf:about=\"\" xmlns:dc=\"http://purl.org/dc/elements/1.1/\"><dc:description><rdf:Alt>\
          <rdf:li xml:lang=\"x-default\">{}</rdf:li>\
          </rdf:Alt></dc:description></rdf:Description></rdf:RDF></x:xmpmeta>",
-        escaped(all.trim_end())
+        escaped(lines.trim_end())
     )
 }

@@ -1,4 +1,4 @@
-//! `WordReader`: the words of a text with their line numbers, for formats in which line breaks mean nothing.
+//! `WordReader`: the words of a text with their line numbers, for formats that ignore line breaks.
 use crate::text::{LineTokens, TextLines};
 use crate::{FileLocation, ReadError};
 
@@ -27,7 +27,7 @@ impl<'a> WordReader<'a> {
         }
     }
 
-    /// The next word, or an error that says what is missing.
+    /// The next word, or an error that names the missing word.
     #[inline]
     pub(crate) fn expect(&mut self, what: impl FnOnce() -> String) -> Result<&'a [u8], ReadError> {
         match self.next() {
@@ -45,7 +45,7 @@ impl<'a> WordReader<'a> {
         rest
     }
 
-    /// The offset of the line after that of the last word.
+    /// The offset of the line after the one of the last word.
     pub(crate) fn next_line(&self) -> usize {
         self.lines.offset()
     }

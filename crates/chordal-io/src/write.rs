@@ -1,4 +1,5 @@
-//! `write`: encodes a shape in any format that holds it, with its certificate where the format carries one.
+//! `write`: encodes a shape in any format that can hold it, with its certificate if the format has room for
+//! one.
 use crate::{FileSet, Format, Frame, Polygons, Polylines, Scene, Volume, WriteError};
 use chordal::implicit::SparseGrid;
 use serde_json::Value;
@@ -7,7 +8,7 @@ use std::io::Write;
 /// Writes a scene of triangles.
 ///
 /// # Errors
-/// When the sink fails, or the format cannot hold the scene.
+/// If the sink fails, or the format cannot hold the scene.
 ///
 /// ```
 /// use chordal_io::{Content, Format, Limits, read, write};
@@ -25,13 +26,13 @@ pub fn write(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let held = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
-    (held.write)(scene, certificate, out)
+    let triangles = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
+    (triangles.write)(scene, certificate, out)
 }
 
-/// Writes a scene of triangles as several files: a document called `stem` with the extension of the format, and
-/// those that it names beside itself, whose names begin with `stem`. What the format has no files for, or
-/// always holds itself, is in the document; see [`Format::has_side_files`].
+/// Writes a scene of triangles as several files: a document called `stem` with the extension of the format,
+/// and the files that it refers to, whose names begin with `stem`. Data for which the format has no separate
+/// files is in the document; see [`Format::has_side_files`].
 ///
 /// # Errors
 /// As for [`write`].
@@ -51,19 +52,19 @@ pub fn write_files<'a>(
     format: Format,
     stem: &str,
 ) -> Result<FileSet<'a>, WriteError> {
-    let held = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
-    if let Some(write_files) = held.write_files {
+    let triangles = format.row().triangles.as_ref().ok_or_else(|| holds_no(format, "triangles"))?;
+    if let Some(write_files) = triangles.write_files {
         return write_files(scene, certificate, stem);
     }
     let mut document = Vec::new();
-    (held.write)(scene, certificate, &mut document)?;
+    (triangles.write)(scene, certificate, &mut document)?;
     Ok(FileSet { document, beside: Vec::new() })
 }
 
 /// Writes polygons of any number of corners.
 ///
 /// # Errors
-/// When the sink fails, or the format cannot hold the polygons.
+/// If the sink fails, or the format cannot hold the polygons.
 pub fn write_polygons(
     polygons: &Polygons,
     certificate: Option<&Value>,
@@ -71,9 +72,10 @@ pub fn write_polygons(
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let triangles = format.row().triangles.as_ref();
-    let held =
-        triangles.and_then(|held| held.polygons.as_ref()).ok_or_else(|| holds_no(format, "polygons"))?;
-    (held.write)(polygons, certificate, out)
+    let polygon_format = triangles
+        .and_then(|triangles| triangles.polygons.as_ref())
+        .ok_or_else(|| holds_no(format, "polygons"))?;
+    (polygon_format.write)(polygons, certificate, out)
 }
 
 /// Writes polygons as several files, as [`write_files`] does triangles.
@@ -86,8 +88,8 @@ pub fn write_polygons_files<'a>(
     format: Format,
     stem: &str,
 ) -> Result<FileSet<'a>, WriteError> {
-    let held = format.row().triangles.as_ref().and_then(|held| held.polygons.as_ref());
-    if let Some(write_files) = held.and_then(|held| held.write_files) {
+    let polygon_format = format.row().triangles.as_ref().and_then(|triangles| triangles.polygons.as_ref());
+    if let Some(write_files) = polygon_format.and_then(|polygon_format| polygon_format.write_files) {
         return write_files(polygons, certificate, stem);
     }
     let mut document = Vec::new();
@@ -98,7 +100,7 @@ pub fn write_polygons_files<'a>(
 /// Writes polylines.
 ///
 /// # Errors
-/// When the sink fails, or the format cannot hold the polylines.
+/// If the sink fails, or the format cannot hold the polylines.
 pub fn write_polylines(
     polylines: &Polylines,
     certificate: Option<&Value>,
@@ -112,7 +114,7 @@ pub fn write_polylines(
 /// Writes samples on a lattice.
 ///
 /// # Errors
-/// When the sink fails, or the format cannot hold the samples.
+/// If the sink fails, or the format cannot hold the samples.
 pub fn write_volume(
     volume: &Volume,
     certificate: Option<&Value>,
@@ -123,10 +125,10 @@ pub fn write_volume(
     write(volume, certificate, out)
 }
 
-/// Writes samples in bricks without holding the dense ones: `.nrrd` packed by gzip, `.npy` as it is.
+/// Writes sparse samples in bricks, without a dense copy in memory: `.nrrd` packed by gzip, `.npy` unpacked.
 ///
 /// # Errors
-/// When the sink fails, or the format cannot hold the samples.
+/// If the sink fails, or the format cannot hold the samples.
 pub fn write_sparse_volume(
     grid: &SparseGrid,
     frame: &Frame,

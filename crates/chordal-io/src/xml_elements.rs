@@ -1,4 +1,4 @@
-//! `XmlElements`: the elements of an XML part one after the other, with their namespaces, within limits.
+//! `XmlElements`: the elements of an XML part in order, with their namespaces, within limits.
 use crate::text::show;
 use crate::xml_text::{DTD_REFUSED, MOST_ATTRIBUTES, place, reference_error, wrong_encoding};
 use crate::{FileLocation, Limits, ReadError};
@@ -9,22 +9,22 @@ use quick_xml::events::attributes::Attributes;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// What the addresses of namespaces mean to a format.
+/// The namespaces that a format distinguishes, by their addresses.
 pub(crate) trait NamespaceKind: Copy + PartialEq {
-    /// No namespace, as that of most attributes.
+    /// No namespace, as most attributes have.
     const NONE: Self;
-    /// One that the format does not know.
+    /// A namespace that the format does not know.
     const UNKNOWN: Self;
-    /// The namespace of an address.
+    /// The namespace with an address.
     fn from_address(address: &str) -> Self;
 }
 
-/// Namespaces of a format that does not tell its elements apart by them.
+/// Namespaces for formats whose elements are recognised by local name only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AnyNamespace {
     /// No namespace.
     None,
-    /// Any of them.
+    /// Any namespace.
     Other,
 }
 
@@ -36,7 +36,7 @@ impl NamespaceKind for AnyNamespace {
     }
 }
 
-/// An element that starts; its attributes are asked of [`XmlElements`].
+/// The start of an element; [`XmlElements`] holds its attributes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct XmlElement<'a, N> {
     pub namespace: N,
@@ -44,7 +44,7 @@ pub(crate) struct XmlElement<'a, N> {
     pub local: &'a str,
 }
 
-/// What comes next in a part.
+/// The next step in a part.
 #[derive(Clone, Debug)]
 pub(crate) enum XmlStep<'a, N> {
     Start(XmlElement<'a, N>),
@@ -59,23 +59,23 @@ struct XmlValue<'a, N> {
     value: Cow<'a, str>,
 }
 
-/// A walk over the elements of a part.
+/// A cursor over the elements of a part.
 pub(crate) struct XmlElements<'a, N> {
     text: &'a str,
-    /// The name of the part, for messages; empty for a file that has no parts.
+    /// The name of the part, for messages; empty for a file without parts.
     part: &'a str,
     reader: Reader<&'a [u8]>,
     deepest: usize,
-    /// The byte of the step that came last, its line, and the byte up to which lines were counted.
+    /// The byte of the last step, its line, and the byte up to which lines were counted.
     at: usize,
     line: u32,
     counted: usize,
     values: Vec<XmlValue<'a, N>>,
     /// The prefixes that each open element binds.
     open: Vec<Vec<&'a str>>,
-    /// For each prefix what it is bound to, the innermost last.
+    /// The namespaces bound to each prefix, the innermost last.
     bound: BTreeMap<&'a str, Vec<N>>,
-    /// Whether the element that came last was empty, so that its end comes next.
+    /// Whether the last element was empty, so that its end comes next.
     ends: bool,
     has_root: bool,
 }
@@ -98,7 +98,7 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
         }
     }
 
-    /// An error at the step that came last.
+    /// An error at the last step.
     pub(crate) fn error(&self, code: &'static str, message: impl std::fmt::Display) -> ReadError {
         let message = match self.part {
             "" => message.to_string(),
@@ -107,17 +107,17 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
         ReadError::new(code, self.place(), message)
     }
 
-    /// The location of the step that came last.
+    /// The location of the last step.
     pub(crate) fn place(&self) -> FileLocation {
         place(self.text, self.at)
     }
 
-    /// The byte of the step that came last.
+    /// The byte of the last step.
     pub(crate) fn offset(&self) -> usize {
         self.at
     }
 
-    /// The line of the step that came last, counted from 1.
+    /// The line of the last step, counted from 1.
     pub(crate) fn line(&mut self) -> u32 {
         let newlines = memchr::memchr_iter(b'\n', &self.text.as_bytes()[self.counted..self.at]).count();
         self.line = self.line.saturating_add(newlines as u32);
@@ -136,22 +136,22 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
         self.values.iter().find(is_it).map(|v| &*v.value)
     }
 
-    /// An attribute that has to be there.
+    /// A required attribute.
     pub(crate) fn need(&self, name: &str) -> Result<&str, ReadError> {
         self.get(name).ok_or_else(|| {
             self.error("missing-attribute", format_args!("the element has no attribute '{name}'"))
         })
     }
 
-    /// What a prefix stands for here.
+    /// The namespace that a prefix is bound to here.
     pub(crate) fn namespace_of(&self, prefix: &str) -> Option<N> {
-        self.bound.get(prefix).and_then(|all| all.last()).copied()
+        self.bound.get(prefix).and_then(|bindings| bindings.last()).copied()
     }
 
     /// The next step, or `None` at the end of the part.
     ///
     /// # Errors
-    /// When the text is no well-formed XML, has a document type, or passes a limit.
+    /// If the text is not well-formed XML, has a document type, or exceeds a limit.
     pub(crate) fn next(&mut self) -> Result<Option<XmlStep<'a, N>>, ReadError> {
         if std::mem::take(&mut self.ends) {
             self.finish();
@@ -168,6 +168,7 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
             };
             let end = self.reader.buffer_position() as usize;
             match event {
+                // The tag ends before its `>`, or its `/>`.
                 Event::Start(_) => return self.start(end - 1).map(|e| Some(XmlStep::Start(e))),
                 Event::Empty(_) => {
                     self.ends = true;
@@ -208,10 +209,10 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
     }
 
     fn finish(&mut self) {
-        // The reader has matched start and end tags.
+        // The XML reader has already matched start and end tags.
         for prefix in self.open.pop().unwrap_or_default() {
-            if let Some(all) = self.bound.get_mut(prefix) {
-                all.pop();
+            if let Some(bindings) = self.bound.get_mut(prefix) {
+                bindings.pop();
             }
         }
     }
@@ -240,7 +241,7 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
         }
     }
 
-    /// Keeps the attributes, and binds prefixes. Returns those that are bound here.
+    /// Stores the attributes, and binds prefixes. Returns the prefixes bound by this element.
     fn attributes(&mut self, body: &'a str, n_name: usize) -> Result<Vec<&'a str>, ReadError> {
         let mut binds = Vec::new();
         self.values.clear();
@@ -254,7 +255,7 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
                 return Err(self.error("too-many-attributes", message));
             }
             let name: &'a str = attribute.key.0;
-            // Raw values are slices of the text; any other would become empty.
+            // Raw values are slices of the text; an owned value, which cannot occur, would become empty.
             let raw: &'a str = match attribute.value {
                 Cow::Borrowed(value) => value,
                 Cow::Owned(_) => "",
@@ -278,21 +279,21 @@ impl<'a, N: NamespaceKind> XmlElements<'a, N> {
         Ok(binds)
     }
 
-    /// Sets the namespaces of attributes with a prefix: one may be bound by an attribute after it.
+    /// Resolves the namespaces of attributes with a prefix; a later attribute may bind the prefix.
     fn resolve_prefixes(&mut self, body: &'a str, n_name: usize) {
         let names = Attributes::new(body, n_name).flatten().map(|attribute| attribute.key.0);
         let kept = names.filter(|name| *name != "xmlns" && !name.starts_with("xmlns:"));
-        let found: Vec<N> = kept
+        let namespaces: Vec<N> = kept
             .map(|name| match split(name).0 {
                 "" => N::NONE,
                 prefix => self.namespace_of(prefix).unwrap_or(N::UNKNOWN),
             })
             .collect();
-        self.values.iter_mut().zip(found).for_each(|(value, namespace)| value.namespace = namespace);
+        self.values.iter_mut().zip(namespaces).for_each(|(value, namespace)| value.namespace = namespace);
     }
 }
 
-/// The prefix of a name, or nothing, and the rest.
+/// The prefix of a name, which may be empty, and the local name.
 fn split(name: &str) -> (&str, &str) {
     name.split_once(':').unwrap_or(("", name))
 }

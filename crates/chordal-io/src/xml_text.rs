@@ -1,9 +1,9 @@
-//! What readers and writers of XML share: places, limits, refusals and escapes.
+//! Locations, limits, errors and escapes shared by readers and writers of XML.
 use crate::text::show;
 use crate::{FileLocation, ReadError};
 use quick_xml::escape::{EscapeError, resolve_predefined_entity};
 
-/// The most attributes of one element. The check for duplicates is quadratic in them.
+/// The most attributes of one element. Chosen: the check for duplicates is quadratic in them.
 pub(crate) const MOST_ATTRIBUTES: usize = 1000;
 
 /// The namespace of the certificate.
@@ -33,13 +33,13 @@ pub(crate) fn text_of(bytes: &[u8]) -> Result<&str, ReadError> {
     })
 }
 
-/// Why the encoding in an XML declaration cannot be true of the text after it.
+/// Why the encoding in an XML declaration does not match the text.
 pub(crate) fn wrong_encoding(declaration: &str, text: &str) -> Option<String> {
     let declared = declaration.to_ascii_lowercase();
     let (_, encoding) = declared.split_once("encoding")?;
     let name = encoding.split(['"', '\'']).nth(1).unwrap_or("");
-    // The bytes are UTF-8, or the text would have been refused. If only the declaration says otherwise, plain
-    // ASCII reads the same.
+    // The bytes are UTF-8, or the text would have been refused. A wrong declaration is harmless if the text
+    // is ASCII.
     if matches!(name, "utf-8" | "utf8" | "us-ascii" | "ascii") || text.is_ascii() {
         return None;
     }
@@ -58,19 +58,19 @@ pub(crate) fn reference_error(error: &EscapeError) -> String {
 
 /// Escapes text for an element or an attribute.
 pub(crate) fn escaped(text: &str) -> String {
-    let mut all = String::with_capacity(text.len());
+    let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
-            '&' => all.push_str("&amp;"),
-            '<' => all.push_str("&lt;"),
-            '>' => all.push_str("&gt;"),
-            '"' => all.push_str("&quot;"),
-            // Escaped to read back unchanged, unlike a plain line break in an attribute.
-            '\t' | '\n' | '\r' => all.push_str(&format!("&#{};", c as u32)),
-            // What XML 1.0 has no spelling for.
-            c if (c as u32) < 0x20 || matches!(c, '\u{fffe}' | '\u{ffff}') => all.push('\u{fffd}'),
-            c => all.push(c),
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            // Escaped so that it reads back unchanged; a plain line break in an attribute would not.
+            '\t' | '\n' | '\r' => escaped.push_str(&format!("&#{};", c as u32)),
+            // XML 1.0 cannot represent these characters.
+            c if (c as u32) < 0x20 || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
         }
     }
-    all
+    escaped
 }

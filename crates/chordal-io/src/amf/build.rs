@@ -1,24 +1,24 @@
-//! `AmfNodeBuilder`: the nodes of a scene from constellations, which say what stands where.
+//! `AmfNodeBuilder`: the nodes of a scene from constellations, which place objects.
 use super::document::{AmfConstellation, AmfInstance, AmfTarget};
 use crate::matrix::{IDENTITY, sine_cosine};
 use crate::text::{grouped, show};
 use crate::{FileLocation, Node, ReadError, Scene};
 use std::collections::BTreeMap;
 
-/// The nodes that a file may have beyond those that it lists, since constellations are made of others and their
-/// nodes are written out. Chosen as for 3MF: they take about the 64 MiB that a reader may take for any file.
+/// The nodes that a file may have beyond those that it lists, since constellations contain others and are
+/// expanded. Chosen as for 3MF: they take about the 64 MiB that a reader may take for any file.
 const COPIES: u64 = 200_000;
-/// The bytes of a node: a longer name counts as so many nodes more.
+/// The bytes of a node; a longer name counts as further nodes.
 const NODE_BYTES: u64 = 192;
 
-/// Makes nodes.
+/// Creates nodes.
 pub(super) struct AmfNodeBuilder<'a> {
     pub constellations: &'a [AmfConstellation],
     pub targets: &'a BTreeMap<String, AmfTarget>,
     pub n_objects: usize,
 }
 
-/// A node that is still to be made.
+/// A node that is still to be created.
 struct AmfNodeStep {
     target: AmfTarget,
     matrix: [f64; 16],
@@ -34,11 +34,10 @@ impl AmfNodeBuilder<'_> {
         })
     }
 
-    /// Makes the nodes of all objects and constellations that stand in no constellation.
+    /// Creates the nodes of all objects and constellations that are in no constellation.
     ///
     /// # Errors
-    /// `missing-object`; `constellation-cycle`; `too-many-copies` when constellations of constellations are more than
-    /// is held.
+    /// `missing-object`; `constellation-cycle`; `too-many-copies` if nested constellations exceed the limit.
     pub(super) fn nodes(&self, scene: &mut Scene) -> Result<(), ReadError> {
         let (mut is_object_used, mut is_used) =
             (vec![false; self.n_objects], vec![false; self.constellations.len()]);
@@ -75,7 +74,7 @@ impl AmfNodeBuilder<'_> {
                 };
                 scene.nodes.push(Node { name, matrix: matrix.into(), part, ..Node::default() });
                 if let AmfTarget::Constellation(constellation) = target {
-                    // The last comes out first.
+                    // Reversed, since the last item of the stack is taken first.
                     for instance in self.constellations[constellation].instances.iter().rev() {
                         let target = self.target(instance)?;
                         open.push(AmfNodeStep { target, matrix: matrix_of(instance), parent: Some(node) });
@@ -86,7 +85,7 @@ impl AmfNodeBuilder<'_> {
         Ok(())
     }
 
-    /// For each constellation the nodes that it becomes, those it is made of first.
+    /// For each constellation the number of nodes that it expands to; computed for its members first.
     fn weights(&self) -> Result<Vec<u64>, ReadError> {
         let n = self.constellations.len();
         let (mut weights, mut is_open, mut is_done) = (vec![0_u64; n], vec![false; n], vec![false; n]);
@@ -113,8 +112,8 @@ impl AmfNodeBuilder<'_> {
                     }
                     continue;
                 }
-                let own = 1 + self.constellations[constellation].name.len() as u64 / NODE_BYTES;
-                let mut sum = own;
+                let own_weight = 1 + self.constellations[constellation].name.len() as u64 / NODE_BYTES;
+                let mut sum = own_weight;
                 for instance in instances {
                     sum = sum.saturating_add(weight(self.target(instance)?, &weights));
                 }
@@ -132,11 +131,11 @@ fn weight(target: AmfTarget, weights: &[u64]) -> u64 {
     }
 }
 
-/// The matrix of an instance: turned about x, then y, then z, then moved.
+/// The matrix of an instance: rotated about x, then y, then z, then translated.
 fn matrix_of(instance: &AmfInstance) -> [f64; 16] {
     let [[sx, cx], [sy, cy], [sz, cz]] = instance.turns_deg.map(sine_cosine);
     let [x, y, z] = instance.shift;
-    // Rz · Ry · Rx, column by column. Adding 0 makes a zero of either sign a plain one.
+    // Rz · Ry · Rx, column by column. Adding 0 turns −0 into 0.
     [
         cz * cy,
         sz * cy,
@@ -172,7 +171,7 @@ mod tests {
         assert_eq!(turned([90.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [10.0, 0.0, 1.0]);
         assert_eq!(turned([0.0, 90.0, 0.0], [0.0, 0.0, 1.0]), [11.0, 0.0, 0.0]);
         assert_eq!(turned([0.0, 0.0, -270.0], [1.0, 0.0, 0.0]), [10.0, 1.0, 0.0]);
-        // y to z by the first, which the second turns to x, which the third turns to y.
+        // The first rotation takes y to z, the second takes that to x, the third takes that to y.
         assert_eq!(turned([90.0, 90.0, 90.0], [0.0, 1.0, 0.0]), [10.0, 1.0, 0.0]);
         assert_eq!(
             matrix_of(&AmfInstance { turns_deg: [360.0, -0.0, 0.0], ..AmfInstance::default() }),

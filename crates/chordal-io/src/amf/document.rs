@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 
 /// The units of AMF, in metres.
 const UNITS: [(&str, f64); 8] = [
-    // Defined by ISO/ASTM 52915, 5.1; inch and foot are the international ones of 1959. Some programs write other
-    // names for the same.
+    // Defined by ISO/ASTM 52915, 5.1; inch and foot are the international ones of 1959. Some programs write
+    // synonyms.
     ("millimeter", 0.001),
     ("inch", 0.0254),
     ("feet", 0.3048),
@@ -22,12 +22,12 @@ const UNITS: [(&str, f64); 8] = [
     ("centimeter", 0.01),
 ];
 
-/// A place of an object or a constellation in a constellation.
+/// An instance of an object or a constellation in a constellation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AmfInstance {
     pub target: String,
     pub shift: [f64; 3],
-    /// Turns about x, then y, then z, in degrees.
+    /// Rotations about x, then y, then z, in degrees.
     pub turns_deg: [f64; 3],
     pub line: u32,
 }
@@ -39,14 +39,14 @@ pub(super) struct AmfConstellation {
     pub instances: Vec<AmfInstance>,
 }
 
-/// What an id names.
+/// The target of an id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AmfTarget {
     Object(usize),
     Constellation(usize),
 }
 
-/// A file.
+/// The content of a file.
 #[derive(Debug, Default)]
 pub(super) struct AmfDocument {
     pub metres_per_unit: f64,
@@ -73,7 +73,7 @@ enum AmfElement {
     Constellation,
     Instance,
     Color,
-    /// A name among the metadata.
+    /// A name in the metadata.
     Name,
     /// A number: of a vertex, a triangle, a colour or an instance.
     Value(usize),
@@ -89,7 +89,7 @@ pub(super) struct AmfReader<'a, 'w> {
     open: Vec<AmfElement>,
     text: String,
     numbers: [f64; 6],
-    /// Which of them were there.
+    /// Which of the values were present.
     has: [bool; 6],
     corners: [u32; 3],
     color: AmfColor,
@@ -148,7 +148,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
         use AmfElement as Open;
         let Some(parent) = self.open.last().copied() else { return self.file(name) };
         let value = |names: &[&str]| names.iter().position(|known| *known == name).map(Open::Value);
-        let known = match (parent, name) {
+        let element = match (parent, name) {
             (Open::Skipped | Open::Name | Open::Value(_), _) => Some(Open::Skipped),
             (Open::File, "object") => Some(self.object()?),
             (Open::File, "material") => Some(self.material()?),
@@ -188,8 +188,8 @@ impl<'a, 'w> AmfReader<'a, 'w> {
             (_, "metadata") => Some(self.metadata(parent)),
             _ => None,
         };
-        Ok(match known {
-            Some(known) => known,
+        Ok(match element {
+            Some(element) => element,
             None => {
                 let what = format!("elements were skipped, {} first", show(name.as_bytes()));
                 self.skip("elements-skipped", &what)
@@ -197,14 +197,14 @@ impl<'a, 'w> AmfReader<'a, 'w> {
         })
     }
 
-    /// Counts an element that is left out with all that it holds.
+    /// Counts an element that is skipped with its content.
     fn skip(&mut self, code: &'static str, what: &str) -> AmfElement {
         let Self { elements, warnings, .. } = self;
         warnings.count(code, || (elements.place(), what.to_owned()));
         AmfElement::Skipped
     }
 
-    /// Metadata says nothing of the shape, but for names.
+    /// Metadata is skipped, except names.
     fn metadata(&self, parent: AmfElement) -> AmfElement {
         use AmfElement as Open;
         let is_named = matches!(parent, Open::Object | Open::Volume | Open::Material | Open::Constellation);
@@ -227,7 +227,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
         Ok(AmfElement::File)
     }
 
-    /// Names an object or a constellation by its id.
+    /// Registers an object or a constellation under its id.
     fn declare(&mut self, target: AmfTarget) -> Result<(), ReadError> {
         let id = self.elements.need("id")?.trim().to_owned();
         let n = self.document.targets.len() as u64;
@@ -275,7 +275,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
     }
 
     fn volume(&mut self) -> Result<AmfElement, ReadError> {
-        // Material 0 is that of nothing.
+        // Material 0 means no material.
         let material = self.elements.get("materialid").map(str::trim).filter(|id| !id.is_empty());
         let material = material.filter(|id| *id != "0").map(str::to_owned);
         let kind = self.elements.get("type").unwrap_or("object");
@@ -302,8 +302,9 @@ impl<'a, 'w> AmfReader<'a, 'w> {
                 Ok(())
             }
             AmfElement::Instance => {
-                let instances = self.document.constellations.last_mut().map(|all| &mut all.instances);
-                if let Some(instance) = instances.and_then(|all| all.last_mut()) {
+                let instances =
+                    self.document.constellations.last_mut().map(|constellation| &mut constellation.instances);
+                if let Some(instance) = instances.and_then(|list| list.last_mut()) {
                     let [x, y, z, rx, ry, rz] = self.numbers;
                     (instance.shift, instance.turns_deg) = ([x, y, z], [rx, ry, rz]);
                 }
@@ -331,7 +332,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
             }
             Some(AmfElement::Volume) => {
                 let volumes = self.document.objects.last_mut().map(|object| &mut object.volumes);
-                if let Some(volume) = volumes.and_then(|all| all.last_mut()) {
+                if let Some(volume) = volumes.and_then(|list| list.last_mut()) {
                     volume.name = name;
                 }
             }
@@ -343,7 +344,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
         }
     }
 
-    /// The number that an element holds, by what it is in.
+    /// The number in an element, interpreted by the parent.
     fn value(&mut self, k: usize) -> Result<(), ReadError> {
         let token = trim(self.text.as_bytes());
         match self.open.last() {
@@ -414,7 +415,7 @@ impl<'a, 'w> AmfReader<'a, 'w> {
         push(&mut object.faces, self.corners)
     }
 
-    /// Gives a colour to what it stands in.
+    /// Assigns a colour to the element that contains it.
     fn finish_color(&mut self) -> Result<(), ReadError> {
         let Self { elements, warnings, color, .. } = self;
         if self.is_formula {

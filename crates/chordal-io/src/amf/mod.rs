@@ -1,5 +1,5 @@
-//! AMF, an older format of 3D printing: objects of volumes with materials and colours, placed by constellations, as
-//! XML, zipped or not.
+//! AMF, an older format of 3D printing: objects made of volumes with materials and colours, placed by
+//! constellations, as XML, zipped or not.
 mod build;
 mod document;
 mod object;

@@ -1,4 +1,4 @@
-//! `AmfObject`: the vertices and triangles of an object, and what colours them.
+//! `AmfObject`: the vertices and triangles of an object, and its colours.
 use crate::assemble::{RawMesh, mesh};
 use crate::grow::{push, with_room};
 use crate::warnings::Warnings;
@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 /// Red, green, blue and opacity.
 pub(super) type AmfColor = [f64; 4];
 
-/// The colour of what has none.
+/// The colour of objects without one.
 const WHITE: AmfColor = [1.0; 4];
 
 /// A material.
 #[derive(Clone, Debug)]
 pub(super) struct AmfMaterial {
-    /// Its number among the names of all, from 1.
+    /// Its number in the list of names, from 1.
     pub number: u32,
     pub color: Option<AmfColor>,
 }
@@ -30,12 +30,12 @@ pub(super) struct AmfVolume {
     pub line: u32,
 }
 
-/// Colours by row, of which most objects have none.
+/// Colours by row; most objects have none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowColors(Vec<Option<AmfColor>>);
 
 impl RowColors {
-    /// Sets that of a row, the rows before it having been set or not.
+    /// Sets the colour of a row, whether or not the rows before it are set.
     pub(super) fn set(&mut self, row: usize, color: AmfColor) -> Result<(), ReadError> {
         while self.0.len() < row {
             push(&mut self.0, None)?;
@@ -68,22 +68,22 @@ pub(super) struct AmfObject {
     pub volumes: Vec<AmfVolume>,
 }
 
-/// What the objects of a file share.
+/// The names shared by the objects of a file.
 #[derive(Debug, Default)]
 pub(super) struct AmfNames {
     pub materials: BTreeMap<String, AmfMaterial>,
-    /// The names of volumes, of all objects that have several.
+    /// The names of volumes, for all objects that have several.
     pub volumes: Vec<String>,
 }
 
-/// The kind of the groups of faces that volumes become.
+/// The kind of the face groups that represent volumes.
 pub(super) const VOLUME: &str = "volume";
 
 impl AmfObject {
-    /// The part that it becomes.
+    /// The part for this object.
     ///
     /// # Errors
-    /// When a material is not there.
+    /// If a material is missing.
     pub(super) fn part(
         self,
         names: &mut AmfNames,
@@ -120,14 +120,14 @@ impl AmfObject {
         Ok(Part { name: self.name, mesh: mesh(raw, limits, warnings)?, indexed: true, ..Part::default() })
     }
 
-    /// The volumes with the number of their triangles. Triangles are in volumes alone.
+    /// The volumes with the number of their triangles. All triangles are in volumes.
     fn runs(&self) -> impl Iterator<Item = (&AmfVolume, usize)> {
         let ends = self.volumes.iter().skip(1).map(|volume| volume.first).chain([self.faces.len()]);
         self.volumes.iter().zip(ends).map(|(volume, end)| (volume, end - volume.first))
     }
 
-    /// The colours of corners, if anything has one. That of a triangle comes before that of a vertex, then those of
-    /// the volume, the object and the material.
+    /// The colours of corners, if there are any. The colour of a triangle takes precedence over that of a
+    /// vertex, then follow those of the volume, the object and the material.
     fn colors(&self, names: &AmfNames, warnings: &mut Warnings) -> Result<Option<Attribute>, ReadError> {
         let mut has_any =
             self.color.is_some() || !self.vertex_colors.is_empty() || !self.face_colors.is_empty();
@@ -141,10 +141,12 @@ impl AmfObject {
         let (mut row, mut n_white) = (0, 0);
         for (volume, n_faces) in self.runs() {
             let of_material = material(volume, names)?.and_then(|material| material.color);
-            let whole = volume.color.or(self.color).or(of_material);
+            let volume_color = volume.color.or(self.color).or(of_material);
             for face in &self.faces[row..row + n_faces] {
-                let own = self.face_colors.get(row);
-                let corner = |vertex: u32| own.or_else(|| self.vertex_colors.get(vertex as usize)).or(whole);
+                let face_color = self.face_colors.get(row);
+                let corner = |vertex: u32| {
+                    face_color.or_else(|| self.vertex_colors.get(vertex as usize)).or(volume_color)
+                };
                 n_white += u64::from(face.iter().any(|vertex| corner(*vertex).is_none()));
                 values.extend(face.iter().flat_map(|vertex| corner(*vertex).unwrap_or(WHITE)));
                 row += 1;

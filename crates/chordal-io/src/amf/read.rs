@@ -12,17 +12,17 @@ use crate::{Axis, Content, FileLocation, Frame, Limits, MATERIAL, ReadError, Rea
 use chordal::explicit::Semantic;
 use std::borrow::Cow;
 
-/// Reads an AMF file, zipped or not: objects are parts; they and the constellations that stand in no other are placed
-/// by nodes.
+/// Reads an AMF file, zipped or not. Objects are parts; nodes place them and the constellations that are in
+/// no other.
 ///
-/// Materials and volumes (of an object that has several) are groups of faces with their names. Colours of triangles,
-/// vertices, volumes, objects and materials, in this order, are colours of corners. Triangles that are curved by
-/// normals and edges are read as flat ones, with a warning; textures, mixtures of materials and colours by formulas
-/// are left out with one.
+/// Materials and volumes (of an object that has several) become face groups with their names. Colours of
+/// triangles, vertices, volumes, objects and materials, in this order of precedence, become colours of
+/// corners. Triangles curved by normals and edges are read as flat ones, with a warning; textures, mixed
+/// materials and colours by formulas are skipped with a warning.
 ///
 /// # Errors
-/// [`ReadError`] with the line and the column, or the byte of the zip file: the text is no XML or has a document type;
-/// an object, a material or a vertex that is named is not there; a constellation holds itself.
+/// [`ReadError`] with the line and the column, or the byte of the zip file, if the text is not XML or has a
+/// document type, if an object, a material or a vertex is missing, or if a constellation contains itself.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, amf};
@@ -67,7 +67,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
-/// The bytes of the document, and the name of the entry that it is.
+/// The bytes of the document, and the name of its zip entry.
 fn unzipped<'a>(
     bytes: &'a [u8],
     limits: &Limits,
@@ -96,9 +96,9 @@ fn is_amf(name: &str) -> bool {
     name.to_ascii_lowercase().ends_with(".amf")
 }
 
-/// Whether the content is an AMF document, or a zip file of one.
+/// Whether the content is an AMF document, or a zip file that holds one.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    /// Where the root of a document begins: a declaration and comments may stand before it.
+    /// The bytes in which the root must begin. Chosen: a declaration and comments may precede it.
     const LOOKED_AT: usize = 4096;
     if bytes.starts_with(LOCAL) {
         return ZipDirectory::read(bytes, ZipNames::AnyCase)

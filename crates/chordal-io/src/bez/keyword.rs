@@ -1,20 +1,21 @@
-//! `BezKeyword`: the first word of a file of Bézier patches, which says what a patch consists of.
+//! `BezKeyword`: the first word of a file of Bézier patches, which defines the layout of a patch.
 use crate::text::{LineTokens, TextLines};
 use memchr::memchr;
 
-/// What the keyword says, `[ST][C]BEZ[<u><v><n>][_ST]` or `[ST][C]BBP`.
+/// The content of the keyword, `[ST][C]BEZ[<u><v><n>][_ST]` or `[ST][C]BBP`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct BezKeyword {
     /// ST: patches have texture coordinates at their corners.
     pub(super) has_texcoords: bool,
     /// C: patches have colours at their corners.
     pub(super) has_colors: bool,
-    /// The degrees along u and v and the coordinates of a control point; none where they follow as three numbers.
+    /// The degrees along u and v and the coordinates of a control point; `None` if they follow as three
+    /// numbers.
     pub(super) form: Option<[u8; 3]>,
 }
 
 impl BezKeyword {
-    /// The keyword that a word is.
+    /// The keyword in a word.
     pub(super) fn from_word(word: &[u8]) -> Option<Self> {
         let (has_prefix, rest) = after(word, b"ST");
         let (has_colors, rest) = after(rest, b"C");
@@ -34,14 +35,15 @@ impl BezKeyword {
     }
 }
 
-/// Whether a word begins so, and what follows.
+/// Whether a word begins with `beginning`, and the rest of it.
 fn after<'a>(word: &'a [u8], beginning: &[u8]) -> (bool, &'a [u8]) {
     word.strip_prefix(beginning).map_or((false, word), |rest| (true, rest))
 }
 
-/// Whether the first word that is no comment is a keyword of Bézier patches.
+/// Whether the first word after comments is a keyword of Bézier patches.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
-    // Chosen: enough for the longest leading comments that were seen; longer ones need the extension.
+    // Chosen: enough for the longest leading comments that were seen; files with longer ones need the
+    // extension.
     const HEAD: usize = 64 << 10;
     let head = &text[..text.len().min(HEAD)];
     let without_comment = |line: &'_ [u8]| memchr(b'#', line).unwrap_or(line.len());

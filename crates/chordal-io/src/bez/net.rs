@@ -1,4 +1,5 @@
-//! `BezNet`: the control points of a Bézier patch in homogeneous coordinates, and the surface that they are.
+//! `BezNet`: the control points of a Bézier patch in homogeneous coordinates, and the surface that they
+//! define.
 use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsSurface};
 
 /// The control points `x y z w` of a patch, row by row, u along a row.
@@ -7,7 +8,7 @@ pub(super) struct BezNet {
     /// The degrees along u and along v.
     pub degrees: [usize; 2],
     pub points: Vec<[f64; 4]>,
-    /// Whether it was halved in both directions.
+    /// Whether the patch was halved in both directions.
     is_halved: bool,
 }
 
@@ -16,11 +17,11 @@ impl BezNet {
         Self { degrees, points, is_halved: false }
     }
 
-    /// The surface. Where weights are below 0 all over, all signs are changed; where some are not above 0, as in half
-    /// a circle of degree 2, the patch is halved once in both directions, after which they may be.
+    /// The surface. If all weights are below 0, all signs are changed. If only some are not above 0, as in
+    /// half a circle of degree 2, the patch is halved once in both directions, after which they may be.
     ///
     /// # Errors
-    /// [`InvalidNurbs::Weight`] where some are not above 0 then; a quotient that is not finite.
+    /// [`InvalidNurbs::Weight`] if some weights are still not above 0; a quotient that is not finite.
     pub(super) fn surface(mut self) -> Result<NurbsSurface, InvalidNurbs> {
         if self.points[0][3] < 0.0 {
             self.points.iter_mut().for_each(|point| *point = point.map(|x| -x));
@@ -56,18 +57,18 @@ impl BezNet {
     }
 }
 
-/// The control points of both halves of a curve, by de Casteljau's algorithm; they share the one in the middle.
+/// The control points of both halves of a curve, by de Casteljau's algorithm; they share the middle one.
 fn halved_row(row: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let mut row = row.to_vec();
     let (mut first, mut second) = (vec![row[0]], vec![row[row.len() - 1]]);
     while row.len() > 1 {
-        // Halves before the sum, which cannot overflow.
+        // Halving before the sum cannot overflow.
         let middle = |pair: &[[f64; 4]]| std::array::from_fn(|k| 0.5 * pair[0][k] + 0.5 * pair[1][k]);
         row = row.windows(2).map(middle).collect();
         first.push(row[0]);
         second.push(row[row.len() - 1]);
     }
-    // The middle is in both.
+    // The middle point is in both halves.
     second.pop();
     first.extend(second.into_iter().rev());
     first

@@ -5,7 +5,7 @@ use crate::word_reader::WordReader;
 use crate::{FileLocation, ReadError};
 use memchr::memchr;
 
-/// The numbers that are left.
+/// The remaining numbers.
 pub(super) enum BezNumbers<'a> {
     Text(BezWords<'a>),
     Binary { bytes: &'a [u8], at: usize },
@@ -51,7 +51,7 @@ impl BezNumbers<'_> {
     }
 }
 
-/// The words of a file without its comments, one of which can be put back.
+/// The words of a file without its comments; one word can be put back.
 pub(super) struct BezWords<'a> {
     words: WordReader<'a>,
     kept: Option<&'a [u8]>,
@@ -76,7 +76,7 @@ impl<'a> BezWords<'a> {
         }
     }
 
-    /// Looks at the next word.
+    /// Peeks at the next word.
     pub(super) fn peek(&mut self) -> Option<&'a [u8]> {
         self.kept = self.next();
         self.kept
@@ -94,10 +94,10 @@ impl<'a> BezWords<'a> {
         self.words.place()
     }
 
-    /// The keyword at the start; a brace that opens the object and a block of its appearance may precede it.
+    /// The keyword at the start; a brace that opens the object and an appearance block may precede it.
     ///
     /// # Errors
-    /// Where another word stands there, or a block does not end. The flag is whether there was a block.
+    /// If another word comes first, or a block does not end. The flag is true if there was a block.
     pub(super) fn first_keyword(&mut self) -> Result<(BezKeyword, bool), ReadError> {
         let mut has_appearance = false;
         loop {
@@ -120,7 +120,7 @@ impl<'a> BezWords<'a> {
         }
     }
 
-    /// Passes a block in braces.
+    /// Skips a block in braces.
     fn skip_block(&mut self) -> Result<(), ReadError> {
         let mut depth = 0_u64;
         loop {

@@ -10,16 +10,18 @@ use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
 use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, TrimmedSurface};
 
-/// Reads the Bézier patches of a file of Geomview: text, or binary in its big-endian form.
+/// Reads a Geomview file of Bézier patches, as text or in its big-endian binary form.
 ///
-/// The keyword is `[ST][C]BEZ<u><v><n>[_ST]`, with the degrees along u and v and the number of coordinates of a
-/// control point, 3 or, with a weight, 4; or `[ST][C]BBP`, which is `BEZ333`. The three may also follow `BEZ` as
-/// numbers. Then come the control points of each patch, u along a row; another keyword may follow between patches.
+/// The keyword is `[ST][C]BEZ<u><v><n>[_ST]`, with the degrees along u and v and the number of coordinates of
+/// a control point, 3 or, with a weight, 4; or `[ST][C]BBP`, which is `BEZ333`. The three may also follow
+/// `BEZ` as numbers. Then come the control points of each patch, u along a row; another keyword may follow
+/// between patches.
 ///
-/// A file of polynomial bicubic patches alone is [`Content::Patches`], any other [`Content::Surfaces`]. Homogeneous
-/// control points `x y z w` are divided by `w`. Where some weights are 0, as in half a circle of degree 2, the patch is
-/// halved once along u and v; it is refused if some still are not above 0. Quotients and halves are rounded, and what
-/// is read is the truth. Texture coordinates and colours of corners are left out with a warning.
+/// A file with only polynomial bicubic patches is [`Content::Patches`], any other [`Content::Surfaces`].
+/// Homogeneous control points `x y z w` are divided by `w`. If some weights are 0, as in half a circle of
+/// degree 2, the patch is halved once along u and v; it is refused if some still are not above 0. Quotients
+/// and halves are rounded, and the rounded surface counts as the true one. Texture coordinates and colours of
+/// corners are skipped with a warning.
 ///
 /// # Errors
 /// [`ReadError`] at the line, or in a binary file at the byte.
@@ -37,7 +39,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let (keyword, has_appearance) = match words.first_keyword() {
         Ok(found) => found,
-        // Not even text, perhaps.
+        // It may not even be text.
         Err(error) => return Err(text_of(bytes).err().unwrap_or(error)),
     };
     warnings.count_all(
@@ -52,13 +54,13 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         text_of(bytes)?;
         BezNumbers::Text(words)
     };
-    let mut found = BezPatches::default();
-    found.read(&mut numbers, layout, limits, &mut warnings)?;
-    let content = found.content(&mut warnings)?;
+    let mut patches = BezPatches::default();
+    patches.read(&mut numbers, layout, limits, &mut warnings)?;
+    let content = patches.content(&mut warnings)?;
     Ok(ReadOutcome { content, warnings: warnings.into_list() })
 }
 
-/// What the numbers of a patch are.
+/// The layout of a patch's numbers.
 #[derive(Clone, Copy, Debug)]
 struct BezLayout {
     degrees: [usize; 2],
@@ -68,7 +70,7 @@ struct BezLayout {
 }
 
 impl BezLayout {
-    /// What a keyword says, with the three numbers after it where it holds none.
+    /// The layout given by a keyword, or by the three numbers after it.
     fn read(keyword: BezKeyword, words: &mut BezWords) -> Result<Self, ReadError> {
         let form = match keyword.form {
             Some(form) => form.map(u64::from),
@@ -80,7 +82,7 @@ impl BezLayout {
         };
         let [u, v, n] = form;
         for (degree, name) in [(u, "u"), (v, "v")] {
-            // A degree beyond the address space is refused as one that is too high.
+            // A degree that does not fit is refused later as too high.
             let degree = usize::try_from(degree).unwrap_or(usize::MAX);
             if let Err(error @ InvalidNurbs::Degree(_)) = KnotVector::new(degree, Vec::new()) {
                 return Err(ReadError::new(
@@ -108,7 +110,7 @@ impl BezLayout {
     }
 }
 
-/// A number that stands for itself.
+/// Reads a number that is written as text.
 fn count(words: &mut BezWords, what: &str) -> Result<u64, ReadError> {
     let word = words.expect(|| what.to_owned())?;
     integer(word).ok().and_then(|number| u64::try_from(number).ok()).ok_or_else(|| {
@@ -117,7 +119,7 @@ fn count(words: &mut BezWords, what: &str) -> Result<u64, ReadError> {
     })
 }
 
-/// The patches so far: bicubic ones while all are, else surfaces.
+/// The patches so far: bicubic patches as long as all are bicubic, else surfaces.
 #[derive(Debug, Default)]
 struct BezPatches {
     bicubic: Vec<Patch>,
@@ -221,7 +223,7 @@ impl BezPatches {
         push(&mut self.surfaces, TrimmedSurface::from(surface))
     }
 
-    /// Passes the texture coordinates and colours of the corners of a patch.
+    /// Skips the texture coordinates and colours of the corners of a patch.
     fn skip_corners(
         &self,
         numbers: &mut BezNumbers,
@@ -230,7 +232,7 @@ impl BezPatches {
     ) -> Result<(), ReadError> {
         let patch = self.n() - 1;
         let place = numbers.place();
-        // Four corners of two coordinates, then of four channels.
+        // Four corners with two coordinates, then with four channels.
         for (has, n, what) in
             [(layout.has_texcoords, 8, "texture coordinate"), (layout.has_colors, 16, "channel of a colour")]
         {

@@ -1,37 +1,37 @@
-//! `ColladaBuilder`: the nodes of a scene from those of a visual scene, with what their instances show.
+//! `ColladaBuilder`: the nodes of a scene from those of a visual scene, with the meshes that they show.
 use super::document::{ColladaDocument, ColladaInstance, InstanceKind, UpAxis};
 use crate::grow::push;
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
 use crate::{FileLocation, Node, ReadError, Scene};
 
-/// The nodes that a file may have beyond those that it lists, since nodes are shown at other places too and are
-/// written out. Chosen as for 3MF: they take about the 64 MiB that a reader may take for any file.
+/// The nodes that a file may have beyond those that it lists, since a node can be instanced at other places
+/// and is then copied. Chosen as for 3MF: they take about the 64 MiB that a reader may take for any file.
 const COPIES: usize = 200_000;
-/// The most controllers on the way to a mesh: a morph of a skin.
+/// The most controllers between an instance and its mesh. Chosen: a morph of a skin has two.
 const MOST_CONTROLLERS: usize = 8;
-/// x is up, y points left and z to the viewer: turned so that y is up.
+/// x is up, y points left and z to the viewer: rotated so that y is up.
 const X_UP: [f64; 16] = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// What stands on the stack: a node to make, or the end of one.
+/// An item of the stack: a node to create, or the end of one.
 enum BuildStep {
     Enter { node: usize, parent: Option<usize> },
     Leave { node: usize },
 }
 
-/// Makes nodes.
+/// Creates nodes.
 pub(super) struct ColladaBuilder<'a> {
     pub document: &'a ColladaDocument,
     pub warnings: &'a mut Warnings,
-    /// For each geometry the symbols that the first instance binds, once there is one.
+    /// For each geometry the material bindings of its first instance, once it has one.
     pub bindings: Vec<Option<Vec<[String; 2]>>>,
 }
 
 impl ColladaBuilder<'_> {
-    /// Makes the nodes of the scene that is shown.
+    /// Creates the nodes of the scene that is shown.
     ///
     /// # Errors
-    /// When something that is named is not there, a node shows itself, or nodes are more than is held.
+    /// If a referenced object is missing, a node contains itself, or there are too many nodes.
     pub(super) fn nodes(&mut self, scene: &mut Scene) -> Result<(), ReadError> {
         let document = self.document;
         let top = if document.up == UpAxis::X {
@@ -42,7 +42,7 @@ impl ColladaBuilder<'_> {
             None
         };
         let Some(roots) = self.roots()? else {
-            // Without a scene all meshes stand as they are.
+            // Without a scene, all meshes are shown untransformed.
             for part in 0..document.geometries.len() {
                 attach(scene, Node { part: Some(part), ..Node::default() }, top)?;
             }
@@ -66,28 +66,28 @@ impl ColladaBuilder<'_> {
                 return Err(ReadError::new("node-loop", FileLocation::File, message));
             }
             push(&mut steps, BuildStep::Leave { node })?;
-            let made = attach(
+            let node_idx = attach(
                 scene,
                 Node { name: from.name.clone(), matrix: from.matrix.into(), ..Node::default() },
                 parent,
             )?;
             for child in from.children.iter().rev() {
-                push(&mut steps, BuildStep::Enter { node: *child, parent: Some(made) })?;
+                push(&mut steps, BuildStep::Enter { node: *child, parent: Some(node_idx) })?;
             }
             for instance in &from.instances {
                 if instance.kind == InstanceKind::Node {
                     let Some(node) = document.node_ids.get(&instance.target) else {
                         return Err(missing("node", instance));
                     };
-                    push(&mut steps, BuildStep::Enter { node: *node, parent: Some(made) })?;
+                    push(&mut steps, BuildStep::Enter { node: *node, parent: Some(node_idx) })?;
                     continue;
                 }
                 let Some(part) = self.geometry(instance)? else { continue };
-                // A node shows one part; others get nodes of their own.
-                match scene.nodes[made].part {
-                    None => scene.nodes[made].part = Some(part),
+                // A node can show one part; further parts get their own nodes.
+                match scene.nodes[node_idx].part {
+                    None => scene.nodes[node_idx].part = Some(part),
                     Some(_) => {
-                        attach(scene, Node { part: Some(part), ..Node::default() }, Some(made))?;
+                        attach(scene, Node { part: Some(part), ..Node::default() }, Some(node_idx))?;
                     }
                 }
             }
@@ -115,7 +115,7 @@ impl ColladaBuilder<'_> {
         }
     }
 
-    /// The geometry of an instance, whose first bindings of materials are those of the mesh.
+    /// The geometry of an instance; the first instance decides the materials of the mesh.
     fn geometry(&mut self, instance: &ColladaInstance) -> Result<Option<usize>, ReadError> {
         let mut id = &instance.target;
         if instance.kind == InstanceKind::Controller {

@@ -1,21 +1,21 @@
-//! `ColladaDocument`: the geometries, looks and nodes of a Collada file.
+//! `ColladaDocument`: the geometries, materials and nodes of a COLLADA file.
 use super::geometry::ColladaGeometry;
 use super::looks::ColladaLooks;
 use std::collections::BTreeMap;
 
-/// What a node shows.
+/// An instance in a node.
 #[derive(Clone, Debug)]
 pub(super) struct ColladaInstance {
     /// "instance_geometry", "instance_controller" or "instance_node".
     pub kind: InstanceKind,
-    /// The id, or nothing where it is in another file.
+    /// The id, or empty if it is in another file.
     pub target: String,
-    /// Symbols of the geometry with the ids of their materials.
+    /// Material symbols of the geometry with the ids of their materials.
     pub bindings: Vec<[String; 2]>,
     pub line: u32,
 }
 
-/// The kind of what a node shows.
+/// The kind of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum InstanceKind {
     Geometry,
@@ -41,7 +41,7 @@ pub(super) enum UpAxis {
     Z,
 }
 
-/// A file.
+/// The content of a file.
 #[derive(Debug, Default)]
 pub(super) struct ColladaDocument {
     pub up: UpAxis,
@@ -49,7 +49,7 @@ pub(super) struct ColladaDocument {
     pub looks: ColladaLooks,
     pub geometries: Vec<ColladaGeometry>,
     pub geometry_ids: BTreeMap<String, usize>,
-    /// What each controller deforms.
+    /// The mesh or controller that each controller deforms.
     pub controllers: BTreeMap<String, String>,
     pub nodes: Vec<ColladaNode>,
     pub node_ids: BTreeMap<String, usize>,

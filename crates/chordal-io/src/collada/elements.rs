@@ -1,4 +1,4 @@
-//! `ColladaElement`: what the elements of a Collada file mean, by what they are in.
+//! `ColladaElement`: the meaning of COLLADA elements, which depends on their parents.
 use super::transform::TransformKind;
 
 /// The meaning of an open element.
@@ -34,7 +34,7 @@ pub(super) enum ColladaElement {
     Skipped,
 }
 
-/// Elements that only group others, by what they are in.
+/// Elements that only group others, with their parents.
 const GROUPING: [(ColladaElement, &str); 22] = [
     (ColladaElement::File, "library_images"),
     (ColladaElement::File, "library_effects"),
@@ -60,18 +60,18 @@ const GROUPING: [(ColladaElement, &str); 22] = [
     (ColladaElement::Controller, "morph"),
 ];
 
-/// Whether an element has its meaning from the one around it.
+/// Whether an element takes its meaning from its parent.
 pub(super) fn is_grouping(parent: ColladaElement, name: &str) -> bool {
     GROUPING.contains(&(parent, name))
 }
 
-/// What is left out: the code of its warning, and its name in it.
+/// Skipped data: the code of its warning, and its name in the message.
 pub(super) struct LeftOut {
     pub code: &'static str,
     pub what: &'static str,
 }
 
-/// What an element is that is not read; none where it says nothing of the shape.
+/// The warning for a skipped element; `None` if it does not affect the shape.
 pub(super) fn left_out(parent: ColladaElement, name: &str) -> Option<LeftOut> {
     use ColladaElement as Open;
     let (code, what) = match (parent, name) {

@@ -1,4 +1,4 @@
-//! `ColladaGeometry`: the sources of a mesh, and the faces that primitives make of them.
+//! `ColladaGeometry`: the sources of a mesh, and the faces of its primitives.
 use crate::assemble::{RawMesh, mesh, too_many_rows};
 use crate::grow::{push, with_room};
 use crate::warnings::Warnings;
@@ -14,12 +14,12 @@ pub(super) struct ColladaSource {
     pub count: u64,
     pub offset: usize,
     pub stride: usize,
-    /// How many numbers of a row are named.
+    /// The number of named values in a row.
     pub width: usize,
 }
 
 impl ColladaSource {
-    /// A row, if all of it is there.
+    /// A row, if it is complete.
     pub(super) fn row(&self, row: u32) -> Option<&[f64]> {
         if u64::from(row) >= self.count {
             return None;
@@ -36,7 +36,7 @@ pub(super) struct BadPositions {
 }
 
 impl ColladaSource {
-    /// Whether all rows are there.
+    /// Whether all rows are complete.
     pub(super) fn is_whole(&self) -> bool {
         let last = |count: u64| u32::try_from(count - 1).is_ok_and(|row| self.row(row).is_some());
         self.count == 0 || self.width <= self.stride && last(self.count)
@@ -44,18 +44,18 @@ impl ColladaSource {
 
     /// The rows as positions, all finite unless the limits allow others.
     pub(super) fn positions(&self, limits: &Limits) -> Result<Vec<[f64; 3]>, BadPositions> {
-        // The rows were checked to be there; without a stride they may be one and the same.
+        // The rows were checked to exist; without a stride they may all be the same.
         let n = self.count as usize;
         if self.width < 3 {
             let message = format!("positions have {} coordinates, not 3", self.width);
             return Err(BadPositions { code: "wrong-width", message });
         }
-        let room = with_room(n);
-        let mut positions =
-            room.map_err(|error| BadPositions { code: error.code, message: error.message.to_string() })?;
+        let allocated = with_room(n);
+        let mut positions = allocated
+            .map_err(|error| BadPositions { code: error.code, message: error.message.to_string() })?;
         for row in 0..n {
-            let found = self.row(row as u32).unwrap_or(&[0.0; 3]);
-            let position: [f64; 3] = std::array::from_fn(|k| found[k]);
+            let source_row = self.row(row as u32).unwrap_or(&[0.0; 3]);
+            let position: [f64; 3] = std::array::from_fn(|k| source_row[k]);
             if !limits.drop_nonfinite && position.iter().any(|x| !x.is_finite()) {
                 let message = format!("position {row} is not finite: {position:?}");
                 return Err(BadPositions { code: "not-finite", message });
@@ -71,30 +71,30 @@ impl ColladaSource {
 pub(super) struct CornerStream {
     pub semantic: Semantic,
     pub width: usize,
-    /// The source of each run of corners, with the first of them.
+    /// The source of each run of corners, with the first corner.
     pub runs: Vec<(usize, String)>,
     pub rows: Vec<u32>,
 }
 
 /// The row of a corner without a value.
 pub(super) const NO_ROW: u32 = u32::MAX;
-/// A polygon with more corners than this, and far fewer vertices than corners, is cut as a fan: a cutter would visit
-/// its vertices again and again.
+/// A polygon with more corners than this, and far fewer vertices than corners, is cut as a fan. Chosen: the
+/// general triangulation would visit its vertices again and again.
 const LONG: usize = 1 << 16;
 
-/// A mesh that is being read.
+/// A mesh while it is read.
 #[derive(Debug, Default)]
 pub(super) struct ColladaGeometry {
     pub id: String,
     pub name: String,
     pub sources: BTreeMap<String, ColladaSource>,
-    /// The source of positions, and what else the list of vertices has.
+    /// The source of positions, and the other inputs of the vertices.
     pub vertices: Vec<(Semantic, String)>,
     pub vertices_id: String,
     pub positions: Vec<[f64; 3]>,
     pub faces: Vec<[u32; 3]>,
     pub streams: Vec<CornerStream>,
-    /// The symbol of the material of each run of triangles, with the first of them.
+    /// The material symbol of each run of triangles, with the first triangle.
     pub symbols: Vec<(usize, String)>,
 }
 
@@ -102,7 +102,7 @@ pub(super) struct ColladaGeometry {
 #[derive(Debug, Default)]
 pub(super) struct PolygonCorners {
     pub vertices: Vec<u32>,
-    /// For each stream of the geometry the rows, or nothing.
+    /// For each stream of the geometry the rows, or empty.
     pub rows: Vec<Vec<u32>>,
 }
 
@@ -113,14 +113,14 @@ impl PolygonCorners {
     }
 }
 
-/// What a polygon is read with.
+/// The context in which a polygon is read.
 pub(super) struct FaceScope<'s> {
     pub limits: &'s Limits,
     pub warnings: &'s mut Warnings,
     pub place: &'s dyn Fn() -> FileLocation,
 }
 
-/// Cuts polygons.
+/// Triangulates polygons.
 #[derive(Default)]
 pub(super) struct PolygonCutter {
     triangulator: Triangulator,
@@ -184,13 +184,13 @@ impl ColladaGeometry {
         Ok(())
     }
 
-    /// Drops the sources that no values of corners come from.
+    /// Drops the sources that no corner stream uses.
     pub(super) fn drop_unused_sources(&mut self) {
         let Self { sources, streams, .. } = self;
         sources.retain(|id, _| streams.iter().any(|stream| stream.runs.iter().any(|(_, of)| of == id)));
     }
 
-    /// The part that it becomes, with the number of the material of each symbol.
+    /// The part for this mesh; `number` maps material symbols to numbers.
     pub(super) fn part(
         mut self,
         number: &dyn Fn(&str) -> u32,
@@ -220,7 +220,7 @@ impl ColladaGeometry {
     fn attribute(&self, stream: CornerStream) -> Result<Option<Attribute>, ReadError> {
         let CornerStream { semantic, width, runs, mut rows } = stream;
         let n = 3 * self.faces.len();
-        // Primitives after the last that has values.
+        // Corners of primitives after the last one with values.
         let missing = n.saturating_sub(rows.len());
         crate::grow::push_many(&mut rows, NO_ROW, missing)?;
         if rows.iter().all(|row| *row == NO_ROW) {
@@ -233,8 +233,8 @@ impl ColladaGeometry {
         for ((first, id), end) in runs.iter().zip(ends) {
             let source = self.sources.get(id);
             for row in &rows[*first..end] {
-                let found = source.and_then(|source| source.row(*row)).unwrap_or(&[]);
-                values.extend((0..width).map(|k| found.get(k).copied().unwrap_or(blank)));
+                let source_row = source.and_then(|source| source.row(*row)).unwrap_or(&[]);
+                values.extend((0..width).map(|k| source_row.get(k).copied().unwrap_or(blank)));
             }
         }
         Ok(Some(Attribute { semantic, domain: Domain::Corner, width, values }))

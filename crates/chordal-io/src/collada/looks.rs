@@ -1,15 +1,15 @@
-//! `ColladaLooks`: materials, their effects and images, as materials of glTF.
+//! `ColladaLooks`: materials, their effects and images, converted to glTF materials.
 use crate::{ImageContent, SceneAssets, SceneImage};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// What an effect says of diffuse colour.
+/// The diffuse colour of an effect.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColladaEffect {
     pub color: Option<[f64; 4]>,
     /// The sampler, or the image itself.
     pub texture: Option<String>,
-    /// What samplers and surfaces refer to.
+    /// The references of samplers and surfaces.
     pub parameters: BTreeMap<String, String>,
 }
 
@@ -21,7 +21,7 @@ pub(super) struct ColladaMaterial {
     pub effect: String,
 }
 
-/// All of them.
+/// All materials, effects and images of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColladaLooks {
     pub materials: Vec<ColladaMaterial>,
@@ -30,7 +30,7 @@ pub(super) struct ColladaLooks {
     pub images: BTreeMap<String, String>,
 }
 
-/// The steps from a texture to its image: sampler, surface, image.
+/// The most steps from a texture to its image. Chosen: sampler, surface, image are usual.
 const MOST_STEPS: usize = 4;
 
 impl ColladaLooks {
@@ -39,7 +39,7 @@ impl ColladaLooks {
         self.materials.iter().position(|material| material.id == id).map(|index| index as u32 + 1)
     }
 
-    /// The names of groups of faces.
+    /// The names of the material groups.
     pub(super) fn names(&self) -> Vec<String> {
         let name = |m: &ColladaMaterial| if m.name.is_empty() { m.id.clone() } else { m.name.clone() };
         std::iter::once(String::new()).chain(self.materials.iter().map(name)).collect()
@@ -57,10 +57,10 @@ impl ColladaLooks {
         self.images.get(name).map(|path| &**path)
     }
 
-    /// Materials with their colours; of pictures, which are not opened, the names.
+    /// The materials with their colours; pictures are not opened, only their names are kept.
     pub(super) fn assets(&self) -> SceneAssets {
         let mut assets = SceneAssets::default();
-        let mut known: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut texture_indices: BTreeMap<&str, usize> = BTreeMap::new();
         let plain = ColladaEffect::default();
         for (material, name) in self.materials.iter().zip(self.names().into_iter().skip(1)) {
             let effect = self.effects.get(&material.effect).unwrap_or(&plain);
@@ -69,7 +69,7 @@ impl ColladaLooks {
                 pbr.insert("baseColorFactor".to_owned(), json!(color));
             }
             if let Some(path) = self.path(effect) {
-                let texture = *known.entry(path).or_insert_with(|| {
+                let texture = *texture_indices.entry(path).or_insert_with(|| {
                     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
                     let content = ImageContent::Uri(file.to_owned());
                     assets.images.push(SceneImage { properties: Map::new(), content });

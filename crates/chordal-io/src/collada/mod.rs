@@ -1,4 +1,4 @@
-//! Collada (`.dae`): triangles, polygons, materials and the nodes that place them.
+//! COLLADA (`.dae`): triangles, polygons, materials and the nodes that place them.
 mod build;
 mod document;
 mod elements;

@@ -11,9 +11,9 @@ use std::borrow::Cow;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PrimitiveKind {
     Triangles,
-    /// As many corners as the list of counts says.
+    /// The list of counts gives the number of corners of each face.
     Polylist,
-    /// One list a polygon.
+    /// One index list per polygon.
     Polygons,
     Strips,
     Fans,
@@ -33,7 +33,7 @@ impl PrimitiveKind {
     }
 }
 
-/// What an index of a corner is of.
+/// The input that an index of a corner refers to.
 #[derive(Clone, Debug)]
 pub(super) struct PrimitiveInput {
     pub semantic: String,
@@ -41,26 +41,26 @@ pub(super) struct PrimitiveInput {
     pub offset: usize,
 }
 
-/// A primitive that is being read.
+/// A primitive while it is read.
 #[derive(Clone, Debug)]
 pub(super) struct ColladaPrimitive<'a> {
     pub kind: PrimitiveKind,
     pub symbol: String,
     pub inputs: Vec<PrimitiveInput>,
     pub counts: Cow<'a, str>,
-    /// The lists of indices, with the byte of each in the document.
+    /// The lists of indices, each with its byte in the document.
     pub lists: Vec<(Cow<'a, str>, usize)>,
 }
 
-/// The most indices of a corner. Chosen: a corner has a few.
+/// The most indices per corner. Chosen: a corner has a few.
 pub(super) const MOST_INPUTS: usize = 64;
 
-/// The name of a source or an element in this file: an address without its '#'.
+/// The id of a source or an element in this file: a URL without its '#'.
 pub(super) fn local(url: &str) -> Option<&str> {
     url.strip_prefix('#')
 }
 
-/// What reading needs beside.
+/// The context in which primitives are read.
 pub(super) struct PrimitiveScope<'s> {
     pub limits: &'s Limits,
     pub warnings: &'s mut Warnings,
@@ -72,7 +72,7 @@ impl ColladaPrimitive<'_> {
     /// Appends the faces to the geometry.
     ///
     /// # Errors
-    /// When an index is none, beyond its source, or missing; when there is no list of vertices.
+    /// If an index is invalid, out of range or missing, or there is no list of vertices.
     pub(super) fn read(
         &self,
         geometry: &mut ColladaGeometry,
@@ -90,7 +90,7 @@ impl ColladaPrimitive<'_> {
         if geometry.symbols.last().is_none_or(|(_, symbol)| *symbol != self.symbol) {
             push(&mut geometry.symbols, (first, self.symbol.clone()))?;
         }
-        // Streams by index: of the corner's own inputs, and of those of its vertex.
+        // Pairs of a stream and the offset of its index: the corner's own inputs, and those of its vertex.
         let mut plan: Vec<(usize, usize)> = Vec::new();
         for (semantic, source) in geometry.vertices.clone() {
             if let Some(stream) = stream(geometry, semantic, &source, first)? {
@@ -185,17 +185,17 @@ impl ColladaPrimitive<'_> {
                     emit(geometry, &corners, &mut cutter, *at, scope)?;
                 }
                 PrimitiveKind::Strips | PrimitiveKind::Fans => {
-                    let mut all =
+                    let mut strip =
                         PolygonCorners { vertices: Vec::new(), rows: vec![Vec::new(); corners.rows.len()] };
-                    while reader.corner(geometry, &mut list, &mut all, scope)? {}
-                    for k in 2..all.vertices.len() {
+                    while reader.corner(geometry, &mut list, &mut strip, scope)? {}
+                    for k in 2..strip.vertices.len() {
                         let triple = match (self.kind, k % 2) {
                             (PrimitiveKind::Fans, _) => [0, k - 1, k],
                             (_, 0) => [k - 2, k - 1, k],
                             // Every second triangle of a strip has the opposite orientation.
                             _ => [k - 1, k - 2, k],
                         };
-                        let [a, b, c] = triple.map(|i| all.vertices[i]);
+                        let [a, b, c] = triple.map(|i| strip.vertices[i]);
                         if a == b || b == c || c == a {
                             let message = "triangles of strips that only lead to the next place were dropped";
                             scope
@@ -205,8 +205,8 @@ impl ColladaPrimitive<'_> {
                         }
                         corners.clear();
                         corners.vertices.extend([a, b, c]);
-                        for (rows, all) in corners.rows.iter_mut().zip(&all.rows) {
-                            rows.extend(triple.iter().filter_map(|i| all.get(*i)));
+                        for (rows, strip) in corners.rows.iter_mut().zip(&strip.rows) {
+                            rows.extend(triple.iter().filter_map(|i| strip.get(*i)));
                         }
                         emit(geometry, &corners, &mut cutter, *at, scope)?;
                     }
@@ -234,24 +234,24 @@ fn refuse(scope: &PrimitiveScope<'_>, at: usize, code: &'static str, message: St
     ReadError::new(code, (scope.place)(at), message)
 }
 
-/// The stream of a meaning, whose corners from triangle `first` on have values of a source. None where the source
-/// has too few numbers a row.
+/// The stream of a semantic; its corners from triangle `first` on take their values from a source. `None` if
+/// the source has too few numbers per row.
 fn stream(
     geometry: &mut ColladaGeometry,
     semantic: Semantic,
     source: &str,
     first: usize,
 ) -> Result<Option<usize>, ReadError> {
-    let there = geometry.sources.get(source).map_or(0, |source| source.width);
+    let source_width = geometry.sources.get(source).map_or(0, |source| source.width);
     let width = match &semantic {
-        Semantic::Normal if there >= 3 => 3,
-        Semantic::TexCoord(_) if there >= 2 => 2,
-        Semantic::Color(_) if there >= 3 => there.min(4),
+        Semantic::Normal if source_width >= 3 => 3,
+        Semantic::TexCoord(_) if source_width >= 2 => 2,
+        Semantic::Color(_) if source_width >= 3 => source_width.min(4),
         _ => return Ok(None),
     };
-    let known =
+    let existing =
         geometry.streams.iter().position(|stream| stream.semantic == semantic && stream.width == width);
-    let index = match known {
+    let index = match existing {
         Some(index) => index,
         None => {
             push(
@@ -262,7 +262,7 @@ fn stream(
         }
     };
     let stream = &mut geometry.streams[index];
-    // Primitives before this one had no such values.
+    // Earlier primitives had no such values.
     let missing = (3 * first).saturating_sub(stream.rows.len());
     push_many(&mut stream.rows, NO_ROW, missing)?;
     push(&mut stream.runs, (3 * first, source.to_owned()))?;
@@ -276,7 +276,7 @@ struct IndexList<'t> {
     tokens: LineTokens<'t>,
 }
 
-/// Reads corners.
+/// Reads the indices of corners.
 struct IndexReader {
     /// The streams, with the offset of their index.
     plan: Vec<(usize, usize)>,

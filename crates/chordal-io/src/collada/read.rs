@@ -7,17 +7,17 @@ use crate::warnings::Warnings;
 use crate::{Axis, Content, Frame, Limits, MATERIAL, ReadError, ReadOutcome, Scene, TextureOrigin};
 use chordal::explicit::Semantic;
 
-/// Reads the meshes of a Collada file: each geometry is a part, and the nodes of its visual scene place them.
+/// Reads the meshes of a COLLADA file: each geometry is a part, and the nodes of its visual scene place them.
 ///
-/// Triangles, polylists, polygons, strips and fans are faces, cut into triangles. Normals, texture coordinates and
-/// colours are values of corners. Materials are groups of faces; their diffuse colour is the base colour, and a
-/// picture stays a name and is not opened. Skins and morphs are named in a warning, and their meshes are at rest.
-/// Animations, cameras, lights and lines are left out with a warning. A file in which x is up is turned by a root
-/// node, exactly.
+/// Triangles, polylists, polygons, strips and fans become faces, cut into triangles. Normals, texture
+/// coordinates and colours are values of corners. Materials become face groups; their diffuse colour is the
+/// base colour, and pictures are kept as names, not opened. Skins and morphs cause a warning, and their
+/// meshes are read at rest. Animations, cameras, lights and lines are skipped with a warning. A file in which
+/// x is up is rotated by a root node, exactly.
 ///
 /// # Errors
-/// [`ReadError`] with the line and the column: the text is no XML or has a document type; what is named is not there;
-/// an index is out of its range; a node shows itself.
+/// [`ReadError`] with the line and the column, if the text is not XML or has a document type, a referenced
+/// object is missing, an index is out of range, or a node contains itself.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, collada};
@@ -54,7 +54,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     for (geometry, bound) in geometries.into_iter().zip(bindings) {
         n_unseen += u64::from(bound.is_none());
         let bound = bound.unwrap_or_default();
-        // Without a binding a symbol is the name of a material, as some programs write it.
+        // Without a binding, a symbol is the name of a material, as some programs write it.
         let number = |symbol: &str| {
             let target = bound.iter().find(|[of, _]| of == symbol).map_or(symbol, |[_, target]| target);
             looks.number(target).unwrap_or(0)
@@ -79,9 +79,9 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
-/// Whether the text is a Collada document.
+/// Whether the text is a COLLADA document.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
-    /// Where the root of a document begins: a declaration and comments may stand before it.
+    /// The bytes in which the root must begin. Chosen: a declaration and comments may precede it.
     const LOOKED_AT: usize = 4096;
     let head = &text[..text.len().min(LOOKED_AT)];
     text.starts_with(b"<") && memchr::memmem::find(head, b"<COLLADA").is_some()

@@ -1,4 +1,4 @@
-//! `ColladaReader`: walks over the elements of a Collada file.
+//! `ColladaReader`: visits the elements of a COLLADA file.
 use super::document::{ColladaDocument, ColladaInstance, ColladaNode, InstanceKind, UpAxis};
 use super::elements::{ColladaElement, LeftOut, is_grouping, left_out};
 use super::geometry::{ColladaGeometry, ColladaSource};
@@ -17,7 +17,7 @@ use crate::{Limits, ReadError};
 use chordal::explicit::Semantic;
 use std::borrow::Cow;
 
-/// An element on the way, and whether it has its meaning from the one around it.
+/// An open element, and whether it takes its meaning from its parent.
 #[derive(Clone, Copy, Debug)]
 struct OpenEntry {
     meaning: ColladaElement,
@@ -35,7 +35,7 @@ pub(super) struct ColladaReader<'a, 'w> {
     /// The text of the element, and the byte at which it starts.
     content: Cow<'a, str>,
     content_at: usize,
-    /// The id of the image, effect or controller that is open, and of its parameter.
+    /// The id of the open image, effect or controller, and that of its parameter.
     id: String,
     parameter: String,
     source: ColladaSource,
@@ -102,22 +102,22 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
         self.elements.get(name).unwrap_or("").to_owned()
     }
 
-    /// The id that an attribute names with a '#', or nothing.
+    /// The id in a URL attribute with a '#', or empty.
     fn reference(&self, name: &str) -> String {
         self.elements.get(name).and_then(local).unwrap_or("").to_owned()
     }
 
     fn start(&mut self, name: &str) -> Result<OpenEntry, ReadError> {
-        let own = |meaning| Ok(OpenEntry { meaning, is_own: true });
+        let own_entry = |meaning| Ok(OpenEntry { meaning, is_own: true });
         let Some(parent) = self.open.last().map(|entry| entry.meaning) else {
             if name != "COLLADA" {
                 let message = format!("the root is {}, not 'COLLADA'", show(name.as_bytes()));
                 return Err(self.elements.error("not-collada", message));
             }
-            return own(ColladaElement::File);
+            return own_entry(ColladaElement::File);
         };
         if parent == ColladaElement::Skipped {
-            return own(ColladaElement::Skipped);
+            return own_entry(ColladaElement::Skipped);
         }
         if is_grouping(parent, name) {
             if parent == ColladaElement::Controller {
@@ -125,7 +125,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
             }
             return Ok(OpenEntry { meaning: parent, is_own: false });
         }
-        let known = match parent {
+        let meaning = match parent {
             ColladaElement::Image | ColladaElement::Effect | ColladaElement::Parameter => {
                 self.look(parent, name)
             }
@@ -135,10 +135,10 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
             ColladaElement::File | ColladaElement::Asset => self.top(parent, name)?,
             _ => self.mesh(parent, name)?,
         };
-        own(known.unwrap_or_else(|| self.skip(parent, name)))
+        own_entry(meaning.unwrap_or_else(|| self.skip(parent, name)))
     }
 
-    /// An element of the file itself.
+    /// An element at the top level of the file.
     fn top(&mut self, parent: ColladaElement, name: &str) -> Result<Option<ColladaElement>, ReadError> {
         use ColladaElement as Open;
         Ok(Some(match (parent, name) {
@@ -197,7 +197,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
                 self.set_parameter(target);
                 Open::Skipped
             }
-            // How pictures are filtered and repeated.
+            // The filtering and wrapping of pictures.
             (Open::Parameter, "format" | "minfilter" | "magfilter" | "mipfilter" | "wrap_s" | "wrap_t") => {
                 Open::Skipped
             }
@@ -223,7 +223,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
     fn mesh(&mut self, parent: ColladaElement, name: &str) -> Result<Option<ColladaElement>, ReadError> {
         use ColladaElement as Open;
         Ok(Some(match (parent, name) {
-            // What a controller holds is left out with it.
+            // The content of a controller is skipped with it.
             (Open::Controller, _) => Open::Skipped,
             (Open::Geometry, "mesh") => Open::Mesh,
             (Open::Mesh, "source") => {
@@ -301,7 +301,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
         }))
     }
 
-    /// Counts an element that is left out with all that it holds, unless it says nothing of the shape.
+    /// Counts an element that is skipped with its content, unless it does not affect the shape.
     fn skip(&mut self, parent: ColladaElement, name: &str) -> ColladaElement {
         let Self { elements, warnings, .. } = self;
         if let Some(LeftOut { code, what }) = left_out(parent, name) {
@@ -336,7 +336,7 @@ impl<'a, 'w> ColladaReader<'a, 'w> {
         Ok(())
     }
 
-    /// A count among the attributes.
+    /// A count in an attribute.
     fn count(&self, name: &str) -> Result<Option<u64>, ReadError> {
         let Some(text) = self.elements.get(name) else { return Ok(None) };
         let value = integer(text.trim().as_bytes()).ok().and_then(|value| u64::try_from(value).ok());

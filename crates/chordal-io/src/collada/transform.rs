@@ -1,8 +1,8 @@
-//! The matrices of Collada's transforms, column-major.
+//! The matrices of COLLADA's transforms, column-major.
 use crate::matrix::{IDENTITY, cross, sine_cosine};
 use chordal::math::unit;
 
-/// What moves a node: an element with its numbers.
+/// The kind of a transform element, which comes with numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TransformKind {
     Matrix,
@@ -25,7 +25,7 @@ impl TransformKind {
         })
     }
 
-    /// How many numbers it has.
+    /// The number of its numbers.
     pub(super) fn n_numbers(self) -> usize {
         match self {
             Self::Matrix => 16,
@@ -35,11 +35,11 @@ impl TransformKind {
         }
     }
 
-    /// The matrix, or `None` where the numbers make none.
+    /// The matrix, or `None` if the numbers are invalid.
     pub(super) fn matrix(self, numbers: &[f64]) -> Option<[f64; 16]> {
         let mut matrix = IDENTITY;
         match (self, numbers) {
-            // The file has rows.
+            // The file stores the matrix by rows.
             (Self::Matrix, rows) => {
                 for (i, value) in matrix.iter_mut().enumerate() {
                     *value = *rows.get(4 * (i % 4) + i / 4)?;
@@ -47,9 +47,9 @@ impl TransformKind {
             }
             (Self::Translate, [x, y, z]) => matrix[12..15].copy_from_slice(&[*x, *y, *z]),
             (Self::Scale, [x, y, z]) => (matrix[0], matrix[5], matrix[10]) = (*x, *y, *z),
-            (Self::Rotate, [x, y, z, degrees]) => return turned([*x, *y, *z], *degrees),
+            (Self::Rotate, [x, y, z, degrees]) => return rotation([*x, *y, *z], *degrees),
             (Self::LookAt, [ex, ey, ez, tx, ty, tz, ux, uy, uz]) => {
-                return looking([*ex, *ey, *ez], [*tx, *ty, *tz], [*ux, *uy, *uz]);
+                return look_at([*ex, *ey, *ez], [*tx, *ty, *tz], [*ux, *uy, *uz]);
             }
             _ => return None,
         }
@@ -57,8 +57,8 @@ impl TransformKind {
     }
 }
 
-/// A turn about an axis, by Rodrigues' formula.
-fn turned(axis: [f64; 3], degrees: f64) -> Option<[f64; 16]> {
+/// A rotation about an axis, by Rodrigues' formula.
+fn rotation(axis: [f64; 3], degrees: f64) -> Option<[f64; 16]> {
     if degrees == 0.0 {
         return Some(IDENTITY);
     }
@@ -70,20 +70,20 @@ fn turned(axis: [f64; 3], degrees: f64) -> Option<[f64; 16]> {
         [t * x * y - s * z, t * y * y + c, t * y * z + s * x],
         [t * x * z + s * y, t * y * z - s * x, t * z * z + c],
     ];
-    Some(placed(columns, [0.0; 3]))
+    Some(from_columns(columns, [0.0; 3]))
 }
 
-/// Standing at a point, looking along −z at another one.
-fn looking(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Option<[f64; 16]> {
+/// The transform of a viewer at `eye` who looks along −z at `target`.
+fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Option<[f64; 16]> {
     let back = unit(std::array::from_fn(|k| eye[k] - target[k]))?;
     let right = unit(cross(up, back))?;
-    Some(placed([right, cross(back, right), back], eye))
+    Some(from_columns([right, cross(back, right), back], eye))
 }
 
-fn placed(columns: [[f64; 3]; 3], origin: [f64; 3]) -> [f64; 16] {
+fn from_columns(columns: [[f64; 3]; 3], origin: [f64; 3]) -> [f64; 16] {
     let mut matrix = IDENTITY;
     for (column, values) in matrix.chunks_exact_mut(4).zip(columns.into_iter().chain([origin])) {
-        // Adding 0 makes a zero of either sign a plain one.
+        // Adding 0 turns −0 into 0.
         column[..3].copy_from_slice(&values.map(|value| value + 0.0));
     }
     matrix

@@ -1,30 +1,30 @@
-//! `DicomElements`: the data elements of a file one after the other, without going into sequences.
+//! `DicomElements`: the data elements of a file in order, without those inside sequences.
 use crate::text::grouped;
 use crate::volume::element::Endian;
 use crate::{FileLocation, ReadError};
 
-/// The preamble, and the four letters after it.
+/// The bytes of the preamble, which four letters follow. Defined by the standard.
 const PREAMBLE: usize = 128;
 const MAGIC: &[u8] = b"DICM";
-/// A length that is not known in advance: the end is marked.
+/// A length that is not known in advance: the end has a delimiter.
 const UNDEFINED: u32 = 0xFFFF_FFFF;
 /// The tags of items, of the end of an item, and of the end of a sequence.
 const ITEM: [u16; 2] = [0xFFFE, 0xE000];
 const ITEM_END: [u16; 2] = [0xFFFE, 0xE00D];
 const SEQUENCE_END: [u16; 2] = [0xFFFE, 0xE0DD];
-/// Sequences in sequences. Chosen: structured reports have some ten.
+/// The deepest nesting of sequences. Chosen: structured reports have some ten levels.
 const DEEPEST: usize = 64;
 
-/// Where the data set of a file starts, and how its elements are written.
+/// The start of a file's data set, and the encoding of its elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct DicomSyntax {
     pub endian: Endian,
-    /// Whether each element says its type.
+    /// Whether each element states its type.
     pub is_explicit: bool,
 }
 
 impl DicomSyntax {
-    /// How the elements before the data set are written, in every file.
+    /// The encoding of the elements before the data set, the same in every file.
     pub(super) const META: Self = Self { endian: Endian::Little, is_explicit: true };
 }
 
@@ -32,28 +32,28 @@ impl DicomSyntax {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DicomElement<'a> {
     pub tag: [u16; 2],
-    /// Its bytes; nothing for a sequence, and all its items where it is in pieces.
+    /// Its bytes; empty for a sequence, and all items if the value is fragmented.
     pub value: &'a [u8],
     /// The byte at which the value starts.
     pub at: usize,
-    /// Whether its value is in pieces, as packed pictures are.
+    /// Whether its value is fragmented, as compressed pictures are.
     pub is_in_pieces: bool,
 }
 
-/// The byte after the mark of a DICOM file.
+/// The byte after the signature of a DICOM file.
 pub(super) fn after_mark(bytes: &[u8]) -> Option<usize> {
     let end = PREAMBLE + MAGIC.len();
     (bytes.get(PREAMBLE..end)? == MAGIC).then_some(end)
 }
 
-/// The items of a value that is in pieces: for each the byte after the start of the value, and its bytes.
+/// The items of a fragmented value: for each its offset from the start of the value, and its bytes.
 ///
 /// # Errors
-/// When an item has no length of its own.
+/// If an item has no explicit length.
 pub(super) fn items<'a>(element: &DicomElement<'a>) -> Result<Vec<(usize, &'a [u8])>, ReadError> {
-    // Packed pixels are little-endian in every syntax.
+    // Compressed pixels are little-endian in every syntax.
     let mut inner = DicomElements::new(element.value, 0, DicomSyntax::META);
-    let mut all = Vec::new();
+    let mut items = Vec::new();
     while inner.at < element.value.len() {
         let head = inner.head()?;
         if head.tag == SEQUENCE_END {
@@ -64,9 +64,9 @@ pub(super) fn items<'a>(element: &DicomElement<'a>) -> Result<Vec<(usize, &'a [u
             return Err(ReadError::new("bad-header", place, "a piece of packed pixels has no length"));
         }
         let at = inner.at;
-        all.push((at, inner.take(head.length as usize)?));
+        items.push((at, inner.take(head.length as usize)?));
     }
-    Ok(all)
+    Ok(items)
 }
 
 /// The elements from a byte on.
@@ -102,7 +102,7 @@ impl<'a> DicomElements<'a> {
     /// The next element, or `None` at the end.
     ///
     /// # Errors
-    /// When it is cut off, or sequences are nested too deep or never end.
+    /// If it is truncated, or sequences are nested too deep or never end.
     pub(super) fn next(&mut self) -> Result<Option<DicomElement<'a>>, ReadError> {
         if self.at == self.bytes.len() {
             return Ok(None);
@@ -119,9 +119,9 @@ impl<'a> DicomElements<'a> {
         Ok(Some(element(if head.is_sequence { &[] } else { value }, false)))
     }
 
-    /// Passes the items of a sequence of unknown length, and all sequences inside.
+    /// Skips the items of a sequence of unknown length, and all sequences inside.
     fn pass_items(&mut self) -> Result<(), ReadError> {
-        // What is open: a sequence, or an item of unknown length.
+        // The end tags of the open sequences and of the open items of unknown length.
         let mut open = vec![SEQUENCE_END];
         while let Some(end) = open.last().copied() {
             let at = self.at;
@@ -146,10 +146,10 @@ impl<'a> DicomElements<'a> {
         let u32_of = |bytes: &[u8]| u32::from_le_bytes(endian.array(bytes));
         let first = self.take(8)?;
         let tag = [u16_of(first), u16_of(&first[2..])];
-        // Items and their ends have no type in any syntax.
+        // Items and their delimiters have no type in any syntax.
         if !self.syntax.is_explicit || tag[0] == ITEM[0] {
             let length = u32_of(&first[4..]);
-            // Without types only sequences have no length, and their items are passed with them.
+            // Without types, only sequences have an undefined length, and their items are skipped with them.
             return Ok(ElementHead {
                 tag,
                 length,

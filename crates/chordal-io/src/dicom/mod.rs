@@ -1,7 +1,7 @@
-//! DICOM: the slices of a series, each in a file of its own, as one volume. Uncompressed samples.
+//! DICOM: the slices of a series, each in its own file, as one volume. Uncompressed samples.
 //!
-//! The crate `dicom-object` 0.10 is not used: it brings 45 others and took 29 seconds of a processor to build in
-//! release, without a decoder of pixels, where a volume needs sixteen attributes.
+//! The crate `dicom-object` 0.10 is not used: it brings 45 others and took 29 seconds of a processor to build
+//! in release, without a decoder of pixels, whereas a volume needs sixteen attributes.
 //!
 //! Source: NEMA, *PS3.5, PS3.3 and PS3.10: Digital Imaging and Communications in Medicine*, 2024.
 mod elements;

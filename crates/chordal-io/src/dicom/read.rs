@@ -1,4 +1,4 @@
-//! Reads a series of DICOM.
+//! Reads a DICOM series.
 use super::elements::after_mark;
 use super::series::{DicomSeries, SliceFile};
 use super::slice::DicomSlice;
@@ -16,21 +16,24 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::{Grid, Samples};
 use std::collections::BTreeMap;
 
-/// Refuses one file: a slice alone is no volume, and a list of slices needs their files ([`read_with`]).
+/// Refuses a single file: a slice alone is not a volume, and a list of slices needs their files
+/// ([`read_with`]).
 ///
 /// # Errors
-/// Always: what the file is, and what to do.
+/// Always; the message says what the file is, and what to do.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// Reads the slices that a list names ([`super::slice_list`]) as one volume, in the patient's coordinates "LPS", in
-/// millimetres: in the order of their positions along the normal, with slope and intercept applied. Files that are
-/// no slices are counted. Of several series [`Limits::index`] chooses one, in the order of their identifiers.
+/// Reads the slices in a list ([`super::slice_list`]) as one volume, in the patient's coordinates "LPS", in
+/// millimetres. Slices are sorted by their positions along the normal, and slope and intercept are applied.
+/// Files that are not slices are counted. Of several series, sorted by identifier, [`Limits::index`] chooses
+/// one.
 ///
 /// # Errors
-/// When slices are missing, at the same place, at unequal steps, of different sizes, packed, or cut off: the message
-/// begins with the file. When there are several series and none is chosen: the message names them.
+/// If slices are missing, at the same position, at unequal steps, of different sizes, compressed, or
+/// truncated; the message begins with the file. If there are several series and none is chosen; the message
+/// lists them.
 pub fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
@@ -44,7 +47,7 @@ pub fn read_with(
     let mut beside = DataFiles::new(open, bytes.len() as u64, limits.bytes);
     let mut by_series: BTreeMap<String, Vec<SliceFile>> = BTreeMap::new();
     for (line, name) in names.lines().enumerate().filter(|(_, name)| !name.is_empty()) {
-        // The first line is that of the mark.
+        // The first line is the signature.
         let place = FileLocation::Line(line as u64 + 2);
         let bytes = beside.fetch(name, &place)?;
         match DicomSlice::read(&bytes).map_err(|error| error.within(name))? {
@@ -64,7 +67,7 @@ pub fn read_with(
     samples::count_not_finite(&samples, &mut warnings);
     let grid = Grid::new(size, samples, series.affine)
         .map_err(|error| ReadError::new("bad-size", FileLocation::File, error.to_string()))?;
-    // Millimetres, by the standard.
+    // Millimetres, defined by the standard.
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001), ..Frame::default() };
     let name = crate::volume::name_of(first.description.as_bytes());
     let volume = Volume { frame, name, space: Some("LPS".to_owned()), ..Volume::from_grid(grid) };
@@ -86,7 +89,7 @@ fn not_a_list(bytes: &[u8]) -> ReadError {
     }
 }
 
-/// The slices of the one series, or of the one that is chosen.
+/// The slices of the only series, or of the chosen one.
 fn choose(by_series: BTreeMap<String, Vec<SliceFile>>, limits: &Limits) -> Result<Vec<SliceFile>, ReadError> {
     let refused = |code, message: Message| Err(ReadError::new(code, FileLocation::File, message));
     let n = by_series.len();
@@ -124,7 +127,7 @@ fn samples_of(series: &DicomSeries, limits: &Limits, warnings: &mut Warnings) ->
         let stored = || &bytes[slice.start..slice.start + slice.n_bytes];
         let pixels = slice.unpacked.as_deref().unwrap_or_else(stored);
         let n = slice.format.n_bytes();
-        // A byte fills up an odd number of them.
+        // An odd number of bytes is padded by one.
         if (pixels.len() as u64) < n || pixels.len() as u64 > n + n % 2 {
             let message = format!("the slice has {} bytes of samples; its size takes {n}", pixels.len());
             let place = FileLocation::Byte(slice.start as u64);
@@ -139,11 +142,11 @@ fn samples_of(series: &DicomSeries, limits: &Limits, warnings: &mut Warnings) ->
     if series.files.iter().all(|file| (file.slice.slope, file.slice.inter) == scale) {
         return if scale == (1.0, 0.0) { Ok(stored) } else { samples::scaled(&stored, scale.0, scale.1) };
     }
-    let mut all = crate::grow::with_room(stored.len())?;
+    let mut values = crate::grow::with_room(stored.len())?;
     let n_slice = stored.len() / series.files.len();
     for (k, file) in series.files.iter().enumerate() {
         let value = |i: usize| file.slice.slope * stored.get(k * n_slice + i) + file.slice.inter;
-        all.extend((0..n_slice).map(value));
+        values.extend((0..n_slice).map(value));
     }
-    Ok(Samples::F64(all))
+    Ok(Samples::F64(values))
 }

@@ -1,4 +1,4 @@
-//! Pixels that DICOM packs as run lengths: one picture of several planes of bytes.
+//! Run-length encoded pixels of DICOM: one picture in several planes of bytes.
 //!
 //! Source: NEMA, *DICOM PS3.5*, 2024, annex G.
 use super::elements::{DicomElement, items};
@@ -6,13 +6,13 @@ use crate::text::grouped;
 use crate::volume::element::Endian;
 use crate::{FileLocation, ReadError};
 
-/// The header of a picture: 16 numbers of 32 bits, how many segments there are and where each begins.
+/// The header of a picture: 16 numbers of 32 bits, the number of segments and their offsets.
 const HEADER: usize = 64;
 
 /// The samples of a picture of `n_pixels` samples of `width` bytes, in the byte order `endian`.
 ///
 /// # Errors
-/// When the picture is cut off, in other pieces than one, or of other size than declared.
+/// If the picture is truncated, not in exactly one fragment, or of another size than declared.
 pub(super) fn unpack(
     pixels: &DicomElement<'_>,
     (n_pixels, width): (u64, usize),
@@ -22,7 +22,7 @@ pub(super) fn unpack(
         Err(ReadError::new(code, FileLocation::Byte((pixels.at + at) as u64), message))
     };
     let pieces = items(pixels)?;
-    // The first one says where frames begin, and there is one.
+    // The first item is the offset table, and there is one picture.
     let [_, (at, picture)] = pieces[..] else {
         let message =
             format!("the pixels are in {} pieces; a table and one picture are expected", pieces.len());
@@ -43,7 +43,7 @@ pub(super) fn unpack(
         let message = format!("{} planes of bytes for samples of {width} bytes", number(0).unwrap_or(0));
         return wrong("bad-header", at, message);
     }
-    // A byte of runs makes 64 at most, so that no more than that is kept before it is known.
+    // A byte of runs yields at most 64 samples, so the size is checked before memory is reserved.
     let n_pixels = usize::try_from(n_pixels).unwrap_or(usize::MAX);
     if n_pixels.checked_mul(width).is_none_or(|n| n / 64 > picture.len()) {
         return wrong("truncated", at, format!("{} packed bytes are too few", grouped(picture.len() as u64)));
@@ -56,7 +56,7 @@ pub(super) fn unpack(
         let Some(runs) = picture.get(begin..end).filter(|_| begin >= HEADER) else {
             return wrong("bad-header", at, format!("plane {plane} is from byte {begin} to {end}"));
         };
-        // The first plane has the highest bytes.
+        // The first plane has the most significant bytes.
         let place = if endian == Endian::Little { width - 1 - plane } else { plane };
         let n = fill(runs, samples.iter_mut().skip(place).step_by(width));
         if n != n_pixels {
@@ -68,11 +68,12 @@ pub(super) fn unpack(
     Ok(samples)
 }
 
-/// Unpacks runs into bytes, and counts these. Runs may go on beyond the last byte only with what fills up.
+/// Unpacks runs into bytes, and counts them. Only padding may follow the last byte.
 fn fill<'a>(runs: &[u8], mut out: impl Iterator<Item = &'a mut u8>) -> usize {
     let (mut k, mut n) = (0, 0);
     while let Some(head) = runs.get(k) {
-        // Up to 127 so many and one more follow; from 129 on, one that counts 257 less so often; 128 is nothing.
+        // Up to 127, that number plus one literal bytes follow; from 129 on, one byte repeated 257 minus that
+        // number times; 128 does nothing.
         let length = usize::from(*head);
         let (times, step) = match length {
             0..=127 => (length + 1, 1),

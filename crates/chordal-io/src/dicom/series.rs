@@ -1,4 +1,4 @@
-//! `DicomSeries`: slices of one series in their order along the normal, and the lattice that they lie on.
+//! `DicomSeries`: the slices of one series, sorted along the normal, and their lattice.
 use super::slice::DicomSlice;
 use crate::matrix::cross;
 use crate::text::show;
@@ -19,20 +19,23 @@ pub(super) struct DicomSeries {
     pub affine: Affine3,
 }
 
-/// Directions are written with some six digits: more than this is another direction. Chosen: ten times the rounding.
+/// The largest difference of equal directions, which are written with some six digits. Chosen: ten times that
+/// rounding.
 const DIRECTION: f64 = 1e-4;
-/// How far a slice may be from its place, in steps. Chosen: positions are written to a hundredth of a step or better.
+/// How far a slice may be from its position, in steps. Chosen: positions are written to a hundredth of a step
+/// or better.
 const PLACE: f64 = 0.01;
-/// What is told, in steps. Chosen: a tenth of that.
+/// The deviation from which a warning is given, in steps. Chosen: a tenth of the allowed one.
 const TOLD: f64 = 0.001;
-/// A gap of this many steps misses a slice. Derived: halfway between one step and two.
+/// The gap, in steps, that means a missing slice. Derived: halfway between one step and two.
 const GAP: f64 = 1.5;
 
 impl DicomSeries {
-    /// Puts the slices of one series in order.
+    /// Sorts the slices of one series.
     ///
     /// # Errors
-    /// When they have different sizes, types or directions, are at the same place, or are not at equal steps.
+    /// If they have different sizes, types or directions, are at the same position, or are not at equal
+    /// steps.
     pub(super) fn new(mut files: Vec<SliceFile>, warnings: &mut Warnings) -> Result<Self, ReadError> {
         let first = &files[0].slice;
         let x: [f64; 3] = std::array::from_fn(|k| first.orientation[k]);
@@ -40,7 +43,7 @@ impl DicomSeries {
         let normal = cross(x, y);
         let spacing = first.spacing;
         check_alike(&files)?;
-        // A stable order: files come in the order of their names.
+        // The sort is stable: slices at one position stay in the order of their file names.
         files.sort_by(|a, b| dot(a.slice.position, normal).total_cmp(&dot(b.slice.position, normal)));
         let (low, high) = (files[0].slice.position, files[files.len() - 1].slice.position);
         let steps = (files.len() - 1) as f64;
@@ -92,7 +95,7 @@ fn check_alike(files: &[SliceFile]) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Checks that no two slices are at the same place, and none is missing.
+/// Checks that no two slices are at the same position, and none is missing.
 fn check_gaps(files: &[SliceFile], normal: [f64; 3]) -> Result<(), ReadError> {
     let along: Vec<f64> = files.iter().map(|file| dot(file.slice.position, normal)).collect();
     let mut sorted: Vec<f64> = along.windows(2).map(|two| two[1] - two[0]).collect();
@@ -122,8 +125,9 @@ fn check_places(files: &[SliceFile], step: [f64; 3], warnings: &mut Warnings) ->
     let length = dot(step, step).sqrt();
     let mut worst = 0.0;
     for (n, file) in files.iter().enumerate() {
-        let off: [f64; 3] = std::array::from_fn(|k| file.slice.position[k] - (low[k] + n as f64 * step[k]));
-        let steps = dot(off, off).sqrt() / length;
+        let offset: [f64; 3] =
+            std::array::from_fn(|k| file.slice.position[k] - (low[k] + n as f64 * step[k]));
+        let steps = dot(offset, offset).sqrt() / length;
         if steps > PLACE {
             let message = format!(
                 "the slice is {steps:.3} steps from where equal steps would put it, and at most {PLACE} is read"

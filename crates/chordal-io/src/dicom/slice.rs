@@ -5,7 +5,7 @@ use crate::text::{finite, show, trim};
 use crate::volume::element::{Endian, SampleType};
 use crate::{FileLocation, ReadError};
 
-/// How samples of a slice are stored.
+/// The storage format of a slice's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SliceFormat {
     pub columns: u64,
@@ -16,7 +16,7 @@ pub(super) struct SliceFormat {
     pub endian: Endian,
 }
 
-/// A slice, whose samples are in the bytes of its file.
+/// A slice; its samples are in the bytes of its file.
 #[derive(Clone, Debug)]
 pub(super) struct DicomSlice {
     pub series: String,
@@ -25,7 +25,7 @@ pub(super) struct DicomSlice {
     /// The first byte of the samples.
     pub start: usize,
     pub n_bytes: usize,
-    /// The samples, where they were packed in the file.
+    /// The samples, if they were compressed in the file.
     pub unpacked: Option<Vec<u8>>,
     pub position: [f64; 3],
     /// The directions of rows and of columns.
@@ -36,13 +36,13 @@ pub(super) struct DicomSlice {
     pub inter: f64,
 }
 
-/// The attributes as they are found.
+/// The attributes found in a file.
 #[derive(Default)]
 struct SliceAttributes<'a> {
     all: Vec<DicomElement<'a>>,
 }
 
-/// The tags that are used.
+/// The tags of the attributes that are used.
 const SERIES: [u16; 2] = [0x0020, 0x000E];
 const DESCRIPTION: [u16; 2] = [0x0008, 0x103E];
 const POSITION: [u16; 2] = [0x0020, 0x0032];
@@ -77,14 +77,14 @@ const USED: [[u16; 2]; 16] = [
     SLOPE,
     PIXELS,
 ];
-/// How the data set is written.
+/// The encoding of the data set.
 const TRANSFER_SYNTAX: [u16; 2] = [0x0002, 0x0010];
 
 impl DicomSlice {
-    /// The slice of a file; none where the file is no DICOM, or has no picture.
+    /// The slice in a file; `None` if the file is not DICOM, or has no picture.
     ///
     /// # Errors
-    /// When it is cut off, packed, or lacks what places its samples.
+    /// If it is truncated, compressed, or lacks attributes that place its samples.
     pub(super) fn read(bytes: &[u8]) -> Result<Option<Self>, ReadError> {
         let Some(start) = after_mark(bytes) else { return Ok(None) };
         let mut meta = DicomElements::new(bytes, start, DicomSyntax::META);
@@ -122,10 +122,10 @@ impl DicomSlice {
     }
 }
 
-/// The packing that is read.
+/// The supported compression.
 const RUN_LENGTHS: &str = "run lengths";
 
-/// How the data set is written, and the name of the packing of its pixels.
+/// The encoding of the data set, and the name of the compression of its pixels.
 fn syntax_of(element: &DicomElement<'_>) -> Result<(DicomSyntax, Option<&'static str>), ReadError> {
     let little = |is_explicit| DicomSyntax { endian: Endian::Little, is_explicit };
     let uid = text_of(element);
@@ -171,15 +171,15 @@ impl<'a> SliceAttributes<'a> {
     fn numbers<const N: usize>(&self, tag: [u16; 2], name: &str) -> Result<[f64; N], ReadError> {
         let element = self.need(tag, name)?;
         let place = || FileLocation::Byte(element.at as u64);
-        let mut all = [0.0; N];
+        let mut values = [0.0; N];
         let text = text_of(&element);
         let mut tokens = text.split('\\');
-        for number in &mut all {
+        for number in &mut values {
             let token = tokens.next().unwrap_or("");
             *number = finite(trim(token.as_bytes()), place)?;
         }
         match tokens.next() {
-            None => Ok(all),
+            None => Ok(values),
             Some(_) => {
                 let message = format!("{name} {} has more than {N} numbers", show(text.as_bytes()));
                 Err(ReadError::new("bad-header", place(), message))
@@ -188,7 +188,7 @@ impl<'a> SliceAttributes<'a> {
     }
 
     /// A number of 16 bits.
-    fn short(&self, tag: [u16; 2], endian: Endian) -> Option<u64> {
+    fn u16_value(&self, tag: [u16; 2], endian: Endian) -> Option<u64> {
         let value = self.get(tag)?.value;
         (value.len() >= 2).then(|| u64::from(u16::from_le_bytes(endian.array(value))))
     }
@@ -200,12 +200,12 @@ impl<'a> SliceAttributes<'a> {
     ) -> Result<DicomSlice, ReadError> {
         let short = |tag, name: &str| {
             self.need(tag, name)?;
-            self.short(tag, endian)
+            self.u16_value(tag, endian)
                 .ok_or_else(|| ReadError::new("bad-header", FileLocation::File, format!("{name} is cut off")))
         };
         let at = FileLocation::Byte(pixels.at as u64);
         let unsupported = |message: String| Err(ReadError::new("unsupported", at.clone(), message));
-        let channels = self.short(SAMPLES, endian).unwrap_or(1);
+        let channels = self.u16_value(SAMPLES, endian).unwrap_or(1);
         if channels != 1 {
             let message = format!("{channels} samples a pixel are colours, and no volume");
             return Err(ReadError::new("several-channels", at, message));
@@ -217,7 +217,7 @@ impl<'a> SliceAttributes<'a> {
             ));
         }
         let bits = short(BITS_ALLOCATED, "BitsAllocated")?;
-        let is_signed = self.short(IS_SIGNED, endian).unwrap_or(0) == 1;
+        let is_signed = self.u16_value(IS_SIGNED, endian).unwrap_or(0) == 1;
         let element = match (bits, is_signed) {
             (8, false) => SampleType::U8,
             (8, true) => SampleType::I8,
@@ -227,8 +227,8 @@ impl<'a> SliceAttributes<'a> {
             (32, true) => SampleType::I32,
             _ => return unsupported(format!("samples of {bits} bits are not read: 8, 16 and 32 are")),
         };
-        let bits_stored = self.short(BITS_STORED, endian).unwrap_or(bits);
-        let high_bit = self.short(HIGH_BIT, endian).unwrap_or_else(|| bits_stored.saturating_sub(1));
+        let bits_stored = self.u16_value(BITS_STORED, endian).unwrap_or(bits);
+        let high_bit = self.u16_value(HIGH_BIT, endian).unwrap_or_else(|| bits_stored.saturating_sub(1));
         if bits_stored == 0 || high_bit >= bits || high_bit + 1 < bits_stored {
             let message = format!("{bits_stored} bits up to bit {high_bit} do not lie in {bits}");
             return Err(ReadError::new("bad-header", at, message));
@@ -257,7 +257,7 @@ impl<'a> SliceAttributes<'a> {
                 bits_stored,
                 high_bit,
                 element,
-                // Numbers of one byte have no order.
+                // Numbers of one byte have no byte order.
                 endian,
             },
             start: pixels.at,
@@ -279,12 +279,12 @@ impl SliceFormat {
         self.columns * self.rows * self.element.width() as u64
     }
 
-    /// Appends the samples as little-endian bytes, without the bits that are not part of them.
+    /// Appends the samples as little-endian bytes, without the unused bits.
     pub(super) fn decode(&self, bytes: &[u8], out: &mut Vec<u8>) -> Result<(), ReadError> {
         out.try_reserve(bytes.len()).map_err(|_| crate::grow::out_of_memory(out.len()))?;
         let width = self.element.width();
         let is_signed = matches!(self.element, SampleType::I8 | SampleType::I16 | SampleType::I32);
-        // Counted in the 64 bits of the numbers below.
+        // Both are counts of bits in a u64.
         let (left, right) = (63 - self.high_bit, 64 - self.bits_stored);
         for sample in bytes.chunks_exact(width) {
             let mut number = [0; 8];

@@ -1,10 +1,10 @@
-//! The list of the files of a folder, which stands for the slices in it.
+//! The list of the files in a folder, which represents the slices in it.
 
 /// The first line of a list.
 pub(super) const FIRST: &[u8] = b"#dicom-slices\n";
 
-/// The list of the files of a folder, as [`super::read_with`] reads it: a folder has no bytes, its list has. Names
-/// with a line break, which no list can hold, are left out.
+/// The list of the files in a folder, in the form that [`super::read_with`] takes: a folder has no bytes, but
+/// its list has. Names with a line break cannot be listed and are left out.
 #[must_use]
 pub fn slice_list<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<u8> {
     let mut list = FIRST.to_vec();

@@ -3,5 +3,5 @@ mod read;
 
 pub use read::read;
 
-/// What a stream begins with.
+/// The signature of a stream.
 pub(crate) const MAGIC: &[u8] = b"DRACO";

@@ -9,17 +9,17 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use draco_core::draco_types::DataType;
 use draco_core::geometry_attribute::{GeometryAttributeType, PointAttribute};
 
-/// The place of the kind of a stream: after the name and the version, 0 for points and 1 for triangles.
+/// The offset of the kind of a stream, after the signature and the version: 0 for points and 1 for triangles.
 const KIND_AT: usize = 7;
 
-/// Reads the triangles of a Draco file, with the normals, colours and texture coordinates of its points. Positions are
-/// those that the stream decodes to, exactly: what its encoder rounded away is not in the file. Numbers of no known
-/// meaning become attributes by their place in the file.
+/// Reads the triangles of a Draco file, with the normals, colours and texture coordinates of its points.
+/// Positions are exactly those that the stream decodes to; what its encoder rounded away is not in the file.
+/// Numbers of unknown meaning become attributes named by their index in the file.
 ///
-/// Takes at most [`Limits::bytes`] for what is decoded.
+/// At most [`Limits::bytes`] are decoded.
 ///
 /// # Errors
-/// [`ReadError`] for a stream that is damaged, over the limits, of points alone, or without positions.
+/// [`ReadError`] for a stream that is damaged, over the limits, has only points, or has no positions.
 ///
 /// Source: Google, *Draco Bitstream Specification*, 2.2, 2018.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
@@ -46,7 +46,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
             positions = Some(numbers.as_chunks::<3>().0.to_vec());
             continue;
         }
-        // The widest row of an attribute, as of `Attribute::width`.
+        // The largest width of an attribute, as in `Attribute::width`.
         if !(1..=16).contains(&width) {
             warnings.count("attributes-skipped", || {
                 (FileLocation::File, "attributes of no or more than 16 numbers a point were skipped")
@@ -86,7 +86,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
-/// How many attributes of each meaning there were.
+/// The number of attributes of each meaning so far.
 #[derive(Default)]
 struct AttributeNames {
     n_texcoords: u32,
@@ -113,28 +113,28 @@ impl AttributeNames {
     }
 }
 
-/// The numbers of an attribute by point; fractions of the largest where it says that they are, and colours.
+/// The numbers of an attribute by point; normalized integers and colours as fractions of the largest integer.
 fn numbers(attribute: &PointAttribute, n_points: usize) -> Result<Vec<f64>, Refusal> {
     let bytes = draco_stream::value_bytes(attribute, n_points)?;
     let is_share = attribute.normalized() || attribute.attribute_type() == GeometryAttributeType::Color;
-    let all = |width: usize, largest: f64, number: &dyn Fn(&[u8]) -> f64| {
+    let convert = |width: usize, largest: f64, number: &dyn Fn(&[u8]) -> f64| {
         let divisor = if is_share { largest } else { 1.0 };
         bytes.chunks_exact(width).map(|b| number(b) / divisor).collect::<Vec<f64>>()
     };
     Ok(match attribute.data_type() {
-        DataType::Int8 => all(1, f64::from(i8::MAX), &|b| f64::from(b[0] as i8)),
-        DataType::Uint8 => all(1, f64::from(u8::MAX), &|b| f64::from(b[0])),
-        DataType::Int16 => all(2, f64::from(i16::MAX), &|b| f64::from(i16::from_le_bytes([b[0], b[1]]))),
-        DataType::Uint16 => all(2, f64::from(u16::MAX), &|b| f64::from(u16::from_le_bytes([b[0], b[1]]))),
+        DataType::Int8 => convert(1, f64::from(i8::MAX), &|b| f64::from(b[0] as i8)),
+        DataType::Uint8 => convert(1, f64::from(u8::MAX), &|b| f64::from(b[0])),
+        DataType::Int16 => convert(2, f64::from(i16::MAX), &|b| f64::from(i16::from_le_bytes([b[0], b[1]]))),
+        DataType::Uint16 => convert(2, f64::from(u16::MAX), &|b| f64::from(u16::from_le_bytes([b[0], b[1]]))),
         DataType::Int32 => {
-            all(4, f64::from(i32::MAX), &|b| f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+            convert(4, f64::from(i32::MAX), &|b| f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]])))
         }
         DataType::Uint32 => {
-            all(4, f64::from(u32::MAX), &|b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+            convert(4, f64::from(u32::MAX), &|b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))
         }
-        DataType::Float32 => all(4, 1.0, &|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
+        DataType::Float32 => convert(4, 1.0, &|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
         DataType::Float64 => {
-            all(8, 1.0, &|b| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]))
+            convert(8, 1.0, &|b| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]))
         }
         other => return Err(("unsupported", format!("numbers of the type {other:?} are not read"))),
     })

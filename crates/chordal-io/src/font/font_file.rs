@@ -1,4 +1,4 @@
-//! `FontFile`: a font of a file, at one place of its axes.
+//! `FontFile`: a font of a file, at one position of its variation axes.
 use super::glyph_pen::GlyphPen;
 use super::placed_glyph::{PlacedGlyph, character};
 use crate::text::show;
@@ -8,10 +8,10 @@ use harfrust::font::Variation;
 use harfrust::font::glyph::outline::{DrawMemory, DrawOptions};
 use harfrust::{Font, GlyphId, Tag};
 
-/// What a collection of fonts starts with.
+/// The signature of a font collection.
 pub(super) const COLLECTION: &[u8] = b"ttcf";
 
-/// A font that has outlines and says which characters they belong to.
+/// A font that has outlines and maps characters to them.
 pub(super) struct FontFile {
     font: Font,
 }
@@ -21,7 +21,7 @@ fn refuse<T>(code: &'static str, message: impl Into<Message>) -> Result<T, ReadE
 }
 
 impl FontFile {
-    /// The font of a file, or the one of a collection that the limits name.
+    /// The font of a file, or the one of a collection that the limits choose.
     pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let index = chosen_font(bytes, limits.index)?;
         let Some(font) = Font::new(bytes.to_vec(), index) else {
@@ -50,17 +50,17 @@ impl FontFile {
         Ok(Self { font })
     }
 
-    /// The same font at a place of its axes.
+    /// The same font at a position of its axes.
     pub fn at(self, axes: &[(String, f64)]) -> Result<Self, ReadError> {
         if axes.is_empty() {
             return Ok(self);
         }
-        let known: Vec<_> = self.font.axes().iter().collect();
+        let font_axes: Vec<_> = self.font.axes().iter().collect();
         let mut place = Vec::with_capacity(axes.len());
         for (name, value) in axes {
             let tag = <[u8; 4]>::try_from(name.as_bytes()).map(|tag| Tag::new(&tag));
-            let Some(axis) = known.iter().find(|axis| tag.is_ok_and(|tag| axis.tag() == tag)) else {
-                let names: Vec<_> = known.iter().map(|axis| axis.tag().to_string()).collect();
+            let Some(axis) = font_axes.iter().find(|axis| tag.is_ok_and(|tag| axis.tag() == tag)) else {
+                let names: Vec<_> = font_axes.iter().map(|axis| axis.tag().to_string()).collect();
                 let has = if names.is_empty() { "it has none".to_owned() } else { names.join(", ") };
                 let name = show(name.as_bytes());
                 return refuse("no-axis", format!("the font has no axis {name}: {has}"));
@@ -85,21 +85,21 @@ impl FontFile {
         self.font.units_per_em()
     }
 
-    /// From one line to the next, in units; an em where the font does not say.
+    /// The distance between lines, in font units; an em if the font gives none.
     pub fn line_distance(&self) -> f64 {
         let line = self.font.metrics().h_line();
-        let given = line.map(|line| {
+        let distance = line.map(|line| {
             let [up, down, gap] =
                 [line.ascender, line.descender, line.line_gap].map(|x| f64::from(x.to_f32()));
             up - down + gap
         });
-        given.filter(|distance| *distance > 0.0).unwrap_or_else(|| f64::from(self.units_per_em()))
+        distance.filter(|distance| *distance > 0.0).unwrap_or_else(|| f64::from(self.units_per_em()))
     }
 
-    /// Draws the outline of a glyph, in units.
+    /// Draws the outline of a glyph, in font units.
     pub fn draw(&self, glyph: &PlacedGlyph, pen: &mut GlyphPen) -> Result<(), ReadError> {
         let failed = |why: &str| {
-            let message = format!("the glyph of {} ({}) {why}", character(glyph.of), glyph.id);
+            let message = format!("the glyph of {} ({}) {why}", character(glyph.first_char), glyph.id);
             ReadError::new("broken-glyph", FileLocation::File, message)
         };
         let outline = self.font.outline_glyphs().get(GlyphId::new(glyph.id));
@@ -110,11 +110,11 @@ impl FontFile {
 }
 
 /// The index of the font in its file.
-fn chosen_font(bytes: &[u8], asked: Option<u64>) -> Result<u32, ReadError> {
+fn chosen_font(bytes: &[u8], index: Option<u64>) -> Result<u32, ReadError> {
     // The tag, a version of four bytes, the number of fonts.
     let count = bytes.get(8..12).filter(|_| bytes.starts_with(COLLECTION));
     let count = count.and_then(|count| count.try_into().ok()).map_or(1, u32::from_be_bytes);
-    match asked {
+    match index {
         None if count == 1 => Ok(0),
         None => {
             let message = Message::from(format!("the file is a collection of {count} fonts; "));

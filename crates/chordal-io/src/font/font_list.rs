@@ -1,4 +1,4 @@
-//! What fonts a file holds, by their names, and letters to show one by.
+//! The fonts in a file by name, and sample characters for each.
 use super::font_file::{COLLECTION, FontFile};
 use super::glyph_pen::GlyphPen;
 use super::typesetter::Typesetter;
@@ -6,37 +6,39 @@ use crate::text::grouped;
 use crate::{Limits, ReadError};
 use read_fonts::types::NameId;
 
-/// The fonts that are listed, at most.
+/// The most fonts that are listed. Chosen: larger values make the list long.
 const MOST_LISTED: u64 = 100;
 
-/// The fonts of a file as people call them, each with the number of its glyphs and the range of its axes.
+/// The names of the fonts in a file, each with the number of its glyphs and the range of its axes.
 ///
 /// # Errors
-/// When the first of them cannot be read; those after it are called so.
+/// If the first one cannot be read; for later ones the list says so.
 pub fn fonts_in(bytes: &[u8], limits: &Limits) -> Result<Vec<String>, ReadError> {
     let count = bytes.get(8..12).filter(|_| bytes.starts_with(COLLECTION));
     let count = count.and_then(|count| count.try_into().ok()).map_or(1, u32::from_be_bytes);
     let one =
         |index: u64| FontFile::read(bytes, &Limits { index: Some(index), ..*limits }).map(|font| line(&font));
-    let mut all = vec![one(0)?];
+    let mut lines = vec![one(0)?];
     for index in 1..u64::from(count).min(MOST_LISTED) {
-        all.push(one(index).unwrap_or_else(|error| format!("a font that cannot be read: {}", error.message)));
+        lines.push(
+            one(index).unwrap_or_else(|error| format!("a font that cannot be read: {}", error.message)),
+        );
     }
-    Ok(all)
+    Ok(lines)
 }
 
-/// Characters that are looked at for letters to show a font by, and those that are tried. Chosen: in any script
-/// there are enough among them.
+/// The most characters that are inspected, or tried, to find samples for a font. Chosen: any script has
+/// enough letters among them.
 const MOST_LOOKED_AT: usize = 2000;
 const MOST_TRIED: usize = 64;
-/// Letters that a font is shown by. Chosen: a word.
+/// The most sample characters. Chosen: a word.
 const MOST_SHOWN: usize = 8;
 
-/// A few characters that a font can set and draw, letters before others; an empty text where it has none. For fonts
-/// that lack the letters of their own name.
+/// A few characters that a font can set and draw, letters first; empty if it has none. For fonts that lack
+/// the letters of their own name.
 ///
 /// # Errors
-/// When the font cannot be read.
+/// If the font cannot be read.
 pub fn letters_in(bytes: &[u8], limits: &Limits) -> Result<String, ReadError> {
     let file = FontFile::read(bytes, limits)?;
     let characters = file.font().charmap().unicodes().filter_map(|(code, _)| char::from_u32(code));
@@ -71,7 +73,7 @@ fn line(file: &FontFile) -> String {
     let font = file.font();
     let named = |id: NameId| {
         let name = font.names().get(id).and_then(|name| name.english_or_first());
-        // Longer ones are no names.
+        // Longer texts are not names.
         name.map(|name| name.name().chars().filter(|c| !c.is_control()).take(100).collect::<String>())
     };
     let name = named(NameId::FULL_NAME)

@@ -1,21 +1,21 @@
-//! `GlyphPen`: outlines of glyphs as curves, at their place and in the length of the em.
+//! `GlyphPen`: outlines of glyphs as curves, placed and scaled to the length of the em.
 use chordal::explicit::{Bezier, Curve, CurveEnds, CurveSegment, InvalidCurve};
 use chordal::math::{greater, mul_up};
 use harfrust::font::glyph::outline::PathSink;
 
 /// Draws glyphs, contour by contour.
 pub(super) struct GlyphPen {
-    /// The length of the em, and the units that it has.
+    /// The length of the em, and its number of font units.
     em: f64,
     units: f64,
-    /// Where the glyph stands, in units.
+    /// The position of the glyph, in font units.
     at: [f64; 2],
     pieces: Vec<CurveSegment<2>>,
     start: [f64; 2],
     current: [f64; 2],
     curves: Vec<Curve<2>>,
     n_pieces: usize,
-    /// The first contour that is none.
+    /// The first invalid contour.
     invalid: Option<InvalidCurve>,
 }
 
@@ -34,7 +34,7 @@ impl GlyphPen {
         }
     }
 
-    /// Where the next glyph stands, in units.
+    /// Sets the position of the next glyph, in font units.
     pub fn place(&mut self, at: [f64; 2]) {
         self.end_contour();
         self.at = at;
@@ -71,8 +71,9 @@ impl GlyphPen {
         match Curve::new(std::mem::take(&mut self.pieces), CurveEnds::Closed) {
             Ok(curve) => {
                 let reach = curve.bounds().iter().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
-                // A coordinate is a sum, a product and a quotient of half a step each, and a quadratic curve moves by
-                // two as a cubic: less than four steps for each of two coordinates.
+                // A coordinate is a sum, a product and a quotient of half a step each, and conversion to a
+                // cubic moves a quadratic curve by two steps: less than four steps for each of two
+                // coordinates.
                 self.curves.push(curve.with_slack(mul_up(8.0 * f64::EPSILON, reach)));
             }
             Err(error) => self.invalid = self.invalid.or(Some(error)),

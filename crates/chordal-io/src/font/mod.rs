@@ -1,6 +1,6 @@
-//! Fonts of TrueType and OpenType: sets a text, and reads its letters as curves in the plane.
+//! TrueType and OpenType fonts: sets a text, and reads its glyphs as curves in the plane.
 //!
-//! The baseline of the first line is y = 0, and x = 0 is where it starts unless it is aligned; y grows upwards.
+//! The baseline of the first line is y = 0, and it starts at x = 0 unless it is aligned; y grows upwards.
 mod font_file;
 mod font_list;
 mod glyph_pen;
@@ -20,26 +20,26 @@ use typesetter::Typesetter;
 
 /// The most characters of a text. Chosen: three pages of a book, which take less than a second.
 const MOST_CHARACTERS: usize = 10_000;
-/// The most curves of a text. Chosen: 400 for each letter, ten times what letters have.
+/// The most curves of a text. Chosen: 400 per letter, ten times the usual number.
 const MOST_PIECES: usize = 4_000_000;
 
-/// What a font is to set.
+/// A text, and how to set it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Letters {
     /// The text; a line break starts a new line.
     pub text: String,
     /// The length of the font's em: letters are about 0.7 of it high.
     pub em: f64,
-    /// Where the axes of a variable font are, by their tags; the others are where the font says.
+    /// The positions on the axes of a variable font, by tag; other axes are at the font's default.
     pub axes: Vec<(String, f64)>,
-    /// The share of each line's advance width that stands left of x = 0: 0 for lines that start there, 0.5 for centred
-    /// ones, 1 for those that end there. The advance is what the font's tables give the line, spaces at its end
-    /// included: letters reach as far over or short of it as they are drawn.
+    /// The share of each line's advance width that lies left of x = 0: 0 for lines that start there, 0.5 for
+    /// centred ones, 1 for lines that end there. The advance is the sum in the font's tables, including
+    /// spaces at the end; the outlines may reach over it or fall short of it.
     pub align: f64,
 }
 
 impl Letters {
-    /// A text in the em that is 1 long.
+    /// A text with an em of length 1.
     ///
     /// ```
     /// assert_eq!(chordal_io::font::Letters::new("Ab").em, 1.0);
@@ -60,24 +60,24 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Err(ReadError::new("no-text", FileLocation::File, message.words(" says which")))
 }
 
-/// Reads the letters of a text as one drawn element, filled where its contours wind around a point (nonzero):
-/// letters that overlap are one region, and so are the strokes of a letter that do.
+/// Reads the glyphs of a text as one drawn element with the nonzero fill rule: overlapping letters are one
+/// region, and so are overlapping strokes of one letter.
 ///
-/// Letters are chosen and placed by HarfBuzz's rules: ligatures, marks, and pairs moved together as the font's
-/// tables say. Each line runs in one direction. Line follows line in the distance that the font gives.
+/// Glyphs are chosen and placed by HarfBuzz's rules: ligatures, marks, and kerning as in the font's tables.
+/// Each line has one direction. The distance between lines is that of the font.
 ///
-/// The curves are those of the font at its own units, each number as `read-fonts` computes it: exact where the
-/// font holds the point itself, single precision where a variation moves it. [`Curve::slack`] counts the
-/// rounding from there.
+/// The curves are those of the font in its own units, with the numbers that `read-fonts` computes: exact if
+/// the font stores the point itself, single precision if a variation moves it. [`Curve::slack`] counts the
+/// rounding after that.
 ///
 /// [`Curve::slack`]: chordal::explicit::Curve::slack
 ///
-/// **Cost.** Time and memory go with the letters, and the size of the file once.
+/// **Cost.** Time and memory are linear in the number of letters, plus the size of the file once.
 ///
 /// # Errors
-/// A font that cannot be read, a collection without an index, a text that is empty or too long, a character that
-/// the font lacks, by its name; letters that draw nothing; an axis that the font lacks, or a place beyond its ends;
-/// a line of two directions.
+/// If the font cannot be read, a collection is given without an index, the text is empty or too long, a
+/// character is missing in the font (the message names it), the letters draw nothing, an axis is missing in
+/// the font or its value is out of range, or a line has two directions.
 pub fn read_letters(bytes: &[u8], letters: &Letters, limits: &Limits) -> Result<ReadOutcome, ReadError> {
     check(letters)?;
     let font = FontFile::read(bytes, limits)?.at(&letters.axes)?;
@@ -116,7 +116,7 @@ pub fn read_letters(bytes: &[u8], letters: &Letters, limits: &Limits) -> Result<
     Ok(ReadOutcome { content: Content::Drawing(drawing), warnings: Warnings::default().into_list() })
 }
 
-/// Refuses what no font could set.
+/// Refuses texts that no font could set.
 fn check(letters: &Letters) -> Result<(), ReadError> {
     let refuse = |code, message: String| Err(ReadError::new(code, FileLocation::File, message));
     if letters.text.trim().is_empty() {
@@ -127,14 +127,14 @@ fn check(letters: &Letters) -> Result<(), ReadError> {
         let most = grouped(MOST_CHARACTERS as u64);
         return refuse("too-large", format!("the text has more than {most} characters, which is the limit"));
     }
-    // Beyond these, squares of lengths leave the range of numbers.
+    // Outside this range, squares of lengths overflow or underflow.
     if !(letters.em >= 1e-100 && letters.em <= 1e100) {
         return refuse("em", format!("the em of letters is from 1e-100 to 1e100 long, not {}", letters.em));
     }
     Ok(())
 }
 
-/// Whether a file starts like a font: with the number of its version, or its tag.
+/// Whether a file starts like a font: with a version number, or a tag.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     [&b"\0\x01\0\0"[..], b"true", b"OTTO", font_file::COLLECTION].iter().any(|start| bytes.starts_with(start))
         && bytes.get(4..6).is_some_and(|count| count.starts_with(&[0]) && (bytes[0] == b't' || count[1] > 0))

@@ -1,4 +1,4 @@
-//! `Typesetter`: the glyphs of a text, and where they stand.
+//! `Typesetter`: the glyphs of a text, and their positions.
 use super::font_file::FontFile;
 use super::placed_glyph::{PlacedGlyph, character};
 use crate::{FileLocation, ReadError};
@@ -27,15 +27,15 @@ impl<'a> Typesetter<'a> {
         Self { font: ShaperFont::new(font.font()), line_distance, buffer: Buffer::new() }
     }
 
-    /// The glyphs of a text, line below line, with that share of each line's advance left of 0.
+    /// The glyphs of a text, line below line; the share `align` of each line's advance lies left of 0.
     pub fn set(mut self, text: &str, align: f64) -> Result<Vec<PlacedGlyph>, ReadError> {
         let mut placed = Vec::new();
-        // Breaks of a line are a line feed, or one with a carriage return before it.
+        // A line ends with a line feed, or a carriage return and a line feed.
         for (index, line) in text.lines().enumerate() {
             let y = -(index as f64) * self.line_distance;
             let first = placed.len();
             let advance = self.set_line(line, y, &mut placed)?;
-            // Exact for halves of whole numbers, so that the letters' slack has nothing of it.
+            // Exact for halves of whole numbers, so that it adds nothing to the slack of the outlines.
             placed[first..].iter_mut().for_each(|glyph| glyph.at[0] -= align * advance);
         }
         Ok(placed)
@@ -47,7 +47,7 @@ impl<'a> Typesetter<'a> {
         let directions: Vec<Direction> = runs.iter().map(|run| self.direction(run)).collect();
         let is_backward = directions.first() == Some(&Direction::RightToLeft);
         let is_mixed = directions.windows(2).any(|pair| pair[0] != pair[1]);
-        // Digits run from left to right among letters that do not.
+        // Digits run from left to right even in lines of the opposite direction.
         if is_mixed || is_backward && line.chars().any(char::is_numeric) {
             let message = "a line of the text has parts that run from left to right and parts that run from right to \
                            left: each is to be a text of its own";
@@ -56,23 +56,23 @@ impl<'a> Typesetter<'a> {
         if is_backward {
             runs.reverse();
         }
-        // Whole numbers below 2^53, and so exact.
+        // Whole numbers below 2^53, therefore exact.
         let mut pen = [0_i64, 0];
         for run in runs {
             self.shape(&run)?;
             let glyphs = self.buffer.glyph_infos().iter().zip(self.buffer.glyph_positions());
             for (info, position) in glyphs {
-                let of = run.text.get(info.cluster as usize..).and_then(|rest| rest.chars().next());
-                let of = of.unwrap_or(char::REPLACEMENT_CHARACTER);
+                let first_char = run.text.get(info.cluster as usize..).and_then(|rest| rest.chars().next());
+                let first_char = first_char.unwrap_or(char::REPLACEMENT_CHARACTER);
                 if info.glyph_id == 0 {
-                    let message = format!("the font has no glyph for {}", character(of));
+                    let message = format!("the font has no glyph for {}", character(first_char));
                     return refuse("no-glyph", message);
                 }
                 let [x, up] = [
                     pen[0].saturating_add(i64::from(position.x_offset)),
                     pen[1].saturating_add(i64::from(position.y_offset)),
                 ];
-                placed.push(PlacedGlyph { id: info.glyph_id, at: [x as f64, up as f64 + y], of });
+                placed.push(PlacedGlyph { id: info.glyph_id, at: [x as f64, up as f64 + y], first_char });
                 pen[0] = pen[0].saturating_add(i64::from(position.x_advance));
                 pen[1] = pen[1].saturating_add(i64::from(position.y_advance));
             }
@@ -80,8 +80,8 @@ impl<'a> Typesetter<'a> {
         Ok(pen[0] as f64)
     }
 
-    /// The parts of a line in one script each. What is of no script of its own (spaces, signs, digits) belongs to what
-    /// comes before it, at the start to what follows.
+    /// The parts of a line, each in one script. Characters without a script (spaces, signs, digits) belong to
+    /// the part before them, or at the start of a line to the part after them.
     fn runs<'t>(&mut self, line: &'t str) -> Vec<ScriptRun<'t>> {
         let mut runs: Vec<ScriptRun<'t>> = Vec::new();
         let mut start = 0;
@@ -118,7 +118,7 @@ impl<'a> Typesetter<'a> {
         self.buffer.direction()
     }
 
-    /// Shapes a part of a line in the buffer.
+    /// Shapes a part of a line; the result is in the buffer.
     fn shape(&mut self, run: &ScriptRun<'_>) -> Result<(), ReadError> {
         self.buffer.reset();
         self.buffer.push_str(run.text);

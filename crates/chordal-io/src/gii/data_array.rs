@@ -13,24 +13,24 @@ use crate::xml_text::place;
 use crate::{FileLocation, Limits, ReadError};
 use std::borrow::Cow;
 
-/// How the numbers of an array stand in the file.
+/// The encoding of an array's numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum GiftiEncoding {
     Ascii,
     Base64,
-    /// As base64 of a zlib stream, whatever its name says of gzip.
+    /// Base64 of a zlib stream, although the encoding is called gzip.
     PackedBase64,
-    /// In a file beside this one, from a byte on.
+    /// In a separate file, from a byte offset on.
     External(String, u64),
 }
 
-/// An array as its element says.
+/// An array as declared by its element.
 #[derive(Debug)]
 pub(super) struct GiftiArray<'a> {
     pub kind: SampleType,
-    /// Rows, and numbers in each.
+    /// The number of rows, and of numbers in each.
     pub size: [u64; 2],
-    /// Whether numbers of a column follow each other, instead of those of a row.
+    /// Whether numbers are stored by columns instead of by rows.
     pub is_by_columns: bool,
     endian: Endian,
     encoding: GiftiEncoding,
@@ -40,7 +40,7 @@ pub(super) struct GiftiArray<'a> {
     pub at: usize,
 }
 
-/// What decoding needs beside an array.
+/// The context in which an array is decoded.
 pub(super) struct GiftiFile<'f, 'o, 't> {
     pub text: &'t str,
     pub open: Option<&'f mut FileOpener<'o>>,
@@ -51,7 +51,7 @@ impl<'a> GiftiArray<'a> {
     /// The array of the element that started last.
     ///
     /// # Errors
-    /// At the element, where an attribute is missing or means nothing.
+    /// At the element, if an attribute is missing or invalid.
     pub(super) fn new(elements: &XmlElements<'a, AnyNamespace>) -> Result<Self, ReadError> {
         let unknown = |name: &str, value: &str| {
             elements
@@ -107,7 +107,7 @@ impl<'a> GiftiArray<'a> {
     /// Its numbers, as many as it declares.
     ///
     /// # Errors
-    /// When there are not as many, or they are damaged, or over the limits.
+    /// If their count differs, or they are damaged, or over the limits.
     pub(super) fn numbers(&self, file: &mut GiftiFile<'_, '_, '_>) -> Result<NumberArray<'_>, ReadError> {
         let here = || self.place(file.text);
         let [rows, width] = self.size;
@@ -145,8 +145,8 @@ impl<'a> GiftiArray<'a> {
                 let end = offset.checked_add(n_bytes).filter(|end| *end <= bytes.len() as u64);
                 let place = place(file.text, self.at);
                 let end = end.ok_or_else(|| {
-                    let there = grouped(bytes.len() as u64);
-                    let message = format!("the file beside has {there} bytes, fewer than the array needs");
+                    let n_bytes = grouped(bytes.len() as u64);
+                    let message = format!("the file beside has {n_bytes} bytes, fewer than the array needs");
                     ReadError::new("truncated", place, message)
                 })?;
                 bytes.truncate(end as usize);
@@ -155,8 +155,8 @@ impl<'a> GiftiArray<'a> {
             }
         };
         if bytes.len() as u64 != n_bytes {
-            let there = bytes.len() as u64 / self.kind.width() as u64;
-            return Err(self.other_count(there, n, place(file.text, self.at)));
+            let n_numbers = bytes.len() as u64 / self.kind.width() as u64;
+            return Err(self.other_count(n_numbers, n, place(file.text, self.at)));
         }
         Ok(NumberArray::Packed { kind: self.kind, endian: self.endian, bytes: Cow::Owned(bytes) })
     }
@@ -167,7 +167,7 @@ impl<'a> GiftiArray<'a> {
         ReadError::new(code, place, message)
     }
 
-    /// What a stream unpacks to: no more than was declared and one byte, which says that there is more.
+    /// The unpacked stream: at most the declared bytes and one more, which shows that there are too many.
     fn unpacked(&self, packed: &[u8], n_bytes: u64, here: FileLocation) -> Result<Vec<u8>, ReadError> {
         const STEP: usize = 1 << 16;
         let mut stream = InflateReader::either(packed, 0);
@@ -177,7 +177,7 @@ impl<'a> GiftiArray<'a> {
             let (from, step) = (bytes.len(), STEP.min(most - bytes.len()));
             bytes.try_reserve(step).map_err(|_| out_of_memory(from))?;
             bytes.resize(from + step, 0);
-            // Bytes of the stream are none of the file, which has them as text.
+            // Offsets in the stream do not exist in the file, which holds it as text.
             let n = stream
                 .fill(&mut bytes[from..])
                 .map_err(|error| ReadError { place: here.clone(), ..error })?;
@@ -190,7 +190,7 @@ impl<'a> GiftiArray<'a> {
     }
 }
 
-/// The type of a name of the standard.
+/// The type for a name in the standard.
 fn number_type(name: &str) -> Option<SampleType> {
     Some(match name.strip_prefix("NIFTI_TYPE_")? {
         "INT8" => SampleType::I8,

@@ -11,7 +11,7 @@ use crate::xml_text::text_of;
 use crate::{Axis, Content, FileLocation, Frame, Limits, Part, ReadError, ReadOutcome, Scene};
 use std::borrow::Cow;
 
-/// As [`read_with`], for a file whose arrays are in it.
+/// As [`read_with`], for a file that holds all its arrays.
 ///
 /// # Errors
 /// As for [`read_with`].
@@ -19,13 +19,14 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// Reads the surface of a GIFTI file: its points and its triangles, as text, base64, packed base64 or in a file beside
-/// it. Coordinates are millimetres of the file's own space, z to the head: its matrices into other spaces are left out,
-/// as are arrays of numbers at the points (shapes, labels, time series), with warnings.
+/// Reads the surface of a GIFTI file: its points and its triangles, as text, base64, compressed base64 or in
+/// a separate file. Coordinates are millimetres of the file's own space, with z towards the head. Its
+/// matrices into other spaces are skipped, as are arrays of values at the points (shapes, labels, time
+/// series), with warnings.
 ///
 /// # Errors
-/// [`ReadError`] at the element of the array, or the row of the point or triangle; also for a file without points or
-/// triangles, as those of labels and measurements are.
+/// [`ReadError`] at the element of the array, or the row of the point or triangle; also for a file without
+/// points or triangles, such as one of labels or measurements.
 ///
 /// Source: J. Harwell and others, *GIFTI Surface Data Format*, version 1.0, 2011 (nitrc.org).
 ///
@@ -67,8 +68,8 @@ pub fn read_with(
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
-/// The text with spaces in the place of a document type that declares nothing itself, as most of these files have one.
-/// Nothing is fetched, and one with declarations is refused as in all XML here.
+/// The text with a document type without declarations replaced by spaces, as most of these files have one.
+/// Nothing is fetched, and a document type with declarations is refused as in all XML here.
 fn without_document_type(text: &str) -> Cow<'_, str> {
     let start = "<!DOCTYPE";
     let Some(at) = text.find(start).filter(|at| text[..*at].find("<GIFTI").is_none()) else {
@@ -76,7 +77,7 @@ fn without_document_type(text: &str) -> Cow<'_, str> {
     };
     match text[at..].find(['>', '[']) {
         Some(end) if text.as_bytes()[at + end] == b'>' => {
-            // Lines stay, so that places do.
+            // Line breaks stay, so that locations stay the same.
             let blank = |c: char| if c == '\n' { "\n".to_owned() } else { " ".repeat(c.len_utf8()) };
             let blanks: String = text[at..=at + end].chars().map(blank).collect();
             Cow::Owned([&text[..at], &blanks, &text[at + end + 1..]].concat())
@@ -85,16 +86,16 @@ fn without_document_type(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The first points and the first triangles.
+/// The first array of points and the first array of triangles.
 fn arrays<'a>(
     text: &'a str,
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<[Option<GiftiArray<'a>>; 2], ReadError> {
     let mut elements: XmlElements<'_, AnyNamespace> = XmlElements::new(text, "", limits);
-    let mut found = [None, None];
+    let mut arrays = [None, None];
     let mut open: Vec<&str> = Vec::new();
-    // The array whose content is being read.
+    // The array whose content comes next.
     let mut current: Option<usize> = None;
     while let Some(step) = elements.next()? {
         match step {
@@ -110,9 +111,9 @@ fn arrays<'a>(
                         "NIFTI_INTENT_TRIANGLE" => Some(1),
                         _ => None,
                     };
-                    current = which.filter(|which| found[*which].is_none());
+                    current = which.filter(|which| arrays[*which].is_none());
                     match current {
-                        Some(which) => found[which] = Some(GiftiArray::new(&elements)?),
+                        Some(which) => arrays[which] = Some(GiftiArray::new(&elements)?),
                         None => warnings.count("arrays-skipped", || {
                             let message =
                                 "arrays that are not the points and triangles of one surface were skipped";
@@ -123,7 +124,7 @@ fn arrays<'a>(
             }
             XmlStep::Text(content) => {
                 if let (Some(which), ["GIFTI", "DataArray", "Data"]) = (current, open.as_slice())
-                    && let Some(array) = &mut found[which]
+                    && let Some(array) = &mut arrays[which]
                 {
                     if array.data.is_empty() {
                         array.data = content;
@@ -137,10 +138,10 @@ fn arrays<'a>(
             }
         }
     }
-    Ok(found)
+    Ok(arrays)
 }
 
-/// The place of a number in an array, by its row and its column.
+/// The position of a number in an array, by its row and its column.
 fn at(array: &GiftiArray<'_>, row: u64, column: u64) -> usize {
     let [rows, width] = array.size;
     (if array.is_by_columns { column * rows + row } else { row * width + column }) as usize
@@ -157,24 +158,24 @@ fn check_width(array: &GiftiArray<'_>, what: &str, text: &str) -> Result<(), Rea
 fn positions(array: &GiftiArray<'_>, file: &mut GiftiFile<'_, '_, '_>) -> Result<Vec<[f64; 3]>, ReadError> {
     check_width(array, "points", file.text)?;
     let n = array.size[0];
-    // The highest number is that of no vertex.
+    // The highest index is reserved for "no vertex".
     let most = file.limits.rows.min(u64::from(u32::MAX) - 1);
     if n > most {
         return Err(too_many_rows(array.place(file.text), "points", n, most));
     }
     let numbers = array.numbers(file)?;
-    let mut all: Vec<[f64; 3]> = with_room(n as usize)?;
-    all.extend((0..n).map(|row| [0, 1, 2].map(|k| numbers.real(at(array, row, k)))));
-    let bad = all.iter().position(|point| point.iter().any(|x| !x.is_finite()));
+    let mut positions: Vec<[f64; 3]> = with_room(n as usize)?;
+    positions.extend((0..n).map(|row| [0, 1, 2].map(|k| numbers.real(at(array, row, k)))));
+    let bad = positions.iter().position(|point| point.iter().any(|x| !x.is_finite()));
     if let Some(row) = bad.filter(|_| !file.limits.drop_nonfinite) {
-        let message = format!("{:?} is not finite", all[row]);
+        let message = format!("{:?} is not finite", positions[row]);
         return Err(ReadError::new(
             "not-finite",
             FileLocation::Row { list: "point", row: row as u64 },
             message,
         ));
     }
-    Ok(all)
+    Ok(positions)
 }
 
 fn faces(
@@ -188,7 +189,7 @@ fn faces(
         return Err(too_many_rows(array.place(file.text), "triangles", n, file.limits.rows));
     }
     let numbers = array.numbers(file)?;
-    let mut all: Vec<[u32; 3]> = with_room(n as usize)?;
+    let mut triangles: Vec<[u32; 3]> = with_room(n as usize)?;
     for row in 0..n {
         let mut face = [0; 3];
         for (k, corner) in (0..).zip(&mut face) {
@@ -196,16 +197,16 @@ fn faces(
                 ReadError::new("index-out-of-range", FileLocation::Row { list: "triangle", row }, message)
             })?;
         }
-        all.push(face);
+        triangles.push(face);
     }
-    Ok(all)
+    Ok(triangles)
 }
 
-/// The index of a point, which some programs write as a number of floating point.
+/// The index of a point; some programs write it as a floating-point number.
 fn corner_of(numbers: &NumberArray<'_>, i: usize, n_points: u64) -> Result<u32, String> {
     let real = numbers.real(i);
-    let whole = numbers.integer(i).unwrap_or(if real.fract() == 0.0 { real as i64 } else { -1 });
-    match u32::try_from(whole) {
+    let index = numbers.integer(i).unwrap_or(if real.fract() == 0.0 { real as i64 } else { -1 });
+    match u32::try_from(index) {
         Ok(corner) if u64::from(corner) < n_points => Ok(corner),
         _ => Err(format!("a corner is point {real}, and there are {}, counted from 0", grouped(n_points))),
     }

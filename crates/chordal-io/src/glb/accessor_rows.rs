@@ -3,14 +3,14 @@ use super::format::{AccessorFormat, ComponentType};
 use super::meshopt::BROKEN_STREAM;
 use super::model::{GltfModel, item};
 
-/// The numbers that are decoded at once: few enough to stay in the nearest cache.
+/// The count of numbers decoded at once. Chosen: few enough for the L1 cache.
 const BLOCK: usize = 1024;
 
 /// An accessor whose bytes are all present.
 pub(super) struct AccessorRows<'m> {
     pub format: AccessorFormat,
     pub count: u64,
-    /// The bytes from the first row on, and the stride. The rows are zeros when absent.
+    /// The bytes from the first row on, and the stride. If absent, the rows are zeros.
     base: Option<(&'m [u8], usize)>,
     sparse: Option<SparseRows<'m>>,
     places: [usize; 16],
@@ -34,20 +34,20 @@ fn unreadable<T>(code: &'static str, what: String) -> Result<T, AccessorError> {
 }
 
 impl<'m> AccessorRows<'m> {
-    /// The rows of an accessor; nothing is copied.
+    /// The rows of an accessor, as a borrowed view.
     ///
     /// # Errors
-    /// When a field is missing or wrong, or bytes are missing.
+    /// If a field is missing or wrong, or bytes are missing.
     pub fn new(model: &'m GltfModel<'_>, accessor: usize) -> Result<Self, AccessorError> {
-        let Some(found) = item(&model.accessors, Some(accessor)) else {
+        let Some(object) = item(&model.accessors, Some(accessor)) else {
             return unreadable("UNRESOLVED_REFERENCE", format!("there is no accessor {accessor}"));
         };
-        let (Some(format), Some(count), Some(offset)) = (found.format(), found.count, found.offset) else {
+        let (Some(format), Some(count), Some(offset)) = (object.format(), object.count, object.offset) else {
             let what = format!("accessor {accessor} has no valid type, componentType, count and byteOffset");
             return unreadable("UNDEFINED_PROPERTY", what);
         };
         let mut base = None;
-        if let Some(view) = found.view {
+        if let Some(view) = object.view {
             let stride = item(&model.views, Some(view)).and_then(|view| view.stride);
             let stride = stride.unwrap_or(format.natural_stride());
             if stride < format.row_length() {
@@ -58,11 +58,11 @@ impl<'m> AccessorRows<'m> {
             // Strides are 252 at most, or 64 when they follow from the format.
             base = Some((bytes(model, view, offset, length)?, stride as usize));
         }
-        if let Some(rows) = &found.unpacked {
+        if let Some(rows) = &object.unpacked {
             base = Some((rows, format.row_length() as usize));
         }
         let mut sparse = None;
-        if let Some(rows) = &found.sparse {
+        if let Some(rows) = &object.sparse {
             let (Some(index_component), Some(index_view), Some(value_view)) =
                 (rows.index_component, rows.index_view, rows.value_view)
             else {
@@ -77,7 +77,7 @@ impl<'m> AccessorRows<'m> {
             sparse = Some(SparseRows {
                 indices: bytes(model, index_view, rows.index_offset.unwrap_or(0), n_index)?,
                 values: bytes(model, value_view, rows.value_offset.unwrap_or(0), n_value)?,
-                // That many values fit in memory.
+                // The values are in memory, so their count fits a usize.
                 count: rows.count as usize,
                 index_component,
             });
@@ -94,7 +94,7 @@ impl<'m> AccessorRows<'m> {
         self.count.saturating_mul(self.format.row_length())
     }
 
-    /// Whether any number comes from the file.
+    /// Whether any value comes from the file.
     pub fn has_data(&self) -> bool {
         self.base.is_some() || self.sparse.is_some()
     }
@@ -105,7 +105,7 @@ impl<'m> AccessorRows<'m> {
         (0..n).map(|i| self.sparse.as_ref().map_or(0, |sparse| sparse.index(i)))
     }
 
-    /// Checks that sparse rows are in range and in order; otherwise it is unclear what they replace.
+    /// Checks that sparse rows are in range and in order; otherwise it is unclear which rows they replace.
     pub fn check_sparse(&self) -> Result<(), AccessorError> {
         let mut next = 0;
         for (i, index) in self.sparse_indices().enumerate() {
@@ -130,7 +130,7 @@ impl<'m> AccessorRows<'m> {
         });
     }
 
-    /// Visits the rows in order, many at once: the first of them, and the raw numbers of all.
+    /// Visits the rows in order, in blocks: the index of the first row, and the raw numbers of the block.
     pub fn each_block(&self, mut visit: impl FnMut(u64, &[f64])) {
         let n = self.format.kind.n_components();
         let mut block = [0.0; BLOCK];
@@ -173,7 +173,7 @@ impl<'m> AccessorRows<'m> {
         self.format.component.read(bytes.get(row as usize * stride + self.places[k]..).unwrap_or_default())
     }
 
-    /// The numbers of whole rows from a first one on, without those that are replaced.
+    /// The numbers of consecutive rows from `first` on, without sparse replacements.
     fn base_rows(&self, first: u64, numbers: &mut [f64]) {
         let Some((bytes, stride)) = self.base else { return numbers.fill(0.0) };
         let (component, n) = (self.format.component, self.format.kind.n_components());
@@ -201,8 +201,8 @@ impl SparseRows<'_> {
         format.component.read(self.values.get(at..).unwrap_or_default())
     }
 
-    /// Puts the rows from `next` on in their place, as far as they are among those of the numbers, and returns the
-    /// first beyond. `first` is the first row of the numbers.
+    /// Applies the sparse rows from `next` on that fall into `numbers`, and returns the first one beyond.
+    /// `first` is the row at which the numbers begin.
     fn replace(&self, format: AccessorFormat, mut next: usize, first: u64, numbers: &mut [f64]) -> usize {
         let n = format.kind.n_components();
         while next < self.count {
@@ -235,10 +235,10 @@ fn bytes<'m>(
     offset: u64,
     length: u64,
 ) -> Result<&'m [u8], AccessorError> {
-    let Some(found) = item(&model.views, Some(view)) else {
+    let Some(object) = item(&model.views, Some(view)) else {
         return unreadable("UNRESOLVED_REFERENCE", format!("there is no bufferView {view}"));
     };
-    let (Some(start), Some(n_view), Some(buffer)) = (found.offset, found.length, found.buffer) else {
+    let (Some(start), Some(n_view), Some(buffer)) = (object.offset, object.length, object.buffer) else {
         let what = format!("bufferView {view} has no valid buffer, byteOffset and byteLength");
         return unreadable("UNDEFINED_PROPERTY", what);
     };
@@ -247,12 +247,12 @@ fn bytes<'m>(
         let what = format!("the rows end at byte {end} of bufferView {view}, which has {n_view}");
         return unreadable("ACCESSOR_TOO_LONG", what);
     }
-    let (data, start, owner) = match &found.packed {
+    let (data, start, owner) = match &object.packed {
         None => (buffer_data(model, buffer)?, start, format!("buffer {buffer}")),
         Some(packed) => match (&packed.bytes, &packed.layout) {
             (Some(bytes), _) => (bytes.as_slice(), 0, "what it unpacks to".to_owned()),
             (None, layout) => {
-                // Where the buffer of the stream is missing, this says so.
+                // Reports a missing buffer of the compressed stream.
                 layout.map(|layout| buffer_data(model, layout.buffer)).transpose()?;
                 let what = format!("bufferView {view} by {} could not be unpacked", packed.extension);
                 return unreadable(BROKEN_STREAM, what);

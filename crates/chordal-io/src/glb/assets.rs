@@ -1,4 +1,4 @@
-//! Reads what a file has beside meshes and nodes into [`SceneAssets`].
+//! Reads the data other than meshes and nodes into [`SceneAssets`].
 use super::INSTANCING;
 use super::accessor_rows::AccessorRows;
 use super::draco::DRACO;
@@ -18,31 +18,31 @@ use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// Extensions of a file or a node that name nothing but lists that are kept.
+/// Extensions of a file or a node that refer only to lists that are kept.
 const KEPT_EXTENSIONS: [&str; 4] =
     ["KHR_lights_punctual", "KHR_node_visibility", "KHR_xmp_json_ld", VARIANTS];
 
-/// Extensions of primitives that are kept, or that the reader of parts warns of.
+/// Extensions of primitives that are kept, or that the reader of parts reports.
 const KNOWN_OF_PRIMITIVES: [&str; 2] = [DRACO, VARIANTS];
 
 /// The assets of a file.
 pub(super) struct AssetReader<'a> {
     json: &'a JsonValue,
     model: &'a GltfModel<'a>,
-    /// Bytes that may still be copied.
+    /// The number of bytes that may still be copied.
     left: u64,
-    /// What is not kept, by name, with how often and the first place.
+    /// The data that is not kept, by name, each with its number of occurrences and the first pointer.
     dropped: BTreeMap<String, (u64, String)>,
-    /// By number of a node in the scene the accessors of its instances.
+    /// The accessors of instances, with the index of the node in the scene.
     instances: Vec<(usize, Map<String, Value>)>,
     report: GlbWarnings,
 }
 
-/// What parts take of the assets of their file.
+/// The data of a file's assets that parts need.
 pub(super) struct PartAssets {
     /// By mesh and primitive of the file: the group of its faces.
     pub groups: Vec<Vec<usize>>,
-    /// By part: what its mesh has beside name and primitives.
+    /// By part: the properties of its mesh other than name and primitives.
     pub properties: Vec<Map<String, Value>>,
     /// By part: its points and lines.
     pub marks: Vec<Vec<Marks>>,
@@ -50,7 +50,7 @@ pub(super) struct PartAssets {
 }
 
 impl<'a> AssetReader<'a> {
-    /// Starts on a file of which at most `left` bytes may be copied.
+    /// A reader for a file of which at most `left` bytes may be copied.
     pub fn new(json: &'a JsonValue, model: &'a GltfModel<'a>, left: u64) -> Self {
         Self {
             json,
@@ -62,10 +62,10 @@ impl<'a> AssetReader<'a> {
         }
     }
 
-    /// Reads all assets into the scene of a tree of nodes, without what a forgiven issue may be about.
+    /// Reads all assets into the scene of a node tree, except those that a forgiven issue may concern.
     ///
     /// # Errors
-    /// Where what is copied passes the limit.
+    /// If the copied data exceeds the limit.
     pub fn read(mut self, tree: &mut NodeTree, forgiven: &ForgivenIssues) -> Result<PartAssets, ReadError> {
         let number_of = |node: usize| tree.number_of.get(node).copied().flatten();
         for i in 0..self.list("nodes").len() {
@@ -77,10 +77,10 @@ impl<'a> AssetReader<'a> {
         *tree.scene.assets = self.assets(number_of, tree.has_cut_nodes)?;
         for (at, attributes) in std::mem::take(&mut self.instances) {
             let properties = &mut tree.scene.nodes[at].properties;
-            let mut all = (**properties).clone();
-            all.entry("extensions").or_insert_with(|| json!({}))[INSTANCING] =
+            let mut merged = (**properties).clone();
+            merged.entry("extensions").or_insert_with(|| json!({}))[INSTANCING] =
                 json!({ "attributes": attributes });
-            *properties = all.into();
+            *properties = merged.into();
         }
         let mut materials = self.values("materials");
         clamp_factors(&forgiven.factors, &mut materials);
@@ -120,8 +120,8 @@ impl<'a> AssetReader<'a> {
         self.list(key).iter().map(JsonValue::to_value).collect()
     }
 
-    /// Everything but materials; `number_of` is the new number of a node that is kept. Joints of nodes that were
-    /// cut from their parents may have no root in common, so that there are no skins.
+    /// Everything but materials; `number_of` is the new index of a kept node. If nodes were cut from their
+    /// parents, joints may have no common root, so skins are left out.
     fn assets(
         &mut self,
         number_of: impl Fn(usize) -> Option<usize>,
@@ -149,9 +149,9 @@ impl<'a> AssetReader<'a> {
         let extensions = self.json.get("extensions").map_or(&[][..], JsonValue::entries);
         assets.extensions = self.kept_extensions(extensions, "/extensions");
         if let Some(asset) = self.json.get("asset") {
-            assets.about = self.said(asset, &["version", "minVersion", "generator"], "/asset");
+            assets.about = self.kept_members(asset, &["version", "minVersion", "generator"], "/asset");
             if let Some(Value::Object(extras)) = assets.about.get_mut("extras") {
-                // The certificate is of the file that was read.
+                // The certificate applies to the file that was read.
                 extras.shift_remove("chordal");
                 if extras.is_empty() {
                     assets.about.shift_remove("extras");
@@ -160,7 +160,8 @@ impl<'a> AssetReader<'a> {
         }
         assets.extras = self.json.get("extras").map(JsonValue::to_value);
         if let Some(shown) = self.shown_scene() {
-            assets.scene = self.said(&self.list("scenes")[shown], &["nodes"], &format!("/scenes/{shown}"));
+            assets.scene =
+                self.kept_members(&self.list("scenes")[shown], &["nodes"], &format!("/scenes/{shown}"));
         }
         Ok(assets)
     }
@@ -171,25 +172,25 @@ impl<'a> AssetReader<'a> {
         (n > 0).then(|| self.model.scene.unwrap_or(0)).filter(|scene| *scene < n)
     }
 
-    /// What an object says beside these members, with the extensions that are kept.
-    fn said(&mut self, object: &JsonValue, left_out: &[&str], pointer: &str) -> Map<String, Value> {
-        let mut said = members_without(object, left_out);
-        said.shift_remove("extensions");
+    /// The members of an object except those in `left_out`, with the extensions that are kept.
+    fn kept_members(&mut self, object: &JsonValue, left_out: &[&str], pointer: &str) -> Map<String, Value> {
+        let mut members = members_without(object, left_out);
+        members.shift_remove("extensions");
         let extensions = object.get("extensions").map_or(&[][..], JsonValue::entries);
         let extensions = self.kept_extensions(extensions, &format!("{pointer}/extensions"));
         if !extensions.is_empty() {
-            said.insert("extensions".to_owned(), Value::Object(extensions));
+            members.insert("extensions".to_owned(), Value::Object(extensions));
         }
-        said
+        members
     }
 
-    /// What a node has beside name, children, mesh and matrix.
+    /// The properties of a node other than name, children, mesh and matrix.
     fn node_properties(&mut self, i: usize) -> Map<String, Value> {
         let Some(node) = self.list("nodes").get(i) else { return Map::new() };
         let left_out = ["name", "children", "mesh", "matrix", "extensions"];
         let mut properties = members_without(node, &left_out);
         if !properties.contains_key("rotation") {
-            // The matrix says these as exactly.
+            // The matrix holds these exactly.
             properties.shift_remove("translation");
             properties.shift_remove("scale");
         }
@@ -209,7 +210,7 @@ impl<'a> AssetReader<'a> {
         let model = self.model;
         let Some(mesh) = item(&model.meshes, Some(i)) else { return Ok(Vec::new()) };
         let objects = self.list("meshes")[i].get("primitives").and_then(JsonValue::items).unwrap_or_default();
-        let mut all = Vec::new();
+        let mut mesh_marks = Vec::new();
         for (p, (primitive, object)) in mesh.primitives.iter().zip(objects).enumerate() {
             if !primitive.is_marks() {
                 continue;
@@ -221,7 +222,7 @@ impl<'a> AssetReader<'a> {
                 Some(marks) => {
                     let what = "points and lines are carried as they are: nothing measures them, and no bound covers them";
                     self.report.add("points-and-lines", place, what);
-                    all.push(marks);
+                    mesh_marks.push(marks);
                 }
                 None => {
                     let what = "points and lines without positions that can be read were skipped";
@@ -229,10 +230,10 @@ impl<'a> AssetReader<'a> {
                 }
             }
         }
-        Ok(all)
+        Ok(mesh_marks)
     }
 
-    /// What a mesh has beside its name and primitives.
+    /// The properties of a mesh other than its name and primitives.
     fn mesh_properties(&self, i: usize) -> Map<String, Value> {
         let mesh = self.list("meshes").get(i);
         mesh.map(|mesh| members_without(mesh, &["name", "primitives", "extensions"])).unwrap_or_default()
@@ -242,36 +243,37 @@ impl<'a> AssetReader<'a> {
         self.dropped.entry(name).or_insert((0, pointer)).0 += 1;
     }
 
-    /// Counts what no scene holds: other scenes, extensions of meshes, extras of how numbers are stored.
+    /// Counts data that a scene cannot hold: other scenes, extensions of meshes, extras of accessors, views
+    /// and buffers.
     fn count_what_no_scene_holds(&mut self) {
-        let mut found = Vec::new();
+        let mut dropped = Vec::new();
         let extras = |value: &JsonValue| value.get("extras").is_some();
         let shown = self.shown_scene();
         for i in (0..self.list("scenes").len()).filter(|i| shown.is_some_and(|shown| shown != *i)) {
-            found.push(("scenes beside the one that is shown".to_owned(), format!("/scenes/{i}")));
+            dropped.push(("scenes beside the one that is shown".to_owned(), format!("/scenes/{i}")));
         }
         for list in ["accessors", "bufferViews", "buffers"] {
             for (i, _) in self.list(list).iter().enumerate().filter(|(_, object)| extras(object)) {
-                found.push((format!("extras of {list}"), format!("/{list}/{i}/extras")));
+                dropped.push((format!("extras of {list}"), format!("/{list}/{i}/extras")));
             }
         }
         for (i, mesh) in self.list("meshes").iter().enumerate() {
             let primitives = mesh.get("primitives").and_then(JsonValue::items).unwrap_or_default();
-            let own = std::iter::once((mesh, format!("/meshes/{i}")));
-            let theirs =
+            let mesh_object = std::iter::once((mesh, format!("/meshes/{i}")));
+            let primitive_objects =
                 primitives.iter().enumerate().map(|(p, one)| (one, format!("/meshes/{i}/primitives/{p}")));
-            for (object, pointer) in own.chain(theirs) {
+            for (object, pointer) in mesh_object.chain(primitive_objects) {
                 let extensions = object.get("extensions").map_or(&[][..], JsonValue::entries);
                 for (name, _) in extensions.iter().filter(|(name, _)| !KNOWN_OF_PRIMITIVES.contains(&&**name))
                 {
-                    found.push((format!("extension {name}"), format!("{pointer}/extensions/{name}")));
+                    dropped.push((format!("extension {name}"), format!("{pointer}/extensions/{name}")));
                 }
             }
         }
-        found.into_iter().for_each(|(name, pointer)| self.count_dropped(name, pointer));
+        dropped.into_iter().for_each(|(name, pointer)| self.count_dropped(name, pointer));
     }
 
-    /// The warnings, of which one names all that was not kept.
+    /// The warnings; one of them lists all data that was not kept.
     fn into_report(mut self) -> GlbWarnings {
         self.count_what_no_scene_holds();
         let Some((_, first)) = self.dropped.values().next() else { return self.report };
@@ -282,9 +284,9 @@ impl<'a> AssetReader<'a> {
         self.report
     }
 
-    fn kept_extensions(&mut self, all: &[(Box<str>, JsonValue)], pointer: &str) -> Map<String, Value> {
+    fn kept_extensions(&mut self, extensions: &[(Box<str>, JsonValue)], pointer: &str) -> Map<String, Value> {
         let mut kept = Map::new();
-        for (name, value) in all {
+        for (name, value) in extensions {
             if KEPT_EXTENSIONS.contains(&&**name) {
                 kept.insert(name.to_string(), value.to_value());
             } else if ![super::LOD, super::INSTANCING].contains(&&**name) {
@@ -297,11 +299,11 @@ impl<'a> AssetReader<'a> {
     fn image(&mut self, i: usize) -> Result<SceneImage, ReadError> {
         let properties = members_without(&self.list("images")[i], &["bufferView", "uri", "mimeType"]);
         let mut image = SceneImage { properties, content: ImageContent::Uri(String::new()) };
-        let Some(found) = item(&self.model.images, Some(i)) else { return Ok(image) };
-        let bytes = found.data.as_deref().or_else(|| self.model.view_bytes(found.view));
-        // A file beside the document need not say its type: its first bytes do, or its name.
-        let beside = || bytes.and_then(picture_type).or_else(|| picture_type_of_name(found.uri?));
-        let mime = found.mime.or(found.found).or_else(beside);
+        let Some(model_image) = item(&self.model.images, Some(i)) else { return Ok(image) };
+        let bytes = model_image.data.as_deref().or_else(|| self.model.view_bytes(model_image.view));
+        // A separate picture file may omit its type: then its first bytes or its name tell it.
+        let beside = || bytes.and_then(picture_type).or_else(|| picture_type_of_name(model_image.uri?));
+        let mime = model_image.mime.or(model_image.detected).or_else(beside);
         image.content = match bytes.zip(mime) {
             Some((bytes, mime)) => {
                 self.charge(bytes.len() as u64, || format!("/images/{i}"))?;
@@ -309,11 +311,11 @@ impl<'a> AssetReader<'a> {
                 ImageContent::Bytes(bytes.into())
             }
             None => {
-                let uri = found.uri.unwrap_or_default();
-                if let Some(mime) = found.mime {
+                let uri = model_image.uri.unwrap_or_default();
+                if let Some(mime) = model_image.mime {
                     image.properties.insert("mimeType".to_owned(), json!(mime));
                 }
-                if found.data.is_none() && bytes.is_none() {
+                if model_image.data.is_none() && bytes.is_none() {
                     let place = FileLocation::Pointer(format!("/images/{i}"));
                     let what = "pictures in other files were not opened: their names are kept";
                     self.report.add("picture-missing", place, what);
@@ -337,7 +339,7 @@ impl<'a> AssetReader<'a> {
         Ok(())
     }
 
-    /// The skins, whose joints are nodes; none where some joints are not kept.
+    /// The skins, whose joints are nodes; none if some joints are not kept.
     fn add_skins(
         &mut self,
         assets: &mut SceneAssets,
@@ -365,7 +367,7 @@ impl<'a> AssetReader<'a> {
         Ok(())
     }
 
-    /// The attributes of nodes that show a mesh at many places; none where numbers are missing.
+    /// The attributes of instanced nodes; left out if data is missing.
     fn add_instances(
         &mut self,
         assets: &mut SceneAssets,
@@ -373,22 +375,22 @@ impl<'a> AssetReader<'a> {
         number_of: &impl Fn(usize) -> Option<usize>,
     ) -> Result<(), ReadError> {
         for (i, node) in self.model.nodes.iter().enumerate() {
-            let found = node.as_ref().and_then(|node| Some((node.mesh?, node.instances()?)));
-            let (Some((_, found)), Some(at)) = (found, number_of(i)) else { continue };
+            let instances = node.as_ref().and_then(|node| Some((node.mesh?, node.instances()?)));
+            let (Some((_, instances)), Some(at)) = (instances, number_of(i)) else { continue };
             let mut attributes = Map::new();
-            for (name, accessor) in found {
-                if let Some(own) = self.pack(*accessor, packed, assets)? {
-                    attributes.insert((*name).to_owned(), json!(own));
+            for (name, accessor) in instances {
+                if let Some(index) = self.pack(*accessor, packed, assets)? {
+                    attributes.insert((*name).to_owned(), json!(index));
                 }
             }
-            if !attributes.is_empty() && attributes.len() == found.len() {
+            if !attributes.is_empty() && attributes.len() == instances.len() {
                 self.instances.push((at, attributes));
             }
         }
         Ok(())
     }
 
-    /// The animations of nodes' transforms and weights; others are counted.
+    /// The animations of nodes' transforms and weights; other animations are counted.
     fn add_animations(
         &mut self,
         assets: &mut SceneAssets,
@@ -433,7 +435,7 @@ impl<'a> AssetReader<'a> {
         Ok(())
     }
 
-    /// Copies the numbers of samplers, and numbers them anew. False where some are missing.
+    /// Copies the data of samplers, and renumbers it. False if some is missing.
     fn pack_samplers(
         &mut self,
         samplers: &mut [Value],
@@ -451,7 +453,7 @@ impl<'a> AssetReader<'a> {
         Ok(true)
     }
 
-    /// Copies the numbers of an accessor, once, and returns their number; none where some are missing.
+    /// Copies the data of an accessor, once, and returns its index; `None` if some is missing.
     fn pack(
         &mut self,
         accessor: Option<usize>,
@@ -476,7 +478,7 @@ impl<'a> AssetReader<'a> {
     }
 }
 
-/// Takes out the shares of the screen that go with lower levels, which are not read.
+/// Removes the screen coverages of coarser levels, which are not read.
 fn drop_coverages(properties: &mut Map<String, Value>) {
     let Some(extras) = properties.get_mut("extras").and_then(Value::as_object_mut) else { return };
     if extras.shift_remove("MSFT_screencoverage").is_some() && extras.is_empty() {
@@ -484,11 +486,11 @@ fn drop_coverages(properties: &mut Map<String, Value>) {
     }
 }
 
-/// Takes factors of materials into their range.
+/// Clamps factors of materials to their ranges.
 fn clamp_factors(factors: &[(usize, &str)], materials: &mut [Value]) {
     for (material, pointer) in factors {
         let value = materials.get_mut(*material).and_then(|value| value.pointer_mut(pointer));
-        // One issue stands for all components of a list.
+        // One issue covers all components of a list.
         match value {
             Some(Value::Array(list)) => list.iter_mut().for_each(clamp),
             Some(value) => clamp(value),
@@ -497,15 +499,15 @@ fn clamp_factors(factors: &[(usize, &str)], materials: &mut [Value]) {
     }
 }
 
-/// Takes a number into the range of a factor.
+/// Clamps a number to the range of a factor.
 fn clamp(value: &mut Value) {
     if let Some(x) = value.as_f64().filter(|x| !(0.0..=1.0).contains(x)) {
         *value = json!(lesser(greater(x, 0.0), 1.0));
     }
 }
 
-/// Leaves out what a forgiven issue may be about: a file that is written says nothing wrong. Whether what nodes
-/// and meshes say stays.
+/// Removes the assets that a forgiven issue may concern, so that the written file is valid. Returns whether
+/// the properties of nodes and meshes can stay.
 fn drop_unsound_assets(scene: &mut Scene, codes: &[&str], report: &mut GlbWarnings) -> bool {
     if codes.is_empty() {
         return true;

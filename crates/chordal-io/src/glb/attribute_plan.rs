@@ -1,25 +1,25 @@
-//! `AttributePlan`: the attributes that the part of a mesh gets, decided before any is read.
+//! `AttributePlan`: the attributes that the part of a mesh gets, decided before any data is read.
 use super::format::AccessorType;
 use super::model::{GltfMesh, GltfModel, item};
 use super::skin_plan::{CommonTarget, SkinPlan, common_targets, has_width, morph_semantic};
 use chordal::explicit::Semantic;
 use std::collections::BTreeMap;
 
-/// The attributes of a part, in the order of their first mention in the file.
+/// The attributes of a part, in the order in which the file first mentions them.
 #[derive(Default)]
 pub(super) struct AttributePlan<'m> {
     pub streams: Vec<PlannedAttribute<'m>>,
-    /// The weights of joints, in the last streams.
+    /// The joint weights, stored in the last streams.
     pub skin: SkinPlan,
 }
 
-/// Where the values of an attribute come from.
+/// The source of an attribute's values.
 pub(super) enum StreamSource<'m> {
     /// An attribute of the primitive.
     Attribute(&'m str),
-    /// An attribute of one of its morph targets.
+    /// An attribute of a morph target, with the target's index.
     Target(usize, &'m str),
-    /// Its joints and their weights.
+    /// Joints and their weights.
     Joints,
 }
 
@@ -30,15 +30,16 @@ pub(super) struct PlannedAttribute<'m> {
     pub width: usize,
 }
 
-/// Texture and colour sets below this number are kept even where only some primitives have them.
+/// Texture and colour sets below this number are kept even if only some primitives have them. Chosen: larger
+/// values let sets of few primitives take memory for all vertices.
 const COMMON_SETS: u32 = 8;
 
 impl<'m> AttributePlan<'m> {
     /// Plans the attributes for the primitives with triangles. Common attributes are kept if any primitive
-    /// has them, others only if every primitive does: so a part takes no more than a few times what its
-    /// primitives contain.
+    /// has them, others only if every primitive does, so that a part takes no more than a few times the
+    /// memory of its primitives.
     pub fn from_mesh(model: &GltfModel<'_>, mesh: &'m GltfMesh<'_>) -> Self {
-        let mut found: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::new();
+        let mut usage: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::new();
         let mut order = Vec::new();
         let mut n_drawn = 0;
         for primitive in mesh.primitives.iter().filter(|primitive| primitive.is_drawn()) {
@@ -47,7 +48,7 @@ impl<'m> AttributePlan<'m> {
                 let width = item(&model.accessors, *accessor)
                     .and_then(|a| a.kind)
                     .map_or(0, AccessorType::n_components);
-                let (count, first, widest) = found.entry(*name).or_insert_with(|| {
+                let (count, first, widest) = usage.entry(*name).or_insert_with(|| {
                     order.push(*name);
                     (0, width, 0)
                 });
@@ -58,7 +59,7 @@ impl<'m> AttributePlan<'m> {
         }
         let mut streams = Vec::new();
         for name in order {
-            let Some((semantic, (count, first, widest))) = semantic_of(name).zip(found.get(name).copied())
+            let Some((semantic, (count, first, widest))) = semantic_of(name).zip(usage.get(name).copied())
             else {
                 continue;
             };
@@ -66,7 +67,7 @@ impl<'m> AttributePlan<'m> {
                 Semantic::Normal => (true, 3),
                 Semantic::Tangent => (true, 4),
                 Semantic::TexCoord(set) => (set < COMMON_SETS, 2),
-                // Four numbers when any primitive has alpha.
+                // Four numbers if any primitive has alpha.
                 Semantic::Color(set) => (set < COMMON_SETS, if widest == 4 { 4 } else { 3 }),
                 Semantic::Group(_) | Semantic::Custom(_) | Semantic::Blended(_) => (false, first),
             };
@@ -85,7 +86,7 @@ impl<'m> AttributePlan<'m> {
         Self { streams, skin: SkinPlan::default() }
     }
 
-    /// Adds the weights of joints.
+    /// Adds the joint weights.
     pub fn add_skin(&mut self, skin: SkinPlan) {
         let planned = |(semantic, width)| PlannedAttribute { source: StreamSource::Joints, semantic, width };
         self.streams.extend(skin.attributes().map(planned));
@@ -99,7 +100,7 @@ impl PlannedAttribute<'_> {
         if matches!(self.semantic, Semantic::Color(_)) { 1.0 } else { 0.0 }
     }
 
-    /// Whether rows of that many numbers are accepted.
+    /// Whether rows of `width` numbers are accepted.
     pub fn accepts_width(&self, width: usize) -> bool {
         width == self.width || (matches!(self.semantic, Semantic::Color(_)) && width == 3)
     }

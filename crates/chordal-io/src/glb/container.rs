@@ -1,4 +1,4 @@
-//! The container: a header, a JSON chunk, and maybe a BIN chunk.
+//! The container: a header, a JSON chunk, and an optional BIN chunk.
 use super::leniency::is_tolerated_code;
 use super::report::GlbWarnings;
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
@@ -8,26 +8,25 @@ use crate::{FileLocation, Limits, ReadError};
 pub(super) struct GlbChunks<'a> {
     /// The JSON.
     pub json: &'a [u8],
-    /// The byte of the file at which it begins.
+    /// The offset in the file at which it begins.
     pub json_at: u64,
-    /// What it stands in.
+    /// The container of the JSON.
     pub container: GltfContainer<'a>,
 }
 
-/// What the JSON of a glTF stands in, which says where the bytes of a buffer without a URI are.
+/// The container of a glTF's JSON, which decides where the bytes of a buffer without a URI are.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum GltfContainer<'a> {
-    /// A file of its own: nowhere.
+    /// A `.gltf` file: it has no such bytes.
     Json,
-    /// A GLB: in its BIN chunk, if it has one.
+    /// A GLB: they are in its BIN chunk, if it has one.
     Binary(Option<&'a [u8]>),
 }
 
-/// Splits a GLB file into chunks. What gltf-validator calls an error is one, what it calls a warning is
-/// listed.
+/// Splits a GLB file into chunks. Errors of gltf-validator are errors, its warnings are listed.
 ///
 /// # Errors
-/// At the byte where the container breaks.
+/// At the byte where the container is invalid.
 pub(super) fn chunks<'a>(
     bytes: &'a [u8],
     limits: &Limits,
@@ -70,6 +69,8 @@ fn split<'a>(bytes: &'a [u8], step: usize, report: &mut GlbWarnings) -> Result<G
             format!("the header says {length} bytes, it takes 12 itself"),
         );
     }
+    // 0                      12            20       20 + n
+    // | magic version length | n kind      | data   | n kind | data | …
     let (mut json, mut bin, mut n_chunks) = (None, None, 0);
     let mut at = 12;
     while at < bytes.len() && at != length {

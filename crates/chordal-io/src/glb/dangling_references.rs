@@ -1,10 +1,10 @@
-//! What names weights of joints or morph targets that no mesh of the file has.
+//! Removes references to joint weights or morph targets that no mesh of the file has.
 use super::deformation::{has_skin, targets_of};
 use super::report::GlbWarnings;
 use crate::{FileLocation, Scene};
 use serde_json::{Map, Value};
 
-/// Takes out what names weights of joints or morph targets that no mesh has.
+/// Removes references to joint weights or morph targets that no mesh has.
 pub(super) fn drop_dangling_references(scene: &mut Scene, report: &mut GlbWarnings) {
     let n_targets: Vec<usize> = scene.parts.iter().map(|part| targets_of(&part.mesh).len()).collect();
     let is_skinned: Vec<bool> = scene.parts.iter().map(|part| has_skin(&part.mesh)).collect();

@@ -23,7 +23,7 @@ pub(super) struct GltfDocument<'a> {
     accessors: Vec<Value>,
     views: Vec<Value>,
     meshes: Vec<Value>,
-    /// Those of the assets, then plain ones.
+    /// The materials of the assets, then plain ones.
     materials: Vec<Value>,
     images: Vec<Value>,
     animations: Vec<Value>,
@@ -31,25 +31,25 @@ pub(super) struct GltfDocument<'a> {
     /// The content of the BIN chunk, in order.
     pub streams: Vec<AccessorStream<'a>>,
     n_bytes: u64,
-    /// The bytes that compressed views have once they are unpacked, each from a multiple of four on.
+    /// The number of bytes that compressed views unpack to, each aligned to four.
     n_unpacked: u64,
-    /// Whether an accessor is in a form of `KHR_mesh_quantization`.
+    /// Whether an accessor uses a format of `KHR_mesh_quantization`.
     has_fewer_bits: bool,
     /// For each part its mesh, unless it is empty, and its origin.
     shown: Vec<node_list::PartMesh>,
-    /// The materials for meshes without and with a boundary, once they are used.
+    /// The plain materials for meshes without and with a boundary, if they are used.
     material: [Option<usize>; 2],
-    /// The accessors of points and lines, by what they say and their bytes.
+    /// The accessors of points and lines, by properties and bytes.
     mark_accessors: BTreeMap<(String, u32, Vec<u8>), usize>,
-    /// Where meshes may share rows: the accessors so far by what their rows look like from afar.
+    /// If meshes may share rows: the accessors so far, by an outline of their rows.
     known_rows: Option<BTreeMap<RowsOutline, Vec<usize>>>,
 }
 
-/// What tells most rows apart: type of component and of row, number of rows, target, bytes, their fingerprint.
+/// Distinguishes most streams cheaply: component type, row type, number of rows, target, bytes, fingerprint.
 type RowsOutline = (u32, &'static str, usize, Option<u32>, u64, u64);
 
 impl<'a> GltfDocument<'a> {
-    /// Starts with the materials of a scene, and with its images.
+    /// A document with the materials and images of a scene.
     pub fn new(assets: &'a SceneAssets, packing: GltfPacking) -> Self {
         let mut document = Self {
             assets,
@@ -86,7 +86,7 @@ impl<'a> GltfDocument<'a> {
         document
     }
 
-    /// Adds the animations and skins of nodes, and the places of those that show a mesh at many.
+    /// Adds the animations and skins of nodes, and the transforms of instanced nodes.
     pub fn add_animations(&mut self, scene: &Scene, nodes: &mut node_list::NodeList) {
         let assets = self.assets;
         let mut at = Vec::with_capacity(assets.accessors.len());
@@ -104,7 +104,7 @@ impl<'a> GltfDocument<'a> {
             let node = node.as_u64().and_then(|node| usize::try_from(node).ok());
             json!(node.and_then(|node| nodes.number.get(node)).copied().unwrap_or_default())
         };
-        // Weights of morph targets move nothing where a mesh has none.
+        // Weights of morph targets have no effect on a mesh without any.
         let moves = |channel: &Value| {
             let target = &channel["target"];
             let node = target["node"].as_u64().and_then(|node| scene.nodes.get(usize::try_from(node).ok()?));
@@ -187,8 +187,8 @@ impl<'a> GltfDocument<'a> {
         Ok(self.meshes.len() - 1)
     }
 
-    /// Adds an accessor of points and lines, once for all that have the same bytes and properties: levels repeat
-    /// those of their part.
+    /// Adds an accessor of points and lines, shared by all that have the same bytes and properties: coarser
+    /// levels repeat those of their part.
     fn add_mark_accessor(&mut self, accessor: MarkAccessor) -> usize {
         let MarkAccessor { mut properties, bytes, stride, target, needs_quantization } = accessor;
         let key = (Value::Object(properties.clone()).to_string(), target, bytes);
@@ -218,7 +218,7 @@ impl<'a> GltfDocument<'a> {
             let group = own.group.checked_sub(1).filter(|material| *material < self.assets.materials.len());
             let kind = group.and_then(|group| self.assets.face_kinds.get(&group));
             let material = group.map(|group| kind.map_or(group, |kind| kind.material));
-            // Looks by variant may have textures where the plain one has none.
+            // Variants may have textures even if the plain material has none.
             let is_alone =
                 shape.primitives.len() == 1 || kind.is_some_and(|kind| !kind.properties.is_empty());
             let material_object = material.and_then(|at| self.assets.materials.get(at));
@@ -237,7 +237,8 @@ impl<'a> GltfDocument<'a> {
         Ok(())
     }
 
-    /// Adds the vertices and the triangles of a primitive, without its material: the attributes that say something.
+    /// Adds the vertices and the triangles of a primitive, without its material: only attributes with
+    /// information.
     fn vertices(
         &mut self,
         shape: &GltfPart<'_>,
@@ -303,7 +304,7 @@ impl<'a> GltfDocument<'a> {
         Ok(targets)
     }
 
-    /// From here on, accessors with the same rows are one: many files show one shape in several materials.
+    /// From here on, accessors with the same rows are shared: many files show one shape in several materials.
     pub fn share_rows(&mut self) {
         self.known_rows = Some(BTreeMap::new());
     }
@@ -319,14 +320,14 @@ impl<'a> GltfDocument<'a> {
             stream.fingerprint()?,
         );
         let same = known.entry(outline).or_default();
-        let mut found = None;
+        let mut existing = None;
         for accessor in same.iter().copied() {
             if self.has_rows(accessor, &stream)? {
-                found = Some(accessor);
+                existing = Some(accessor);
                 break;
             }
         }
-        let accessor = match found {
+        let accessor = match existing {
             Some(accessor) => accessor,
             None => {
                 let accessor = self.add_new(stream)?;
@@ -340,7 +341,7 @@ impl<'a> GltfDocument<'a> {
 
     /// Whether an accessor has the rows of a stream, bit for bit.
     fn has_rows(&self, accessor: usize, stream: &AccessorStream<'_>) -> Result<bool, WriteError> {
-        // Each view is over one stream.
+        // Each view covers one stream.
         let view =
             self.accessors[accessor]["bufferView"].as_u64().and_then(|view| usize::try_from(view).ok());
         let Some(stored) = view.and_then(|view| self.streams.get(view)) else { return Ok(false) };
@@ -372,7 +373,7 @@ impl<'a> GltfDocument<'a> {
         Ok(self.accessors.len() - 1)
     }
 
-    /// Adds a view that is compressed: the stream, and the view over the bytes that it unpacks to.
+    /// Adds a compressed view: the stream, and the view over its unpacked bytes.
     fn add_compressed(&mut self, compressed: CompressedStream) -> usize {
         let CompressedStream { stream, stride, count, is_index, target } = compressed;
         let at = self.n_bytes;
@@ -427,8 +428,8 @@ impl<'a> GltfDocument<'a> {
         node_list::nodes(scene, &self.shown, levels)
     }
 
-    /// The content of the JSON chunk; `certificate` becomes an extra, and so do the names of groups of faces,
-    /// of which vertices have the numbers.
+    /// The content of the JSON chunk. `certificate` becomes an extra, and so do the names of face groups,
+    /// whose numbers are vertex attributes.
     pub fn json(
         &self,
         scene: &Scene,
@@ -444,7 +445,7 @@ impl<'a> GltfDocument<'a> {
         let groups = Some(group_names(scene)).filter(|groups| !groups.is_empty()).map(Value::Object);
         for (key, value) in [("groups", groups), ("chordal", certificate.cloned())] {
             let Some(value) = value else { continue };
-            // Extras of another kind than an object would be lost, and are rare.
+            // Extras that are not an object are replaced; they are rare.
             if !asset["extras"].is_object() {
                 asset["extras"] = json!({});
             }
@@ -460,7 +461,7 @@ impl<'a> GltfDocument<'a> {
         let mut buffers =
             if self.n_bytes == 0 { vec![] } else { vec![json!({ "byteLength": self.n_bytes })] };
         if self.n_unpacked > 0 {
-            // It has no bytes: it is what readers unpack.
+            // It has no bytes: readers fill it by unpacking.
             let fallback = json!({ meshopt::NAMES[0]: { "fallback": true } });
             buffers.push(json!({ "byteLength": self.n_unpacked, "extensions": fallback }));
         }
@@ -487,7 +488,7 @@ impl<'a> GltfDocument<'a> {
         root
     }
 
-    /// The extensions of the file, and the names of all that it uses, each once.
+    /// The extensions of the file, and the names of all extensions that it uses, each once.
     fn insert_extensions(&self, root: &mut Map<String, Value>, nodes: &node_list::NodeList) {
         if !self.assets.extensions.is_empty() {
             root.insert("extensions".to_owned(), json!(self.assets.extensions));
@@ -497,8 +498,8 @@ impl<'a> GltfDocument<'a> {
         self.meshes.iter().for_each(|mesh| collect_extensions(mesh, &mut used));
         let meshopt = (self.n_unpacked > 0).then(|| meshopt::NAMES[0].to_owned());
         let quantized = self.has_fewer_bits.then(|| QUANTIZATION.to_owned());
-        let own: Vec<String> = meshopt.into_iter().chain(quantized).collect();
-        used.extend(own.iter().cloned());
+        let packing_extensions: Vec<String> = meshopt.into_iter().chain(quantized).collect();
+        used.extend(packing_extensions.iter().cloned());
         used.sort_unstable();
         used.dedup();
         if used.is_empty() {
@@ -506,7 +507,8 @@ impl<'a> GltfDocument<'a> {
         }
         let mut required: Vec<&String> =
             self.assets.required_extensions.iter().filter(|name| used.contains(name)).collect();
-        required.extend(own.iter().filter(|name| !self.assets.required_extensions.contains(name)));
+        required
+            .extend(packing_extensions.iter().filter(|name| !self.assets.required_extensions.contains(name)));
         if !required.is_empty() {
             root.insert("extensionsRequired".to_owned(), json!(required));
         }
@@ -514,7 +516,8 @@ impl<'a> GltfDocument<'a> {
     }
 }
 
-/// The names of the groups of faces that parts of the scene have, by kind. Those of materials are theirs.
+/// The names of the face groups that parts of the scene have, by kind. Material groups are named by their
+/// materials.
 fn group_names(scene: &Scene) -> Map<String, Value> {
     let is_used = |kind: &str| {
         let semantic = Semantic::Group(kind.to_owned());

@@ -1,6 +1,6 @@
 //! Unpacks the primitives that are compressed by `KHR_draco_mesh_compression`.
 //!
-//! Here is what glTF says about the streams: which attribute of a stream is which accessor.
+//! This module implements glTF's side: which attribute of a stream belongs to which accessor.
 //!
 //! Source: F. Emelianenko and others, *KHR_draco_mesh_compression*, Khronos Group, 2018.
 use super::format::ComponentType;
@@ -15,24 +15,23 @@ use std::collections::BTreeMap;
 /// The name of the extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// The accessors that streams have filled, each with the stream's view and the attribute in it.
+/// The accessors filled from streams, each with the stream's view and the attribute in it.
 type FilledAccessors = BTreeMap<usize, (usize, Option<u32>)>;
 
-/// Whether what a primitive draws is in the file without its stream, too.
+/// Whether the file also holds the primitive's data uncompressed.
 pub(super) fn has_plain_copy(model: &GltfModel<'_>, primitive: &GltfPrimitive<'_>) -> bool {
     let is_plain = |accessor| {
-        let found = item(&model.accessors, Some(accessor));
-        found.is_none_or(|rows| rows.view.is_some() || rows.sparse.is_some())
+        let object = item(&model.accessors, Some(accessor));
+        object.is_none_or(|rows| rows.view.is_some() || rows.sparse.is_some())
     };
     primitive.stream_accessors().iter().all(|(accessor, _)| is_plain(*accessor))
 }
 
-/// Fills in the rows of accessors that are in compressed streams and nowhere else. At most `left` bytes are
-/// unpacked; returns how many may still be decoded. A stream that is broken is an issue, and its accessors stay
-/// without rows.
+/// Fills in the rows of accessors that exist only in compressed streams. At most `left` bytes are unpacked;
+/// returns how many may still be decoded. A broken stream is an issue, and its accessors stay without rows.
 ///
 /// # Errors
-/// At the extension of a primitive, where the limits are passed.
+/// At the extension of a primitive, if the limits are exceeded.
 pub(super) fn unpack(
     model: &mut GltfModel<'_>,
     lint: &mut GltfLint<'_>,
@@ -46,13 +45,13 @@ pub(super) fn unpack(
             let primitive = &mesh.primitives[p];
             let Some(stream) = &primitive.draco else { continue };
             let Some(view) = stream.view.filter(|_| !has_plain_copy(model, primitive)) else { continue };
-            let wanted = primitive.stream_accessors();
+            let accessors = primitive.stream_accessors();
             let is_filled = |(accessor, id): &(usize, _)| filled.get(accessor) == Some(&(view, *id));
-            if wanted.iter().all(is_filled) {
+            if accessors.iter().all(is_filled) {
                 continue;
             }
             let pointer = || format!("/meshes/{m}/primitives/{p}/extensions/{DRACO}");
-            match decode(model, primitive, view, &wanted, &filled, limits, left) {
+            match decode(model, primitive, view, &accessors, &filled, limits, left) {
                 Ok(rows) => {
                     left -= lesser_of(left, rows.iter().map(|rows| rows.bytes.len() as u64).sum());
                     for rows in rows {
@@ -86,7 +85,8 @@ struct DracoRows {
 }
 
 impl DracoRows {
-    /// Gives an accessor its rows. Bounds are those of the rows: the stream rounds values after they are taken.
+    /// Gives an accessor its rows, and bounds computed from these rows: the compression rounds values after
+    /// the file's bounds were taken.
     fn fill(self, accessor: &mut GltfAccessor) {
         accessor.component = Some(self.component);
         accessor.count = Some(self.count);
@@ -105,7 +105,7 @@ impl DracoRows {
     }
 }
 
-/// Decodes the stream of a primitive into the rows of the accessors that are wanted.
+/// Decodes the stream of a primitive into the rows of the requested accessors.
 fn decode(
     model: &GltfModel<'_>,
     primitive: &GltfPrimitive<'_>,
@@ -131,27 +131,28 @@ fn decode(
     let mesh = draco_stream::decode(stream, limits, left)?;
     let n_points = mesh.num_points();
     let row_bytes = |accessor: &GltfAccessor| accessor.format().map_or(0, |format| format.row_length());
-    let all = wanted.iter().filter_map(|(accessor, _)| item(&model.accessors, Some(*accessor)));
-    let n_bytes = all.map(row_bytes).fold(0, u64::saturating_add).saturating_mul(n_points as u64);
+    let objects = wanted.iter().filter_map(|(accessor, _)| item(&model.accessors, Some(*accessor)));
+    let n_bytes = objects.map(row_bytes).fold(0, u64::saturating_add).saturating_mul(n_points as u64);
     if n_bytes.saturating_add(12 * mesh.num_faces() as u64) > left {
         return Err(("too-large", format!("{n_bytes} bytes of vertices pass the limits, {left} are left")));
     }
     let mut rows = Vec::with_capacity(wanted.len());
     for (accessor, id) in wanted.iter().filter(|(accessor, _)| !filled.contains_key(accessor)) {
-        let Some(found) = item(&model.accessors, Some(*accessor)) else { continue };
+        let Some(object) = item(&model.accessors, Some(*accessor)) else { continue };
         let (component, count, bytes) = match id {
             None => (ComponentType::U32, 3 * mesh.num_faces() as u64, index_bytes(&mesh)?),
             Some(unique) => {
                 let attribute = mesh.attribute_by_unique_id(*unique);
                 let attribute =
                     attribute.ok_or_else(|| broken(format!("the stream has no attribute {unique}")))?;
-                let n = found.kind.map_or(0, super::format::AccessorType::n_components);
-                if usize::from(attribute.num_components()) != n || found.kind.is_some_and(|k| k.is_matrix()) {
+                let n = object.kind.map_or(0, super::format::AccessorType::n_components);
+                if usize::from(attribute.num_components()) != n || object.kind.is_some_and(|k| k.is_matrix())
+                {
                     let has = attribute.num_components();
                     return Err(broken(format!("attribute {unique} has {has} numbers, its accessor {n}")));
                 }
                 let component = component_of(attribute.data_type());
-                let component = component.filter(|own| found.component == Some(*own)).ok_or_else(|| {
+                let component = component.filter(|own| object.component == Some(*own)).ok_or_else(|| {
                     let kind = attribute.data_type();
                     broken(format!("attribute {unique} is of {kind:?}, which its accessor is not"))
                 })?;

@@ -1,4 +1,4 @@
-//! Opens the buffers and pictures that a glTF names in other files.
+//! Opens the buffers and pictures of a glTF that are in other files.
 use super::lint::GltfLint;
 use super::model::GltfModel;
 use super::report::GlbWarnings;
@@ -9,7 +9,7 @@ use std::borrow::Cow;
 /// Fills in the bytes of buffers and pictures that are in other files.
 ///
 /// # Errors
-/// Where a buffer cannot be had, or all together pass the limit. A picture that is missing is a warning.
+/// If a buffer is not available, or the files together exceed the limit. A missing picture is a warning.
 pub(super) fn open_files(
     model: &mut GltfModel<'_>,
     lint: &mut GltfLint<'_>,
@@ -37,7 +37,7 @@ pub(super) fn open_files(
     };
     for (i, buffer) in model.buffers.iter_mut().enumerate() {
         let Some(buffer) = buffer else { continue };
-        // What a fallback buffer holds comes from compressed views.
+        // Compressed views fill a fallback buffer.
         if let Some(uri) = external(buffer.uri).filter(|_| buffer.data.is_none() && !buffer.is_fallback) {
             buffer.data = Some(Cow::Owned(fetch(uri, &format!("/buffers/{i}/uri"))?));
         }
@@ -54,7 +54,7 @@ pub(super) fn open_files(
     Ok(())
 }
 
-/// A URI that names another file.
+/// A URI that refers to another file.
 fn external(uri: Option<&str>) -> Option<&str> {
     uri.filter(|uri| {
         !uri.is_empty() && !uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
@@ -62,7 +62,7 @@ fn external(uri: Option<&str>) -> Option<&str> {
 }
 
 fn escaped(uri: &str) -> String {
-    // As much as tells which one: a URI can be as long as the file.
+    // Chosen: enough to identify the file; a URI can be as long as the file.
     const SHOWN: usize = 200;
     uri.chars().take(SHOWN).collect()
 }

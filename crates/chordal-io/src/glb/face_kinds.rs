@@ -1,4 +1,4 @@
-//! `FileFaceKinds`: what the primitives of a file say of their faces, and the groups of faces that they become.
+//! `FileFaceKinds`: the properties of a file's primitives, and the face groups that represent them.
 use super::format::FIRST_MODE_OF_TRIANGLES;
 use super::json::JsonValue;
 use crate::FaceKind;
@@ -6,19 +6,19 @@ use crate::assets::{VARIANTS, plain_material};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The materials of a file with what its primitives say of their faces.
+/// The materials of a file and the properties of its primitives.
 pub(super) struct FileFaceKinds {
-    /// The materials, then one for bare faces of which something is said, then copies that stand for others.
+    /// The materials, then one for bare faces that have properties, then duplicates of others.
     pub materials: Vec<Value>,
     pub kinds: BTreeMap<usize, FaceKind>,
-    /// By mesh and primitive: the group of its faces, 0 where the material is none, or one that the writer
-    /// would give to bare faces.
+    /// By mesh and primitive: the group of its faces; 0 if there is no material, or the plain one that the
+    /// writer gives to bare faces.
     pub groups: Vec<Vec<usize>>,
     /// Whether some faces have no material.
     pub has_bare_faces: bool,
 }
 
-/// A primitive with triangles: its material, and what it says.
+/// A primitive with triangles: its material, and its other properties.
 struct PaintedFaces {
     mesh: usize,
     primitive: usize,
@@ -27,14 +27,14 @@ struct PaintedFaces {
 }
 
 impl FileFaceKinds {
-    /// Reads the primitives of the meshes of a file with these materials.
+    /// Reads the primitives of a file's meshes; `materials` are those of the file.
     pub fn from_meshes(meshes: &[JsonValue], mut materials: Vec<Value>) -> Self {
         let n = materials.len();
         let mut groups: Vec<Vec<usize>> =
             meshes.iter().map(|mesh| vec![0; primitives_of(mesh).len()]).collect();
         let painted = painted_faces(meshes, n);
         let has_bare_faces = painted.iter().any(|faces| faces.material.is_none());
-        // Marks name materials by their numbers in the file.
+        // Marks refer to materials by their index in the file, so materials cannot be removed.
         if !has_bare_faces && !has_marks(meshes) && painted.iter().all(|faces| faces.properties.is_empty()) {
             let numbers = without_plain(&mut materials);
             for faces in painted {
@@ -43,20 +43,20 @@ impl FileFaceKinds {
             return Self { materials, kinds: BTreeMap::new(), groups, has_bare_faces };
         }
         if painted.iter().any(|faces| faces.material.is_none() && !faces.properties.is_empty()) {
-            // The default of glTF: faces of which something is said need a group.
+            // A copy of glTF's default: bare faces with properties need a group.
             materials.push(json!({}));
         }
         let silent = painted.iter().filter(|faces| faces.properties.is_empty());
         let mut taken: BTreeSet<usize> = silent.filter_map(|faces| faces.material).collect();
         let mut kinds = BTreeMap::new();
-        let mut known: BTreeMap<(usize, String), usize> = BTreeMap::new();
+        let mut kind_indices: BTreeMap<(usize, String), usize> = BTreeMap::new();
         for PaintedFaces { mesh, primitive, material, properties } in painted {
             groups[mesh][primitive] = if properties.is_empty() {
                 material.map_or(0, |material| material + 1)
             } else {
                 let material = material.unwrap_or(n);
                 let key = (material, Value::Object(properties.clone()).to_string());
-                1 + *known.entry(key).or_insert_with(|| {
+                1 + *kind_indices.entry(key).or_insert_with(|| {
                     let idx = if taken.insert(material) { material } else { materials.len() };
                     if idx == materials.len() {
                         materials.push(materials[material].clone());
@@ -85,9 +85,9 @@ fn has_marks(meshes: &[JsonValue]) -> bool {
     meshes.iter().flat_map(primitives_of).any(is_marks)
 }
 
-/// The primitives with triangles of a file with so many materials.
+/// The primitives with triangles of a file with `n_materials` materials.
 fn painted_faces(meshes: &[JsonValue], n_materials: usize) -> Vec<PaintedFaces> {
-    let mut all = Vec::new();
+    let mut painted = Vec::new();
     for (mesh, object) in meshes.iter().enumerate() {
         for (primitive, object) in primitives_of(object).iter().enumerate() {
             if is_marks(object) {
@@ -96,25 +96,25 @@ fn painted_faces(meshes: &[JsonValue], n_materials: usize) -> Vec<PaintedFaces> 
             let material = object.get("material").and_then(JsonValue::integer);
             let material = material.and_then(|material| usize::try_from(material).ok());
             let material = material.filter(|material| *material < n_materials);
-            all.push(PaintedFaces { mesh, primitive, material, properties: properties_of(object) });
+            painted.push(PaintedFaces { mesh, primitive, material, properties: properties_of(object) });
         }
     }
-    all
+    painted
 }
 
-/// What a primitive says that is kept: its extras, and its materials in variants.
+/// The properties of a primitive that are kept: its extras, and its materials in variants.
 pub(super) fn properties_of(primitive: &JsonValue) -> Map<String, Value> {
     let mut properties = Map::new();
     if let Some(extras) = primitive.get("extras") {
         properties.insert("extras".to_owned(), extras.to_value());
     }
-    if let Some(variants) = primitive.get("extensions").and_then(|all| all.get(VARIANTS)) {
+    if let Some(variants) = primitive.get("extensions").and_then(|extensions| extensions.get(VARIANTS)) {
         properties.insert("extensions".to_owned(), json!({ VARIANTS: variants.to_value() }));
     }
     properties
 }
 
-/// Takes out the materials that the writer would give to bare faces. Returns the group of each material.
+/// Removes the materials that the writer would give to bare faces. Returns the group of each material.
 fn without_plain(materials: &mut Vec<Value>) -> Vec<usize> {
     let plain = [plain_material(false), plain_material(true)];
     let (mut groups, mut n_kept) = (Vec::with_capacity(materials.len()), 0);

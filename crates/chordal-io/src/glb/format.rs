@@ -2,7 +2,7 @@
 use chordal::math::greater;
 use std::fmt;
 
-/// The modes of primitives below this are points and lines (glTF 2.0, section 5.24.4).
+/// Primitive modes below this are points and lines (glTF 2.0, section 5.24.4).
 pub(super) const FIRST_MODE_OF_TRIANGLES: u64 = 4;
 
 /// The type of one component.
@@ -39,7 +39,7 @@ impl ComponentType {
         }
     }
 
-    /// The number that a component's bytes say, little-endian; 0 for another count of them than it has.
+    /// The number that a component's little-endian bytes hold; 0 if their count is wrong.
     pub fn number(self, bytes: &[u8]) -> f64 {
         match (self, bytes) {
             (Self::I8, [a]) => f64::from(i8::from_le_bytes([*a])),
@@ -64,7 +64,7 @@ impl ComponentType {
         }
     }
 
-    /// Reads the number at the start of the bytes; 0 when bytes are missing.
+    /// Reads the number at the start of the bytes; 0 if bytes are missing.
     pub fn read(self, bytes: &[u8]) -> f64 {
         match (self, bytes) {
             (Self::I8, [a, ..]) => f64::from(i8::from_le_bytes([*a])),
@@ -77,7 +77,7 @@ impl ComponentType {
         }
     }
 
-    /// Reads numbers that follow each other without gaps, as many as there is room for.
+    /// Reads consecutive numbers, as many as `numbers` has room for.
     pub fn read_all(self, bytes: &[u8], numbers: &mut [f64]) {
         fn each<const N: usize>(bytes: &[u8], numbers: &mut [f64], number: impl Fn([u8; N]) -> f64) {
             let (chunks, _) = bytes.as_chunks::<N>();
@@ -97,7 +97,7 @@ impl ComponentType {
     pub fn normalize(self, x: f64) -> f64 {
         match self {
             Self::F32 => x,
-            // Two integers stand for −1.
+            // The lowest two integers both map to −1.
             _ => {
                 let share = x / self.range().1;
                 greater(-1.0, share)
@@ -198,7 +198,7 @@ impl AccessorFormat {
         self.place_of(self.kind.n_components() - 1) + self.component.size()
     }
 
-    /// The stride where none is given.
+    /// The stride if the file gives none.
     pub fn natural_stride(self) -> u64 {
         if self.kind.is_matrix() {
             let rows = self.kind.n_rows();

@@ -18,9 +18,9 @@ pub(super) struct GltfPart<'a> {
     pub mesh: Cow<'a, Mesh>,
     pub primitives: Vec<PrimitiveMesh>,
     pub positions: StoredPositions,
-    /// How attributes are stored, where that is in fewer bits.
+    /// How attributes are stored, if they are quantized.
     pub storage: Option<VertexStorage>,
-    /// Whether v of its texture coordinates is turned over: glTF's runs down.
+    /// Whether v of its texture coordinates is flipped: glTF's runs down.
     pub turns_v: bool,
 }
 
@@ -33,7 +33,8 @@ impl<'a> GltfPart<'a> {
         }
         let mut storage = storage_of(part, packing);
         if let Some(storage) = storage.as_mut().filter(|_| part.marks.iter().any(Marks::is_moved)) {
-            // A skin or morph targets move them from where they stand, and not from where a node would put them.
+            // A skin or morph targets move the vertices from their own positions, not from those after the
+            // node's transform.
             storage.lattice = None;
         }
         let positions = StoredPositions::new(&mesh, storage);
@@ -42,14 +43,14 @@ impl<'a> GltfPart<'a> {
     }
 }
 
-/// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF demands.
+/// The attributes of a mesh. Texture and colour sets are renumbered from zero without gaps, as glTF demands.
 pub(super) fn streams_of(
     mesh: &Mesh,
     says: impl Fn(&Attribute) -> bool,
 ) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     let mut sorted: Vec<_> =
         mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
-    // Skins and morph targets are written by themselves.
+    // Skins and morph targets are written separately.
     sorted.retain(|attribute| !matches!(attribute.semantic, Semantic::Blended(_)));
     sorted.sort_by_key(|attribute| match attribute.semantic {
         Semantic::Normal => (0, 0),
@@ -66,7 +67,7 @@ pub(super) fn streams_of(
         matches!(a.semantic, Semantic::Color(_)) == matches!(b.semantic, Semantic::Color(_))
     };
     for (i, attribute) in sorted.iter().copied().enumerate() {
-        // A set is left out with all after it alone: their numbers have no gaps.
+        // A set may be left out only with all sets after it, or the numbers would have gaps.
         let mut rest = sorted[i..].iter().filter(|one| is_of_sets(one) && same_kind(one, attribute));
         let is_written = !is_of_sets(attribute) || rest.any(|one| says(one));
         let counter = match attribute.semantic {
@@ -83,7 +84,7 @@ pub(super) fn streams_of(
     Ok(streams)
 }
 
-/// The material of faces of which only its name is known, for all parts of a scene.
+/// The material of faces for which only a name is known, the same for all parts of a scene.
 pub(super) fn plain_for(scene: &Scene) -> Value {
     plain_material(scene.parts.iter().any(|part| is_open(&part.mesh)))
 }

@@ -1,4 +1,4 @@
-//! Reads `EXT_mesh_gpu_instancing`: a node that shows its mesh many times gets a child for each time.
+//! Reads `EXT_mesh_gpu_instancing`: a node that shows its mesh many times gets a child for each instance.
 //!
 //! Source: J. Cooke, D. McCurdy and A. Kapoulkine, *EXT_mesh_gpu_instancing*, Khronos Group, 2022.
 use super::INSTANCING;
@@ -11,8 +11,8 @@ use super::trs::compose;
 use crate::{Conformance, FileLocation, Limits, Node, PackedAccessor, ReadError, Scene};
 use serde_json::{Map, Value, json};
 
-/// The most bytes that a node takes, and that its properties add where it has some. Derived: a node is about
-/// 300 bytes with its place in the list of its parent; three lists of JSON numbers are below 2,000.
+/// The most bytes of a node, and of its properties if it has any. Derived: a node is about 300 bytes with its
+/// entry in the list of its parent; three lists of JSON numbers are below 2,000.
 const NODE_BYTES: u64 = 512;
 const PROPERTY_BYTES: u64 = 2048;
 
@@ -25,12 +25,11 @@ struct InstanceRows<'m> {
     scale: Option<AccessorRows<'m>>,
 }
 
-/// Adds the instances that nodes of the file ask for to a scene, each as a child that shows the node's part;
-/// `number_of` has the number in the scene of each node that was kept. At most `left` bytes may be taken;
-/// returns how many are left.
+/// Adds the instances of the file's nodes to a scene, each as a child that shows the node's part; `number_of`
+/// is the index in the scene of each kept node. At most `left` bytes may be used; returns how many are left.
 ///
 /// # Errors
-/// At an attribute whose format, count or numbers cannot place a mesh, and where a limit is passed.
+/// At an attribute whose format, count or numbers cannot place a mesh, or if a limit is exceeded.
 pub(super) fn place(
     scene: &mut Scene,
     model: &GltfModel<'_>,
@@ -154,7 +153,7 @@ impl<'m> InstanceRows<'m> {
         let matrix = compose(translation, rotation, scale);
         let mut node = Node { matrix: matrix.into(), part: Some(part), ..Node::default() };
         if scale.contains(&0.0) {
-            // No writer finds a rotation in such a matrix.
+            // Writers cannot decompose such a matrix into a rotation and a scale.
             node.properties.insert("translation".to_owned(), json!(translation));
             node.properties.insert("rotation".to_owned(), json!(rotation));
             node.properties.insert("scale".to_owned(), json!(scale));
@@ -163,14 +162,14 @@ impl<'m> InstanceRows<'m> {
     }
 }
 
-/// A rotation of length 1: quantized quaternions are a little off, which would shear the mesh.
+/// A rotation of length 1: quantized quaternions are slightly off, which would shear the mesh.
 fn unit_rotation(turned: [f64; 4]) -> [f64; 4] {
     let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
     turned.map(|x| x / length)
 }
 
-/// The matrices of the instances whose attributes these are, by their names in `accessors`: those of the nodes that
-/// [`place`] makes of them, bit for bit. `None` where they are not all there.
+/// The matrices of the instances with these attributes, given by indices into `accessors`; bit for bit those
+/// of the nodes that [`place`] creates. `None` if data is missing.
 pub(super) fn places(
     attributes: &Map<String, Value>,
     accessors: &[PackedAccessor],
@@ -195,7 +194,7 @@ pub(super) fn places(
     Some((0..n).map(matrix).collect())
 }
 
-/// The rows of an accessor that was carried along, without gaps; of three numbers the fourth is 0.
+/// The rows of a passed-through accessor; if it has three components, the fourth is 0.
 fn packed_rows(accessor: &PackedAccessor) -> Option<Vec<[f64; 4]>> {
     let component = ComponentType::from_code(accessor.properties.get("componentType")?.as_u64()?)?;
     let width = AccessorType::from_name(accessor.properties.get("type")?.as_str()?)?.n_components();
@@ -217,7 +216,7 @@ fn packed_rows(accessor: &PackedAccessor) -> Option<Vec<[f64; 4]>> {
     )
 }
 
-/// Whether an attribute may have a format.
+/// Whether an attribute may have this format.
 fn is_allowed(name: &str, format: AccessorFormat) -> bool {
     use AccessorType::{Vec3, Vec4};
     use ComponentType::{F32, I8, I16};

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 pub(super) enum JsonValue {
     Null,
     Bool(bool),
-    /// A number without point and exponent that fits.
+    /// A number without point and exponent that fits into an i64.
     Int(i64),
     /// Any other number, finite.
     Float(f64),
@@ -21,12 +21,12 @@ pub(super) enum JsonValue {
 }
 
 impl JsonValue {
-    /// The value of a key; `None` if this is no object.
+    /// The value of a key; `None` if this is not an object.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entries().iter().find(|(k, _)| **k == *key).map(|(_, value)| value)
     }
 
-    /// The entries of an object; none if this is no object.
+    /// The entries of an object; empty if this is not an object.
     pub fn entries(&self) -> &[(Box<str>, Self)] {
         if let Self::Object(entries) = self { entries } else { &[] }
     }
@@ -51,12 +51,12 @@ impl JsonValue {
         }
     }
 
-    /// The value of a whole number, also if it is written as `3.0` or `3e2`.
+    /// The value of a whole number, even if it is written as `3.0` or `3e2`.
     #[allow(clippy::cast_possible_truncation)]
     pub fn integer(&self) -> Option<i64> {
         match self {
             Self::Int(i) => Some(*i),
-            // Below 2⁶³ in size the conversion is exact; larger numbers are no counts or indices.
+            // Below 2⁶³ in size the conversion is exact; larger numbers are neither counts nor indices.
             Self::Float(x) if x.trunc() == *x => Some(if x.abs() < 9_223_372_036_854_775_808.0 {
                 *x as i64
             } else {
@@ -84,14 +84,14 @@ impl JsonValue {
     /// Parses a text that starts at byte `at` of the file.
     ///
     /// # Errors
-    /// At the byte, when the text is no JSON, nests deeper than the limit, or names a key twice.
+    /// At the byte, if the text is not JSON, nests deeper than the limit, or repeats a key.
     pub fn parse(bytes: &[u8], at: u64, limits: &Limits) -> Result<Self, ReadError> {
         let invalid = |offset: usize, what: &str| {
             ReadError::new("INVALID_JSON", FileLocation::Byte(at + offset as u64), what.to_owned())
         };
         let text =
             std::str::from_utf8(bytes).map_err(|e| invalid(e.valid_up_to(), "the JSON is not UTF-8"))?;
-        // Nesting takes stack here and wherever the value is walked; a thousand levels fit any thread.
+        // Nesting takes stack here and wherever the value is traversed; a thousand levels fit any thread.
         let mut parser = JsonParser { text, at: 0, depth: limits.depth.min(1000) };
         let value = parser.value(0).and_then(|value| {
             parser.space();
@@ -101,7 +101,7 @@ impl JsonValue {
     }
 }
 
-/// The most bytes of JSON that are read: a hundred thousand nodes take about ten million bytes.
+/// The most bytes of JSON that are read. Chosen: a hundred thousand nodes take about ten million bytes.
 pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 struct JsonParser<'a> {
@@ -122,9 +122,9 @@ impl JsonParser<'_> {
     }
 
     fn eat(&mut self, byte: u8) -> bool {
-        let found = self.peek() == byte;
-        self.at += usize::from(found);
-        found
+        let is_next = self.peek() == byte;
+        self.at += usize::from(is_next);
+        is_next
     }
 
     fn value(&mut self, depth: usize) -> Result<JsonValue, String> {
@@ -210,15 +210,15 @@ impl JsonParser<'_> {
         if !self.eat(b'0') && self.digits() == 0 {
             return Err("a digit is expected".to_owned());
         }
-        let mut whole = true;
+        let mut is_integer = true;
         if self.eat(b'.') {
-            whole = false;
+            is_integer = false;
             if self.digits() == 0 {
                 return Err("a digit is expected".to_owned());
             }
         }
         if self.eat(b'e') || self.eat(b'E') {
-            whole = false;
+            is_integer = false;
             if !self.eat(b'-') {
                 self.eat(b'+');
             }
@@ -227,7 +227,7 @@ impl JsonParser<'_> {
             }
         }
         let text = &self.text[start..self.at];
-        if let (true, Ok(i)) = (whole && text != "-0", text.parse()) {
+        if let (true, Ok(i)) = (is_integer && text != "-0", text.parse()) {
             return Ok(JsonValue::Int(i));
         }
         match text.parse::<f64>() {
@@ -306,7 +306,7 @@ impl JsonParser<'_> {
     }
 }
 
-/// Appends to a list. Long lists grow by a quarter only, since a file with one long list decides how much is
+/// Appends to a list. Long lists grow by only a quarter, since a file with one long list decides how much is
 /// allocated.
 fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), String> {
     if list.len() == list.capacity() {
@@ -317,7 +317,7 @@ fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), String> {
     Ok(())
 }
 
-/// The members of an object but for some.
+/// The members of an object except some.
 pub(super) fn members_without(object: &JsonValue, left_out: &[&str]) -> Map<String, Value> {
     let kept = object.entries().iter().filter(|(key, _)| !left_out.contains(&&**key));
     kept.map(|(key, value)| (key.to_string(), value.to_value())).collect()

@@ -1,11 +1,11 @@
-//! What viewers accept although gltf-validator calls it an error, and how it is mended.
+//! Errors of gltf-validator that viewers accept, and how they are repaired.
 use super::report::GlbWarnings;
 use crate::{Conformance, FileLocation, Limits, ReadError, Warning};
 
-/// Errors about what is computed anew or left out when a file is written, so that no triangle and no look
-/// depends on them.
+/// Errors in data that is recomputed or left out when a file is written, so that they affect neither
+/// triangles nor materials.
 const RESTATED: [&str; 17] = [
-    // The least and largest numbers of an accessor.
+    // The bounds of an accessor.
     "ACCESSOR_MIN_MISMATCH",
     "ACCESSOR_MAX_MISMATCH",
     "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS",
@@ -13,26 +13,26 @@ const RESTATED: [&str; 17] = [
     // The lengths of directions.
     "ACCESSOR_VECTOR3_NON_UNIT",
     "ACCESSOR_INVALID_SIGN",
-    // Weights of joints, and how matrices, keys and pictures lie in their buffers.
+    // Joint weights, and the layout of matrices, keys and pictures in their buffers.
     "ACCESSOR_WEIGHTS_NON_NORMALIZED",
     "ACCESSOR_WEIGHTS_NEGATIVE",
     "ACCESSOR_JOINTS_INDEX_DUPLICATE",
     "SKIN_IBM_ACCESSOR_WITH_BYTESTRIDE",
     "ANIMATION_SAMPLER_ACCESSOR_WITH_BYTESTRIDE",
     "IMAGE_BUFFER_VIEW_WITH_BYTESTRIDE",
-    // What buffers are for, and which extensions are there.
+    // Targets of buffer views, and declared extensions.
     "BUFFER_VIEW_TARGET_OVERRIDE",
     "UNDECLARED_EXTENSION",
     "UNUSED_EXTENSION_REQUIRED",
-    // Mended where nodes are read, and by reading the chunk of the length that it says.
+    // Repaired when nodes are read, and by reading a chunk with its declared length.
     "SCENE_NON_ROOT_NODE",
     "GLB_CHUNK_LENGTH_UNALIGNED",
 ];
 
-/// Issues that stay errors when the reader is lenient, since the nodes would be no forest.
+/// Issues that stay errors even for the lenient reader, since the nodes would not be a forest.
 const FOREST: [&str; 2] = ["NODE_LOOP", "NODE_PARENT_OVERRIDE"];
 
-/// Factors of materials between 0 and 1, below `/materials/N`, each a number or a list of some.
+/// Factors of materials between 0 and 1, below `/materials/N`; each is a number or a list of numbers.
 const FACTORS: [&str; 5] = [
     "/pbrMetallicRoughness/baseColorFactor",
     "/pbrMetallicRoughness/metallicFactor",
@@ -41,45 +41,46 @@ const FACTORS: [&str; 5] = [
     "/occlusionTexture/strength",
 ];
 
-/// Whether viewers accept this, and what is read and written does not depend on it.
+/// Whether viewers accept this issue, and neither reading nor writing depends on it.
 fn is_tolerated(issue: &Warning) -> bool {
     let FileLocation::Pointer(pointer) = &issue.place else { return RESTATED.contains(&issue.code) };
     match issue.code {
         "VALUE_NOT_IN_RANGE" => factor(pointer).is_some(),
-        // The scene to show first; without one it is the first.
+        // The scene to show; without it, the first one is shown.
         "UNRESOLVED_REFERENCE" => pointer == "/scene",
         code => RESTATED.contains(&code),
     }
 }
 
-/// Whether this code's error is one only for readers that are strict.
+/// Whether an issue of this code is an error only for strict readers.
 pub(super) fn is_tolerated_code(code: &str, limits: &Limits) -> bool {
     limits.conformance != Conformance::Strict && RESTATED.contains(&code)
 }
 
-/// The material and the pointer in it of a factor, of which `pointer` names the number or a component.
+/// The material and the factor's pointer inside it, for a `pointer` to the number or to a component.
 fn factor(pointer: &str) -> Option<(usize, &'static str)> {
     let rest = pointer.strip_prefix("/materials/")?;
     let at = rest.find('/')?;
     let (material, inner) = (rest[..at].parse().ok()?, &rest[at..]);
-    let whole = match inner.rsplit_once('/') {
+    let factor_pointer = match inner.rsplit_once('/') {
         Some((list, index)) if index.parse::<usize>().is_ok() => list,
         _ => inner,
     };
-    FACTORS.into_iter().find(|known| *known == whole).map(|known| (material, known))
+    FACTORS.into_iter().find(|known| *known == factor_pointer).map(|known| (material, known))
 }
 
-/// What was forgiven.
+/// The issues that were forgiven.
 #[derive(Default)]
 pub(super) struct ForgivenIssues {
-    /// What may be about something that is kept, by code.
+    /// The codes of issues that may concern data that is kept.
     pub unsound: Vec<&'static str>,
-    /// Factors that are out of their range: the material of the file, and the pointer in it.
+    /// Factors that are out of range: the index of the material, and the pointer inside it.
     pub factors: Vec<(usize, &'static str)>,
 }
 
 impl ForgivenIssues {
-    /// Judges the issues: the first that is not forgiven is the error, others become warnings.
+    /// Judges the issues: the first that cannot be forgiven is returned as the error, the others become
+    /// warnings.
     pub fn judge(issues: Vec<Warning>, limits: &Limits, report: &mut GlbWarnings) -> Result<Self, ReadError> {
         let mut forgiven = Self::default();
         for issue in issues {

@@ -1,11 +1,11 @@
-//! Which parts and nodes of a scene can have coarser levels by `MSFT_lod`.
+//! The parts and nodes of a scene that can have coarser levels by `MSFT_lod`.
 use super::deformation::{has_skin, targets_of};
 use crate::{Node, Scene};
 use serde_json::Value;
 
-/// By part: whether nodes can name coarser levels of it. Not with morph targets, whose weights animations set at
-/// one node; nor with a skin where a node has more than the part, since a child that took a mesh with a skin
-/// would be below its root, where viewers may move it twice.
+/// By part: whether nodes can refer to coarser levels of it. Not if it has morph targets, whose weights
+/// animations set at one node; nor if it has a skin and a node has more than the part, since a child that
+/// took a mesh with a skin would be below its root, where viewers may move it twice.
 #[must_use]
 pub fn takes_levels(scene: &Scene) -> Vec<bool> {
     let parts = scene.parts.iter();
@@ -38,7 +38,7 @@ pub(super) fn animated_nodes(scene: &Scene) -> Vec<bool> {
     is_animated
 }
 
-/// Whether whatever knows levels may show a coarser one in the place of a node and of all below it.
+/// Whether a viewer that supports levels may replace a node and its descendants by a coarser level.
 pub(super) fn is_replaceable(node: &Node, is_moved: bool) -> bool {
     let is_transform = |key: &str| ["translation", "rotation", "scale"].contains(&key);
     let is_plain = |(key, value): (&String, &Value)| match key.as_str() {

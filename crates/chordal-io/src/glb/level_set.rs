@@ -8,25 +8,26 @@ use serde_json::Value;
 pub struct GlbLevels<'a> {
     /// The scene with the finest level of each part.
     pub scene: &'a Scene,
-    /// By part: its coarser levels, the finest first. Empty for a part, and as a whole, that has one level, as
-    /// those have to that [`takes_levels`](super::takes_levels) does not name.
+    /// By part: its coarser levels, the finest first. Empty for a part with one level; the whole list is
+    /// empty if all parts have one. Parts for which [`takes_levels`](super::takes_levels) is false must have
+    /// one.
     pub coarser: &'a [Vec<Part>],
-    /// By node: for each level of its part the least fraction of the screen, 0 to 1, that the part covers where this
-    /// level is shown. Below it the next level is shown, and nothing after the last. Empty for nodes whose
-    /// part has one level.
+    /// By node: for each level of its part the least fraction of the screen, 0 to 1, that the part covers
+    /// while this level is shown. Below it the next level is shown, and nothing after the last. Empty for
+    /// nodes whose part has one level.
     pub coverages: &'a [Vec<f64>],
     /// The certificate of the file.
     pub certificate: Option<&'a Value>,
 }
 
 impl<'a> GlbLevels<'a> {
-    /// A scene in one level.
+    /// A scene with one level.
     #[must_use]
     pub fn one(scene: &'a Scene) -> Self {
         Self { scene, coarser: &[], coverages: &[], certificate: None }
     }
 
-    /// Refuses what cannot be written.
+    /// Refuses levels that cannot be written.
     pub(super) fn check(&self) -> Result<(), WriteError> {
         let refused = |what: String| Err(WriteError::Unsupported(what));
         let GlbLevels { scene, coarser, coverages, .. } = self;
@@ -41,21 +42,21 @@ impl<'a> GlbLevels<'a> {
         }
         for (i, node) in scene.nodes.iter().enumerate() {
             let n_coarser = node.part.and_then(|part| coarser.get(part)).map_or(0, Vec::len);
-            let own = coverages.get(i).map_or(&[][..], |own| own);
-            if n_coarser > 0 && own.len() != n_coarser + 1 {
+            let node_coverages = coverages.get(i).map_or(&[][..], |node_coverages| node_coverages);
+            if n_coarser > 0 && node_coverages.len() != n_coarser + 1 {
                 return refused(format!(
                     "node {i} has {} screen coverages for {} levels",
-                    own.len(),
+                    node_coverages.len(),
                     n_coarser + 1
                 ));
             }
-            if let Some(k) = own.iter().position(|coverage| !(0.0..=1.0).contains(coverage)) {
+            if let Some(k) = node_coverages.iter().position(|coverage| !(0.0..=1.0).contains(coverage)) {
                 return refused(format!(
                     "level {k} of node {i} is shown from {} of the screen on, not 0 to 1",
-                    own[k]
+                    node_coverages[k]
                 ));
             }
-            if let Some(k) = own.windows(2).position(|pair| pair[1] >= pair[0]) {
+            if let Some(k) = node_coverages.windows(2).position(|pair| pair[1] >= pair[0]) {
                 return refused(format!(
                     "level {} of node {i} is not shown on less of the screen than level {k}",
                     k + 1

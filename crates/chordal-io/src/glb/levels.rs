@@ -4,18 +4,18 @@ use super::pack::{files_of, pack_embedded, with_document, write_file};
 use crate::{FileSet, WriteError};
 use std::io::Write;
 
-/// Writes levels of detail as one GLB 2.0, the same bytes for the same levels.
+/// Writes levels of detail as one GLB 2.0. The same levels give the same bytes.
 ///
-/// The scene is written as [`super::write`] writes it: with its nodes, materials, skins and animations. Each
-/// node whose part has coarser levels names a node for each of them by the extension `MSFT_lod`, and has the
-/// screen coverages as its extra `MSFT_screencoverage`. These nodes are no part of the scene, and they are
-/// placed as it is. Where the node has children, is animated, or shows a camera or a light, a child of its
-/// own shows the part and names the levels, since whatever knows the extension shows a level in the place of
-/// all of the node. The extension is not required, so a viewer that does not know it shows the finest level.
+/// The scene is written as by [`super::write`], with its nodes, materials, skins and animations. Each node
+/// whose part has coarser levels refers to a node for each of them by the extension `MSFT_lod`, and has the
+/// screen coverages as its extra `MSFT_screencoverage`. These nodes are not part of the scene, and have the
+/// same transform. If the node has children, is animated, or shows a camera or a light, an extra child shows
+/// the part and refers to the levels, since viewers that support the extension replace a whole node by a
+/// level. The extension is not required, so a viewer that does not support it shows the finest level.
 ///
 /// # Errors
-/// As for [`super::write`]; also for coverages that are not one for each level, are not from 0 to 1 or do not
-/// decrease, and for a coarser level without triangles.
+/// As for [`super::write`]; also if there is not one coverage for each level, if coverages are not from 0 to
+/// 1 or do not decrease, or if a coarser level has no triangles.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -40,19 +40,19 @@ pub fn write_levels(levels: &GlbLevels<'_>, out: &mut dyn Write) -> Result<(), W
     with_document(levels, |document, json| write_file(document, json, out))
 }
 
-/// Writes the same as [`write_levels`] as a glTF of JSON alone, as [`super::write_embedded`] does.
+/// Writes the same as [`write_levels`] as a single-file JSON glTF, as [`super::write_embedded`] does.
 ///
 /// # Errors
-/// As for [`write_levels`], but there is no limit of 4 GiB.
+/// As for [`write_levels`], but without the limit of 4 GiB.
 pub fn write_levels_embedded(levels: &GlbLevels<'_>, out: &mut dyn Write) -> Result<(), WriteError> {
     levels.check()?;
     with_document(levels, |document, json| pack_embedded(document, json, out))
 }
 
-/// Writes the same as [`write_levels`] as a glTF of JSON with files beside it, as [`super::write_files`] does.
+/// Writes the same as [`write_levels`] as a JSON glTF with files beside it, as [`super::write_files`] does.
 ///
 /// # Errors
-/// As for [`write_levels`], but there is no limit of 4 GiB.
+/// As for [`write_levels`], but without the limit of 4 GiB.
 pub fn write_levels_files<'a>(levels: &GlbLevels<'a>, stem: &str) -> Result<FileSet<'a>, WriteError> {
     levels.check()?;
     files_of(levels.scene, levels, stem)

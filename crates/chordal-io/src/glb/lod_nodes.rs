@@ -1,20 +1,21 @@
-//! `LodNodes`: the nodes that `MSFT_lod` makes lower levels of detail, which are not part of the scene.
+//! `LodNodes`: the nodes that `MSFT_lod` declares as coarser levels of detail, which are not part of the
+//! scene.
 use super::LOD;
 use super::json::JsonValue;
 use super::model::{GltfModel, item};
 use crate::{FileLocation, ReadError};
 use std::collections::BTreeMap;
 
-/// The lower levels of detail that each node names.
+/// The coarser levels of detail that each node refers to.
 #[derive(Default)]
 pub(super) struct LodNodes {
-    /// The lower levels that a node names, for those that name some.
+    /// The coarser levels of a node, for nodes that have some.
     ids: BTreeMap<usize, Vec<usize>>,
-    /// Whether a node is a lower level of some node.
+    /// Whether a node is a coarser level of some node.
     is_named: Vec<bool>,
-    /// Pairs of a node and one lower level.
+    /// The number of pairs of a node and a coarser level.
     pub n_levels: u64,
-    /// The first node that names some.
+    /// The first node that has coarser levels.
     pub first: Option<usize>,
 }
 
@@ -22,13 +23,15 @@ impl LodNodes {
     /// Reads the levels of all nodes.
     ///
     /// # Errors
-    /// At the pointer, where there is no such node, or a level leads back to itself: by its levels, its
-    /// children or both.
+    /// At the pointer, if a referenced node does not exist, or a node is among its own descendants through
+    /// levels, children or both.
     pub fn new(json: &JsonValue, model: &GltfModel<'_>) -> Result<Self, ReadError> {
         let mut lower = Self { is_named: vec![false; model.nodes.len()], ..Self::default() };
         let nodes = json.get("nodes").and_then(JsonValue::items).unwrap_or_default();
         for (i, node) in nodes.iter().enumerate() {
-            let Some(lod) = node.get("extensions").and_then(|all| all.get(LOD)) else { continue };
+            let Some(lod) = node.get("extensions").and_then(|extensions| extensions.get(LOD)) else {
+                continue;
+            };
             let pointer = format!("/nodes/{i}/extensions/{LOD}/ids");
             let wrong = |code, pointer, what| ReadError::new(code, FileLocation::Pointer(pointer), what);
             let Some(ids) = lod.get("ids").and_then(JsonValue::items).filter(|ids| !ids.is_empty()) else {
@@ -56,7 +59,7 @@ impl LodNodes {
         }
     }
 
-    /// The children of a node, then its lower levels.
+    /// The children of a node, then its coarser levels.
     fn next<'a>(&'a self, model: &'a GltfModel<'_>, node: usize) -> impl Iterator<Item = usize> + 'a {
         let n = self.is_named.len();
         let children = item(&model.nodes, Some(node)).map_or(&[][..], |node| &node.children);
@@ -64,11 +67,11 @@ impl LodNodes {
         children.chain(self.ids.get(&node).into_iter().flatten().copied())
     }
 
-    /// A node with levels on a cycle of levels and children, or behind one.
+    /// A node with levels that is on a cycle of levels and children, or reachable from one.
     fn cycle(&self, model: &GltfModel<'_>) -> Option<usize> {
         self.first?;
-        // Removes nodes without predecessors until none is left, or all that are left are on cycles or behind
-        // them.
+        // Repeatedly removes nodes without predecessors. The nodes that remain are on cycles or reachable
+        // from them.
         let mut n_before = vec![0_usize; self.is_named.len()];
         for node in 0..self.is_named.len() {
             self.next(model, node).for_each(|next| n_before[next] += 1);
@@ -82,29 +85,29 @@ impl LodNodes {
                 }
             }
         }
-        // Children alone form no cycle, as was checked before.
+        // Cycles of children alone were already refused.
         let left = |node: &usize| n_before[*node] > 0;
         (0..self.is_named.len()).filter(left).find(|node| self.ids.contains_key(node))
     }
 
-    /// The most lower levels that a node names.
+    /// The most coarser levels of any node.
     pub fn most(&self) -> usize {
         self.ids.values().map(Vec::len).max().unwrap_or(0)
     }
 
-    /// By node with lower levels: the one that stands for it in a level, counted from 0, the finest.
+    /// For each node with coarser levels: the node that replaces it at a level, counted from 0, the finest.
     pub fn at_level(&self, level: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let lower =
             move |ids: &Vec<usize>| level.min(ids.len()).checked_sub(1).and_then(|k| ids.get(k).copied());
         self.ids.iter().filter_map(move |(node, ids)| Some((*node, lower(ids)?)))
     }
 
-    /// Whether a node is a lower level of another one.
+    /// Whether a node is a coarser level of another one.
     pub fn is_named(&self, node: usize) -> bool {
         self.is_named[node]
     }
 
-    /// For each node whether it is only a lower level, and so left out of a scene with these roots.
+    /// For each node whether it is only a coarser level, and therefore left out of a scene with these roots.
     pub fn hidden_nodes(&self, model: &GltfModel<'_>, roots: &[usize]) -> Vec<bool> {
         let n = self.is_named.len();
         let mut hidden = vec![false; n];

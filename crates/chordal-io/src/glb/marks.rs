@@ -1,4 +1,4 @@
-//! Points and lines of a glTF: read as they are, and written again.
+//! Points and lines of a glTF: read unchanged, and written again.
 use super::accessor_rows::AccessorRows;
 use super::deformation::targets_of;
 use super::format::ComponentType;
@@ -11,11 +11,11 @@ use chordal::Mesh;
 use chordal::math::{greater, lesser};
 use serde_json::{Map, Value, json};
 
-/// The joints of marks, whose presence says that a skin moves them.
+/// The joints of marks; if they are present, a skin moves the marks.
 const JOINTS: &str = "JOINTS_0";
 
-/// Reads a primitive that is no triangles; none where some of its numbers are missing. `charge` is called with
-/// the bytes of each accessor before they are copied.
+/// Reads a primitive of points or lines; `None` if some of its data is missing. `charge` is called with the
+/// bytes of each accessor before they are copied.
 pub(super) fn read_marks<E>(
     model: &GltfModel<'_>,
     primitive: &GltfPrimitive<'_>,
@@ -31,7 +31,7 @@ pub(super) fn read_marks<E>(
         }
         charge(rows.n_bytes())?;
         let mut copied = packed_accessor(accessors.get(accessor), &rows, name == "POSITION");
-        // What is laid out anew begins where its view does.
+        // The copy is a new accessor with packed rows, so the name of the old one does not apply.
         copied.properties.shift_remove("name");
         packed.push(copied);
         Ok(Some(packed.len() - 1))
@@ -64,14 +64,14 @@ pub(super) fn read_marks<E>(
     Ok(Some(Marks { primitive: members, material: primitive.material, accessors: packed }))
 }
 
-/// An accessor of marks as it is written.
+/// An accessor of marks, ready to be written.
 pub(super) struct MarkAccessor {
     pub properties: Map<String, Value>,
-    /// Rows of vertices begin at multiples of four bytes.
+    /// Rows of vertices are aligned to four bytes.
     pub bytes: Vec<u8>,
     pub stride: Option<usize>,
     pub target: u32,
-    /// Whether `KHR_mesh_quantization` alone allows its numbers.
+    /// Whether its format is allowed only by `KHR_mesh_quantization`.
     pub needs_quantization: bool,
 }
 
@@ -84,9 +84,9 @@ impl MarkAccessor {
         Self { properties, bytes, stride: None, target, needs_quantization: false }
     }
 
-    /// An attribute of marks, or of one of their morph targets. Positions are stored as those of the triangles of
-    /// their mesh, by whose node both are placed; where these are on a lattice, in single precision about its
-    /// corner.
+    /// An attribute of marks, or of one of their morph targets. Positions are stored as those of the
+    /// triangles of their mesh, since the same node places both; if those are on a lattice, in single
+    /// precision about its corner.
     pub fn attribute(packed: &PackedAccessor, name: &str, place: &StoredPositions) -> Self {
         let placed = if name == "POSITION" && !place.is_plain() { moved(packed, place) } else { None };
         let packed = placed.as_ref().unwrap_or(packed);
@@ -121,7 +121,7 @@ impl MarkAccessor {
     }
 }
 
-/// Positions of marks as numbers in single precision about a place that is not that of their file.
+/// Positions of marks in single precision about another origin than in their file.
 fn moved(packed: &PackedAccessor, place: &StoredPositions) -> Option<PackedAccessor> {
     let code = packed.properties.get("componentType")?.as_u64()?;
     let component = ComponentType::from_code(code)?;
@@ -151,8 +151,8 @@ fn moved(packed: &PackedAccessor, place: &StoredPositions) -> Option<PackedAcces
 }
 
 impl Marks {
-    /// The primitive as glTF has it, without its material, in a mesh whose positions are stored so and that has so
-    /// many morph targets. `add` writes an accessor and returns its number.
+    /// The glTF primitive without its material, for a mesh with this storage of positions and this number of
+    /// morph targets. `add` writes an accessor and returns its index.
     pub(super) fn object(
         &self,
         (place, n_targets): (&StoredPositions, usize),
@@ -177,14 +177,14 @@ impl Marks {
         if let Some(attributes) = primitive.get_mut("attributes") {
             add_all(attributes, place);
         }
-        // Morph targets say how far they move, wherever that is.
+        // Morph targets are displacements, so they are stored without an origin.
         let plain = StoredPositions::Single([0.0; 3]);
         let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
         targets.into_iter().flatten().for_each(|target| add_all(target, &plain));
         primitive
     }
 
-    /// Whether a skin moves them.
+    /// Whether a skin moves the marks.
     pub(super) fn has_skin(&self) -> bool {
         self.primitive.get("attributes").is_some_and(|attributes| attributes.get(JOINTS).is_some())
     }
@@ -194,13 +194,13 @@ impl Marks {
         self.primitive.get("targets").and_then(Value::as_array).map_or(0, Vec::len)
     }
 
-    /// Whether a skin or morph targets move them.
+    /// Whether a skin or morph targets move the marks.
     pub(super) fn is_moved(&self) -> bool {
         self.has_skin() || self.n_targets() > 0
     }
 }
 
-/// The number of morph targets of all primitives of a part: that of its triangles, where it has some.
+/// The number of morph targets of all primitives of a part: that of its triangles, if it has triangles.
 pub(super) fn n_targets(part: &Part, mesh: &Mesh) -> usize {
     if mesh.faces().is_empty() {
         return part.marks.iter().map(Marks::n_targets).max().unwrap_or(0);

@@ -1,9 +1,9 @@
-//! The groups of faces that name materials.
+//! The face groups that name materials.
 use crate::MATERIAL;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 
-/// The groups of faces that name materials.
+/// The face groups that name materials.
 pub(super) fn material_groups(mesh: &Mesh) -> Option<&Attribute> {
     mesh.attributes().iter().find(|attribute| is_material(attribute))
 }
@@ -13,7 +13,8 @@ pub(super) fn is_material(attribute: &Attribute) -> bool {
     is_kind && attribute.domain == Domain::Face && attribute.width == 1
 }
 
-/// The runs of faces with one material: its group, and how many faces. [`split`](super::split) has put them together.
+/// The runs of faces with one material: the group, and the number of faces. [`split`](super::split) has made
+/// them consecutive.
 pub(super) fn material_runs(mesh: &Mesh) -> Vec<(usize, usize)> {
     match material_groups(mesh) {
         Some(groups) => {

@@ -65,12 +65,12 @@ pub(crate) const MAGIC: u32 = 0x4654_6C67;
 pub(crate) const JSON_CHUNK: u32 = 0x4E4F_534A;
 /// The type of the chunk with the buffer, `BIN\0`.
 pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;
-/// Bytes that may be decoded and checked for each byte of a file: one becomes eight at most, and few of them
-/// are read twice.
+/// The most bytes that may be decoded and checked for each byte of a file. Chosen: one byte becomes at most
+/// eight, and few are read twice.
 const DECODED_PER_BYTE: u64 = 64;
-/// The extension that allows numbers of fewer bits.
+/// The extension that allows quantized vertices.
 const QUANTIZATION: &str = "KHR_mesh_quantization";
-/// The extension by which a node shows its mesh at many places.
+/// The extension for instanced nodes.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
-/// The extension by which a node names its lower levels of detail.
+/// The extension by which a node refers to its coarser levels of detail.
 const LOD: &str = "MSFT_lod";

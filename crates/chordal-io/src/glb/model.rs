@@ -1,9 +1,9 @@
-//! `GltfModel`: a parsed glTF file; each field is valid, or `None` where the file errs.
+//! `GltfModel`: a parsed glTF file; invalid fields are `None`.
 use super::format::FIRST_MODE_OF_TRIANGLES;
 use super::format::{AccessorFormat, AccessorType, ComponentType};
 use super::meshopt::MeshoptLayout;
 
-/// The objects of a file by their lists; an item that is no object is `None`.
+/// The objects of a file by their lists; an item that is not an object is `None`.
 #[derive(Default)]
 pub(super) struct GltfModel<'a> {
     pub buffers: Vec<Option<GltfBuffer<'a>>>,
@@ -24,13 +24,13 @@ pub(super) struct GltfModel<'a> {
 }
 
 impl GltfModel<'_> {
-    /// The bytes of buffers that are not in the file itself, or that its text holds.
+    /// The number of bytes of buffers outside the file or in data URIs.
     pub fn n_external(&self) -> usize {
         let data = self.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
         data.filter_map(|buffer| buffer.data.as_ref()).map(|data| data.len()).sum()
     }
 
-    /// The bytes of a view, where they are there; unpacked, if it is compressed.
+    /// The bytes of a view, if they are available; unpacked if it is compressed.
     pub fn view_bytes(&self, view: Option<usize>) -> Option<&[u8]> {
         let GltfBufferView { buffer, offset, length, packed, .. } = item(&self.views, view)?;
         match packed {
@@ -39,21 +39,21 @@ impl GltfModel<'_> {
         }
     }
 
-    /// A range of a buffer, where it is there.
+    /// A range of a buffer, if it is available.
     pub fn buffer_bytes(&self, buffer: usize, offset: u64, length: u64) -> Option<&[u8]> {
         let data = item(&self.buffers, Some(buffer))?.data.as_deref()?;
         data.get(usize::try_from(offset).ok()?..)?.get(..usize::try_from(length).ok()?)
     }
 }
 
-/// A buffer: bytes, and where they come from.
+/// A buffer: its bytes, and their source.
 pub(super) struct GltfBuffer<'a> {
     pub byte_length: Option<u64>,
     /// The `uri`, valid or not.
     pub uri: Option<&'a str>,
-    /// The bytes, where the file holds them.
+    /// The bytes, if they are available.
     pub data: Option<std::borrow::Cow<'a, [u8]>>,
-    /// Whether it is only for readers that cannot decode the compressed views on it.
+    /// Whether it exists only for readers that cannot decode the compressed views on it.
     pub is_fallback: bool,
 }
 
@@ -65,17 +65,17 @@ pub(super) struct GltfBufferView {
     pub length: Option<u64>,
     pub stride: Option<u64>,
     pub target: Option<u64>,
-    /// How an extension compresses it.
+    /// The compression of the view by an extension.
     pub packed: Option<Box<GltfPackedView>>,
 }
 
-/// What an extension says of a compressed view.
+/// A compressed view as its extension describes it.
 pub(super) struct GltfPackedView {
     /// The name of the extension.
     pub extension: &'static str,
-    /// Where the stream is; `None` where the extension errs.
+    /// The location of the stream; `None` if the extension is invalid.
     pub layout: Option<MeshoptLayout>,
-    /// The bytes of the view, once they are decoded.
+    /// The decoded bytes of the view.
     pub bytes: Option<Vec<u8>>,
 }
 
@@ -91,7 +91,7 @@ pub(super) struct GltfAccessor {
     pub min: Option<Box<[f64]>>,
     pub max: Option<Box<[f64]>>,
     pub sparse: Option<Box<GltfSparse>>,
-    /// The rows, tightly packed, where a primitive's compressed stream held them.
+    /// The rows, tightly packed, if they come from the compressed stream of a primitive.
     pub unpacked: Option<Vec<u8>>,
 }
 
@@ -102,7 +102,7 @@ impl GltfAccessor {
     }
 }
 
-/// The rows of an accessor that replace others.
+/// The rows of an accessor that replace base rows.
 pub(super) struct GltfSparse {
     pub count: u64,
     pub index_view: Option<usize>,
@@ -120,8 +120,8 @@ pub(super) struct GltfImage<'a> {
     pub mime: Option<&'a str>,
     pub data: Option<Vec<u8>>,
     pub extended: bool,
-    /// The type that its bytes have.
-    pub found: Option<&'static str>,
+    /// The media type detected from its bytes.
+    pub detected: Option<&'static str>,
 }
 
 /// A texture: an image with a sampler.
@@ -131,7 +131,7 @@ pub(super) struct GltfTexture {
     pub webp: Option<usize>,
 }
 
-/// What a material requires of meshes.
+/// The requirements of a material on meshes.
 #[derive(Default)]
 pub(super) struct GltfMaterial {
     pub has_normal_texture: bool,
@@ -146,7 +146,7 @@ pub(super) struct GltfMesh<'a> {
     pub primitives: Vec<GltfPrimitive<'a>>,
 }
 
-/// Named accessors.
+/// Accessors by attribute name.
 pub(super) type GltfAttributes<'a> = Vec<(&'a str, Option<usize>)>;
 
 /// A primitive of a mesh.
@@ -160,7 +160,7 @@ pub(super) struct GltfPrimitive<'a> {
     pub variants: Vec<(usize, String)>,
     pub n_joints: u64,
     pub n_texcoords: u64,
-    /// What compresses it.
+    /// The Draco stream of the primitive, if it is compressed.
     pub draco: Option<GltfDracoStream<'a>>,
 }
 
@@ -191,25 +191,25 @@ impl GltfPrimitive<'_> {
     }
 }
 
-/// What `KHR_draco_mesh_compression` says of a primitive.
+/// `KHR_draco_mesh_compression` of a primitive.
 pub(super) struct GltfDracoStream<'a> {
     pub view: Option<usize>,
-    /// The number in the stream of each attribute.
+    /// The id in the stream of each attribute.
     pub attributes: Vec<(&'a str, Option<u32>)>,
 }
 
-/// A node of the scene graph. In 56 bytes, since a file of a megabyte may have three hundred thousand that say
-/// nothing.
+/// A node of the scene graph. It takes only 56 bytes, since a file of a megabyte may have three hundred
+/// thousand empty nodes.
 #[derive(Default)]
 pub(super) struct GltfNode<'a> {
     pub name: &'a str,
     pub children: Box<[Option<usize>]>,
     pub mesh: Option<usize>,
-    /// What most nodes of such files leave out.
+    /// The rarer members of a node.
     pub more: Option<Box<GltfNodeMore<'a>>>,
 }
 
-/// What nodes say beside name, children and mesh.
+/// The members of nodes other than name, children and mesh.
 #[derive(Default, PartialEq)]
 pub(super) struct GltfNodeMore<'a> {
     pub skin: Option<usize>,

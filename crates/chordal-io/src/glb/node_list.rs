@@ -7,45 +7,45 @@ use crate::forest::check_forest;
 use crate::{Axis, Frame, Node, Scene, WriteError};
 use serde_json::{Map, Value, json};
 
-/// What was written for a part.
+/// A part as it was written.
 pub(super) struct PartMesh {
     /// Its mesh, unless it is empty.
     pub mesh: Option<usize>,
     /// How its positions are stored.
     pub positions: StoredPositions,
-    /// Whether its vertices follow joints.
+    /// Whether its vertices have joint weights.
     pub has_skin: bool,
-    /// Its morph targets.
+    /// The number of its morph targets.
     pub n_targets: usize,
 }
 
 impl PartMesh {
-    /// Whether any node can show its mesh as it is stored.
+    /// Whether any node can show its mesh without an extra transform.
     fn is_plain(&self) -> bool {
         self.mesh.is_some() && self.positions.is_plain() && !self.has_skin && self.n_targets == 0
     }
 }
 
-/// The nodes of a file, and those of them without a parent.
+/// The nodes of a file, and its root nodes.
 pub(super) struct NodeList {
     pub list: Vec<Value>,
     pub roots: Vec<usize>,
-    /// By node of the scene its number in the file; that of a place of an instance is not used.
+    /// By node of the scene its index in the file; that of an instance is not used.
     pub number: Vec<usize>,
 }
 
-/// The coarser levels of the parts, which nodes name by `MSFT_lod`.
+/// The coarser levels of the parts, which nodes refer to by `MSFT_lod`.
 pub(super) struct NodeLevels<'a> {
-    /// By part: its coarser meshes as they were written, the finest first. Empty where it has one level.
+    /// By part: its coarser meshes as written, the finest first. Empty if it has one level.
     pub coarser: Vec<Vec<PartMesh>>,
     /// By node: for each level of its part the least fraction of the screen.
     pub coverages: &'a [Vec<f64>],
 }
 
-/// Lists the nodes of a scene, one for each in the same order; but what was read as one that shows its mesh at many places
-/// is one again where that can be. Before them come the nodes that rotate and
-/// scale the scene's frame, after them those that place a mesh about its origin where its node cannot, and
-/// those that show coarser levels.
+/// Lists the nodes of a scene in the same order, one for each; but instances are written as one instanced
+/// node again, if that is possible. Before them come the nodes that rotate and scale the scene's frame, after
+/// them the nodes that place a mesh about its origin if its own node cannot, and those that show coarser
+/// levels.
 pub(super) fn nodes(
     scene: &Scene,
     shown: &[PartMesh],
@@ -88,7 +88,7 @@ pub(super) fn nodes(
         let n_before = extra.len();
         extra.extend(links);
         if !coarser.is_empty() {
-            // The last link shows the mesh.
+            // The last node of the chain shows the mesh.
             let host = if extra.len() == n_before { number[i] - first } else { n_written + extra.len() - 1 };
             hosts.push(LevelHost { node: i, host, has_transform, coarser });
         }
@@ -107,9 +107,9 @@ pub(super) fn nodes(
 
 /// A node of the file whose mesh has coarser levels.
 struct LevelHost<'a> {
-    /// Its number in the scene.
+    /// Its index in the scene.
     node: usize,
-    /// The number in the list of the node that shows the mesh.
+    /// The index in the list of the node that shows the mesh.
     host: usize,
     /// Whether that node also has the transform of the scene's node.
     has_transform: bool,
@@ -117,19 +117,19 @@ struct LevelHost<'a> {
 }
 
 impl LevelHost<'_> {
-    /// Appends a node for each coarser level, placed as the finest, and names them.
+    /// Appends a node for each coarser level, placed as the finest, and refers to them.
     fn add_levels(&self, name: &str, coverages: &[f64], first: usize, list: &mut Vec<Value>) {
-        let mut own = list[self.host].as_object().cloned().unwrap_or_default();
+        let mut level_node = list[self.host].as_object().cloned().unwrap_or_default();
         for key in ["name", "extras", "extensions", "children"] {
-            own.shift_remove(key);
+            level_node.shift_remove(key);
         }
         if !self.has_transform {
-            own.shift_remove("translation");
-            own.shift_remove("scale");
+            level_node.shift_remove("translation");
+            level_node.shift_remove("scale");
         }
         let mut ids = Vec::with_capacity(self.coarser.len());
         for (k, part) in self.coarser.iter().enumerate() {
-            let mut properties = own.clone();
+            let mut properties = level_node.clone();
             part.positions.place(&mut properties);
             properties.insert("mesh".to_owned(), json!(part.mesh));
             if !part.has_skin {
@@ -160,12 +160,12 @@ fn frame_nodes(frame: Frame) -> Result<Vec<Value>, WriteError> {
     Ok(nodes)
 }
 
-/// One of the glTF nodes that a node of the scene becomes.
+/// One of the glTF nodes that represent a node of the scene.
 struct NodeLink {
     properties: Map<String, Value>,
-    /// The children that the scene gives it, by their numbers in the file.
+    /// Its children in the scene, by their indices in the file.
     children: Vec<usize>,
-    /// Whether the next link is a child too.
+    /// Whether the next node of the chain is also a child.
     goes_on: bool,
 }
 
@@ -180,22 +180,22 @@ impl NodeLink {
     }
 }
 
-/// The glTF nodes for a node of the scene, outermost first.
+/// The chain of glTF nodes for a node of the scene, outermost first.
 struct NodeChain {
     links: Vec<NodeLink>,
-    /// Whether the last one has a transform of the node, and not just the origin of its mesh.
+    /// Whether the last one has the node's transform, and not only the origin of its mesh.
     has_transform: bool,
 }
 
-/// A node with what the file says of it.
+/// A node with its properties in the file.
 struct DescribedNode<'a> {
     node: &'a Node,
     properties: Map<String, Value>,
-    /// The numbers of its children in the file.
+    /// The indices of its children in the file.
     children: Vec<usize>,
 }
 
-/// The glTF nodes for a node; `None` when its transform has shear.
+/// The glTF nodes for a node; `None` if its transform has shear.
 fn chain(
     described: DescribedNode<'_>,
     place: Option<&PartMesh>,
@@ -223,7 +223,8 @@ fn chain(
     }
     let mut has_transform = !inner.properties.is_empty();
     if let Some(PartMesh { mesh: Some(mesh), positions, .. }) = place {
-        // A place of the stored numbers must not move the node's children, nor be applied before the node's own transform.
+        // The transform of the stored positions must affect neither the node's children nor the order of its
+        // own transform.
         let has_place =
             std::iter::once(positions).chain(coarser.iter().map(|p| &p.positions)).any(|p| !p.is_plain());
         let is_bare = inner.properties.is_empty() && node.children.is_empty() && !is_moved;
@@ -246,12 +247,12 @@ fn chain(
 
 /// The object with its name first, unless the name is empty.
 pub(super) fn with_name(name: &str, object: Value) -> Value {
-    let mut all = Map::new();
+    let mut named = Map::new();
     if !name.is_empty() {
-        all.insert("name".to_owned(), json!(name));
+        named.insert("name".to_owned(), json!(name));
     }
     if let Value::Object(object) = object {
-        all.extend(object);
+        named.extend(object);
     }
-    Value::Object(all)
+    Value::Object(named)
 }

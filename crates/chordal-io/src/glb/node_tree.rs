@@ -1,4 +1,4 @@
-//! `NodeTree`: the nodes of the scene that is shown, without lower levels of detail and with all instances.
+//! `NodeTree`: the nodes of the scene that is shown, without coarser levels of detail and with all instances.
 use super::json::JsonValue;
 use super::lod_nodes::LodNodes;
 use super::model::{GltfModel, GltfNodeMore, item};
@@ -7,29 +7,29 @@ use super::{LOD, instances, trs};
 use crate::{FileLocation, Limits, Node, RareValue, ReadError, Scene};
 use std::collections::BTreeSet;
 
-/// The nodes of a file that are kept, and what they show.
+/// The kept nodes of a file, and their meshes.
 pub(super) struct NodeTree {
     /// The nodes, without their properties; a node's part is an index into `meshes`.
     pub scene: Scene,
-    /// The meshes of the file that become parts: all but those that only lower levels show.
+    /// The meshes of the file that become parts: all except those that only coarser levels show.
     pub meshes: Vec<usize>,
-    /// By node of the file: its number among those that are kept.
+    /// By node of the file: its index among the kept nodes.
     pub number_of: Vec<Option<usize>>,
-    /// Whether nodes were taken from their parents, so that joints may have no root in common.
+    /// Whether nodes were cut from their parents, so that joints may have no common root.
     pub has_cut_nodes: bool,
-    /// The most lower levels of detail that a node names.
+    /// The most coarser levels of detail of any node.
     pub n_lower: usize,
-    /// Bytes that may still be taken.
+    /// The number of bytes that may still be used.
     pub left: u64,
     pub report: GlbWarnings,
 }
 
 impl NodeTree {
-    /// Reads the nodes; the roots are those of the default scene, else of the first, else all nodes without parents.
-    /// Nodes and their instances may take `left` bytes.
+    /// Reads the nodes. The roots are those of the default scene, else of the first scene, else all nodes
+    /// without parents. Nodes and their instances may take `left` bytes.
     ///
     /// # Errors
-    /// Where levels of detail lead back to themselves, instances cannot be placed, or a limit is passed.
+    /// If levels of detail form a cycle, instances cannot be placed, or a limit is exceeded.
     pub fn new(
         json: &JsonValue,
         model: &GltfModel<'_>,
@@ -55,13 +55,13 @@ impl NodeTree {
                 ..Node::default()
             };
         }
-        // What another level stands for is shown nowhere then.
+        // A mesh that a chosen level replaces is no longer shown.
         let mut replaced = vec![false; model.meshes.len()];
         for (node, level) in lower.at_level(limits.level) {
-            let Some(own) = item(&model.nodes, Some(level)) else { continue };
+            let Some(replacement) = item(&model.nodes, Some(level)) else { continue };
             nodes[node].part.iter().for_each(|mesh| replaced[*mesh] = true);
-            nodes[node].matrix = own.more.as_deref().map(matrix_of).unwrap_or_default();
-            nodes[node].part = own.mesh.filter(|mesh| *mesh < model.meshes.len());
+            nodes[node].matrix = replacement.more.as_deref().map(matrix_of).unwrap_or_default();
+            nodes[node].part = replacement.mesh.filter(|mesh| *mesh < model.meshes.len());
         }
         let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
         let mut roots = match item(&model.scenes, shown) {
@@ -90,8 +90,8 @@ fn matrix_of(more: &GltfNodeMore<'_>) -> RareValue<[f64; 16]> {
     more.matrix.as_deref().copied().unwrap_or_else(trs).into()
 }
 
-/// Removes the nodes that are lower levels of detail. Returns the meshes that become parts: all but those
-/// that only such nodes show, and the new number of every node that stays.
+/// Removes the nodes that are coarser levels of detail. Returns the meshes that become parts (all except
+/// those that only such nodes show), and the new index of every kept node.
 fn keep_first_levels(
     scene: &mut Scene,
     model: &GltfModel<'_>,
@@ -128,7 +128,7 @@ fn keep_first_levels(
     (kept, number)
 }
 
-/// Counts meshes that no node of the scene shows; each part is one of these meshes.
+/// Counts meshes that no node of the scene shows; `meshes` has the mesh of each part.
 fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut GlbWarnings) {
     let mut is_shown = vec![false; meshes.len()];
     let mut open = scene.roots.clone();
@@ -144,8 +144,8 @@ fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut GlbWarnings) {
     }
 }
 
-/// Makes a forest of nodes of which a scene names some that are no roots: such a node stays where its
-/// ancestors show it, and where they are not shown it is taken from them. Returns whether one was.
+/// Turns nodes into a forest if a scene lists some that are not roots. Such a node stays if its ancestors are
+/// shown, else it is cut from them. Returns whether any was cut.
 pub(super) fn detach_shown_children(nodes: &mut [Node], roots: &mut Vec<usize>) -> bool {
     let mut parent = vec![None; nodes.len()];
     for (i, node) in nodes.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Packs the document of a scene, with coarser levels of its parts, as GLB, as JSON, or as JSON with files beside it.
+//! Packs the document of a scene, with coarser levels of its parts, as GLB, as JSON, or as JSON with files
+//! beside it.
 use super::document::GltfDocument;
 use super::gltf_part::{GltfPart, plain_for};
 use super::level_set::GlbLevels;
@@ -11,7 +12,7 @@ use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::io::Write;
 
-/// The files of levels of a scene: a glTF of JSON with its buffer and pictures beside it.
+/// The files of a scene with levels: a JSON glTF with its buffer and pictures beside it.
 pub(super) fn files_of<'a>(
     scene: &'a Scene,
     levels: &GlbLevels<'_>,
@@ -26,7 +27,7 @@ pub(super) fn files_of<'a>(
     Ok(files)
 }
 
-/// Makes the document of levels for a writer.
+/// Builds the document of a scene with levels and passes it to a writer.
 pub(super) fn with_document(
     levels: &GlbLevels<'_>,
     write: impl FnOnce(&GltfDocument<'_>, Map<String, Value>) -> Result<(), WriteError>,
@@ -63,12 +64,12 @@ fn with_assets<T>(
     write(&document, json)
 }
 
-/// Parts that are placed as those of a scene, in the form that glTF can hold.
+/// Parts of a scene in the form that glTF can hold.
 fn gltf_parts<'a>(parts: &'a [Part], scene: &Scene) -> Result<Vec<GltfPart<'a>>, WriteError> {
     parts.iter().map(|part| GltfPart::from_part(part, &scene.frame, scene.packing)).collect()
 }
 
-/// Writes the JSON with the buffer in it.
+/// Writes the JSON with the buffer embedded.
 pub(super) fn pack_embedded(
     document: &GltfDocument<'_>,
     mut json: Map<String, Value>,
@@ -81,7 +82,7 @@ pub(super) fn pack_embedded(
     Ok(())
 }
 
-/// The JSON, and the buffer beside it. Pictures are where the assets of the document say.
+/// The JSON, and the buffer beside it. Pictures are embedded or separate, as in the document's assets.
 fn pack_beside(
     document: &GltfDocument<'_>,
     mut json: Map<String, Value>,

@@ -1,4 +1,4 @@
-//! `packed_accessor`: the rows of an accessor, to be carried along.
+//! `packed_accessor`: the rows of an accessor, to be passed through.
 use super::accessor_rows::AccessorRows;
 use super::format::ComponentType;
 use super::json::{JsonValue, members_without};
@@ -6,8 +6,8 @@ use crate::PackedAccessor;
 use chordal::math::{greater, lesser};
 use serde_json::json;
 
-/// The rows of an accessor of the file, copied without gaps, and what its object says of them; with bounds where it
-/// says some, or must.
+/// The rows of an accessor of the file, copied without gaps, and its properties; with bounds if it declares
+/// some, or must have them.
 pub(super) fn packed_accessor(
     object: Option<&JsonValue>,
     rows: &AccessorRows<'_>,
@@ -24,7 +24,7 @@ pub(super) fn packed_accessor(
             put(rows.format.component, *x, &mut bytes);
         }
     });
-    // What a file says of them may be wrong, and one of them alone is.
+    // Bounds in a file may be wrong, or only one of them given.
     if must_have_bounds || ["min", "max"].iter().any(|key| properties.contains_key(*key)) {
         properties.insert("min".to_owned(), json!(least));
         properties.insert("max".to_owned(), json!(most));

@@ -21,12 +21,12 @@ pub(super) struct PartReader<'m> {
     /// By mesh and primitive, the group of its faces.
     material_groups: &'m [Vec<usize>],
     limits: &'m Limits,
-    /// Bytes that may still be decoded.
+    /// The number of bytes that may still be decoded.
     left: u64,
     pub report: GlbWarnings,
 }
 
-/// A part that is being read.
+/// A part while it is read.
 #[derive(Default)]
 struct PartDraft<'m> {
     positions: Vec<[f64; 3]>,
@@ -34,14 +34,14 @@ struct PartDraft<'m> {
     plan: AttributePlan<'m>,
     /// The values of the planned attributes.
     streams: Vec<Vec<f64>>,
-    /// The first vertex and the count of each block of vertices: primitives with the same attributes share
+    /// The first vertex and the count of each block of vertices; primitives with the same attributes share
     /// one.
     blocks: BTreeMap<VertexKey<'m>, (usize, usize)>,
-    /// The group of each face, 0 for none; empty while no face has one.
+    /// The group of each face, 0 for none; empty until a face has a group.
     materials: Vec<f64>,
 }
 
-/// What the vertices of a primitive are made of.
+/// The accessors of a primitive's vertices.
 type VertexKey<'m> = (&'m GltfAttributes<'m>, Option<&'m [GltfAttributes<'m>]>);
 
 /// The name of normals in a primitive.
@@ -51,7 +51,7 @@ const NORMAL: &str = "NORMAL";
 const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
 
 impl<'m> PartReader<'m> {
-    /// Starts on a file from which at most `left` bytes may be decoded.
+    /// A reader for a file of which at most `left` bytes may be decoded.
     pub fn new(
         model: &'m GltfModel<'m>,
         material_groups: &'m [Vec<usize>],
@@ -61,7 +61,7 @@ impl<'m> PartReader<'m> {
         Self { model, material_groups, limits, left, report: GlbWarnings::default() }
     }
 
-    /// Reads a mesh as a part; an empty one when the mesh is no object.
+    /// Reads a mesh as a part; the part is empty if the mesh is not an object.
     pub fn part(&mut self, mesh_idx: usize) -> Result<Part, ReadError> {
         let Some(mesh) = item(&self.model.meshes, Some(mesh_idx)) else {
             return Ok(Part::default());
@@ -104,7 +104,7 @@ impl<'m> PartReader<'m> {
         Ok(Part { name: name.to_owned(), mesh, ..Part::default() })
     }
 
-    /// Counts the corners of faces that will be shaded flat beside others.
+    /// Charges the corners of flat-shaded faces: those without normals, in a mesh where others have some.
     fn plan_flat_faces(
         &mut self,
         draft: &PartDraft<'m>,
@@ -123,7 +123,7 @@ impl<'m> PartReader<'m> {
         Ok(())
     }
 
-    /// Plans the weights of joints, unless they would take most of what may be decoded.
+    /// Plans the joint weights, unless they would take most of the bytes that may be decoded.
     fn plan_skin(
         &mut self,
         plan: &mut AttributePlan<'m>,
@@ -160,7 +160,7 @@ impl<'m> PartReader<'m> {
             return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));
         };
         if mode < FIRST_MODE_OF_TRIANGLES {
-            // The reader of assets takes them.
+            // The reader of assets handles points and lines.
             return Ok(());
         }
         let Some(position) = position else {
@@ -226,7 +226,7 @@ impl<'m> PartReader<'m> {
         }
         rows.check_sparse().map_err(|error| at(error, &pointer, "POSITION"))?;
         let first = draft.positions.len();
-        // Indices can name each of 2³² − 1 positions.
+        // Indices can address at most 2³² − 1 positions.
         if rows.count > self.limits.rows || first as u64 + rows.count >= u64::from(u32::MAX) {
             let what = format!(
                 "{} vertices pass the limit of {}",
@@ -238,7 +238,7 @@ impl<'m> PartReader<'m> {
         self.charge(rows.count * 24, &pointer)?;
         let count = rows.count as usize;
         reserve(&mut draft.positions, count, &pointer)?;
-        // Zero loses its sign here, so that −0 and 0 tie vertices.
+        // Adding zero removes the sign of −0, so that −0 and 0 count as the same position.
         rows.each_block(|_, numbers| {
             let (points, _) = numbers.as_chunks::<3>();
             let plain = |x: f64| rows.decode(x) + 0.0;
@@ -287,7 +287,7 @@ impl<'m> PartReader<'m> {
         Ok((first, count))
     }
 
-    /// Reads one attribute of new vertices, or fills it with defaults where they have none.
+    /// Reads one attribute of new vertices, or fills it with defaults if they have none.
     fn stream(
         &mut self,
         planned: &PlannedAttribute<'_>,
@@ -394,7 +394,7 @@ impl<'m> PartReader<'m> {
         Ok(PrimitiveIndices::List(list))
     }
 
-    /// Counts bytes that are about to be decoded.
+    /// Charges bytes that are about to be decoded.
     fn charge(&mut self, n: u64, pointer: &str) -> Result<(), ReadError> {
         match self.left.checked_sub(n) {
             Some(left) => {
@@ -451,7 +451,7 @@ impl<'m> PartReader<'m> {
 }
 
 impl PartDraft<'_> {
-    /// Removes vertices that are not finite, with their faces. Returns how many vertices.
+    /// Removes vertices that are not finite, with their faces. Returns the number of removed vertices.
     fn drop_nonfinite(&mut self) -> u64 {
         let keep: Vec<bool> = self.positions.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
         let mut renumbered = Vec::with_capacity(keep.len());
@@ -461,10 +461,10 @@ impl PartDraft<'_> {
             n_kept += u32::from(*kept);
         }
         let is_whole: Vec<bool> = self.faces.iter().map(|f| f.iter().all(|i| keep[*i as usize])).collect();
-        let mut whole = is_whole.iter();
-        self.faces.retain(|_| whole.next() == Some(&true));
-        let mut whole = is_whole.iter();
-        self.materials.retain(|_| whole.next() == Some(&true));
+        let mut keeps = is_whole.iter();
+        self.faces.retain(|_| keeps.next() == Some(&true));
+        let mut keeps = is_whole.iter();
+        self.materials.retain(|_| keeps.next() == Some(&true));
         self.faces.iter_mut().for_each(|face| *face = face.map(|i| renumbered[i as usize]));
         for (planned, values) in self.plan.streams.iter().zip(&mut self.streams) {
             let width = planned.width;
@@ -478,7 +478,7 @@ impl PartDraft<'_> {
     }
 }
 
-/// For each vertex the first at the bit-identical position; `None` when no two share one. There is no −0.
+/// For each vertex the first one at the bit-identical position; `None` if no two share one. There is no −0.
 fn exact_ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     let ids = position_id_by_bits(positions);
     let is_tied = (0..).zip(&ids).any(|(row, id)| row != *id);
@@ -489,7 +489,7 @@ fn at(error: AccessorError, pointer: &str, key: &str) -> ReadError {
     ReadError::new(error.code, FileLocation::Pointer(format!("{pointer}/{key}")), error.what)
 }
 
-/// Reserves memory for the rows of a block: exactly for the first block, with spare capacity for others.
+/// Reserves memory for the rows of a block: exactly for the first block, with spare capacity for later ones.
 fn reserve<T>(list: &mut Vec<T>, n: usize, pointer: &str) -> Result<(), ReadError> {
     let reserved = if list.is_empty() { list.try_reserve_exact(n) } else { list.try_reserve(n) };
     reserved.map_err(|_| {

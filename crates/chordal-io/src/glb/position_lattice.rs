@@ -1,4 +1,4 @@
-//! `PositionLattice`: the points to which positions are rounded that a glTF stores in 16 bits.
+//! `PositionLattice`: the lattice to which positions are rounded if a glTF stores them in 16 bits.
 use crate::single_precision::power_of_two_below;
 use crate::snapped_mesh::{SnappedMesh, distance_up};
 use chordal::Mesh;
@@ -6,26 +6,26 @@ use chordal::math::{Box3, greater};
 
 /// All points whose coordinates are multiples of a power of two.
 ///
-/// What is rounded to one lattice agrees to the last bit wherever it agreed before: levels of one part, tiles of
-/// one level. A file stores such a point as three numbers of 16 bits about a corner of its own mesh, and a node
-/// scales them by the step. The step is a power of two, so that neither the rounding nor what a reader computes
-/// is rounded a second time.
+/// Positions rounded to one lattice agree to the last bit wherever they agreed before: between levels of one
+/// part, and between tiles of one level. A file stores such a point as three 16-bit numbers about a corner of
+/// its own mesh, and a node scales them by the step. The step is a power of two, so that neither the writer
+/// nor the reader rounds a second time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionLattice {
     step: f64,
 }
 
-/// The largest number of 16 bits.
+/// The largest 16-bit number.
 const MOST_STEPS: f64 = u16::MAX as f64;
 
-/// The smallest and the largest step, 2⁻⁴² and 2⁴²: derived, viewers invert the transform of a node in single
+/// The smallest and the largest step, 2⁻⁴² and 2⁴². Derived: viewers invert the transform of a node in single
 /// precision, and the cube of its scale, or of the inverse, must be a normal number there.
 const STEPS: [f64; 2] = [1.0 / 4_398_046_511_104.0, 4_398_046_511_104.0];
 
 impl PositionLattice {
-    /// The finest lattice on which 16 bits reach across a box that is grown by `room` on each side.
+    /// The finest lattice on which 16 bits cover a box that is grown by `room` on each side.
     ///
-    /// `None` where no step does that viewers can compute with: for an empty box, and for one smaller than
+    /// `None` if viewers could not compute with any suitable step: for an empty box, and for one smaller than
     /// about 1e-8 or larger than 1e17.
     ///
     /// ```
@@ -43,7 +43,7 @@ impl PositionLattice {
         let extent = (0..3).fold(0.0, |most, k| greater(grown.max[k] - grown.min[k], most));
         let [least, most] = STEPS;
         let finest = power_of_two_below(extent / MOST_STEPS);
-        // A point alone may stand on any.
+        // A single point fits any lattice.
         if !extent.is_finite() || extent > 0.0 && finest < least {
             return None;
         }
@@ -70,19 +70,20 @@ impl PositionLattice {
         self.step
     }
 
-    /// The most that rounding moves a point: half the diagonal of a cell, rounded up.
+    /// An upper bound of the distance by which rounding moves a point: half the diagonal of a cell, rounded
+    /// up.
     #[must_use]
     pub fn worst(self) -> f64 {
         distance_up([0.0; 3], [0.5 * self.step; 3])
     }
 
-    /// The mesh with its positions rounded. Rounding twice moves nothing, and what coincided still does.
+    /// The mesh with its positions rounded. Rounding is idempotent, and points that coincided still do.
     #[must_use]
     pub fn snap(self, mesh: &Mesh) -> SnappedMesh {
         let positions: Vec<_> = mesh.positions().iter().map(|position| self.nearest(*position)).collect();
         let moved = mesh.positions().iter().zip(&positions);
         let moved_at_most = moved.fold(0.0, |most, (a, b)| greater(distance_up(*a, *b), most));
-        // Positions stay finite, since the steps are far below the largest number, and equal where they were.
+        // The steps are far below the largest number, so positions stay finite; equal positions stay equal.
         let mesh = mesh.with_positions(positions).expect("rounded positions are finite, and tied as before");
         SnappedMesh { mesh, origin: [0.0; 3], moved_at_most }
     }
@@ -93,8 +94,8 @@ impl PositionLattice {
         position.map(|x| (x / self.step).round() * self.step + 0.0)
     }
 
-    /// The corner about which 16 bits reach all that lies in a box, once it is rounded: in single precision, as
-    /// viewers read it. `None` where they do not reach.
+    /// The corner about which 16 bits cover everything in a box after rounding; it has single precision, as
+    /// viewers read it. `None` if 16 bits are too few.
     pub(crate) fn corner(self, bounds: &Box3) -> Option<[f64; 3]> {
         if bounds.is_empty() {
             return None;
@@ -108,7 +109,7 @@ impl PositionLattice {
         (0..3).all(reaches).then_some(corner)
     }
 
-    /// The numbers that stand for a point about a corner.
+    /// The stored numbers of a point about a corner.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(crate) fn stored(self, position: [f64; 3], corner: [f64; 3]) -> [u16; 3] {
         let nearest = self.nearest(position);
@@ -117,8 +118,9 @@ impl PositionLattice {
     }
 }
 
-/// The largest single-precision number that is not above a number. Of a multiple of a step it is one, too, where
-/// that is needed: with more digits than single precision has, its own last digit is worth more than a step.
+/// The largest single-precision number that is not above a number. For a multiple of a step the result is
+/// also a multiple, if that matters: if the number has more digits than single precision, the last digit of
+/// the result is worth more than a step.
 #[allow(clippy::cast_possible_truncation)]
 fn single_below(x: f64) -> f64 {
     let nearest = x as f32;
@@ -141,7 +143,7 @@ mod tests {
                 };
                 Mesh::new(unit.into_iter().map(at).collect(), Vec::new()).expect("finite")
             });
-        // Smaller ones have no lattice, but for a point alone.
+        // Smaller meshes have no lattice, except a single point.
         meshes.prop_filter("too small for viewers", |mesh| {
             let bounds = mesh.bounds();
             let extent = (0..3).fold(0.0, |most, k| greater(bounds.max[k] - bounds.min[k], most));
@@ -162,13 +164,14 @@ mod tests {
                 for k in 0..3 {
                     prop_assert_eq!(corner[k], f64::from(corner[k] as f32));
                     prop_assert_eq!(corner[k] + f64::from(stored[k]) * lattice.step(), after[k]);
-                    // The nearest one: half a step at most. The difference of neighbours is exact.
+                    // Rounding to the nearest moves by at most half a step. The difference of neighbours is
+                    // exact.
                     prop_assert!((after[k] - before[k]).abs() <= 0.5 * lattice.step());
                 }
             }
             let twice = lattice.snap(&snapped.mesh);
             prop_assert_eq!(twice.moved_at_most, 0.0);
-            // A lattice chosen afresh is this one or a finer one, on which all of this one's points are.
+            // A lattice computed again is this one or a finer one that contains all its points.
             let again = PositionLattice::for_mesh(&snapped.mesh).expect("a lattice");
             prop_assert_eq!(again.snap(&snapped.mesh).moved_at_most, 0.0);
         }
@@ -180,8 +183,8 @@ mod tests {
             let bounds = mesh.bounds();
             let [a, b, c] = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
             let extent = a.max(b).max(c);
-            // Below that it could not reach for any corner, or viewers could not compute with it: a point alone
-            // stands on the finest that they can.
+            // A finer lattice could not cover the mesh from any corner, or viewers could not compute with it.
+            // A single point uses the finest allowed lattice.
             let too_fine = finer.step() < extent / MOST_STEPS || finer.step() < STEPS[0];
             prop_assert!(too_fine || finer.corner(&bounds).is_none());
         }

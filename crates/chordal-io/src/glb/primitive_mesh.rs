@@ -1,27 +1,27 @@
-//! `PrimitiveMesh`: the triangles of one material of a part, with vertices and attributes of their own.
+//! `PrimitiveMesh`: the triangles of one material of a part, with their own vertices and attributes.
 use super::material_runs::material_runs;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use serde_json::Value;
 
-/// What becomes a primitive of a glTF.
+/// The mesh of one glTF primitive.
 pub(super) struct PrimitiveMesh {
-    /// Its triangles, where they are not all of the part.
-    own: Option<Mesh>,
+    /// Its triangles, unless they are all of the part.
+    submesh: Option<Mesh>,
     /// The group of its faces, 0 for none.
     pub group: usize,
 }
 
 impl PrimitiveMesh {
-    /// The primitives of a mesh as [`split`](super::split) makes it, in their order. Vertices that no triangle uses
-    /// are those of the first.
+    /// The primitives of a mesh that [`split`](super::split) returned, in order. Unused vertices belong to
+    /// the first one.
     ///
     /// # Errors
-    /// None for a mesh: that it refuses a part of what it had is the error of the type.
+    /// None for a valid mesh: an error means that the mesh was invalid before.
     pub fn of(mesh: &Mesh) -> Result<Vec<Self>, InvalidMesh> {
         let runs = material_runs(mesh);
         if let [(group, _)] = runs[..] {
-            return Ok(vec![Self { own: None, group }]);
+            return Ok(vec![Self { submesh: None, group }]);
         }
         let mut run_of = vec![0; mesh.positions().len()];
         let mut first = 0;
@@ -42,18 +42,18 @@ impl PrimitiveMesh {
             let faces = &mesh.faces()[first..first + n];
             first += n;
             let faces = faces.iter().map(|face| face.map(|vertex| number[vertex as usize])).collect();
-            primitives.push(Self { own: Some(with_rows(mesh, rows, faces)?), group });
+            primitives.push(Self { submesh: Some(with_rows(mesh, rows, faces)?), group });
         }
         Ok(primitives)
     }
 
-    /// Its triangles, which are all of its part's where that has one material.
+    /// Its triangles. These are the mesh of the part if it has one material.
     pub fn mesh<'m>(&'m self, of_part: &'m Mesh) -> &'m Mesh {
-        self.own.as_ref().unwrap_or(of_part)
+        self.submesh.as_ref().unwrap_or(of_part)
     }
 
-    /// Whether an attribute says something of these vertices: where others of the part have a colour or texture
-    /// coordinates, white and zeros were put for those that have none.
+    /// Whether an attribute holds information for these vertices. White and zeros are fillers for vertices
+    /// without colour or texture coordinates in a part where others have them.
     pub fn says(&self, attribute: &Attribute, material: Option<&Value>) -> bool {
         match attribute.semantic {
             Semantic::Color(_) => attribute.values.iter().any(|x| *x != 1.0),
@@ -65,7 +65,7 @@ impl PrimitiveMesh {
     }
 }
 
-/// These rows of the vertices of a mesh, with these faces over them. Vertices are tied where they were.
+/// A mesh of these rows and faces. Vertices that shared a position still do.
 fn with_rows(mesh: &Mesh, rows: &[u32], faces: Vec<[u32; 3]>) -> Result<Mesh, InvalidMesh> {
     let positions = rows.iter().map(|vertex| mesh.positions()[*vertex as usize]).collect();
     let mut out = Mesh::new(positions, faces)?;
@@ -76,7 +76,7 @@ fn with_rows(mesh: &Mesh, rows: &[u32], faces: Vec<[u32; 3]>) -> Result<Mesh, In
     Ok(out)
 }
 
-/// Whether a material has a texture: a member called `…Texture`, of its own or of its extensions.
+/// Whether a material has a texture: a member called `…Texture`, also inside its extensions.
 fn names_textures(material: &Value) -> bool {
     match material {
         Value::Object(members) => members

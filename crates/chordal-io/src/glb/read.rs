@@ -15,11 +15,11 @@ use crate::text::is_space;
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, TextureOrigin};
 use serde_json::Value;
 
-/// The most bytes that one object of the JSON takes once it is read: a node with its transform takes the
-/// most.
+/// The most bytes that one JSON object takes in memory after reading. Derived: a node with its transform
+/// takes the most.
 const OBJECT_BYTES: u64 = 512;
 
-/// Extensions that are read, or do not change the triangles; `*` matches any ending.
+/// Extensions that are supported, or do not change the triangles; `*` matches any ending.
 const HARMLESS: [&str; 18] = [
     draco::DRACO,
     QUANTIZATION,
@@ -43,33 +43,32 @@ const HARMLESS: [&str; 18] = [
 
 /// Reads GLB 2.0.
 ///
-/// What gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer, but for
-/// what viewers accept; [`Limits::conformance`] refuses that too, or turns errors into warnings if the
-/// triangles can be read all the same. Each mesh of the
-/// file becomes one part, with the triangles of all its primitives; vertices at bit-identical positions are
-/// tied. Positions are exactly the stored numbers, in the mesh's own space; nodes carry the transforms and
-/// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
-/// `asset.extras.chordal`.
+/// Errors of gltf-validator anywhere in the file are refused with their code and JSON pointer, except those
+/// that viewers accept. Depending on [`Limits::conformance`], those are refused too, or all errors are
+/// warnings if the triangles can still be read. Each mesh of the file becomes one part, with the triangles of
+/// all its primitives; vertices at bit-identical positions share one position id. Positions are exactly the
+/// stored numbers, in the mesh's own space; nodes carry the transforms and [`crate::Scene::world_meshes`]
+/// applies them. The frame is y-up and in metres. The certificate comes from `asset.extras.chordal`.
 ///
-/// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points and
-/// lines are carried as they are ([`crate::Part::marks`]), and counted in a warning as animations of anything but
-/// nodes are; materials, textures, cameras, lights,
-/// skins and extras of nodes go to [`Scene::assets`] and the nodes, as they are. Weights of joints and morph
-/// targets become attributes of vertices that can be blended; positions are those at rest. The
-/// reader never opens other files or the network; [`crate::read_with`] opens files beside it. Of levels of
-/// detail by `MSFT_lod` that of [`Limits::level`] is read, usually the first, and the others are counted. The certificate is
-/// that of the level, where [`super::write_levels`] wrote one for each.
+/// Lists, strips and fans are read with any accessor of the format, also sparse and quantized ones. Points
+/// and lines are passed through ([`crate::Part::marks`]) and counted in a warning, as are animations of
+/// anything but nodes. Materials, textures, cameras, lights, skins and extras of nodes go unchanged to
+/// [`Scene::assets`] and the nodes. Joint weights and morph targets become vertex attributes that can be
+/// blended; positions are those at rest. The reader never opens other files or the network;
+/// [`crate::read_with`] opens files beside it. Of levels of detail by `MSFT_lod` the one of [`Limits::level`]
+/// is read, usually the first, and the others are counted. If [`super::write_levels`] wrote a certificate for
+/// each level, the one of this level is read.
 ///
-/// Views that are compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are unpacked. A node
-/// with `EXT_mesh_gpu_instancing` gets a child for each instance, without a name, which shows the node's part;
-/// the node itself shows none.
+/// Views compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression` are unpacked. A node with
+/// `EXT_mesh_gpu_instancing` gets a child without a name for each instance, which shows the node's part; the
+/// node itself shows none.
 ///
-/// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
+/// Linear in the size of the file and of the data decoded from it; the latter stays below [`Limits::bytes`].
 ///
 /// # Errors
-/// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is exceeded,
-/// an unknown extension is required, a compressed view or primitive is broken, the triangles need another file, or
-/// an error of gltf-validator.
+/// [`ReadError`] with the byte or the JSON pointer, if the container or the JSON is broken, a limit is
+/// exceeded, an unknown extension is required, a compressed view or primitive is broken, the triangles need
+/// another file, or gltf-validator would report an error.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -87,7 +86,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// As [`read`], and opens the buffers and pictures that are in other files, where there is an opener.
+/// As [`read`], and opens the buffers and pictures in other files if there is an opener.
 pub(crate) fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
@@ -163,8 +162,8 @@ fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<Json
     Ok(json)
 }
 
-/// The most bytes that are decoded from a file and checked in it. A quarter of a GiB beside the share of its
-/// bytes is beyond the needs of an honest file, and keeps a small one from taking hours.
+/// The most bytes that are decoded from a file and checked. Chosen: a quarter of a GiB in addition to the
+/// share of its bytes is more than real files need, and keeps a small file from taking hours.
 fn decode_quota(n_bytes: usize, limits: &Limits) -> u64 {
     limits.bytes.min((1 << 28) + DECODED_PER_BYTE * n_bytes as u64)
 }
@@ -174,7 +173,7 @@ fn is_json(bytes: &[u8]) -> bool {
     bytes.iter().find(|b| !is_space(**b)) == Some(&b'{')
 }
 
-/// Whether a text is a glTF as JSON: an object with an `asset` that is no tileset.
+/// Whether a text is a glTF as JSON: an object with an `asset` that is not a tileset.
 pub(crate) fn looks_like_json(text: &[u8]) -> bool {
     let names = |key: &[u8]| memchr::memmem::find(text, key).is_some();
     text.first() == Some(&b'{')
@@ -183,7 +182,7 @@ pub(crate) fn looks_like_json(text: &[u8]) -> bool {
         && !names(b"\"geometricError\"")
 }
 
-/// Checks that the lists are short enough to be held.
+/// Checks that the lists fit into the limits.
 fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
     let most = limits.rows.min(limits.bytes / OBJECT_BYTES);
     for (key, value) in json.entries() {
@@ -196,8 +195,8 @@ fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Checks rows that lie in no view. They are zeros that take no bytes of the file, so only limits keep them
-/// from growing.
+/// Checks rows without a view. They are zeros that take no bytes of the file, so only limits keep them from
+/// growing.
 fn check_zeros(model: &GltfModel<'_>, limits: &Limits, quota: u64) -> Result<(), ReadError> {
     let mut left = quota;
     for (i, accessor) in model.accessors.iter().enumerate() {
@@ -225,7 +224,7 @@ fn check_zeros(model: &GltfModel<'_>, limits: &Limits, quota: u64) -> Result<(),
     Ok(())
 }
 
-/// How a file stores its numbers.
+/// How the file stores its numbers.
 fn stored(model: &GltfModel<'_>) -> GltfPacking {
     let has_stream = model.views.iter().flatten().any(|view| view.packed.is_some());
     let is_draco =
@@ -243,7 +242,7 @@ fn is_harmless(name: &str) -> bool {
         .any(|known| known.strip_suffix('*').map_or(name == *known, |start| name.starts_with(start)))
 }
 
-/// Refuses extensions without which the triangles cannot be understood; counts other ignored ones.
+/// Refuses extensions that are required to read the triangles; counts other ignored ones.
 fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(), ReadError> {
     if let Some(i) = model.extensions_required.iter().position(|name| !is_harmless(name)) {
         let place = FileLocation::Pointer(format!("/extensionsRequired/{i}"));
@@ -260,9 +259,10 @@ fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(
 /// The certificate in a file: that of the first level, if there are several.
 fn certificate(json: &JsonValue, level: Option<usize>) -> (Option<Value>, usize) {
     let extras = json.get("asset").and_then(|asset| asset.get("extras"));
-    let Some(found) = extras.and_then(|extras| extras.get("chordal")) else { return (None, 0) };
-    let levels = found.get("levels").and_then(JsonValue::items).filter(|_| level.is_some());
-    let found = levels.map_or(Some(found), |levels| levels.get(level.unwrap_or(0)));
-    let found = found.filter(|found| **found != JsonValue::Null).map(JsonValue::to_value);
-    (found, levels.map_or(0, <[_]>::len))
+    let Some(certificate) = extras.and_then(|extras| extras.get("chordal")) else { return (None, 0) };
+    let levels = certificate.get("levels").and_then(JsonValue::items).filter(|_| level.is_some());
+    let certificate = levels.map_or(Some(certificate), |levels| levels.get(level.unwrap_or(0)));
+    let certificate =
+        certificate.filter(|certificate| **certificate != JsonValue::Null).map(JsonValue::to_value);
+    (certificate, levels.map_or(0, <[_]>::len))
 }

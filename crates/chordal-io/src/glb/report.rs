@@ -9,12 +9,12 @@ pub(super) struct GlbWarnings {
 }
 
 impl GlbWarnings {
-    /// Counts one.
+    /// Counts one occurrence.
     pub fn add(&mut self, code: &'static str, place: FileLocation, message: impl Into<Message>) {
         self.add_many(code, 1, place, message);
     }
 
-    /// Counts many; nothing for 0.
+    /// Counts many occurrences; does nothing for 0.
     pub fn add_many(
         &mut self,
         code: &'static str,

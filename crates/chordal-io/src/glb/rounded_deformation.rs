@@ -1,14 +1,14 @@
-//! What deforms a mesh as it reads back from glTF.
+//! The joint weights and morph targets of a mesh as they read back from glTF.
 use super::VertexStorage;
 use super::deformation::{IN_A_SET, short_weights, skin_sets, weights_of};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, InvalidMesh, Semantic};
 
-/// A mesh with its weights of joints and its morph targets as they read back from glTF: the heaviest joints of each vertex
-/// alone, with weights that sum to 1, in single precision, or in 16 bits where a storage rounds to fewer.
+/// A mesh with its joint weights and morph targets as they read back from glTF: only the heaviest joints of
+/// each vertex, with weights that sum to 1, in single precision, or in 16 bits if the storage is quantized.
 ///
 /// # Errors
-/// None for a mesh: that it refuses what it had is the error of the type.
+/// None for a valid mesh: an error means that the mesh was invalid before.
 pub fn round_deformation(mesh: &Mesh, storage: Option<&VertexStorage>) -> Result<Mesh, InvalidMesh> {
     let mut sets = skin_sets(mesh);
     let short = if storage.is_some() { short_weights(&mut sets) } else { Vec::new() };

@@ -1,28 +1,29 @@
-//! `SkinPlan`: the joints and weights of a primitive, and its morph targets, as attributes that can be blended.
+//! `SkinPlan`: the joints and weights of a primitive, and its morph targets, as attributes that can be
+//! blended.
 use super::accessor_rows::AccessorRows;
 use super::deformation::IN_A_SET;
 use super::model::{GltfMesh, GltfModel, GltfPrimitive};
 use chordal::explicit::Semantic;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Joints whose weights are in one attribute: as many as an attribute has numbers.
+/// The number of joints whose weights are in one attribute: the largest width of an attribute.
 const JOINTS: usize = 16;
 
-/// The most sets that are read: 32 joints a vertex. Chosen: exporters write one or two.
+/// The most sets that are read: 32 joints per vertex. Chosen: exporters write one or two sets.
 const MOST_SETS: usize = 8;
 
 /// The weights of a skin as they are read: one number for each joint, so that they can be blended.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SkinPlan {
-    /// Sets of four joints a vertex.
+    /// The number of sets, of four joints per vertex.
     pub n_sets: usize,
     /// One more than the highest joint with a weight.
     pub n_joints: usize,
 }
 
 impl SkinPlan {
-    /// The sets that all primitives with triangles have, and the joints in them. `charge` is told how many bytes
-    /// are read for that, since a file may name the same ones again and again.
+    /// The sets that all primitives with triangles have, and the joints in them. `charge` gets the number of
+    /// bytes that are read, since a file may refer to the same ones many times.
     pub fn from_mesh<E>(
         model: &GltfModel<'_>,
         mesh: &GltfMesh<'_>,
@@ -57,7 +58,7 @@ impl SkinPlan {
         })
     }
 
-    /// Adds the weights of a primitive's vertices to the ends of the attributes' values.
+    /// Appends the weights of a primitive's vertices to the attributes' values.
     pub fn read(
         &self,
         model: &GltfModel<'_>,
@@ -96,7 +97,7 @@ fn accessors_of(primitive: &GltfPrimitive<'_>, set: usize) -> Option<[usize; 2]>
     Some([joints?, weights?])
 }
 
-/// Joints with their weights, four a vertex.
+/// Joints with their weights, four per vertex.
 struct SkinRows<'m> {
     joints: AccessorRows<'m>,
     weights: AccessorRows<'m>,
@@ -111,7 +112,7 @@ impl<'m> SkinRows<'m> {
         is_sound.then_some(Self { joints, weights })
     }
 
-    /// Each vertex with a joint that it follows and how much.
+    /// Visits each vertex with each of its joints and the weight.
     fn each(&self, mut take: impl FnMut(usize, usize, f64)) {
         let mut joints = Vec::new();
         self.joints.each(|_, row| joints.extend(row.iter().map(|joint| *joint as u16)));
@@ -127,7 +128,7 @@ impl<'m> SkinRows<'m> {
     }
 }
 
-/// Whether glTF has morph targets of this name with that many numbers a vertex.
+/// Whether glTF has morph targets with this name and `width` numbers per vertex.
 pub(super) fn has_width(name: &str, width: usize) -> bool {
     let is_set = |family: &str| name.strip_prefix(family).is_some_and(|set| set.parse::<u32>().is_ok());
     match name {
@@ -142,36 +143,36 @@ pub(super) fn has_width(name: &str, width: usize) -> bool {
 pub(super) struct CommonTarget<'m> {
     pub target: usize,
     pub name: &'m str,
-    /// That of the first primitive.
+    /// The accessor of the first primitive.
     pub accessor: Option<usize>,
 }
 
-/// The attributes of morph targets that all primitives with triangles have, and that the first one has itself;
-/// none where some target would have no attribute, which cannot be written.
+/// The attributes of morph targets that all primitives with triangles have, and that the first one has
+/// itself; empty if some target would have no attribute, since such a target cannot be written.
 pub(super) fn common_targets<'m>(mesh: &'m GltfMesh<'_>) -> Vec<CommonTarget<'m>> {
     let drawn = || mesh.primitives.iter().filter(|primitive| primitive.is_drawn());
     let Some(first) = drawn().next() else { return Vec::new() };
     let bases: BTreeSet<&str> = first.attributes.iter().map(|(name, _)| *name).collect();
-    // How many primitives have it, and the accessor of the first.
-    let mut found: BTreeMap<(usize, &str), (usize, Option<usize>)> = BTreeMap::new();
+    // The number of primitives that have it, and the accessor of the first.
+    let mut usage: BTreeMap<(usize, &str), (usize, Option<usize>)> = BTreeMap::new();
     for primitive in drawn() {
         for (target, attributes) in primitive.targets.iter().flatten().enumerate() {
             for (name, accessor) in attributes {
-                found.entry((target, *name)).or_insert((0, *accessor)).0 += 1;
+                usage.entry((target, *name)).or_insert((0, *accessor)).0 += 1;
             }
         }
     }
     let n_drawn = drawn().count();
-    found.retain(|(_, name), (n, _)| *n == n_drawn && bases.contains(name));
-    let targets: BTreeSet<usize> = found.keys().map(|(target, _)| *target).collect();
+    usage.retain(|(_, name), (n, _)| *n == n_drawn && bases.contains(name));
+    let targets: BTreeSet<usize> = usage.keys().map(|(target, _)| *target).collect();
     if targets.len() < first.targets.as_ref().map_or(0, Vec::len) {
         return Vec::new();
     }
-    let common = found.into_iter();
+    let common = usage.into_iter();
     common.map(|((target, name), (_, accessor))| CommonTarget { target, name, accessor }).collect()
 }
 
-/// The attribute that holds what a morph target adds to `name`.
+/// The attribute with the displacements of `name` by a morph target.
 pub(super) fn morph_semantic(target: usize, name: &str) -> Semantic {
     Semantic::Blended(format!("morph target {target} {name}"))
 }

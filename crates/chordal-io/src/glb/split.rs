@@ -1,4 +1,4 @@
-//! `split`: moves attributes of corners and faces to vertices, which are duplicated where they differ.
+//! `split`: moves attributes of corners and faces to vertices, and duplicates vertices whose corners differ.
 use super::material_runs::{is_material, material_groups, material_runs};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh};
@@ -8,16 +8,16 @@ use std::collections::BTreeMap;
 
 /// Returns the same triangles with every attribute on vertices, as [`super::write`] writes them.
 ///
-/// glTF has attributes of vertices only. A vertex whose corners disagree becomes several rows with one
+/// glTF has only vertex attributes. A vertex whose corners disagree becomes several rows with one
 /// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles of one
-/// material stand together, in the order of its first triangle, and share no vertex with those of another: each
-/// becomes a primitive with vertices of its own. Otherwise triangles keep their order.
+/// material become consecutive, in the order of its first triangle, and share no vertex with those of another
+/// material: each material becomes a primitive with its own vertices. Otherwise triangles keep their order.
 ///
-/// O(m log m) time for m faces, 8 bytes of memory per corner; free where all attributes are on vertices
-/// already.
+/// O(m log m) time for m faces, 8 bytes of memory per corner; nothing is done if all attributes are already
+/// on vertices.
 ///
 /// # Errors
-/// [`InvalidMesh`] when the result has more vertices than a mesh can have.
+/// [`InvalidMesh`] if the result has more vertices than a mesh can have.
 pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let mesh = grouped_by_material(mesh)?;
     let has_runs = material_runs(&mesh).len() > 1;
@@ -33,7 +33,7 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     split_rows(&mesh, &loose).map(Cow::Owned)
 }
 
-/// The same triangles, those of one material one after another, in the order of first appearance.
+/// The same triangles, sorted by material in the order of first appearance.
 fn grouped_by_material(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let Some(groups) = material_groups(mesh) else { return Ok(Cow::Borrowed(mesh)) };
     let mut place = BTreeMap::new();
@@ -73,11 +73,11 @@ fn has_shared_vertices(mesh: &Mesh) -> bool {
     let mut faces = mesh.faces().iter();
     for (run, (_, n)) in material_runs(mesh).into_iter().enumerate() {
         for vertex in faces.by_ref().take(n).flatten() {
-            let known = &mut run_of[*vertex as usize];
-            if *known != usize::MAX && *known != run {
+            let vertex_run = &mut run_of[*vertex as usize];
+            if *vertex_run != usize::MAX && *vertex_run != run {
                 return true;
             }
-            *known = run;
+            *vertex_run = run;
         }
     }
     false
@@ -108,7 +108,7 @@ fn split_rows(mesh: &Mesh, loose: &[&Attribute]) -> Result<Mesh, InvalidMesh> {
     Ok(out)
 }
 
-/// For each new vertex the old one and a corner with its attributes, and the faces over new vertices.
+/// For each new vertex the old vertex and a corner with its attributes; and the faces over the new vertices.
 struct SplitRows {
     vertex: Vec<u32>,
     corner: Vec<Option<usize>>,
@@ -134,7 +134,7 @@ impl SplitRows {
         rows
     }
 
-    /// Adds a row for a new kind of corner at a vertex and returns its index.
+    /// Adds a row for a new combination of attributes at a vertex and returns its index.
     fn add(&mut self, vertex: u32, corner: usize) -> u32 {
         let slot = &mut self.corner[vertex as usize];
         if slot.is_none() {
@@ -143,7 +143,7 @@ impl SplitRows {
         }
         self.vertex.push(vertex);
         self.corner.push(Some(corner));
-        // A wrapped index cannot go unnoticed: with that many positions the mesh is refused.
+        // The index may wrap, but a mesh with that many positions is refused.
         (self.vertex.len() - 1) as u32
     }
 }

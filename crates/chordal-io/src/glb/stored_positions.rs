@@ -1,4 +1,4 @@
-//! `StoredPositions`: the numbers by which a glTF stores the positions of a part, and where its node puts them.
+//! `StoredPositions`: how a glTF stores the positions of a part, and the node transform that restores them.
 use super::packing::GltfPacking;
 use super::position_lattice::PositionLattice;
 use super::vertex_storage::VertexStorage;
@@ -17,7 +17,7 @@ pub(crate) enum StoredPositions {
     Lattice(PositionLattice, [f64; 3]),
 }
 
-/// The storage of a part in a file that is packed so: `None` where nothing is quantized.
+/// The storage of a part in a file with this packing: `None` if it is not quantized.
 pub(crate) fn storage_of(part: &Part, packing: GltfPacking) -> Option<VertexStorage> {
     packing
         .is_quantized
@@ -25,8 +25,8 @@ pub(crate) fn storage_of(part: &Part, packing: GltfPacking) -> Option<VertexStor
 }
 
 impl StoredPositions {
-    /// How a mesh is stored. One that reaches farther than 16 bits stays in single precision, in which points of
-    /// a lattice are as exact.
+    /// The storage of a mesh. A mesh that exceeds the range of 16 bits stays in single precision, which holds
+    /// the points of the lattice as exactly.
     pub fn new(mesh: &Mesh, storage: Option<VertexStorage>) -> Self {
         let lattice = storage.and_then(|storage| storage.lattice);
         let corner = lattice.and_then(|lattice| Some((lattice, lattice.corner(&mesh.bounds())?)));
@@ -36,13 +36,13 @@ impl StoredPositions {
         }
     }
 
-    /// Whether the stored numbers are positions without anything that a node does.
+    /// Whether the stored numbers are the positions, without a node transform.
     pub fn is_plain(&self) -> bool {
         *self == Self::Single([0.0; 3])
             || matches!(self, Self::Lattice(l, c) if l.step() == 1.0 && *c == [0.0; 3])
     }
 
-    /// Sets what a node does to the stored numbers.
+    /// Adds the transform of the stored numbers to a node.
     pub fn place(&self, node: &mut Map<String, Value>) {
         let (Self::Single(origin) | Self::Lattice(_, origin)) = *self;
         if origin != [0.0; 3] {
@@ -55,7 +55,7 @@ impl StoredPositions {
         }
     }
 
-    /// The numbers that stand for a position.
+    /// The stored numbers of a position.
     pub fn stored(&self, position: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Single(origin) => std::array::from_fn(|k| f64::from(store(origin[k], position[k]))),
@@ -63,7 +63,7 @@ impl StoredPositions {
         }
     }
 
-    /// Where a node puts a position, taken exactly.
+    /// The position after the node's transform, in interval arithmetic.
     pub fn placed(&self, position: [f64; 3]) -> [Interval; 3] {
         let stored = self.stored(position);
         match self {

@@ -1,4 +1,4 @@
-//! `AccessorStream`: one accessor to be written: its rows, and how they become bytes.
+//! `AccessorStream`: the rows of one accessor, and their conversion to bytes.
 use super::deformation::SkinSet;
 use super::meshopt;
 use super::stored_positions::StoredPositions;
@@ -11,7 +11,7 @@ use chordal::math::{greater, lesser, unit};
 use std::borrow::Cow;
 use std::io::Write;
 
-/// Bytes that are collected before they go to the sink.
+/// The number of bytes that are collected before they go to the sink.
 const BATCH: usize = 1 << 16;
 
 /// The rows of one accessor.
@@ -20,29 +20,29 @@ pub(super) enum AccessorSource<'a> {
     Short(&'a [[u32; 3]]),
     /// Indices of four bytes.
     Long(&'a [[u32; 3]]),
-    /// Positions as they are stored.
+    /// Positions in their stored form.
     Positions(&'a Mesh, StoredPositions),
-    /// Rows as integers; of texture coordinates, v may be turned over.
+    /// Rows as normalized integers; v of texture coordinates may be flipped.
     Normalized(&'a Attribute, NormalizedNumber, bool),
     /// Unit vectors, from the first three numbers of a row; a row without direction becomes the given axis.
     Unit(&'a Attribute, usize),
-    /// Numbers as they are.
+    /// Numbers in single precision, unchanged.
     Plain(&'a Attribute),
-    /// Texture coordinates that begin at the lower left corner: v is turned over.
+    /// Texture coordinates with their origin at the lower left corner: v is flipped.
     TurnedTexcoords(&'a Attribute),
-    /// Bytes as they are.
+    /// Raw bytes.
     Bytes(Cow<'a, [u8]>),
-    /// Indices of joints, four a vertex.
+    /// Indices of joints, four per vertex.
     Joints(Vec<u16>),
-    /// The same in a byte each.
+    /// The same with one byte each.
     ByteJoints(Vec<u8>),
-    /// Weights of joints, four a vertex.
+    /// Joint weights, four per vertex.
     Weights(Vec<f32>),
-    /// The same as shares of 65,535.
+    /// The same as integer shares of 65,535.
     ShortWeights(Vec<u16>),
 }
 
-/// One accessor with a buffer view of its own.
+/// One accessor with its own buffer view.
 pub(super) struct AccessorStream<'a> {
     /// The name of the attribute, or `None` for indices.
     pub name: Option<String>,
@@ -53,17 +53,17 @@ pub(super) struct AccessorStream<'a> {
 /// The rows of an accessor, compressed.
 pub(super) struct CompressedStream {
     pub stream: Vec<u8>,
-    /// The bytes of a row, once it is unpacked.
+    /// The bytes per unpacked row.
     pub stride: usize,
     /// The number of rows.
     pub count: usize,
-    /// Whether they are corners of triangles.
+    /// Whether the rows are vertex indices of triangles.
     pub is_index: bool,
     pub target: u32,
 }
 
 impl<'a> AccessorStream<'a> {
-    /// The indices of faces over so many vertices: two bytes while the largest is below 65535, which would
+    /// The indices of faces over `n_vertices` vertices: two bytes if the largest is below 65535, which would
     /// mean "restart".
     pub fn indices(faces: &'a [[u32; 3]], n_vertices: usize) -> Self {
         let short = IndexBuffer::fit_16_bits(n_vertices);
@@ -73,7 +73,7 @@ impl<'a> AccessorStream<'a> {
         }
     }
 
-    /// Bytes that are no rows of vertices.
+    /// Bytes that are not vertex data.
     pub fn bytes(bytes: &'a [u8]) -> Self {
         Self { name: None, rows: AccessorSource::Bytes(Cow::Borrowed(bytes)) }
     }
@@ -83,7 +83,7 @@ impl<'a> AccessorStream<'a> {
         Self { name: None, rows: AccessorSource::Bytes(Cow::Owned(stream)) }
     }
 
-    /// The rows compressed, unless that makes them longer.
+    /// The compressed rows, unless compression makes them longer.
     ///
     /// # Errors
     /// As for [`Self::write`].
@@ -115,20 +115,20 @@ impl<'a> AccessorStream<'a> {
     }
 
     /// The joints of a set, and their weights.
-    pub fn skin_set(set: usize, found: SkinSet, fewer: Option<Vec<u16>>) -> [Self; 2] {
-        let bytes = fewer.is_some().then(|| found.joints.iter().map(|j| u8::try_from(*j).ok()).collect());
+    pub fn skin_set(set: usize, skin: SkinSet, fewer: Option<Vec<u16>>) -> [Self; 2] {
+        let bytes = fewer.is_some().then(|| skin.joints.iter().map(|j| u8::try_from(*j).ok()).collect());
         let joints = match bytes.flatten() {
             Some(bytes) => AccessorSource::ByteJoints(bytes),
-            None => AccessorSource::Joints(found.joints),
+            None => AccessorSource::Joints(skin.joints),
         };
-        let weights = fewer.map_or(AccessorSource::Weights(found.weights), AccessorSource::ShortWeights);
+        let weights = fewer.map_or(AccessorSource::Weights(skin.weights), AccessorSource::ShortWeights);
         [
             Self { name: Some(format!("JOINTS_{set}")), rows: joints },
             Self { name: Some(format!("WEIGHTS_{set}")), rows: weights },
         ]
     }
 
-    /// The same stream in the numbers of a storage.
+    /// The same stream in a quantized storage.
     pub fn with_fewer_bits(mut self, storage: &VertexStorage) -> Self {
         let (attribute, turns_v) = match self.rows {
             AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => (attribute, false),
@@ -141,12 +141,12 @@ impl<'a> AccessorStream<'a> {
         self
     }
 
-    /// Whether integers stand for shares of the largest one.
+    /// Whether its integers are normalized.
     pub fn is_normalized(&self) -> bool {
         matches!(self.rows, AccessorSource::Normalized(..) | AccessorSource::ShortWeights(_))
     }
 
-    /// Whether `KHR_mesh_quantization` alone allows its numbers.
+    /// Whether its format is allowed only by `KHR_mesh_quantization`.
     pub fn needs_quantization(&self) -> bool {
         match self.rows {
             AccessorSource::Positions(_, StoredPositions::Lattice(..)) => true,
@@ -157,13 +157,13 @@ impl<'a> AccessorStream<'a> {
         }
     }
 
-    /// What a morph target adds to an attribute.
+    /// The displacements of an attribute by a morph target.
     pub fn morph(name: &str, attribute: &'a Attribute) -> Result<Self, WriteError> {
         check_values(name, attribute)?;
         Ok(Self { name: Some(name.to_owned()), rows: AccessorSource::Plain(attribute) })
     }
 
-    /// The same stream with v turned over, where it is one of texture coordinates.
+    /// The same stream with v flipped, if it holds texture coordinates.
     pub fn with_turned_v(mut self) -> Self {
         if let AccessorSource::Plain(attribute) = self.rows
             && matches!(attribute.semantic, Semantic::TexCoord(_))
@@ -273,8 +273,7 @@ impl<'a> AccessorStream<'a> {
         self.width() * size
     }
 
-    /// The bytes from a row of a vertex to the next where they are more than it has: they are a multiple of
-    /// four.
+    /// The stride between rows of a vertex, if it is larger than a row: strides are multiples of four.
     pub fn padded_stride(&self) -> Option<usize> {
         let is_vertex = !matches!(
             self.rows,
@@ -293,7 +292,7 @@ impl<'a> AccessorStream<'a> {
         self.n_bytes().div_ceil(4) * 4
     }
 
-    /// A number that rows with other bytes hardly share.
+    /// A hash of the bytes, to compare rows quickly.
     ///
     /// # Errors
     /// As for [`Self::write`].
@@ -388,12 +387,12 @@ pub(super) fn stored_bounds(mesh: &Mesh, stored: &StoredPositions) -> [[f64; 3];
     bounds
 }
 
-/// The first three numbers normalized, or an axis where they have no direction: the format requires a unit
+/// The first three numbers as a unit vector, or an axis if they have no direction: the format requires a unit
 /// vector.
 fn unit_or_axis(row: &[f64], axis: usize) -> [f64; 3] {
     let along_axis = || std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 });
     let v = [row[0], row[1], row[2]];
-    // What was of length 1 before it was rounded to single precision stays as it is, to the last bit.
+    // A vector that had length 1 before it was rounded to single precision is kept to the last bit.
     let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     if (squared - 1.0).abs() < 4.0 * f64::from(f32::EPSILON) {
         return v;
@@ -401,7 +400,7 @@ fn unit_or_axis(row: &[f64], axis: usize) -> [f64; 3] {
     unit(v).unwrap_or_else(along_axis)
 }
 
-/// Checks that single precision can hold the values, and that they fit the semantic.
+/// Checks that single precision can hold the values, and that they suit the semantic.
 fn check_values(name: &str, attribute: &Attribute) -> Result<(), WriteError> {
     let fits = |x: f64| match attribute.semantic {
         Semantic::Color(_) => (0.0..=1.0).contains(&x),
@@ -417,7 +416,7 @@ fn check_values(name: &str, attribute: &Attribute) -> Result<(), WriteError> {
 const FNV_BASIS: u64 = 0xCBF2_9CE4_8422_2325;
 const FNV_PRIME: u64 = 0x0000_0100_0000_01B3;
 
-/// Takes up bytes four at a time, as they are padded.
+/// Hashes bytes four at a time, in their padded form.
 struct FingerprintSink {
     sum: u64,
 }

@@ -8,10 +8,10 @@ use serde_json::{Map, Value, json};
 pub(super) const Z_UP_TO_Y_UP: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// The difference of column sums from which gltf-validator detects shear.
+/// The difference of column sums from which gltf-validator detects shear. Defined by the validator.
 const SHEAR_LIMIT: f64 = 0.00005;
 
-/// The properties of the nodes for a matrix, outermost first and at least one. `None` when it has shear, no
+/// The properties of the nodes for a matrix, outermost first and at least one. `None` if it has shear, no
 /// inverse (unless it only scales) or a perspective row.
 ///
 /// One node is enough unless the validator, whose limit is absolute, would take the rounding of a large
@@ -44,18 +44,18 @@ pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Valu
     is_trs(&inner).then(|| vec![place([m[12], m[13], m[14]], [power; 3]), object("matrix", json!(inner))])
 }
 
-/// Takes translation, rotation and scale out of the properties of a node. They are its transform if they make
+/// Removes translation, rotation and scale from the properties of a node. They are returned if they produce
 /// its matrix, bit for bit.
 pub(super) fn own_properties(
     properties: &mut Map<String, Value>,
     matrix: &[f64; 16],
 ) -> Option<Map<String, Value>> {
-    let mut own = Map::new();
+    let mut trs = Map::new();
     for key in ["translation", "rotation", "scale"] {
-        own.extend(properties.shift_remove(key).map(|value| (key.to_owned(), value)));
+        trs.extend(properties.shift_remove(key).map(|value| (key.to_owned(), value)));
     }
     let numbers = |key: &str, usual: &[f64]| -> Option<Vec<f64>> {
-        let Some(value) = own.get(key) else { return Some(usual.to_vec()) };
+        let Some(value) = trs.get(key) else { return Some(usual.to_vec()) };
         let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
         numbers.filter(|numbers| numbers.len() == usual.len())
     };
@@ -64,11 +64,11 @@ pub(super) fn own_properties(
         numbers("rotation", &[0.0, 0.0, 0.0, 1.0])?,
         numbers("scale", &[1.0; 3])?,
     ];
-    let made = compose([t[0], t[1], t[2]], [r[0], r[1], r[2], r[3]], [s[0], s[1], s[2]]);
-    (!own.is_empty() && made.map(f64::to_bits) == matrix.map(f64::to_bits)).then_some(own)
+    let composed = compose([t[0], t[1], t[2]], [r[0], r[1], r[2], r[3]], [s[0], s[1], s[2]]);
+    (!trs.is_empty() && composed.map(f64::to_bits) == matrix.map(f64::to_bits)).then_some(trs)
 }
 
-/// Translation and scale, each omitted where it is the identity.
+/// Translation and scale, each omitted if it is the identity.
 fn place(translation: [f64; 3], scale: [f64; 3]) -> Map<String, Value> {
     let mut map = Map::new();
     if translation != [0.0; 3] {
@@ -172,7 +172,8 @@ mod tests {
         let mut shear = IDENTITY;
         shear[4] = 0.5;
         assert_eq!(node_properties(&shear), None);
-        // A scale of 0 is a scale; turned about, it has no inverse to find the rotation by.
+        // A scale of 0 is allowed alone; combined with a rotation, the matrix has no inverse to find the
+        // rotation from.
         let mut flat = IDENTITY;
         flat[10] = 0.0;
         assert_eq!(node_properties(&flat).expect("a scale")[0]["scale"], json!([1.0, 1.0, 0.0]));

@@ -23,16 +23,16 @@ impl PrimitiveIndices {
         }
     }
 
-    /// The most triangles that they can form.
+    /// The most triangles that the corners can form.
     pub fn n_triangles(&self) -> u64 {
         self.len() as u64
     }
 }
 
-/// Corners and triangles that were left out.
+/// The corners and triangles that were skipped.
 #[derive(Default)]
 pub(super) struct SkippedTriangles {
-    /// Corners at the end that are too few for another triangle.
+    /// Leftover corners at the end, too few for another triangle.
     pub unused: u64,
     /// Degenerate triangles of strips and fans, which only join two runs.
     pub degenerate: u64,

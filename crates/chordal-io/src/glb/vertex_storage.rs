@@ -1,23 +1,23 @@
-//! `VertexStorage`: how a quantized glTF stores the numbers of a part, and its attributes rounded to that.
+//! `VertexStorage`: how a quantized glTF stores the numbers of a part, and the attributes after rounding.
 use super::deformation::is_deformed;
 use super::position_lattice::PositionLattice;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, InvalidMesh, Semantic};
 use chordal::math::unit;
 
-/// How the numbers of a part are stored where its glTF is quantized (`KHR_mesh_quantization`).
+/// How the numbers of a part are stored if its glTF is quantized (`KHR_mesh_quantization`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexStorage {
-    /// The lattice of its positions; `None` where they stay in single precision.
+    /// The lattice of its positions; `None` if they stay in single precision.
     pub lattice: Option<PositionLattice>,
-    /// The numbers of normals and tangents.
+    /// The number of bits of normals and tangents.
     pub directions: DirectionBits,
-    /// Whether texture coordinates that lie between 0 and 1 are multiples of 1 / 65,535; else they stay in single
-    /// precision.
+    /// Whether texture coordinates between 0 and 1 are stored as multiples of 1 / 65,535; if not, they stay
+    /// in single precision.
     pub has_short_texcoords: bool,
 }
 
-/// How many bits a coordinate of a normal or tangent has.
+/// The number of bits per coordinate of a normal or tangent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DirectionBits {
     /// Eight.
@@ -29,7 +29,7 @@ pub enum DirectionBits {
     Single,
 }
 
-/// A number that is stored as an integer, and stands for its share of the largest one.
+/// A normalized integer type: a number is stored as its share of the largest integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NormalizedNumber {
     I8,
@@ -39,7 +39,7 @@ pub(super) enum NormalizedNumber {
 }
 
 impl NormalizedNumber {
-    /// The integer that stands for 1.
+    /// The integer that represents 1.
     pub fn most(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
@@ -59,7 +59,7 @@ impl NormalizedNumber {
         }
     }
 
-    /// The bytes of one.
+    /// The number of its bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -73,7 +73,7 @@ impl NormalizedNumber {
         (x.clamp(least, 1.0) * self.most()).round() + 0.0
     }
 
-    /// The bytes of an integer, of which the first [`Self::size`] count.
+    /// The bytes of an integer; only the first [`Self::size`] are used.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn bytes(self, stored: f64) -> [u8; 2] {
         match self {
@@ -94,9 +94,9 @@ impl DirectionBits {
         }
     }
 
-    /// The most that a direction turns, in degrees: derived, each coordinate is off by half a step at most, hence
-    /// the end of the unit vector by √3 / 2 steps, and the angle by the arc sine of that; the last digit is
-    /// rounded up.
+    /// An upper bound of the rotation of a direction, in degrees. Derived: each coordinate is off by at most
+    /// half a step, hence the end of the unit vector by √3 / 2 steps, and the angle by the arc sine of that;
+    /// the last digit is rounded up.
     #[must_use]
     pub fn worst_deg(self) -> f64 {
         match self {
@@ -108,31 +108,33 @@ impl DirectionBits {
 }
 
 impl VertexStorage {
-    /// The most that a texture coordinate moves: half a step of each of two numbers, √2 / 2 / 65,535, rounded up.
+    /// The largest error of a texture coordinate. Derived: half a step of each of two numbers, √2 / 2 /
+    /// 65,535, rounded up.
     pub const WORST_TEXCOORD: f64 = 1.08e-5;
 
-    /// The storage of a mesh that no limit is known for: the finest lattice for its positions, eight bits for
-    /// directions, 16 for texture coordinates. What skins or morph targets deform keeps its positions, since the
-    /// node of a skin places nothing, and targets are sums in the units of positions.
+    /// The storage of a mesh without a given error limit: the finest lattice for its positions, eight bits
+    /// for directions, 16 for texture coordinates. A mesh deformed by a skin or morph targets keeps its
+    /// positions, since the node of a skin has no effect, and morph targets are displacements in the units of
+    /// positions.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let lattice = if is_deformed(mesh) { None } else { PositionLattice::for_mesh(mesh) };
         Self::with_lattice(lattice)
     }
 
-    /// The same with this lattice.
+    /// The default storage with this lattice.
     #[must_use]
     pub fn with_lattice(lattice: Option<PositionLattice>) -> Self {
         Self { lattice, directions: DirectionBits::Eight, has_short_texcoords: true }
     }
 
     /// The mesh with its attributes as they read back: normals and tangents, texture coordinates and colours.
-    /// Rounding twice changes nothing.
+    /// Rounding is idempotent.
     ///
-    /// Weights of joints are rounded where they are written, and other attributes stay in single precision.
+    /// Joint weights are rounded by the writer, and other attributes stay in single precision.
     ///
     /// # Errors
-    /// None for a mesh: that it refuses what it had is the error of the type.
+    /// None for a valid mesh: an error means that the mesh was invalid before.
     pub fn round_attributes(&self, mesh: &Mesh) -> Result<Mesh, InvalidMesh> {
         let mut rounded = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec())?;
         if let Some(ids) = mesh.position_id() {
@@ -153,7 +155,7 @@ impl VertexStorage {
         Ok(rounded)
     }
 
-    /// The integers that an attribute is stored as, if it is.
+    /// The integer type in which an attribute is stored, if any.
     pub(super) fn number_of(&self, attribute: &Attribute) -> Option<NormalizedNumber> {
         let is_within = || attribute.values.iter().all(|x| (0.0..=1.0).contains(x));
         match attribute.semantic {
@@ -164,7 +166,7 @@ impl VertexStorage {
             }
             Semantic::Color(_) => is_within().then(|| {
                 let byte = NormalizedNumber::U8;
-                // Colours that were bytes are to be the same bytes again, however a file spelled them.
+                // Colours that were bytes must stay the same bytes, however the file stored them.
                 let is_byte = |x: &f64| (x * byte.most() - byte.stored(*x)).abs() < COLOUR_SLACK;
                 if attribute.values.iter().all(is_byte) { byte } else { NormalizedNumber::U16 }
             }),
@@ -173,14 +175,15 @@ impl VertexStorage {
     }
 }
 
-/// How far a colour may be from a byte, in bytes: derived, single precision has 24 bits, and 255 of its last
+/// How far a colour may be from a byte, in bytes. Derived: single precision has 24 bits, and 255 of its last
 /// are 2⁻¹⁶.
 const COLOUR_SLACK: f64 = 1.0 / 65536.0;
 
-/// How far the length of a stored direction may be from 1: derived, √3 / 2 / 127 and a little.
+/// How far the length of a stored direction may be from 1. Derived: √3 / 2 / 127 and a little.
 const LENGTH_SLACK: f64 = 0.01;
 
-/// How far a stored coordinate that was read may be from its integer: rounding of a quotient and a product.
+/// How far a stored coordinate that was read may be from its integer: the rounding of a quotient and a
+/// product.
 const INTEGER_SLACK: f64 = 1e-9; // Chosen: a thousand times the rounding of 16 bits, and below any other number.
 
 /// The integers for a row of an attribute.
@@ -193,7 +196,7 @@ pub(super) fn stored_row(attribute: &Attribute, row: &[f64], number: NormalizedN
     let v = [row[0], row[1], row[2]];
     let length_sq = v.iter().map(|x| x * x).sum::<f64>();
     let is_stored = |x: &f64| (x * number.most() - number.stored(*x)).abs() < INTEGER_SLACK;
-    // What was rounded before stays as it is: scaled to length 1 it could come out as another one.
+    // A row that was rounded before is kept: scaling it to length 1 could round it to another one.
     let is_rounded = (length_sq - 1.0).abs() < 2.0 * LENGTH_SLACK && v.iter().all(is_stored);
     let along_axis = || std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 });
     let direction = if is_rounded { v } else { unit(v).unwrap_or_else(along_axis) };

@@ -3,7 +3,7 @@ use crate::text::{LineTokens, TextLines, finite, integer, show, trim};
 use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
 
-/// The key after whose line the samples begin, or the names of their files.
+/// The last key of a header: the samples follow, or the names of their files.
 pub(super) const LAST_KEY: &str = "ElementDataFile";
 /// The most fields. Chosen: programs copy hundreds of entries of a DICOM file into a header.
 const MOST_FIELDS: usize = 10_000;
@@ -25,19 +25,19 @@ impl<'a> MetaField<'a> {
         ReadError::new("bad-header", self.place(), message)
     }
 
-    /// Its value as an error shows it.
+    /// Its value as shown in messages.
     pub(super) fn shown(&self) -> String {
         show(self.value)
     }
 
-    /// Its one whole number.
-    pub(super) fn whole(&self) -> Result<i64, ReadError> {
+    /// Its only whole number.
+    pub(super) fn integer(&self) -> Result<i64, ReadError> {
         integer(self.value)
             .map_err(|_| self.wrong(format!("{} {} is no whole number", self.key, self.shown())))
     }
 
     /// Its whole numbers.
-    pub(super) fn wholes(&self) -> Result<Vec<i64>, ReadError> {
+    pub(super) fn integers(&self) -> Result<Vec<i64>, ReadError> {
         let one = |token: &[u8]| {
             integer(token).map_err(|_| self.wrong(format!("{} is no whole number", show(token))))
         };
@@ -46,16 +46,16 @@ impl<'a> MetaField<'a> {
 
     /// Its finite numbers, `n` of them.
     pub(super) fn numbers(&self, n: usize) -> Result<Vec<f64>, ReadError> {
-        let all: Result<Vec<f64>, _> =
+        let values: Result<Vec<f64>, _> =
             LineTokens::new(self.value).map(|token| finite(token, || self.place())).collect();
-        let all = all?;
-        if all.len() != n {
-            return Err(self.wrong(format!("{} has {} numbers; {n} are expected", self.key, all.len())));
+        let values = values?;
+        if values.len() != n {
+            return Err(self.wrong(format!("{} has {} numbers; {n} are expected", self.key, values.len())));
         }
-        Ok(all)
+        Ok(values)
     }
 
-    /// Whether it says yes: "True", "T" or "1".
+    /// Whether its value is true: "True", "T" or "1".
     pub(super) fn truth(&self) -> Result<bool, ReadError> {
         match self.value.to_ascii_lowercase().as_slice() {
             b"true" | b"t" | b"1" => Ok(true),
@@ -84,7 +84,7 @@ impl<'a> MetaFields<'a> {
     /// The lines up to the one that says where the samples are.
     ///
     /// # Errors
-    /// At a line that is no field, or is there twice; when that line does not come.
+    /// At a line that is not a field, or repeats one; at the end if the last key is missing.
     pub(super) fn read(bytes: &'a [u8], limits: &Limits) -> Result<Self, ReadError> {
         let mut fields = Self { all: Vec::new(), last_line: 0, end: 0 };
         let mut seen = std::collections::BTreeSet::new();
@@ -103,7 +103,7 @@ impl<'a> MetaFields<'a> {
             let Some((key, value)) = field(text) else {
                 return wrong(format!("{} is no field of a MetaImage, as in 'NDims = 3'", show(text)));
             };
-            // Comments are the only key that means something more than once.
+            // Comments are the only key that may be repeated.
             if !seen.insert(key) && key != "Comment" {
                 return wrong(format!("field '{key}' is there twice"));
             }
@@ -123,16 +123,16 @@ impl<'a> MetaFields<'a> {
         self.all.iter().find(|field| field.key == key).copied()
     }
 
-    /// A field that has to be there.
+    /// A required field.
     pub(super) fn need(&self, key: &str) -> Result<MetaField<'a>, ReadError> {
         self.get(key).ok_or_else(|| self.missing(key))
     }
 
-    /// The one field of several names for the same.
+    /// The field with one of several synonymous names.
     pub(super) fn one_of(&self, keys: &[&str]) -> Result<Option<MetaField<'a>>, ReadError> {
-        let mut found = self.all.iter().filter(|field| keys.contains(&field.key));
-        let Some(first) = found.next() else { return Ok(None) };
-        match found.find(|other| other.value != first.value) {
+        let mut matching = self.all.iter().filter(|field| keys.contains(&field.key));
+        let Some(first) = matching.next() else { return Ok(None) };
+        match matching.find(|other| other.value != first.value) {
             Some(other) => Err(other.wrong(format!(
                 "{} differs from {} in line {}, which means the same",
                 other.key, first.key, first.line
@@ -141,7 +141,7 @@ impl<'a> MetaFields<'a> {
         }
     }
 
-    /// The fields of other keys than these.
+    /// The fields with other keys than these.
     pub(super) fn others(&self, known: &[&str]) -> impl Iterator<Item = &MetaField<'a>> {
         self.all.iter().filter(|field| !known.contains(&field.key))
     }
@@ -160,11 +160,11 @@ fn field(line: &[u8]) -> Option<(&str, &[u8])> {
     (!key.is_empty() && key.chars().all(is_key)).then_some((key, trim(&line[at + 1..])))
 }
 
-/// Whether bytes look like a MetaImage: fields from the first line on, and a number of axes among them.
+/// Whether bytes look like a MetaImage: fields from the first line on, including the number of axes.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    /// The first line of a header that programs write is one of these; the first is the usual one.
+    /// The possible first keys of a header, the usual one first.
     const FIRST: [&str; 4] = ["ObjectType", "NDims", "Comment", "DimSize"];
-    /// Comments in front may be long.
+    /// Chosen: comments at the start may be long.
     const MOST_LINES: usize = 50;
     let mut lines = TextLines::new(bytes).filter(|(_, line)| !trim(line).is_empty()).take(MOST_LINES);
     let key = |line: &'_ [u8]| field(line).map(|(key, _)| key.to_owned());

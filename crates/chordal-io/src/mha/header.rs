@@ -1,11 +1,11 @@
-//! `MetaHeader`: what the fields of a MetaImage say of its samples.
+//! `MetaHeader`: the format of a MetaImage's samples, from its fields.
 use super::fields::{MetaField, MetaFields};
 use crate::volume::element::{Endian, SampleType};
 use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
 use chordal::budget::advice::{Message, Setting};
 
-/// The fields that are used, and those that say nothing of the place and value of samples.
+/// The fields that are used, and those that do not affect the positions and values of samples.
 const KNOWN: [&str; 40] = [
     "ObjectType",
     "ObjectSubType",
@@ -49,26 +49,26 @@ const KNOWN: [&str; 40] = [
     super::fields::LAST_KEY,
 ];
 
-/// How samples are written.
+/// The encoding of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MetaEncoding {
     Raw,
     Text,
-    /// In zlib or gzip.
+    /// Compressed by zlib or gzip.
     Packed,
 }
 
 /// The samples of a MetaImage.
 pub(super) struct MetaHeader {
-    /// The sizes of three axes, and of a fourth outside space.
+    /// The sizes of three spatial axes, and of an optional fourth axis.
     pub sizes: Vec<i64>,
     pub sizes_place: FileLocation,
     pub element: SampleType,
     pub endian: Endian,
     pub encoding: MetaEncoding,
-    /// The number of packed bytes, where the header says it.
+    /// The number of compressed bytes, if the header states it.
     pub n_packed: Option<u64>,
-    /// The bytes before the samples of a file; `None` where they end with the file.
+    /// The bytes before the samples of a file; `None` if the samples end with the file.
     pub skip: Option<u64>,
 }
 
@@ -76,7 +76,7 @@ impl MetaHeader {
     /// Reads the fields.
     ///
     /// # Errors
-    /// At a field that is wrong, is missing, or says what is not read.
+    /// At a field that is invalid, missing, or not supported.
     pub(super) fn read(fields: &MetaFields<'_>, warnings: &mut Warnings) -> Result<Self, ReadError> {
         if let Some(kind) = fields.get("ObjectType").filter(|kind| kind.value != b"Image") {
             let message = format!("an object of type {} is no volume: Image is", kind.shown());
@@ -84,10 +84,10 @@ impl MetaHeader {
         }
         let axes = fields.need("NDims")?;
         let sizes = fields.need("DimSize")?;
-        let n_axes = axes.whole()?;
-        let all = sizes.wholes()?;
-        if all.len() as i64 != n_axes {
-            return Err(sizes.wrong(format!("{} sizes for {n_axes} axes", all.len())));
+        let n_axes = axes.integer()?;
+        let integers = sizes.integers()?;
+        if integers.len() as i64 != n_axes {
+            return Err(sizes.wrong(format!("{} sizes for {n_axes} axes", integers.len())));
         }
         if !(3..=4).contains(&n_axes) {
             let words = format!("{n_axes} axes are no volume: three are expected, or four with ");
@@ -99,7 +99,7 @@ impl MetaHeader {
         let encoding = encoding(fields)?;
         count_unused(fields, warnings)?;
         Ok(Self {
-            sizes: all,
+            sizes: integers,
             sizes_place: sizes.place(),
             element,
             endian: endian(fields, element, warnings)?,
@@ -110,10 +110,10 @@ impl MetaHeader {
     }
 }
 
-/// Several numbers for each sample are a picture or a field of vectors.
+/// Several numbers per sample are a picture or a vector field.
 fn refuse_channels(fields: &MetaFields<'_>) -> Result<(), ReadError> {
     let Some(channels) = fields.get("ElementNumberOfChannels") else { return Ok(()) };
-    match channels.whole()? {
+    match channels.integer()? {
         1 => Ok(()),
         n if n > 1 => {
             let message = format!(
@@ -140,7 +140,7 @@ fn encoding(fields: &MetaFields<'_>) -> Result<MetaEncoding, ReadError> {
     }
 }
 
-/// The byte order, which numbers of several bytes have.
+/// The byte order, needed only for numbers of several bytes.
 fn endian(
     fields: &MetaFields<'_>,
     element: SampleType,
@@ -161,8 +161,8 @@ fn endian(
 
 fn n_packed(fields: &MetaFields<'_>) -> Result<Option<u64>, ReadError> {
     let Some(field) = fields.get("CompressedDataSize") else { return Ok(None) };
-    match u64::try_from(field.whole()?) {
-        // Programs that do not know it write 0.
+    match u64::try_from(field.integer()?) {
+        // Programs that do not know the size write 0.
         Ok(0) => Ok(None),
         Ok(n) => Ok(Some(n)),
         Err(_) => Err(field.wrong(format!("{} packed bytes are none", field.shown()))),
@@ -171,9 +171,9 @@ fn n_packed(fields: &MetaFields<'_>) -> Result<Option<u64>, ReadError> {
 
 /// The bytes to skip in a data file.
 fn skip(fields: &MetaFields<'_>, encoding: MetaEncoding) -> Result<Option<u64>, ReadError> {
-    // Of several files each has this in front.
+    // With several files, each has this header.
     let Some(field) = fields.one_of(&["HeaderSize", "HeaderSizePerSlice"])? else { return Ok(Some(0)) };
-    let n = field.whole()?;
+    let n = field.integer()?;
     match n {
         -1 if encoding == MetaEncoding::Raw => Ok(None),
         -1 => {
@@ -185,7 +185,7 @@ fn skip(fields: &MetaFields<'_>, encoding: MetaEncoding) -> Result<Option<u64>, 
     }
 }
 
-/// Counts fields that were not used, and would change samples in other programs.
+/// Counts unused fields that would change samples in other programs.
 fn count_unused(fields: &MetaFields<'_>, warnings: &mut Warnings) -> Result<(), ReadError> {
     for (key, plain) in [("ElementToIntensityFunctionSlope", 1.0), ("ElementToIntensityFunctionOffset", 0.0)]
     {
@@ -205,7 +205,7 @@ fn count_unused(fields: &MetaFields<'_>, warnings: &mut Warnings) -> Result<(), 
     Ok(())
 }
 
-/// The sample type of a name. The sizes are those of MetaIO, whatever a C compiler has for the same words.
+/// The sample type for a name. Sizes are those of MetaIO, not those of a C compiler.
 fn element(field: &MetaField<'_>) -> Result<SampleType, ReadError> {
     Ok(match field.value {
         b"MET_CHAR" | b"MET_ASCII_CHAR" => SampleType::I8,

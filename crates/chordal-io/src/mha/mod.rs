@@ -1,7 +1,7 @@
-//! MetaImage volumes: `.mha`, header and samples in one file, and `.mhd`, whose samples are in files beside it.
+//! MetaImage volumes: `.mha`, header and samples in one file, and `.mhd`, with the samples in separate files.
 //!
-//! Source: Kitware, "MetaIO Documentation", docs.itk.org (2001 to 2024); what the text leaves open is as the
-//! library MetaIO of ITK does it.
+//! Source: Kitware, "MetaIO Documentation", docs.itk.org (2001 to 2024); what the text leaves open follows
+//! the library MetaIO of ITK.
 mod fields;
 mod header;
 mod orientation;

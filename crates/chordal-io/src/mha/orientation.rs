@@ -1,13 +1,13 @@
-//! Where the samples of a MetaImage are: spacing, directions and origin.
+//! The positions of a MetaImage's samples: spacing, directions and origin.
 use super::fields::MetaFields;
 use crate::warnings::Warnings;
 use crate::{Axis, FileLocation, Frame, ReadError};
 use chordal::implicit::Affine3;
 
-/// The map from the indices of the first three axes of `n_axes`.
+/// The map from the indices of the first three of `n_axes` axes.
 ///
 /// # Errors
-/// When it is singular, or a fourth axis runs through space.
+/// If it is singular, or a fourth axis has a direction in space.
 pub(super) fn affine(
     fields: &MetaFields<'_>,
     n_axes: usize,
@@ -43,7 +43,7 @@ pub(super) fn affine(
     count_centre(fields, warnings)?;
     let line = matrix.or(spacing).map_or(fields.last_line, |field| field.line);
     let singular = |message: String| ReadError::new("singular", FileLocation::Line(line), message);
-    // Numbers of the matrix run along one axis of indices first.
+    // The numbers of one index axis are consecutive in the matrix.
     let along = |axis: usize, k: usize| directions[axis * n_axes + k];
     if n_axes == 4 && (0..3).any(|k| along(k, 3) != 0.0 || along(3, k) != 0.0) {
         return Err(singular("the fourth axis is not apart from the three of space".to_owned()));
@@ -54,7 +54,7 @@ pub(super) fn affine(
     Ok(affine)
 }
 
-/// The frame and the name of its axes. Where a file speaks of anatomy, its space is that of ITK.
+/// The frame and the name of its axes. A file with anatomical directions is in the space of ITK.
 pub(super) fn space(
     fields: &MetaFields<'_>,
     warnings: &mut Warnings,
@@ -81,7 +81,7 @@ pub(super) fn space(
     Ok((Frame { up, metres_per_unit, ..Frame::default() }, is_anatomy.then(|| "LPS".to_owned())))
 }
 
-/// Where the three axes of indices begin, as in "RAI" for axes from right, front and feet.
+/// The sides at which the three index axes begin, as in "RAI" for right, front and feet.
 fn anatomy<'a>(fields: &MetaFields<'a>) -> Option<&'a [u8]> {
     let value = fields.get("AnatomicalOrientation")?.value;
     let axis = |letter: &u8| b"RLAPIS".iter().position(|known| known == letter).map(|k| k / 2);
@@ -91,18 +91,21 @@ fn anatomy<'a>(fields: &MetaFields<'a>) -> Option<&'a [u8]> {
     (axes == [0, 1, 2]).then_some(letters)
 }
 
-/// Counts letters that say another orientation than the directions do.
+/// Counts letters that contradict the directions.
 fn count_contradiction(fields: &MetaFields<'_>, affine: &Affine3, warnings: &mut Warnings) {
-    let (Some(said), Some(field)) = (anatomy(fields), fields.get("AnatomicalOrientation")) else { return };
+    let (Some(letters), Some(field)) = (anatomy(fields), fields.get("AnatomicalOrientation")) else { return };
     let letter = |step: [f64; 3]| {
         let size = step.map(f64::abs);
-        // x runs to the left, y to the back, z to the head; a letter is where an axis begins.
+        // x runs to the left, y to the back, z to the head; a letter is the side where an axis begins.
         let axis = (0..3).fold(0, |most, k| if size[k] > size[most] { k } else { most });
         let is_tie = (0..3).any(|k| k != axis && size[k] == size[axis]);
         (!is_tie).then(|| [b"RL", b"AP", b"IS"][axis][usize::from(step[axis] < 0.0)])
     };
-    let differs =
-        affine.steps().iter().zip(said).any(|(step, said)| letter(*step).is_some_and(|l| l != *said));
+    let differs = affine
+        .steps()
+        .iter()
+        .zip(letters)
+        .any(|(step, declared)| letter(*step).is_some_and(|l| l != *declared));
     if differs {
         warnings.count("orientation-differs", || {
             let message = format!(
@@ -114,7 +117,7 @@ fn count_contradiction(fields: &MetaFields<'_>, affine: &Affine3, warnings: &mut
     }
 }
 
-/// Counts a centre of rotation, which programs do not use for images.
+/// Counts a centre of rotation, which programs ignore for images.
 fn count_centre(fields: &MetaFields<'_>, warnings: &mut Warnings) -> Result<(), ReadError> {
     let Some(field) = fields.get("CenterOfRotation") else { return Ok(()) };
     let n = field.value.split(|b| crate::text::is_space(*b)).filter(|token| !token.is_empty()).count();

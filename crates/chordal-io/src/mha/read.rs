@@ -4,7 +4,7 @@ use super::header::{MetaEncoding, MetaHeader};
 use super::orientation::{affine, space};
 use super::sample_files::{SampleFile, SampleFileNames, SampleFiles};
 use crate::files::FileOpener;
-use crate::nii::which;
+use crate::nii::chosen_volume;
 use crate::volume::count::{along, size_of};
 use crate::volume::data_files::DataFiles;
 use crate::volume::element::Endian;
@@ -17,14 +17,14 @@ use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Grid, Samples};
 
 /// Reads the volume of a MetaImage whose samples are in the same file. The offset, the spacing and the
-/// directions place the samples. Where the header names the anatomical orientation, space is "LPS": x to the
+/// directions place the samples. If the header gives the anatomical orientation, space is "LPS": x to the
 /// patient's left, y to the back, z to the head, as in ITK.
 ///
-/// A fourth axis makes several volumes, of which [`Limits::index`] chooses one.
+/// A fourth axis makes several volumes; [`Limits::index`] chooses one.
 ///
 /// # Errors
 /// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which
-/// [`read_with`] reads, and for several channels, which are no volume.
+/// [`read_with`] reads, and for several channels, which are not a volume.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, mha};
@@ -39,11 +39,11 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// As [`read`], with the files beside the header that hold its samples: one, or one for each slice. They lie
-/// below the folder of the header.
+/// As [`read`], with the files that hold the samples: one, or one for each slice. They are below the folder
+/// of the header.
 ///
 /// # Errors
-/// As for [`read`]; also where a file cannot be had.
+/// As for [`read`]; also if a file is not available.
 pub fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
@@ -59,19 +59,19 @@ pub fn read_with(
     let size = size_of([sizes[0], sizes[1], sizes[2]], header.element, &header.sizes_place, limits)?;
     let affine = affine(&fields, sizes.len(), &mut warnings)?;
     let (frame, space) = space(&fields, &mut warnings)?;
-    // Numbers in text become bytes in this order.
+    // Numbers in text are converted to bytes in this order.
     let endian = if header.encoding == MetaEncoding::Text { Endian::Little } else { header.endian };
     let mut layout = SampleLayout::volumes(header.element, endian, size);
-    // Sizes are positive, as was checked.
+    // Sizes were checked to be positive.
     layout.of = sizes.get(3).map_or(1, |n| *n as u64);
-    layout.index = which(layout.of, limits, &header.sizes_place)?;
+    layout.index = chosen_volume(layout.of, limits, &header.sizes_place)?;
     let files = SampleFileNames { bytes, fields: &fields, sizes, limits }.read()?;
     let mut decoder = SampleDecoder { header: &header, layout, limits, warnings: &mut warnings };
     let mut beside = DataFiles::new(open, bytes.len() as u64, limits.bytes);
     let samples = match files {
         SampleFiles::Local => decoder.local(bytes, fields.end)?,
-        SampleFiles::One(file) => decoder.one(&file, &mut beside)?,
-        SampleFiles::Each(files) => decoder.each(&files, &mut beside)?,
+        SampleFiles::One(file) => decoder.read_one_file(&file, &mut beside)?,
+        SampleFiles::Each(files) => decoder.read_files(&files, &mut beside)?,
     };
     samples::count_not_finite(&samples, &mut warnings);
     let grid = Grid::new(size, samples, affine)
@@ -81,7 +81,7 @@ pub fn read_with(
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
-/// What decoding the samples needs.
+/// The context in which samples are decoded.
 struct SampleDecoder<'d> {
     header: &'d MetaHeader,
     /// The samples of all files together.
@@ -90,7 +90,7 @@ struct SampleDecoder<'d> {
     warnings: &'d mut Warnings,
 }
 
-/// What is made of the stream of one file.
+/// Converts the stream of one file.
 type StreamReader<T> = fn(&mut SampleStream, &SampleLayout, &Limits, &mut Warnings) -> Result<T, ReadError>;
 
 impl SampleDecoder<'_> {
@@ -112,7 +112,11 @@ impl SampleDecoder<'_> {
     }
 
     /// Samples in one other file.
-    fn one(&mut self, file: &SampleFile, beside: &mut DataFiles<'_, '_>) -> Result<Samples, ReadError> {
+    fn read_one_file(
+        &mut self,
+        file: &SampleFile,
+        beside: &mut DataFiles<'_, '_>,
+    ) -> Result<Samples, ReadError> {
         let bytes = beside.fetch(&file.name, &file.place())?;
         let layout = self.layout;
         let start = self.start(&bytes, &layout);
@@ -122,12 +126,16 @@ impl SampleDecoder<'_> {
     }
 
     /// Samples in several other files, the same number in each.
-    fn each(&mut self, files: &[SampleFile], beside: &mut DataFiles<'_, '_>) -> Result<Samples, ReadError> {
+    fn read_files(
+        &mut self,
+        files: &[SampleFile],
+        beside: &mut DataFiles<'_, '_>,
+    ) -> Result<Samples, ReadError> {
         let layout = self.layout;
-        // The sizes of the header are counted, and the number of files is a product of some of them.
+        // The sizes of the header are within limits, and the number of files is a product of some of them.
         let n_samples = layout.inner * layout.of;
         let share = SampleLayout { inner: n_samples / files.len().max(1) as u64, of: 1, index: 0, ..layout };
-        let mut all = Vec::new();
+        let mut joined = Vec::new();
         for file in files {
             let bytes = beside.fetch(&file.name, &file.place())?;
             let start = self.start(&bytes, &share);
@@ -135,13 +143,13 @@ impl SampleDecoder<'_> {
                 self.decode(&FileSamples { bytes: &bytes, start, layout: share }, samples::bytes)
             });
             let piece = piece.map_err(|error| error.within(&file.name))?;
-            all.try_reserve(piece.len()).map_err(|_| crate::grow::out_of_memory(all.len()))?;
-            all.extend_from_slice(&piece);
+            joined.try_reserve(piece.len()).map_err(|_| crate::grow::out_of_memory(joined.len()))?;
+            joined.extend_from_slice(&piece);
         }
-        samples::read(&mut SampleStream::plain(&all, 0), &layout, self.limits, self.warnings)
+        samples::read(&mut SampleStream::plain(&joined, 0), &layout, self.limits, self.warnings)
     }
 
-    /// The byte of another file at which its samples start.
+    /// The byte of a separate file at which its samples start.
     fn start(&self, bytes: &[u8], layout: &SampleLayout) -> Result<usize, ReadError> {
         let Some(skip) = self.header.skip else { return from_end(bytes, 0, layout) };
         let start = usize::try_from(skip).ok().filter(|skip| *skip <= bytes.len());
@@ -178,16 +186,16 @@ impl SampleDecoder<'_> {
         }
     }
 
-    /// The packed bytes from `start` on: as many as the header says, else all.
+    /// The compressed bytes from `start` on: as many as the header states, else all.
     fn packed<'b>(&mut self, bytes: &'b [u8], start: usize) -> Result<&'b [u8], ReadError> {
-        let all = &bytes[start..];
-        let Some(n) = self.header.n_packed else { return Ok(all) };
-        let packed = usize::try_from(n).ok().and_then(|n| all.get(..n)).ok_or_else(|| {
+        let rest = &bytes[start..];
+        let Some(n) = self.header.n_packed else { return Ok(rest) };
+        let packed = usize::try_from(n).ok().and_then(|n| rest.get(..n)).ok_or_else(|| {
             let stream = SampleStream::plain(bytes, bytes.len());
-            stream.truncated(all.len() as u64, n)
+            stream.truncated(rest.len() as u64, n)
         })?;
         let place = FileLocation::Byte((start + packed.len()) as u64);
-        let more = (all.len() - packed.len()) as u64;
+        let more = (rest.len() - packed.len()) as u64;
         TrailingBytes { more, place, is_exact: true }.check(self.limits, self.warnings)?;
         Ok(packed)
     }

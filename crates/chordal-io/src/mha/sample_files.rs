@@ -1,9 +1,10 @@
-//! `SampleFiles`: where the samples of a MetaImage are: after the header, in a file, or in one for each slice.
+//! `SampleFiles`: the location of a MetaImage's samples: after the header, in a file, or in one file per
+//! slice.
 use super::fields::{LAST_KEY, MetaField, MetaFields};
 use crate::text::{TextLines, grouped, integer, trim};
 use crate::{FileLocation, Limits, ReadError};
 
-/// A file beside the header, and the line that names it.
+/// A file of samples, and the line with its name.
 pub(super) struct SampleFile {
     pub name: String,
     pub line: u64,
@@ -25,7 +26,7 @@ pub(super) enum SampleFiles {
     Each(Vec<SampleFile>),
 }
 
-/// The header, and what names of files may take.
+/// The header, and the limits on file names.
 pub(super) struct SampleFileNames<'h, 'a> {
     pub bytes: &'a [u8],
     pub fields: &'h MetaFields<'a>,
@@ -37,7 +38,7 @@ impl SampleFileNames<'_, '_> {
     /// Reads the last field, and the names after it.
     ///
     /// # Errors
-    /// When there are not as many names as files.
+    /// If there are fewer or more names than files.
     pub(super) fn read(&self) -> Result<SampleFiles, ReadError> {
         let field = self.fields.need(LAST_KEY)?;
         let value = field.text()?;
@@ -56,7 +57,7 @@ impl SampleFileNames<'_, '_> {
         }
     }
 
-    /// The number of files that hold the first `axes` axes each.
+    /// The number of files that each hold the first `axes` axes.
     fn n_files(&self, field: &MetaField<'_>, axes: usize) -> Result<u64, ReadError> {
         let mut sizes = self.sizes[axes..].iter().map(|n| u64::try_from(*n).ok());
         let n = sizes.try_fold(1_u64, |all, n| all.checked_mul(n?));
@@ -100,7 +101,7 @@ impl SampleFileNames<'_, '_> {
         Ok(files)
     }
 
-    /// The names that a pattern as of `printf` gives for a first, a last number and a step, one for each slice.
+    /// The names from a `printf` pattern with a first number, a last number and a step, one for each slice.
     fn pattern(
         &self,
         field: &MetaField<'_>,
@@ -117,7 +118,7 @@ impl SampleFileNames<'_, '_> {
         };
         let last = i64::try_from(declared - 1).ok().and_then(|n| n.checked_mul(step)?.checked_add(first));
         let last = last.ok_or_else(|| wrong("have numbers that are too large".to_owned()))?;
-        // The last number only bounds the names; with a step it need not be one of them.
+        // The last number only bounds the names; with a step it need not be reached exactly.
         let reaches = |said: i64| if step < 0 { said <= last } else { said >= last };
         if step == 0 || numbers.get(1).is_some_and(|said| !reaches(*said)) {
             return Err(wrong(format!("are fewer than the {} slices", grouped(declared))));
@@ -132,7 +133,7 @@ impl SampleFileNames<'_, '_> {
     }
 }
 
-/// A pattern with one number in it, `%d` or `%03d`.
+/// A pattern that contains one number, `%d` or `%03d`.
 struct Numbering<'a> {
     before: &'a str,
     after: &'a str,
@@ -145,7 +146,7 @@ impl<'a> Numbering<'a> {
         let (before, rest) = pattern.split_once('%')?;
         let end = rest.find(|c: char| !c.is_ascii_digit())?;
         let (digits, after) = (&rest[..end], rest[end..].strip_prefix(['d', 'i', 'u'])?);
-        // No name of a file has a longer number.
+        // No file name has a longer number.
         let width: usize = if digits.is_empty() { 0 } else { digits.parse().ok().filter(|n| *n < 100)? };
         let is_zeroed = digits.starts_with('0');
         (!after.contains('%')).then_some(Self { before, after, width, is_zeroed })

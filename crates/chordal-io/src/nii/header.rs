@@ -9,7 +9,7 @@ use chordal::budget::advice::Message;
 
 /// Bytes of the header of version 1 and of version 2.
 const SIZES: [usize; 2] = [348, 540];
-/// Bytes that say whether anything follows the header, before the samples.
+/// The bytes after the header that tell whether extensions follow, before the samples.
 const EXTENDER: usize = 4;
 /// The most bytes of a header.
 pub(super) const MOST: usize = SIZES[1];
@@ -27,7 +27,7 @@ pub(super) struct NiftiHeader {
     /// `pixdim`: the handedness of the quaternion, then the steps along the axes.
     pub pixdim: [f64; 8],
     pub pixdim_at: usize,
-    /// Whether the samples are in a file of their own, of the same name with the extension `.img`.
+    /// Whether the samples are in a separate file with the same name and the extension `.img`.
     pub is_pair: bool,
     /// The byte at which samples start, in the unpacked file that holds them.
     pub offset: u64,
@@ -75,7 +75,7 @@ pub(super) fn header_error(code: &'static str, at: usize, message: impl Into<Mes
 struct NiftiFields<'a> {
     bytes: &'a [u8],
     endian: Endian,
-    /// Whether it is version 2, whose fields are wider.
+    /// Whether it is version 2, which has wider fields.
     is_wide: bool,
     is_pair: bool,
 }
@@ -102,7 +102,7 @@ impl NiftiFields<'_> {
         }
     }
 
-    /// The first byte at which samples may start: after the header, where they are in its file.
+    /// The first byte at which samples may start: after the header, if both are in one file.
     fn least_offset(&self, version: usize) -> usize {
         if self.is_pair { 0 } else { SIZES[version] + EXTENDER }
     }
@@ -116,7 +116,7 @@ impl NiftiHeader {
     /// Parses the header in the first bytes of an unpacked file.
     ///
     /// # Errors
-    /// When it is no header, or has a sample type that is not read.
+    /// If it is not a header, or has an unsupported sample type.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let Some((version, endian)) = kind(bytes) else {
             let message = "a NIfTI file starts with the size of its header, 348 or 540, in either byte order";
@@ -161,7 +161,7 @@ impl NiftiHeader {
     }
 
     fn second(f: &NiftiFields) -> Result<Self, ReadError> {
-        // Offsets beyond the integers of f64 are beyond any file.
+        // Offsets that f64 cannot hold exactly are beyond any file.
         let start = f.i64(168) as f64;
         Ok(Self {
             endian: f.endian,
@@ -211,7 +211,7 @@ fn check_magic(bytes: &[u8], version: usize) -> Result<bool, ReadError> {
 
 /// The byte at which samples start.
 fn offset(start: f64, at: usize, least: usize) -> Result<u64, ReadError> {
-    // 0 stands for the earliest possible offset.
+    // 0 means the earliest possible offset.
     if start == 0.0 {
         return Ok(least as u64);
     }
@@ -224,7 +224,7 @@ fn offset(start: f64, at: usize, least: usize) -> Result<u64, ReadError> {
     Ok(start as u64)
 }
 
-/// The sample type of a number of the standard.
+/// The sample type for a code of the standard.
 fn element(code: i64, at: usize) -> Result<SampleType, ReadError> {
     let name = match code {
         2 => return Ok(SampleType::U8),

@@ -1,16 +1,16 @@
 //! The table of labels in an extension of a NIfTI header, in the XML of Caret and Connectome Workbench, which
-//! TotalSegmentator writes too.
+//! TotalSegmentator also writes.
 use crate::volume::element::Endian;
 use crate::volume::label_table::MOST_ROWS;
 use crate::xml_elements::{AnyNamespace, XmlElements, XmlStep};
 use crate::{LabelLook, Limits, ReadError};
 use std::collections::BTreeMap;
 
-/// The most bytes of extensions that are looked at: a table of 65,536 labels has less than 8 MiB.
+/// The most bytes of extensions that are searched. Chosen: a table of 65,536 labels has less than 8 MiB.
 pub(super) const MOST_BYTES: u64 = 8 << 20;
 
-/// The labels in the extensions after a header, and the reason where a table cannot be read. `bytes` begin with
-/// the four bytes that say whether there are any.
+/// The labels in the extensions after a header, and the reason if a table cannot be read. `bytes` begin with
+/// the four bytes that tell whether there are any.
 ///
 /// Source: R. Cox and others, *NIfTI-1 Data Format*, 2004, "extensions"; D. Van Essen Lab, *CIFTI-2*, 2014, whose
 /// `LabelTable` has the same elements.
@@ -23,7 +23,7 @@ pub(super) fn label_table(
         [flag, _, _, _, rest @ ..] if *flag != 0 => rest,
         _ => return Default::default(),
     };
-    // Each has its size, which counts its own eight bytes, and the number of its kind.
+    // Each extension has its size, which includes eight bytes of header, and a code.
     while rest.len() > 8 {
         let size = i32::from_le_bytes(endian.array(&rest[..4]));
         let Some(size) = usize::try_from(size).ok().filter(|size| (8..=rest.len()).contains(size)) else {
@@ -31,7 +31,7 @@ pub(super) fn label_table(
         };
         let text = &rest[8..size];
         rest = &rest[size..];
-        // The kind is 30 for Caret, and 0 where TotalSegmentator writes it: what is inside says it.
+        // The code is 30 for Caret, but TotalSegmentator writes 0, so only the content tells the kind.
         if memchr::memmem::find(text, b"<LabelTable").is_none() {
             continue;
         }
@@ -44,7 +44,7 @@ pub(super) fn label_table(
 }
 
 fn parse(text: &[u8], limits: &Limits) -> Result<BTreeMap<i64, LabelLook>, ReadError> {
-    // An extension is filled up with zeros to a multiple of 16 bytes.
+    // An extension is padded with zeros to a multiple of 16 bytes.
     let end = text.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
     let text = crate::xml_text::text_of(&text[..end])?;
     let mut elements = XmlElements::<AnyNamespace>::new(text.trim(), "the table of labels", limits);

@@ -8,4 +8,4 @@ mod orientation;
 mod read;
 
 pub use read::read;
-pub(crate) use read::{looks_like, read_with, which};
+pub(crate) use read::{chosen_volume, looks_like, read_with};

@@ -4,10 +4,11 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
 use chordal::implicit::Affine3;
 
-/// The map from indices to patient coordinates: the first of the standard's three methods that the file has.
+/// The map from indices to patient coordinates: the first of the standard's three methods that the file
+/// provides.
 ///
 /// # Errors
-/// When it is singular, or a number in it is not finite.
+/// If it is singular, or a number in it is not finite.
 pub(super) fn affine(header: &NiftiHeader, warnings: &mut Warnings) -> Result<Affine3, ReadError> {
     let refused = |at: usize, error: &dyn std::fmt::Display| header_error("singular", at, error.to_string());
     if header.sform > 0 {
@@ -41,7 +42,7 @@ fn steps(header: &NiftiHeader) -> Result<[f64; 3], ReadError> {
     Ok(steps)
 }
 
-/// Rows of the map of a unit quaternion (a, b, c, d), whose a is not stored: "method 2" of `nifti1.h`.
+/// Rows of the map of a unit quaternion (a, b, c, d) whose a is not stored: "method 2" of `nifti1.h`.
 fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4]; 3], ReadError> {
     let [mut b, mut c, mut d] = header.quaternion;
     let squares = b * b + c * c + d * d;
@@ -52,8 +53,8 @@ fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4];
             "the quaternion of the qform is not finite",
         ));
     }
-    // Below this, a is noise of b, c and d, which are single precision: derived, 2⁻²³, as in the standard's
-    // own code.
+    // Below this, a is rounding noise of b, c and d, which have single precision. Derived: 2⁻²³, as in the
+    // standard's own code.
     const NOISE: f64 = 1e-7;
     let mut a = 1.0 - squares;
     if a < NOISE {
@@ -62,7 +63,7 @@ fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4];
     } else {
         a = a.sqrt();
     }
-    // The sign of the first entry says whether the third axis is flipped.
+    // A negative first entry flips the third axis.
     let z = if header.pixdim[0] < 0.0 { -z } else { z };
     let [p, q, r] = header.shift;
     Ok([

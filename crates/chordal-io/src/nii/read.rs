@@ -15,19 +15,21 @@ use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::{Grid, Samples};
 
 /// Reads the volume of a NIfTI file, gzipped or not, in patient coordinates: x to the right, y to the front,
-/// z to the head ("RAS"). The file's affine map is its sform, else its qform, else plain steps. Numbers are
-/// scaled as the header says. In a file of several volumes, [`Limits::index`] chooses one.
+/// z to the head ("RAS"). The affine map is the file's sform, else its qform, else its plain steps. Numbers
+/// are scaled as the header states. In a file of several volumes, [`Limits::index`] chooses one.
 ///
-/// Memory grows with what is unpacked, which is limited by [`Limits::bytes`] and by what the header declares.
+/// Memory grows with the unpacked bytes, which are limited by [`Limits::bytes`] and by the size that the
+/// header declares.
 ///
 /// # Errors
-/// [`ReadError`] at the byte: of the unpacked file for header errors, of the packed file for sample errors.
+/// [`ReadError`] at the byte: of the unpacked file for errors in the header, of the packed file for errors in
+/// samples.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// As [`read`], also for the header of a pair of files (`.hdr`), whose samples are in the file of the same name with the
-/// extension `.img`, packed or not.
+/// As [`read`], also for the header of a pair of files (`.hdr`) with the samples in the file of the same name
+/// with the extension `.img`, packed or not.
 pub(crate) fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
@@ -61,7 +63,8 @@ pub(crate) fn read_with(
             (read, skip_to_samples(&mut stream, read, &header)?)
         }
         Some(samples) => {
-            // What follows the header in its own file, which is plain: a packed one is unpacked before.
+            // The bytes after a header in its own file; the file is plain here, since a packed one was
+            // unpacked before.
             let after = bytes.iter().copied().take(MOST_BYTES as usize).collect();
             stream = if samples.starts_with(&MAGIC) {
                 SampleStream::Packed(InflateReader::gzip(samples, 0))
@@ -76,7 +79,7 @@ pub(crate) fn read_with(
         let n_packed = beside.as_ref().map_or(bytes.len(), Vec::len) as u64;
         check_ratio(layout.bytes(), n_packed, &FileLocation::Byte(header.dim_at as u64))?;
     }
-    // Of a plain file the header itself was read again.
+    // For a plain file the header itself is read again.
     let beyond = header_end - read as usize;
     let (labels, unread) = label_table(after.get(beyond..).unwrap_or(&[]), header.endian, limits);
     if let Some(error) = unread {
@@ -101,7 +104,7 @@ pub(crate) fn read_with(
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
-/// The file beside a header that has its samples.
+/// The file that holds the samples of a separate header.
 fn samples_beside(
     n_bytes: u64,
     open: Option<&mut FileOpener<'_>>,
@@ -127,7 +130,7 @@ fn samples_beside(
     }
 }
 
-/// Skips what stands before the samples, and returns the start of it.
+/// Skips the bytes before the samples, and returns the start of them.
 fn skip_to_samples(stream: &mut SampleStream, read: u64, header: &NiftiHeader) -> Result<Vec<u8>, ReadError> {
     let gap = header.offset - read;
     let mut after = vec![0; gap.min(MOST_BYTES) as usize];
@@ -161,17 +164,18 @@ fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLa
     }
     let last = sizes.iter().rposition(|n| *n > 1).map_or(0, |last| last + 1);
     if last > 4 || axes < 3 {
-        let said: Vec<String> = sizes.iter().map(ToString::to_string).collect();
-        let said = said.join(" x ");
-        let message =
-            Message::from(format!("{said} samples are no volume: three axes are expected, or four with "))
-                .setting(Setting::Index)
-                .words(" for one volume of several");
+        let sizes_text: Vec<String> = sizes.iter().map(ToString::to_string).collect();
+        let sizes_text = sizes_text.join(" x ");
+        let message = Message::from(format!(
+            "{sizes_text} samples are no volume: three axes are expected, or four with "
+        ))
+        .setting(Setting::Index)
+        .words(" for one volume of several");
         return Err(ReadError::new("not-3d", place, message));
     }
     let size = size_of([sizes[0], sizes[1], sizes[2]], header.element, &place, limits)?;
     let volumes = sizes.get(3).copied().unwrap_or(1) as u64;
-    let index = which(volumes, limits, &place)?;
+    let index = chosen_volume(volumes, limits, &place)?;
     Ok((
         size,
         SampleLayout { of: volumes, index, ..SampleLayout::volumes(header.element, header.endian, size) },
@@ -179,7 +183,7 @@ fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLa
 }
 
 /// The index of the chosen volume.
-pub(crate) fn which(volumes: u64, limits: &Limits, place: &FileLocation) -> Result<u64, ReadError> {
+pub(crate) fn chosen_volume(volumes: u64, limits: &Limits, place: &FileLocation) -> Result<u64, ReadError> {
     match limits.index {
         None if volumes > 1 => {
             let message = Message::from(format!("the file holds {volumes} volumes: "))
@@ -205,7 +209,7 @@ fn check_bits(header: &NiftiHeader, warnings: &mut Warnings) {
     }
 }
 
-/// The samples scaled as the header says. A slope of 0 means no scaling.
+/// The samples, scaled as the header states. A slope of 0 means no scaling.
 fn scaled(stored: Samples, header: &NiftiHeader, warnings: &mut Warnings) -> Result<Samples, ReadError> {
     let (slope, inter) = (header.slope, header.inter);
     if slope == 0.0 || (slope == 1.0 && inter == 0.0) {
@@ -221,7 +225,7 @@ fn scaled(stored: Samples, header: &NiftiHeader, warnings: &mut Warnings) -> Res
     samples::scaled(&stored, slope, inter)
 }
 
-/// The length of one unit in metres, by its number in the standard.
+/// The length of one unit in metres, by its code in the standard.
 fn unit(header: &NiftiHeader, warnings: &mut Warnings) -> Option<f64> {
     match header.units & 7 {
         1 => Some(1.0),

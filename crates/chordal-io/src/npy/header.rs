@@ -9,7 +9,7 @@ use chordal::budget::advice::Message;
 pub(super) struct NpyHeader {
     pub element: SampleType,
     pub endian: Endian,
-    /// Whether the first index runs fastest.
+    /// Whether the first index varies fastest.
     pub fortran_order: bool,
     pub shape: Vec<i64>,
     /// The location of the shape.
@@ -26,7 +26,7 @@ impl NpyHeader {
     /// Parses the header at the start of a file.
     ///
     /// # Errors
-    /// When it is no header, or has a sample type that is not read.
+    /// If it is not a header, or has an unsupported sample type.
     pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let cut = || {
             let message = format!("the file ends in its header, after {} bytes", bytes.len());
@@ -156,7 +156,7 @@ impl<'a> NpyDictionary<'a> {
 
     fn tuple(&mut self) -> Result<Vec<i64>, ReadError> {
         self.expect(b'(')?;
-        let mut all = Vec::new();
+        let mut sizes = Vec::new();
         while !self.takes(b')') {
             let at = self.place();
             let word = self.word();
@@ -164,17 +164,17 @@ impl<'a> NpyDictionary<'a> {
             let digits = word.strip_suffix(b"L").unwrap_or(word);
             let number = crate::text::integer(digits)
                 .map_err(|_| header_error(at, format!("{} is no number of samples", show(word))))?;
-            // No array has more axes than 64.
-            if all.len() == 64 {
+            // NumPy arrays have at most 64 axes.
+            if sizes.len() == 64 {
                 return Err(header_error(at, "more than 64 axes"));
             }
-            all.push(number);
+            sizes.push(number);
             if !self.takes(b',') {
                 self.expect(b')')?;
                 break;
             }
         }
-        Ok(all)
+        Ok(sizes)
     }
 
     fn element(&mut self) -> Result<(SampleType, Endian), ReadError> {

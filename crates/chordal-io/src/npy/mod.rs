@@ -1,5 +1,5 @@
-//! NumPy's array files, `.npy` and, packed together, `.npz`: versions 1 to 3, numbers in either byte order and
-//! either order of indices.
+//! NumPy's array files, `.npy` and, packed together, `.npz`: versions 1 to 3, numbers in either byte order,
+//! indices in either order.
 mod header;
 mod npz;
 mod read;

@@ -8,17 +8,17 @@ use crate::zip::unpack::ZipUnpacker;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 use chordal::budget::advice::{Message, Setting};
 
-/// What is unpacked to learn the shape of an array: headers of NumPy have some hundred bytes.
+/// The bytes that are unpacked to read the shape of an array. Chosen: NumPy headers have some hundred bytes.
 const HEAD: usize = 4096;
-/// The names that an error lists.
+/// The most names that an error lists. Chosen: a longer list makes the message hard to read.
 const MOST_NAMED: usize = 12;
 
-/// Reads the volume of a `.npz` file: its one array of three axes, as [`super::read`] does. Where there are
+/// Reads the volume of a `.npz` file: its only array with three axes, as [`super::read`] does. If there are
 /// several, [`Limits::index`] chooses one, in the order of the file. The volume has the array's name.
 ///
 /// # Errors
-/// [`ReadError`] when the container is damaged, when no array has three axes, and when several have and none is
-/// chosen: the message names them.
+/// [`ReadError`] if the container is damaged, if no array has three axes, or if several have and none is
+/// chosen; the message then lists them.
 ///
 /// Source: NumPy, `numpy.lib.format` and `numpy.savez`, numpy.org; PKWARE, *.ZIP File Format Specification* 6.3.
 pub fn read_npz(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
@@ -47,7 +47,7 @@ pub fn read_npz(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError>
 
 /// Whether the content is a zip file whose first entry is an array.
 pub(crate) fn looks_like_npz(bytes: &[u8]) -> bool {
-    // The length of the name, and the name, in the header before the first entry.
+    // The header before the first entry holds the length of the name, and the name.
     let Some(head) = bytes.get(..30).filter(|head| head.starts_with(LOCAL)) else { return false };
     let n_name = usize::from(u16::from_le_bytes([head[26], head[27]]));
     bytes.get(30..30 + n_name).is_some_and(|name| name.ends_with(b".npy"))

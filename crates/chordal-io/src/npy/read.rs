@@ -7,10 +7,10 @@ use crate::warnings::Warnings;
 use crate::{Content, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Affine3, Grid};
 
-/// Reads the volume of an array `a[i, j, k]`. Its sample is at x = i, y = j, z = k, in whichever order its
-/// indices run: neither rotated nor copied.
+/// Reads the volume of an array `a[i, j, k]`. Its sample is at x = i, y = j, z = k, whichever index varies
+/// fastest in memory; samples are neither rotated nor copied.
 ///
-/// Numbers of 64 bits become 32 bits where all of them fit, else f64 where that holds all of them exactly.
+/// 64-bit integers become 32 bits if all of them fit, else f64 if that holds all of them exactly.
 ///
 /// # Errors
 /// [`ReadError`] at the byte: for arrays that do not have three axes, and arrays of records, of complex

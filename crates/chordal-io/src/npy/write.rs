@@ -5,13 +5,13 @@ use crate::{Volume, WriteError};
 use chordal::implicit::{Affine3, Samples, SparseGrid};
 use std::io::Write;
 
-/// Writes the samples as an array of version 1, little-endian. If the volume was read from such a file,
-/// `a[i, j, k]` is the sample at x = i, y = j, z = k. Otherwise it is the sample of lattice index (i, j, k),
-/// in Fortran order. Spacing, origin and unit are not written, since the format has none; [`crate::nrrd`]
-/// holds them.
+/// Writes the samples as an array of version 1, little-endian. If the volume was read from such a file, `a[i,
+/// j, k]` is the sample at x = i, y = j, z = k. Otherwise it is the sample of lattice index (i, j, k), in
+/// Fortran order. Spacing, origin and unit are not written, since the format has no room for them;
+/// [`crate::nrrd`] holds them.
 ///
 /// # Errors
-/// When the sink fails.
+/// If the sink fails.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples};
@@ -42,10 +42,10 @@ pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {
     write_samples(volume.grid.samples(), out)
 }
 
-/// Writes samples in bricks as [`write`] writes the dense ones, byte for byte, without holding these.
+/// Writes samples in bricks with the same bytes as [`write`] for dense ones, without a dense copy in memory.
 ///
 /// # Errors
-/// When the sink fails.
+/// If the sink fails.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
@@ -81,7 +81,7 @@ fn write_header(
     Ok(())
 }
 
-/// Whether the axes of two lattices have the same directions, with equal steps or not.
+/// Whether the axes of two lattices have the same directions, whatever their steps.
 fn same_axes(a: &Affine3, b: &Affine3) -> bool {
     let along = |step: [f64; 3]| step.map(|x| if x == 0.0 { 0.0 } else { x.signum() });
     a.steps().map(along) == b.steps().map(along)
@@ -90,12 +90,12 @@ fn same_axes(a: &Affine3, b: &Affine3) -> bool {
 /// Writes the bytes of all samples, little-endian.
 pub(crate) fn write_samples(samples: &Samples, out: &mut dyn Write) -> Result<(), WriteError> {
     fn put<const N: usize, T: Copy>(
-        all: &[T],
+        values: &[T],
         bytes: impl Fn(T) -> [u8; N],
         out: &mut dyn Write,
     ) -> Result<(), WriteError> {
-        let mut buffer = Vec::with_capacity(N * CHUNK.min(all.len()));
-        for chunk in all.chunks(CHUNK) {
+        let mut buffer = Vec::with_capacity(N * CHUNK.min(values.len()));
+        for chunk in values.chunks(CHUNK) {
             buffer.clear();
             chunk.iter().for_each(|x| buffer.extend_from_slice(&bytes(*x)));
             out.write_all(&buffer)?;
@@ -115,7 +115,7 @@ pub(crate) fn write_samples(samples: &Samples, out: &mut dyn Write) -> Result<()
     }
 }
 
-/// Writes the bytes of all samples of a grid in bricks, the first index running fastest, row by row.
+/// Writes the bytes of all samples of a grid in bricks, row by row; the first index varies fastest.
 pub(crate) fn write_bricks(grid: &SparseGrid, out: &mut dyn Write) -> Result<(), WriteError> {
     let [nx, ny, nz] = grid.size();
     let mut row = Vec::with_capacity(8 * nx);
@@ -129,5 +129,5 @@ pub(crate) fn write_bricks(grid: &SparseGrid, out: &mut dyn Write) -> Result<(),
     Ok(())
 }
 
-/// The number of samples written at once.
+/// The number of samples written at once. Chosen: larger values take more memory.
 const CHUNK: usize = 1 << 13;

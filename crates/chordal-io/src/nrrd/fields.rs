@@ -32,10 +32,10 @@ pub(super) struct NrrdHeader {
     pub sizes: Option<NrrdField<Vec<i64>>>,
     pub space: Option<NrrdField<String>>,
     pub space_dimension: Option<NrrdField<i64>>,
-    /// One step for each axis; none for an axis outside space.
+    /// One step for each axis; `None` for an axis outside space.
     pub directions: Option<NrrdField<Vec<Option<[f64; 3]>>>>,
     pub origin: Option<NrrdField<[f64; 3]>>,
-    /// NaN for an axis outside space.
+    /// The spacing of each axis; NaN for an axis outside space.
     pub spacings: Option<NrrdField<Vec<f64>>>,
     pub mins: Option<u64>,
     pub kinds: Option<NrrdField<Vec<String>>>,
@@ -63,12 +63,12 @@ impl NrrdHeader {
     /// Parses the header at the start of a file.
     ///
     /// # Errors
-    /// At the line that is wrong or not supported.
+    /// At the line that is invalid or not supported.
     pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let magic = bytes.get(..8).filter(|magic| magic.starts_with(MAGIC));
         if !magic.is_some_and(|magic| (b'1'..=b'5').contains(&magic[7])) {
-            let found = show(&bytes[..bytes.len().min(8)]);
-            let message = format!("a .nrrd file starts with NRRD0001 to NRRD0005, not {found}");
+            let start = show(&bytes[..bytes.len().min(8)]);
+            let message = format!("a .nrrd file starts with NRRD0001 to NRRD0005, not {start}");
             return Err(ReadError::new("bad-magic", FileLocation::Line(1), message));
         }
         let mut fields = Self::default();
@@ -117,7 +117,7 @@ impl NrrdHeader {
                 format!("field {} is there twice, or without a name", show(&name)),
             ));
         }
-        // The format has some thirty fields.
+        // Chosen: the format has some thirty fields.
         if seen.len() > 100 {
             return Err(header_error(line, "more than 100 fields"));
         }
@@ -127,7 +127,7 @@ impl NrrdHeader {
     }
 
     fn field(&mut self, name: &[u8], line: u64, value: &[u8]) -> Result<(), ReadError> {
-        let whole =
+        let whole_number =
             || integer(value).map_err(|_| header_error(line, format!("{} is no whole number", show(value))));
         match name {
             b"type" => self.element = Some(element(value, line)?),
@@ -144,7 +144,7 @@ impl NrrdHeader {
                 });
             }
             b"encoding" => self.encoding = Some(encoding(value, line)?),
-            b"dimension" => self.dimension = Some(NrrdField { value: whole()?, line }),
+            b"dimension" => self.dimension = Some(NrrdField { value: whole_number()?, line }),
             b"sizes" => {
                 let sizes: Result<Vec<i64>, _> = LineTokens::new(value)
                     .map(|token| {
@@ -156,7 +156,7 @@ impl NrrdHeader {
             b"space" => {
                 self.space = Some(NrrdField { value: String::from_utf8_lossy(value).into_owned(), line })
             }
-            b"spacedimension" => self.space_dimension = Some(NrrdField { value: whole()?, line }),
+            b"spacedimension" => self.space_dimension = Some(NrrdField { value: whole_number()?, line }),
             b"spacedirections" => {
                 self.directions = Some(NrrdField { value: directions(value, line)?, line });
             }
@@ -180,18 +180,18 @@ impl NrrdHeader {
             }
             b"spaceunits" | b"units" => {
                 let units = quoted(value);
-                // The units of space have priority where both are given.
+                // The units of space take precedence if both are given.
                 if name == b"spaceunits" || self.units.is_none() {
                     self.units = Some(NrrdField { value: units, line });
                 }
             }
             b"content" => self.content = crate::volume::name_of(value),
             b"lineskip" => {
-                self.line_skip =
-                    u64::try_from(whole()?).map_err(|_| header_error(line, "a negative number of lines"))?;
+                self.line_skip = u64::try_from(whole_number()?)
+                    .map_err(|_| header_error(line, "a negative number of lines"))?;
             }
             b"byteskip" => {
-                self.byte_skip = whole()?;
+                self.byte_skip = whole_number()?;
                 if self.byte_skip < -1 {
                     return Err(header_error(
                         line,
@@ -217,22 +217,22 @@ impl NrrdHeader {
 
 /// Replaces `\n` and `\\` in values of keys by a line feed and a backslash.
 fn unescaped(value: &[u8]) -> Vec<u8> {
-    let mut all = Vec::with_capacity(value.len());
+    let mut text = Vec::with_capacity(value.len());
     let mut bytes = value.iter();
     while let Some(byte) = bytes.next() {
         match (byte, bytes.as_slice().first()) {
             (b'\\', Some(b'n')) => {
                 bytes.next();
-                all.push(b'\n');
+                text.push(b'\n');
             }
             (b'\\', Some(b'\\')) => {
                 bytes.next();
-                all.push(b'\\');
+                text.push(b'\\');
             }
-            _ => all.push(*byte),
+            _ => text.push(*byte),
         }
     }
-    all
+    text
 }
 
 /// Parses `"mm" "mm" "mm"`.
@@ -244,22 +244,22 @@ fn quoted(value: &[u8]) -> Vec<String> {
 /// Parses `(1,0,0) none (0,1,0)`.
 fn directions(value: &[u8], line: u64) -> Result<Vec<Option<[f64; 3]>>, ReadError> {
     let mut rest = trim(value);
-    let mut all = Vec::new();
+    let mut steps = Vec::new();
     while !rest.is_empty() {
-        // No file has more axes.
-        if all.len() == 16 {
+        // Chosen: files have fewer axes.
+        if steps.len() == 16 {
             return Err(header_error(line, "more than 16 axes"));
         }
         if let Some(after) = rest.strip_prefix(b"none") {
-            all.push(None);
+            steps.push(None);
             rest = trim(after);
         } else {
             let (direction, after) = vector(rest, line)?;
-            all.push(Some(direction));
+            steps.push(Some(direction));
             rest = trim(after);
         }
     }
-    Ok(all)
+    Ok(steps)
 }
 
 /// Parses `(1,0,0)` at the start of a text. Returns the rest too.

@@ -1,4 +1,4 @@
-//! Orientation of a NRRD volume: the map from indices to space, and which space it is.
+//! Orientation of a NRRD volume: the map from indices to space, and the name of that space.
 use super::fields::{NrrdField, NrrdHeader};
 use crate::warnings::Warnings;
 use crate::{Axis, FileLocation, Frame, ReadError};
@@ -9,10 +9,10 @@ fn singular(line: u64, message: impl Into<Message>) -> ReadError {
     ReadError::new("singular", FileLocation::Line(line), message)
 }
 
-/// The map from the indices of the three axes of space: directions and origin, else spacings.
+/// The map from the indices of the three spatial axes: directions and origin, else spacings.
 ///
 /// # Errors
-/// When it is singular, or does not have three axes.
+/// If it is singular, or does not have three axes.
 pub(super) fn affine(
     fields: &NrrdHeader,
     axes: [usize; 3],
@@ -61,7 +61,7 @@ pub(super) fn affine(
 /// The frame, and the name of its axes.
 ///
 /// # Errors
-/// When it does not have three axes.
+/// If it does not have three axes.
 pub(super) fn space(
     fields: &NrrdHeader,
     warnings: &mut Warnings,
@@ -72,8 +72,8 @@ pub(super) fn space(
     }
     let mut frame = Frame { up: None, metres_per_unit: unit(fields), ..Frame::default() };
     let Some(NrrdField { value, line }) = &fields.space else { return Ok((frame, None)) };
-    let known = value.to_ascii_lowercase();
-    let (name, is_anatomy, is_left_handed) = match &known[..] {
+    let lower_case = value.to_ascii_lowercase();
+    let (name, is_anatomy, is_left_handed) = match &lower_case[..] {
         "right-anterior-superior" | "ras" => ("RAS", true, false),
         "left-anterior-superior" | "las" => ("LAS", true, true),
         "left-posterior-superior" | "lps" => ("LPS", true, false),
@@ -88,7 +88,7 @@ pub(super) fn space(
             return Err(ReadError::new("unsupported", FileLocation::Line(*line), message));
         }
     };
-    // The third axis points to the head, whichever way the others point.
+    // The third axis points to the head in all anatomical spaces.
     frame.up = is_anatomy.then_some(Axis::Z);
     if is_left_handed {
         warnings.count("left-handed", || {

@@ -1,7 +1,7 @@
 //! Reads `.nrrd`.
 use super::fields::{NrrdEncoding, NrrdField, NrrdHeader};
 use super::orientation::{affine, space};
-use crate::nii::which;
+use crate::nii::chosen_volume;
 use crate::text::{grouped, number, number_error};
 use crate::volume::count::{along, size_of};
 use crate::volume::element::Endian;
@@ -16,11 +16,11 @@ use chordal::implicit::{Grid, Samples};
 /// Reads the volume of a NRRD file, in the space of the file. Its directions and origin place the samples,
 /// whether in RAS, LPS or another space. Nothing is rotated; [`Volume::space`] names the space.
 ///
-/// An axis outside space (colours, times) makes several volumes, of which [`Limits::index`] chooses one.
+/// An axis outside space (colours, times) makes several volumes; [`Limits::index`] chooses one.
 ///
 /// # Errors
-/// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which no reader
-/// opens.
+/// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which the
+/// reader never opens.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, nrrd};
@@ -62,7 +62,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
         layout.outer = product(&sizes.value[list + 1..]);
         layout.of = sizes.value[list] as u64;
     }
-    layout.index = which(layout.of, limits, &place)?;
+    layout.index = chosen_volume(layout.of, limits, &place)?;
     let samples = samples_of(bytes, &fields, &layout, &DecodeContext { encoding, limits }, &mut warnings)?;
     samples::count_not_finite(&samples, &mut warnings);
     let grid = Grid::new(size, samples, affine)
@@ -117,7 +117,7 @@ fn refuse_colors(fields: &NrrdHeader, n_axes: usize, limits: &Limits) -> Result<
     Err(ReadError::new("colours", FileLocation::Line(kinds.line), message))
 }
 
-/// The axes of space, and the one outside space.
+/// The spatial axes, and the one outside space.
 fn axes(
     fields: &NrrdHeader,
     sizes: &[i64],
@@ -134,21 +134,23 @@ fn axes(
         return Err(ReadError::new("not-3d", place.clone(), message));
     }
     let is_space = |kind: &str| matches!(kind, "domain" | "space");
-    let by_direction = fields.directions.as_ref().and_then(|all| all.value.iter().position(Option::is_none));
+    let by_direction =
+        fields.directions.as_ref().and_then(|field| field.value.iter().position(Option::is_none));
     let by_kind = || {
-        let known = |kind: &&String| !matches!(kind.as_str(), "???" | "none");
+        let is_known = |kind: &&String| !matches!(kind.as_str(), "???" | "none");
         let kinds = fields.kinds.as_ref()?;
-        kinds.value.iter().position(|kind| known(&kind) && !is_space(kind))
+        kinds.value.iter().position(|kind| is_known(&kind) && !is_space(kind))
     };
-    let by_spacing = || fields.spacings.as_ref().and_then(|all| all.value.iter().position(|x| x.is_nan()));
-    // If nothing says which, the slowest axis.
+    let by_spacing =
+        || fields.spacings.as_ref().and_then(|field| field.value.iter().position(|x| x.is_nan()));
+    // If no field tells which axis is outside space, it is the slowest.
     let list = by_direction.or_else(by_kind).or_else(by_spacing).filter(|axis| *axis < 4).unwrap_or(3);
     let mut axes = (0..4).filter(|axis| *axis != list);
     let mut next = || axes.next().unwrap_or(0);
     Ok(([next(), next(), next()], Some(list)))
 }
 
-/// What decoding the samples needs.
+/// The context in which samples are decoded.
 struct DecodeContext<'a> {
     encoding: NrrdEncoding,
     limits: &'a Limits,
@@ -158,22 +160,22 @@ fn samples_of(
     bytes: &[u8],
     fields: &NrrdHeader,
     layout: &SampleLayout,
-    found: &DecodeContext,
+    context: &DecodeContext,
     warnings: &mut Warnings,
 ) -> Result<Samples, ReadError> {
     let start = after_lines(bytes, fields)?;
     let skipped = u64::try_from(fields.byte_skip).ok();
-    match found.encoding {
+    match context.encoding {
         NrrdEncoding::Raw => {
             let mut stream = SampleStream::plain(bytes, start);
             let declared = layout.bytes().unwrap_or(u64::MAX);
             let left = (bytes.len() - start) as u64;
-            // The header says -1 to count from the end.
+            // A value of -1 in the header means that the samples end with the file.
             let skip = skipped.unwrap_or(left.saturating_sub(declared));
             if stream.skip(skip)? < skip {
                 return Err(stream.truncated(0, declared));
             }
-            samples::read(&mut stream, layout, found.limits, warnings)
+            samples::read(&mut stream, layout, context.limits, warnings)
         }
         NrrdEncoding::Gzip => {
             check_ratio(layout.bytes(), (bytes.len() - start) as u64, &FileLocation::Byte(start as u64))?;
@@ -185,7 +187,7 @@ fn samples_of(
             if stream.skip(skip)? < skip {
                 return Err(stream.truncated(0, skip));
             }
-            samples::read(&mut stream, layout, found.limits, warnings)
+            samples::read(&mut stream, layout, context.limits, warnings)
         }
         NrrdEncoding::Text => {
             let skip = skipped.map_or(0, |n| usize::try_from(n).unwrap_or(usize::MAX));
@@ -195,7 +197,7 @@ fn samples_of(
     }
 }
 
-/// The byte after the lines that the header says to skip.
+/// The byte after the lines that the header skips.
 fn after_lines(bytes: &[u8], fields: &NrrdHeader) -> Result<usize, ReadError> {
     let mut at = fields.end;
     for _ in 0..fields.line_skip {

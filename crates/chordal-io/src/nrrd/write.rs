@@ -12,11 +12,11 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Write;
 
-/// Writes a volume with its directions, origin, unit, labels and certificate: raw, little-endian. Every number reads
-/// back to the same bits.
+/// Writes a volume with its directions, origin, unit, labels and certificate: raw, little-endian. Every
+/// number reads back to the same bits.
 ///
 /// # Errors
-/// When the sink fails.
+/// If the sink fails.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples};
@@ -56,11 +56,12 @@ pub fn write(volume: &Volume, certificate: Option<&Value>, out: &mut dyn Write) 
     write_samples(volume.grid.samples(), out)
 }
 
-/// Writes samples in bricks, row by row and packed by gzip, so that no more of them is held than the grid holds, and
-/// what is not stored takes next to nothing in the file. It reads back as the dense samples, bit for bit.
+/// Writes samples in bricks, row by row and packed by gzip, so that memory holds no more of them than the
+/// grid does, and empty bricks take next to nothing in the file. The file reads back as the dense samples,
+/// bit for bit.
 ///
 /// # Errors
-/// When the sink fails.
+/// If the sink fails.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
@@ -91,14 +92,14 @@ pub fn write_sparse(
         labels: &BTreeMap::new(),
     };
     header.write(out)?;
-    // The least work: what is not stored packs well at any level, and digits of distances at none.
+    // Chosen: the fastest level; empty bricks compress well at any level, and digits of distances at none.
     let mut packed = GzEncoder::new(out, Compression::fast());
     write_bricks(grid, &mut packed)?;
     packed.finish()?;
     Ok(())
 }
 
-/// What stands before the samples.
+/// The text before the samples.
 struct HeaderText<'a> {
     types: &'a str,
     encoding: &'a str,
@@ -154,7 +155,7 @@ impl HeaderText<'_> {
 /// The value of the certificate's key.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] when the line is longer than readers accept.
+/// [`WriteError::Unsupported`] if the line is longer than readers accept.
 fn certificate_value(certificate: &Value) -> Result<String, WriteError> {
     let value = escaped(&certificate.to_string());
     if value.len() > most_in_a_line() {
@@ -168,7 +169,7 @@ fn certificate_value(certificate: &Value) -> Result<String, WriteError> {
     Ok(value)
 }
 
-/// The value of a key: a line feed would end it.
+/// The escaped value of a key: a line feed would end it.
 fn escaped(value: &str) -> String {
     value.replace('\\', "\\\\").replace('\n', "\\n")
 }

@@ -20,10 +20,10 @@ pub(super) struct CageBuilder {
     /// The end of each face's corners.
     ends: Vec<u32>,
     corners: Vec<u32>,
-    /// One for each corner once any corner has one; empty before.
+    /// One entry for each corner once any corner has texture coordinates; empty before.
     texcoords: Vec<u32>,
     n_normals: u64,
-    /// Faces of fewer than three corners, as indices of the file.
+    /// Faces of fewer than three corners, as face indices of the file.
     short: Vec<u32>,
     /// The vertices of a face, sorted, to detect duplicates.
     sorted: Vec<u32>,
@@ -138,7 +138,8 @@ impl CageBuilder {
         Ok(Polygons::from_cage(cage, Frame::default()))
     }
 
-    /// Counts what is legal but rarely intended, and what a cage does not use. Changes nothing.
+    /// Counts properties that are legal but rarely intended, and data that a cage does not use. Changes
+    /// nothing.
     fn count_oddities(&self, n_vertices: usize, warnings: &mut Warnings) -> Result<(), ReadError> {
         warnings.count_all("no-vertices", u64::from(n_vertices == 0), "the file has no vertices");
         warnings.count_all("no-faces", u64::from(self.ends.is_empty()), "the file has no faces");
@@ -155,7 +156,7 @@ impl CageBuilder {
     }
 }
 
-/// Removes texture coordinates that are not finite: their corners get none.
+/// Removes texture coordinates that are not finite, so that their corners have none.
 fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexcoords {
     let is_finite = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
     if texcoords.values.iter().all(is_finite) {
@@ -174,7 +175,7 @@ fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexc
     texcoords
 }
 
-/// The holes, renumbered for the faces that were kept.
+/// The holes, renumbered for the kept faces.
 fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<Vec<u32>, ReadError> {
     let mut kept = with_room(holes.len())?;
     for hole in holes {
@@ -188,7 +189,7 @@ fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<V
     Ok(kept)
 }
 
-/// The error for what the rows alone do not show: creases that are no edges.
+/// The error for a cage whose rows are valid but whose tags are not: a crease along a pair that is no edge.
 fn invalid(error: &InvalidCage, tags: &SubdivTags) -> ReadError {
     match error {
         InvalidCage::NoSuchEdge { ends: [a, b] } => {

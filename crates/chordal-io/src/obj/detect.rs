@@ -1,8 +1,8 @@
-//! Detects what a `.obj` is: Wavefront text, or another format with the same extension.
+//! Detects whether a `.obj` is Wavefront text or another format with the same extension.
 use crate::text::{LineTokens, TextLines, is_space, number, text_of};
 use crate::{FileLocation, ReadError};
 
-/// Statements of Wavefront OBJ that are not read, grouped by the warning that they cause.
+/// Statements of Wavefront OBJ that are not supported, grouped by the warning that they cause.
 pub(super) const SKIPPED: [(&str, &[&str]); 3] = [
     ("free-form geometry was skipped", &FREE_FORM),
     ("display and rendering attributes were skipped", &DISPLAY),
@@ -17,12 +17,13 @@ const FREE_FORM: [&str; 23] = [
 const DISPLAY: [&str; 9] =
     ["maplib", "usemap", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech"];
 
-/// The statements that are read.
+/// The supported statements.
 const READ: [&str; 13] = ["v", "vt", "vn", "f", "fo", "g", "o", "s", "usemtl", "mtllib", "l", "p", "t"];
 
 /// Whether the first statement is one of Wavefront OBJ.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    // Enough for the longest leading comments that were seen; longer ones need the extension.
+    // Chosen: enough for the longest leading comments that were seen; files with longer ones need the
+    // extension.
     const HEAD: usize = 64 << 10;
     let head = &bytes[..bytes.len().min(HEAD)];
     let Ok(text) = text_of(head) else { return false };
@@ -39,8 +40,8 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     }
 }
 
-/// Refuses compiled object code and the polygon files of medical imaging, which have the extension `.obj`
-/// too.
+/// Refuses compiled object code and the polygon files of medical imaging, which also have the extension
+/// `.obj`.
 ///
 /// # Errors
 /// `not-wavefront`.
@@ -67,7 +68,7 @@ pub(super) fn refuse_foreign(bytes: &[u8]) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// The kind of object code that the first bytes show, if any.
+/// The kind of object code that the first bytes indicate, if any.
 fn object_code(bytes: &[u8]) -> Option<&'static str> {
     // Machine types of COFF: i386, AMD64, ARM, Thumb, ARM64, and the mark of anonymous and big objects.
     const COFF: [[u8; 2]; 6] =

@@ -16,7 +16,7 @@ pub(super) struct MtlWriter<'a> {
     assets: &'a SceneAssets,
     /// The file of each image.
     files: &'a [String],
-    /// Whether each file is named.
+    /// Whether each file is referred to.
     pub is_used: Vec<bool>,
     pub text: Vec<u8>,
     pub lost: Vec<Warning>,
@@ -41,8 +41,8 @@ impl<'a> MtlWriter<'a> {
         }
     }
 
-    /// Adds a material under a name. What its library said is written again, where glTF still says the same;
-    /// a material of another format gets what both old and new programs read.
+    /// Adds a material under a name. The statements of its library are written again if glTF still has the
+    /// same values. A material of another format gets statements for both old and new programs.
     pub fn material(&mut self, name: &str, material: &Value) {
         if !self.text.is_empty() {
             self.text.push(b'\n');
@@ -50,23 +50,24 @@ impl<'a> MtlWriter<'a> {
         self.line("newmtl", name);
         let extras = material["extras"][EXTRAS].as_object();
         let empty = Map::new();
-        let said = MtlMaterial::from_extras(extras.unwrap_or(&empty));
+        let original = MtlMaterial::from_extras(extras.unwrap_or(&empty));
         let pbr = &material["pbrMetallicRoughness"];
-        let look = MtlLook::new(&said, !pbr["baseColorTexture"].is_null() || said.text("map_Kd").is_some());
+        let look =
+            MtlLook::new(&original, !pbr["baseColorTexture"].is_null() || original.text("map_Kd").is_some());
         let numbers = |value: &Value| -> Vec<f64> {
             value.as_array().map_or_else(Vec::new, |items| items.iter().filter_map(Value::as_f64).collect())
         };
         let factor = numbers(&pbr["baseColorFactor"]);
         let [r, g, b, opacity] = factor[..] else {
-            return self.rest(material, &said, &look, [1.0; 4], extras.is_none());
+            return self.rest(material, &original, &look, [1.0; 4], extras.is_none());
         };
-        self.rest(material, &said, &look, [r, g, b, opacity], true);
+        self.rest(material, &original, &look, [r, g, b, opacity], true);
     }
 
     fn rest(
         &mut self,
         material: &Value,
-        said: &MtlMaterial,
+        original: &MtlMaterial,
         look: &MtlLook,
         [r, g, b, opacity]: [f64; 4],
         has_color: bool,
@@ -77,14 +78,14 @@ impl<'a> MtlWriter<'a> {
         let metal = factor(&pbr["metallicFactor"], 1.0);
         let roughness = factor(&pbr["roughnessFactor"], 1.0);
         let mut written: Vec<&str> = Vec::new();
-        if said.color("Kd").is_some() && look.base == [r, g, b] {
-            self.said(said, &["Kd"], &mut written);
+        if original.color("Kd").is_some() && look.base == [r, g, b] {
+            self.original_statements(original, &["Kd"], &mut written);
         } else if has_color {
             self.numbers("Kd", &[r, g, b]);
             written.push("Kd");
         }
-        if (said.get("d").is_some() || said.get("Tr").is_some()) && look.opacity == opacity {
-            self.said(said, &["d", "Tr"], &mut written);
+        if (original.get("d").is_some() || original.get("Tr").is_some()) && look.opacity == opacity {
+            self.original_statements(original, &["d", "Tr"], &mut written);
         } else {
             if extras.is_none() || opacity != 1.0 {
                 self.numbers("d", &[opacity]);
@@ -92,8 +93,8 @@ impl<'a> MtlWriter<'a> {
             written.extend(["d", "Tr"]);
         }
         let emission = emission(material);
-        if said.color("Ke").is_some() && look.emission == emission {
-            self.said(said, &["Ke"], &mut written);
+        if original.color("Ke").is_some() && look.emission == emission {
+            self.original_statements(original, &["Ke"], &mut written);
         } else {
             if emission != [0.0; 3] {
                 self.numbers("Ke", &emission);
@@ -101,8 +102,8 @@ impl<'a> MtlWriter<'a> {
             written.push("Ke");
         }
         if extras.is_none() {
-            // The reflectance of glTF at normal incidence (specification, appendix B.2), for programs that
-            // know nothing of metal and roughness.
+            // The reflectance of glTF at normal incidence (specification, appendix B.2), for programs that do
+            // not support metal and roughness.
             const DIELECTRIC: f64 = 0.04;
             let specular = [r, g, b].map(|x| DIELECTRIC + (x - DIELECTRIC) * metal);
             self.numbers("Ks", &specular);
@@ -113,23 +114,28 @@ impl<'a> MtlWriter<'a> {
             self.numbers("Pr", &[roughness]);
             written.push("Pr");
         }
-        let is_as_said = said.number("Pm").is_some_and(|x| x.clamp(0.0, 1.0) == metal);
-        if !is_as_said && (extras.is_none() || metal != 0.0) {
+        let is_unchanged = original.number("Pm").is_some_and(|x| x.clamp(0.0, 1.0) == metal);
+        if !is_unchanged && (extras.is_none() || metal != 0.0) {
             self.numbers("Pm", &[metal]);
             written.push("Pm");
         }
         self.coats(&material["extensions"], &mut written);
-        for (keyword, _) in said.values.iter().filter(|(keyword, _)| !is_map(keyword)) {
-            self.said(said, &[keyword], &mut written);
+        for (keyword, _) in original.values.iter().filter(|(keyword, _)| !is_map(keyword)) {
+            self.original_statements(original, &[keyword], &mut written);
         }
-        self.maps(material, said, metal);
+        self.maps(material, original, metal);
         self.count_lost(material);
     }
 
-    /// Writes statements as a library said them, each once.
-    fn said(&mut self, said: &MtlMaterial, keywords: &[&'static str], written: &mut Vec<&str>) {
+    /// Writes statements as in the source library, each once.
+    fn original_statements(
+        &mut self,
+        original: &MtlMaterial,
+        keywords: &[&'static str],
+        written: &mut Vec<&str>,
+    ) {
         for keyword in keywords {
-            let Some(value) = said.get(keyword).filter(|_| !written.contains(keyword)) else { continue };
+            let Some(value) = original.get(keyword).filter(|_| !written.contains(keyword)) else { continue };
             match value {
                 MtlValue::Numbers(numbers) => self.numbers(keyword, numbers),
                 MtlValue::Text(text) => self.line(keyword, text),
@@ -153,7 +159,7 @@ impl<'a> MtlWriter<'a> {
         }
     }
 
-    fn maps(&mut self, material: &Value, said: &MtlMaterial, metal: f64) {
+    fn maps(&mut self, material: &Value, original: &MtlMaterial, metal: f64) {
         let extras = &material["extras"][EXTRAS];
         let pbr = &material["pbrMetallicRoughness"];
         let normal = extras["normal"].as_str().filter(|keyword| is_map(keyword)).unwrap_or("norm");
@@ -169,16 +175,16 @@ impl<'a> MtlWriter<'a> {
         if metal != 0.0 {
             self.texture("map_Pm", rough, extras);
         }
-        for (keyword, value) in said.values.iter().filter(|(keyword, _)| is_map(keyword)) {
+        for (keyword, value) in original.values.iter().filter(|(keyword, _)| is_map(keyword)) {
             let MtlValue::Text(text) = value else { continue };
             let line = self.with_file(text);
             self.line(keyword, &line);
         }
     }
 
-    /// A map as its library said it, with the file that its picture is written to, if it is.
+    /// A map as in the source library, with the name of the written picture file, if there is one.
     fn with_file(&mut self, text: &str) -> String {
-        let found = MtlMap::parse(text).and_then(|map| {
+        let renamed = MtlMap::parse(text).and_then(|map| {
             let path = map.path.replace('\\', "/");
             let path = path.trim_start_matches("./");
             let is_it = |name: &str| name == path || name.ends_with(&format!("/{path}"));
@@ -188,7 +194,7 @@ impl<'a> MtlWriter<'a> {
             })?;
             Some((text.rfind(&map.path)?, image))
         });
-        match found {
+        match renamed {
             Some((at, image)) => {
                 self.is_used[image] = true;
                 format!("{}{}", text[..at].trim_end_matches('"'), self.files[image])
@@ -212,7 +218,7 @@ impl<'a> MtlWriter<'a> {
         let pair =
             |member: &str, default: f64| [0, 1].map(|k| transform[member][k].as_f64().unwrap_or(default));
         let ([su, sv], [ou, ov]) = (pair("scale", 1.0), pair("offset", 0.0));
-        // The inverse of what the reader does: v runs up here.
+        // The inverse of the reader's formula: v runs up here.
         let ov = 1.0 - sv - ov;
         for (option, [u, v], default) in [("-s", [su, sv], 1.0), ("-o", [ou, ov], 0.0)] {
             if [u, v] != [default; 2] {
@@ -252,7 +258,7 @@ impl<'a> MtlWriter<'a> {
         }
     }
 
-    /// Counts what of a material no statement says.
+    /// Counts the properties of a material that no statement can express.
     fn count_lost(&mut self, material: &Value) {
         if !material["occlusionTexture"].is_null() {
             self.lose("occlusion textures");
@@ -265,13 +271,15 @@ impl<'a> MtlWriter<'a> {
             members.map(|(key, value)| (key.clone(), value.clone())).collect()
         };
         for (name, extension) in members(&material["extensions"]) {
-            let held: &[&str] = match name.as_str() {
+            let supported: &[&str] = match name.as_str() {
                 "KHR_materials_emissive_strength" => &["emissiveStrength"],
                 "KHR_materials_clearcoat" => &["clearcoatFactor", "clearcoatRoughnessFactor"],
                 "KHR_materials_sheen" if is_gray(&extension) => &["sheenColorFactor"],
                 _ => &[],
             };
-            if members(&extension).iter().any(|(key, _)| !held.contains(&key.as_str())) || held.is_empty() {
+            if members(&extension).iter().any(|(key, _)| !supported.contains(&key.as_str()))
+                || supported.is_empty()
+            {
                 self.lose(&format!("all that {} says", one_line(&name)));
             }
         }
@@ -294,7 +302,7 @@ impl<'a> MtlWriter<'a> {
         self.text.extend_from_slice(line.as_bytes());
     }
 
-    /// Counts pictures that no material names, and those that are in files that were not opened.
+    /// Counts pictures that no material uses, and those in files that were not opened.
     pub fn count_pictures(&mut self) {
         for (image, is_used) in self.assets.images.iter().zip(self.is_used.clone()) {
             if !is_used {

@@ -1,9 +1,9 @@
-//! Indices of OBJ: from 1, or backwards from -1, checked against wrapping.
+//! Indices of OBJ: counted from 1, or backwards from -1, and checked against overflow.
 use crate::text::{IntegerError, grouped, integer, show};
 use crate::{FileLocation, ReadError};
 
-/// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over
-/// the `before` rows before this line.
+/// The row, from 0, of an index: from 1 over all `total` rows of the file, or backwards from -1 over the
+/// `before` rows before this line.
 #[inline]
 pub(super) fn index(
     line: u64,

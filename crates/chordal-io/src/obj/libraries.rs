@@ -1,5 +1,5 @@
-//! `LibraryReader`: opens the material libraries that an OBJ names, and makes assets of the materials that its
-//! faces have.
+//! `LibraryReader`: opens the material libraries of an OBJ, and converts the materials that its faces use to
+//! assets.
 use super::mtl::MtlReader;
 use super::mtl_to_gltf::{MtlConverter, plain_material};
 use super::pictures::{FOUND_BY_NAME, FOUND_BY_NAME_TEXT, ObjFiles, ObjPictures, file_name};
@@ -11,28 +11,28 @@ use crate::{Limits, SceneAssets};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The bytes that a material takes as JSON, and each of its statements; measured, and rounded up.
+/// The bytes that a material takes as JSON, and each of its statements. Measured, and rounded up.
 const MATERIAL_BYTES: u64 = 2048;
 const STATEMENT_BYTES: u64 = 256;
 
-/// What materials may take beyond a share of the bytes that say them: half of what a reader may take for any
-/// file.
+/// The bytes that materials may take beyond a share of the bytes of their libraries. Derived: half of the
+/// allowance that a reader has for any file.
 const ALLOWED: u64 = 32 << 20;
-/// That share: half of the 16 bytes for each byte that a reader may take.
+/// That share. Derived: half of the 16 bytes that a reader may take for each byte.
 const PER_BYTE: u64 = 8;
 
-/// The files of an OBJ and the names that its faces use.
+/// The libraries of an OBJ and the material names of its faces.
 pub(super) struct LibraryRequest<'r> {
-    /// What follows each `mtllib`.
+    /// The text after each `mtllib`.
     pub statements: &'r [Box<[u8]>],
-    /// The names of the groups of faces, without that of no group.
+    /// The names of the material groups, except the group of faces without a material.
     pub names: &'r [String],
     /// The size of the OBJ.
     pub n_bytes: u64,
 }
 
-/// The assets for the materials of faces: one for each name, in the order of the names, or none where no
-/// library could be read. What is missing is a warning.
+/// The assets for the materials of faces: one for each name, in order, or none if no library could be read.
+/// Missing files and materials are warnings.
 pub(super) fn read_libraries(
     request: &LibraryRequest<'_>,
     open: &mut FileOpener<'_>,
@@ -41,7 +41,7 @@ pub(super) fn read_libraries(
 ) -> SceneAssets {
     let mut reader = LibraryReader {
         wanted: request.names.iter().enumerate().map(|(at, name)| (name.as_str(), at)).collect(),
-        found: vec![None; request.names.len()],
+        materials: vec![None; request.names.len()],
         pictures: ObjPictures::new(ObjFiles::new(open, limits.bytes.saturating_sub(request.n_bytes))),
         tried: BTreeSet::new(),
         is_any_read: false,
@@ -57,34 +57,34 @@ pub(super) fn read_libraries(
         request.statements.iter().for_each(|statement| reader.statement(&String::from_utf8_lossy(statement)));
     }
     let materials = reader.all_materials(request.names);
-    reader.notes.tell(warnings);
+    reader.notes.report(warnings);
     materials.map_or_else(SceneAssets::default, |materials| reader.pictures.into_assets(materials))
 }
 
 struct LibraryReader<'r, 'a, 'b> {
     wanted: BTreeMap<&'r str, usize>,
-    found: Vec<Option<Value>>,
+    materials: Vec<Option<Value>>,
     pictures: ObjPictures<'a, 'b>,
     /// The libraries that were tried, by their paths below the folder.
     tried: BTreeSet<String>,
     is_any_read: bool,
-    /// Bytes that materials may still take; none where they took too many.
+    /// The number of bytes that materials may still take; `None` if they took too many.
     left: Option<u64>,
     notes: NamedNotes,
 }
 
 impl LibraryReader<'_, '_, '_> {
-    /// Reads the libraries of a statement: one whose name may have spaces, or several.
+    /// Reads the libraries of a statement: one with spaces in its name, or several.
     fn statement(&mut self, rest: &str) {
         let Err(error) = self.library(rest) else { return };
         let names = names_of(rest);
         let (mut missing, mut n_found) = (Vec::new(), 0);
         for name in &names {
             let parts: Vec<&str> = name.split_whitespace().collect();
-            let found = if *name == rest { None } else { Some(self.library(name)) };
-            match found {
+            let result = if *name == rest { None } else { Some(self.library(name)) };
+            match result {
                 Some(Ok(())) => n_found += 1,
-                // A name with spaces, or names that do not end in `.mtl`.
+                // A name with spaces, or several names without the ending `.mtl`.
                 _ if parts.len() > 1 => {
                     for part in parts {
                         match self.library(part) {
@@ -106,12 +106,12 @@ impl LibraryReader<'_, '_, '_> {
     /// Reads a library, once.
     ///
     /// # Errors
-    /// Where it cannot be had: what is to be noted.
+    /// The note to report if the library is not available.
     fn library(&mut self, name: &str) -> Result<(), (&'static str, &'static str, String)> {
         let bare = name.strip_prefix('"').and_then(|name| name.strip_suffix('"')).unwrap_or(name);
         let inside = files::resolve_path("", bare).ok();
         let is_outside = inside.is_none();
-        // Of a path that leads out of the folder, only the name is looked for.
+        // If a path leads out of the folder, only its file name is used.
         let by_name =
             || if bare.contains("://") { None } else { files::resolve_path("", file_name(bare)).ok() };
         let Some(path) = inside.or_else(by_name) else {
@@ -150,15 +150,15 @@ impl LibraryReader<'_, '_, '_> {
     fn materials(&mut self, text: &[u8], library: &str) {
         let mut reader = MtlReader::new(text, library);
         loop {
-            let Self { wanted, found, notes, .. } = self;
-            let is_wanted = |name: &str| wanted.get(name).is_some_and(|at| found[*at].is_none());
+            let Self { wanted, materials, notes, .. } = self;
+            let is_wanted = |name: &str| wanted.get(name).is_some_and(|at| materials[*at].is_none());
             let Some(material) = reader.next(is_wanted, notes) else { return };
             let Some(at) = self.wanted.get(material.name.as_str()).copied() else {
                 let what = "materials that no face has were left out";
                 self.notes.add("materials-unused", what, &material.name);
                 continue;
             };
-            if self.found[at].is_some() {
+            if self.materials[at].is_some() {
                 let what = "materials are described twice: the first description was taken";
                 self.notes.add("material-twice", what, &material.name);
                 continue;
@@ -169,22 +169,22 @@ impl LibraryReader<'_, '_, '_> {
             }
             let mut converter =
                 MtlConverter { pictures: &mut self.pictures, library, notes: &mut self.notes };
-            self.found[at] = Some(converter.convert(&material));
+            self.materials[at] = Some(converter.convert(&material));
         }
     }
 
-    /// Whether so many bytes more may be taken.
+    /// Whether `bytes` more may be taken.
     fn charge(&mut self, bytes: u64) -> bool {
         self.left = self.left.and_then(|left| left.checked_sub(bytes));
         self.left.is_some()
     }
 
-    /// A material for each name; nothing where no library could be read, or all would take too much memory.
+    /// A material for each name; `None` if no library could be read, or all would take too much memory.
     fn all_materials(&mut self, names: &[String]) -> Option<Vec<Value>> {
         if !self.is_any_read {
             return None;
         }
-        let mut materials = std::mem::take(&mut self.found);
+        let mut materials = std::mem::take(&mut self.materials);
         for (name, material) in names.iter().zip(&mut materials) {
             if material.is_none() && self.charge(MATERIAL_BYTES) {
                 let what = "materials that no library describes are plain";
@@ -200,12 +200,12 @@ impl LibraryReader<'_, '_, '_> {
     }
 }
 
-/// The names of a statement, each of which ends in `.mtl` if it has spaces.
+/// The names in a statement; a name with spaces must end in `.mtl`.
 fn names_of(rest: &str) -> Vec<&str> {
     let mut names = Vec::new();
     let mut start = 0;
     for (at, _) in rest.match_indices(char::is_whitespace) {
-        // A name ends here if its last letters say so.
+        // A name may end only at its extension.
         let name = rest[start..at].trim();
         if name.len() > EXTENSION.len()
             && name.as_bytes()[name.len() - EXTENSION.len()..].eq_ignore_ascii_case(EXTENSION.as_bytes())

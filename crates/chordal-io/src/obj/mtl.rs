@@ -1,23 +1,22 @@
-//! `MtlMaterial`: the materials of a library (`.mtl`), as its statements say them.
+//! `MtlMaterial`: the materials of a library (`.mtl`), as a list of its statements.
 use super::statements::ObjStatements;
 use crate::notes::NamedNotes;
 use crate::text::{LineTokens, number};
 use serde_json::{Map, Value};
 
-/// What follows a keyword.
+/// The value after a keyword.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum MtlValue {
     /// One to three finite numbers.
     Numbers(Vec<f64>),
-    /// Anything else, with the spaces at its ends removed: the picture of a map with its options, a colour in
-    /// another form.
+    /// Any other text, trimmed: the picture of a map with its options, a colour in another form.
     Text(String),
 }
 
-/// How the values of a keyword are read.
+/// The syntax of a keyword's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MtlKind {
-    /// Three numbers, or one for all of them.
+    /// Three numbers, or one that applies to all channels.
     Color,
     /// One number.
     Number,
@@ -27,7 +26,7 @@ pub(super) enum MtlKind {
 
 use MtlKind::{Color, Map as Picture, Number};
 
-/// The statements that are known: those of Wavefront and of the extension for physically based rendering.
+/// The supported statements: those of Wavefront and of the extension for physically based rendering.
 pub(super) const KEYWORDS: [(&str, MtlKind); 37] = [
     ("Kd", Color),
     ("Ka", Color),
@@ -68,19 +67,19 @@ pub(super) const KEYWORDS: [(&str, MtlKind); 37] = [
     ("map_aat", Picture),
 ];
 
-/// Whether a keyword is that of a map.
+/// Whether a keyword introduces a map.
 pub(super) fn is_map(keyword: &str) -> bool {
     KEYWORDS.iter().any(|(known, kind)| *known == keyword && *kind == Picture)
 }
 
-/// The member of a material's extras with what its library says and glTF cannot.
+/// The member of a material's extras that holds statements without a counterpart in glTF.
 pub(super) const EXTRAS: &str = "mtl";
 
 /// One material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MtlMaterial {
     pub name: String,
-    /// Keywords as [`KEYWORDS`] spells them, in the order in which they first came, each with its last value.
+    /// Keywords in the spelling of [`KEYWORDS`], in the order of first occurrence, each with its last value.
     pub values: Vec<(&'static str, MtlValue)>,
 }
 
@@ -101,7 +100,7 @@ impl MtlMaterial {
         self.numbers(keyword)?.first().copied()
     }
 
-    /// A colour: one number stands for all three.
+    /// A colour; a single number applies to all three channels.
     pub fn color(&self, keyword: &str) -> Option<[f64; 3]> {
         match *self.numbers(keyword)? {
             [gray] => Some([gray; 3]),
@@ -125,9 +124,9 @@ impl MtlMaterial {
         }
     }
 
-    /// What is kept in the extras of a glTF material.
+    /// The statements kept in the extras of a glTF material.
     ///
-    /// Only known statements are taken, since the file is not ours.
+    /// Only known statements are taken, since the file may be from another program.
     pub fn from_extras(extras: &Map<String, Value>) -> Self {
         let mut material = Self::default();
         for (key, value) in extras {
@@ -157,9 +156,9 @@ impl MtlMaterial {
 }
 
 impl MtlValue {
-    /// As extras hold it.
+    /// The JSON form that is kept in extras.
     pub fn to_json(&self) -> Value {
-        // Whole numbers as such: 2⁵³ bounds those that f64 holds without gaps.
+        // Whole numbers are written without a point. Defined: up to 2⁵³, f64 holds all of them.
         const WHOLE: f64 = 9_007_199_254_740_992.0;
         let number = |x: &f64| match *x {
             x if x.abs() < WHOLE && x == x.trunc() => Value::from(x as i64),
@@ -180,7 +179,7 @@ pub(super) struct MtlReader<'a> {
     statements: ObjStatements<'a>,
     /// The path of the library, for notes.
     library: &'a str,
-    /// The name of the next material.
+    /// The name of the next material, if it was already read.
     next: Option<String>,
     is_started: bool,
 }
@@ -190,11 +189,11 @@ impl<'a> MtlReader<'a> {
         Self { statements: ObjStatements::new(text), library, next: None, is_started: false }
     }
 
-    /// The next material; of one that is not wanted the name alone.
+    /// The next material; if `is_wanted` is false, only its name is read.
     pub fn next(&mut self, is_wanted: impl Fn(&str) -> bool, notes: &mut NamedNotes) -> Option<MtlMaterial> {
         if !self.is_started {
             self.is_started = true;
-            // What stands before the first name.
+            // Statements before the first name.
             self.rest_of(MtlMaterial::default(), |_| true, notes);
         }
         let name = self.next.take()?;
@@ -220,8 +219,8 @@ impl<'a> MtlReader<'a> {
                 continue;
             }
             let place = || format!("{} in line {line} of {}", word.escape_ascii(), self.library);
-            let known = KEYWORDS.into_iter().find(|(known, _)| word.eq_ignore_ascii_case(known.as_bytes()));
-            match known {
+            let entry = KEYWORDS.into_iter().find(|(entry, _)| word.eq_ignore_ascii_case(entry.as_bytes()));
+            match entry {
                 None => notes.add("mtl-unknown", "statements that are not known were skipped", &place()),
                 Some((keyword, kind)) => match value(kind, words) {
                     Some(value) => material.set(keyword, value),
@@ -236,7 +235,7 @@ impl<'a> MtlReader<'a> {
     }
 }
 
-/// The value of a statement; `None` where it is none.
+/// The value of a statement; `None` if it is invalid.
 fn value(kind: MtlKind, words: LineTokens) -> Option<MtlValue> {
     let text = || {
         let text = String::from_utf8_lossy(words.rest()).into_owned();
@@ -258,7 +257,7 @@ fn value(kind: MtlKind, words: LineTokens) -> Option<MtlValue> {
     (numbers.len() == n_words && matches!(n_words, 1 | 3)).then_some(MtlValue::Numbers(numbers))
 }
 
-/// What a material looks like by its statements, where glTF has words for it.
+/// The appearance of a material, as far as glTF can express it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MtlLook {
     pub base: [f64; 3],
@@ -268,7 +267,7 @@ pub(super) struct MtlLook {
 }
 
 impl MtlLook {
-    /// `has_picture` where a picture is multiplied with the colour: programs that write black beside a picture
+    /// `has_picture`: a picture is multiplied with the colour. Programs that write black beside a picture
     /// mean the picture, not black.
     pub fn new(material: &MtlMaterial, has_picture: bool) -> Self {
         let unit = |x: f64| x.clamp(0.0, 1.0);
@@ -289,12 +288,12 @@ impl MtlLook {
     }
 }
 
-/// The roughness of glTF, `Pr` or that of the highlight whose exponent is `Ns`.
+/// The roughness of glTF: `Pr`, or that of a highlight with the exponent `Ns`.
 ///
-/// An exponent n is about as wide as Beckmann's distribution with α² = 2 / (n + 2) (B. Walter, S. Marschner,
-/// H. Li, K. Torrance, *Microfacet Models for Refraction through Rough Surfaces*, 2007, section 5.2), and
-/// glTF's α is the square of its roughness (specification, appendix B). Without a highlight (a black `Ks`, or
-/// a model of illumination that has none) a surface is rough.
+/// A highlight with exponent n is about as wide as Beckmann's distribution with α² = 2 / (n + 2) (B. Walter,
+/// S. Marschner, H. Li, K. Torrance, *Microfacet Models for Refraction through Rough Surfaces*, 2007, section
+/// 5.2), and glTF's α is the square of its roughness (specification, appendix B). Without a highlight (a
+/// black `Ks`, or an illumination model that has none) a surface is rough.
 fn roughness(material: &MtlMaterial) -> f64 {
     if let Some(roughness) = material.number("Pr") {
         return roughness.clamp(0.0, 1.0);
@@ -307,8 +306,8 @@ fn roughness(material: &MtlMaterial) -> f64 {
     }
 }
 
-/// The exponent whose highlight is as wide as that of a roughness: the inverse of the above, up to 1,000, where
-/// Wavefront's scale ends.
+/// The exponent of a highlight that is as wide as that of a roughness: the inverse of the above, up to 1,000,
+/// where Wavefront's scale ends.
 pub(super) fn exponent(roughness: f64) -> f64 {
     const MOST: f64 = 1000.0;
     let alpha_sq = roughness * roughness * roughness * roughness;

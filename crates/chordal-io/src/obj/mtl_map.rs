@@ -4,21 +4,21 @@ use crate::text::{LineTokens, number};
 /// A map statement.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MtlMap {
-    /// The picture, as the file names it.
+    /// The path of the picture in the file.
     pub path: String,
     /// How often the picture repeats over the unit square, by `-s`.
     pub scale: [f64; 2],
-    /// Where texture coordinates begin, by `-o`.
+    /// The offset of texture coordinates, by `-o`.
     pub offset: [f64; 2],
-    /// Whether the picture ends at its border, by `-clamp`.
+    /// Whether the texture is clamped instead of repeated, by `-clamp`.
     pub is_clamped: bool,
-    /// How steep bumps are, by `-bm`.
+    /// The bump multiplier, by `-bm`.
     pub steepness: Option<f64>,
-    /// Options that glTF cannot say, as they are spelled.
+    /// Options that glTF cannot express, as spelled in the file.
     pub others: String,
 }
 
-/// Options that are kept as they are, with how many words follow.
+/// Options that are kept unchanged, each with its number of arguments.
 const OTHERS: [(&str, usize); 9] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -32,7 +32,7 @@ const OTHERS: [(&str, usize); 9] = [
 ];
 
 impl MtlMap {
-    /// Parses what follows the keyword; `None` where no picture is named.
+    /// Parses the text after the keyword; `None` if it has no picture.
     pub fn parse(text: &str) -> Option<Self> {
         let mut map = Self {
             path: String::new(),
@@ -50,7 +50,7 @@ impl MtlMap {
             if is("-s") || is("-o") {
                 let numbers = numbers(&mut words);
                 let target = if is("-s") { &mut map.scale } else { &mut map.offset };
-                // The third is for textures in space.
+                // The third number is for 3D textures.
                 target.iter_mut().zip(&numbers).for_each(|(target, number)| *target = *number);
             } else if is("-clamp") {
                 map.is_clamped = words.next()? == b"on";
@@ -77,19 +77,19 @@ impl MtlMap {
     }
 }
 
-/// Up to three numbers; a last word that looks like one is the picture.
+/// Up to three numbers; a last word that looks like a number is the picture.
 fn numbers(words: &mut LineTokens) -> Vec<f64> {
-    let mut found = Vec::new();
-    while found.len() < 3 {
+    let mut parsed = Vec::new();
+    while parsed.len() < 3 {
         let mut ahead = words.clone();
         let Some(value) = ahead.next().and_then(number).filter(|x| x.is_finite()) else { break };
         if ahead.rest().is_empty() {
             break;
         }
-        found.push(value);
+        parsed.push(value);
         *words = ahead;
     }
-    found
+    parsed
 }
 
 #[cfg(test)]

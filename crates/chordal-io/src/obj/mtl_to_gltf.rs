@@ -1,8 +1,8 @@
 //! Converts the materials of a library to those of glTF.
 //!
-//! Colours are taken as linear: Wavefront says nothing of it, the programs that write most libraries, and most
-//! converters, take `Kd` and `Ke` as they are (Blender's exporter and importer, obj2gltf, gltfpack, assimp),
-//! and three.js alone takes them as sRGB. Pictures of colours are sRGB in both formats.
+//! Colours are taken as linear: Wavefront does not define it, the programs that write most libraries, and
+//! most converters, take `Kd` and `Ke` as they are (Blender's exporter and importer, obj2gltf, gltfpack,
+//! assimp), and only three.js takes them as sRGB. Pictures of colours are sRGB in both formats.
 use super::mtl::{EXTRAS, MtlLook, MtlMaterial, MtlValue, is_map};
 use super::mtl_map::MtlMap;
 use super::pictures::ObjPictures;
@@ -10,7 +10,7 @@ use crate::files;
 use crate::notes::NamedNotes;
 use serde_json::{Map, Value, json};
 
-/// A material of which only the name is known.
+/// A material for which only the name is known.
 pub(super) fn plain_material(name: &str) -> Value {
     json!({
         "name": name,
@@ -19,7 +19,7 @@ pub(super) fn plain_material(name: &str) -> Value {
     })
 }
 
-/// What the conversion of one material needs.
+/// The context for the conversion of one material.
 pub(super) struct MtlConverter<'c, 'a, 'b> {
     pub pictures: &'c mut ObjPictures<'a, 'b>,
     /// The path of the library.
@@ -34,7 +34,7 @@ struct PlacedMap {
 }
 
 impl MtlConverter<'_, '_, '_> {
-    /// The glTF material, with what glTF cannot say in its extras.
+    /// The glTF material; statements that glTF cannot express are in its extras.
     pub fn convert(&mut self, material: &MtlMaterial) -> Value {
         let mut extras = Map::new();
         let mut pbr = Map::new();
@@ -62,7 +62,7 @@ impl MtlConverter<'_, '_, '_> {
         if is_see_through {
             object.insert("alphaMode".to_owned(), json!("BLEND"));
         }
-        // Faces of an OBJ are seen from both sides; nothing in a library says otherwise.
+        // Faces of an OBJ are visible from both sides; a library cannot say otherwise.
         object.insert("doubleSided".to_owned(), json!(true));
         coats(material, &mut extensions);
         self.keep_the_rest(material, &look, &object, &mut extras);
@@ -73,7 +73,7 @@ impl MtlConverter<'_, '_, '_> {
         Value::Object(object)
     }
 
-    /// The map of a keyword, if it names a picture that can be had.
+    /// The map of a keyword, if its picture is available.
     fn placed(&mut self, material: &MtlMaterial, keyword: &str) -> Option<PlacedMap> {
         let map = MtlMap::parse(material.text(keyword)?)?;
         let picture = self.pictures.open(files::folder(self.library), &map.path, self.notes)?;
@@ -99,7 +99,7 @@ impl MtlConverter<'_, '_, '_> {
         texture
     }
 
-    /// Whether opacity comes from the picture of the colour itself.
+    /// Whether the opacity is the alpha channel of the colour picture.
     fn has_own_opacity(&self, material: &MtlMaterial, color: Option<&PlacedMap>) -> bool {
         let (Some(color), Some(map)) = (color, material.text("map_d").and_then(MtlMap::parse)) else {
             return false;
@@ -112,8 +112,8 @@ impl MtlConverter<'_, '_, '_> {
 
     /// `Pm` and `Pr` with their pictures.
     ///
-    /// glTF takes roughness and metal from two channels of one picture. So a gray picture of roughness alone
-    /// serves where there is no metal, and one picture for both serves as it is.
+    /// glTF takes roughness and metal from two channels of one picture. So a grey picture for roughness can
+    /// be used if there is no metal, and a single picture for both can be used unchanged.
     fn metal(
         &mut self,
         material: &MtlMaterial,
@@ -141,7 +141,7 @@ impl MtlConverter<'_, '_, '_> {
         }
     }
 
-    /// The picture of `norm`, or of a bump map that has directions and no heights.
+    /// The picture of `norm`, or of a bump map that is a normal map and not a height map.
     fn normals(
         &mut self,
         material: &MtlMaterial,
@@ -192,7 +192,7 @@ impl MtlConverter<'_, '_, '_> {
         }
     }
 
-    /// Keeps what the material says and the glTF object does not.
+    /// Keeps the statements that the glTF object does not express.
     fn keep_the_rest(
         &mut self,
         material: &MtlMaterial,
@@ -208,7 +208,7 @@ impl MtlConverter<'_, '_, '_> {
                 ("Kd", _) => material.color("Kd") == Some(look.base),
                 ("d", MtlValue::Numbers(numbers)) => numbers[..] == [look.opacity],
                 ("Ke", _) => {
-                    // Of a stronger one the product of factor and strength may be rounded.
+                    // For a stronger emission, the product of factor and strength may be rounded.
                     let is_weak = look.emission.iter().all(|x| *x <= 1.0);
                     material.color("Ke") == Some(look.emission) && is_weak
                 }

@@ -1,42 +1,43 @@
-//! `ObjPart`: a part of an OBJ of whole statements, read by itself: the fast half of the reader, which any
-//! number of threads do at once. What it holds is taken over in the order of the file, see `read.rs`.
+//! `ObjPart`: a part of an OBJ, made of whole statements and parsed separately. This is the fast half of the
+//! reader, which runs on many threads at once. The parsed parts are merged in the order of the file, see
+//! `read.rs`.
 //!
-//! Only statements spelled as programs spell them are read here. All others are kept as they stand, and so is
-//! every decision that depends on what stands before: which row a negative index names, which colour a vertex
-//! gets, where a group begins.
+//! Only statements in the usual spelling are parsed here. All others are kept as text, and so is every
+//! decision that depends on earlier lines: which row a negative index refers to, which colour a vertex gets,
+//! where a group begins.
 use super::CERTIFICATE;
 use super::statements::ObjStatements;
 use crate::ReadError;
 use crate::grow::{out_of_memory, push};
 use crate::plain_text::{PlainCursor, parts_of_lines};
 
-/// The most bytes of a part that is read by itself, 1 MiB. A longer one is a single huge line, which one thread reads
-/// anyhow, and whose corners would be held twice.
+/// The most bytes of a part that is parsed separately, 1 MiB. Chosen: a longer part is a single huge line,
+/// which one thread reads anyway, and whose corners would be held twice.
 const LONGEST: usize = 1 << 20;
 
 /// The statements of a part, in lists by kind.
 #[derive(Debug, Default)]
 pub(super) struct ObjPart<'a> {
     pub text: &'a [u8],
-    /// What follows on what.
+    /// The order of the statements.
     pub runs: Vec<ObjRun>,
     pub positions: Vec<[f64; 3]>,
     pub texcoords: Vec<[f64; 2]>,
     pub normals: Vec<[f64; 3]>,
     pub faces: Vec<ObjPartFace>,
-    /// The indices of the corners of all faces as they are written, 0 where there is none.
+    /// The indices of the corners of all faces as written, 0 for a missing one.
     pub corners: Vec<[i32; 3]>,
     pub n_lines: u64,
 }
 
-/// How many statements of one kind follow on each other.
+/// A run of consecutive statements of one kind.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ObjRun {
     Positions(u32),
     Texcoords(u32),
     Normals(u32),
     Faces(u32),
-    /// Statements of any kind: the line in the part, from 0, and the bytes that they are.
+    /// Statements of any kind: the line in the part, from 0, and their range of bytes.
     Other {
         line: u32,
         start: u32,
@@ -52,7 +53,7 @@ pub(super) struct ObjPartFace {
     pub line: u32,
 }
 
-/// The parts of a text: a line that ends in a backslash goes on in the next.
+/// Cuts a text into parts; a line that ends in a backslash stays with the next.
 pub(super) fn parts_of(text: &[u8], size: usize) -> Vec<&[u8]> {
     parts_of_lines(text, size, |lines| lines.ends_with(b"\\"))
 }
@@ -65,7 +66,7 @@ impl<'a> ObjPart<'a> {
     pub(super) fn read(text: &'a [u8]) -> Result<Self, ReadError> {
         let mut part = Self { text, ..Self::default() };
         if u32::try_from(text.len()).is_err() {
-            // One line of 4 GiB.
+            // Possible only for a line of 4 GiB.
             return Err(out_of_memory(text.len()));
         }
         if text.len() > LONGEST {
@@ -104,7 +105,7 @@ impl<'a> ObjPart<'a> {
         Ok(part)
     }
 
-    /// Reads a line of `v`, `vt` or `vn`. Returns whether it was taken.
+    /// Parses a line of `v`, `vt` or `vn`. Returns whether it was accepted.
     #[inline]
     fn vertex(&mut self, cursor: &mut PlainCursor) -> Result<bool, ReadError> {
         let run = match cursor.text.get(cursor.at + 1) {
@@ -148,15 +149,15 @@ impl<'a> ObjPart<'a> {
             return Ok(false);
         }
         cursor.end_line();
-        // Both are below the bytes of the part, which fit.
+        // Both are below the number of bytes of the part, which fits.
         push(&mut self.faces, ObjPartFace { n_corners: n_corners as u32, line: self.n_lines as u32 })?;
         self.count(ObjRun::Faces(1))?;
         Ok(true)
     }
 
-    /// Keeps a statement as it stands.
+    /// Keeps a statement as text.
     fn other(&mut self, start: usize, end: usize) -> Result<(), ReadError> {
-        // All are at most the bytes of the part.
+        // All are at most the number of bytes of the part.
         let [from, to] = [start as u32, end as u32];
         match self.runs.last_mut() {
             Some(ObjRun::Other { end, .. }) if *end == from => {
@@ -178,7 +179,7 @@ impl<'a> ObjPart<'a> {
         None
     }
 
-    /// Counts a statement in the last run, or begins another.
+    /// Counts a statement in the last run, or begins another run.
     #[inline]
     fn count(&mut self, run: ObjRun) -> Result<(), ReadError> {
         match (self.runs.last_mut(), run) {
@@ -214,8 +215,8 @@ fn texcoord(cursor: &mut PlainCursor) -> Option<[f64; 2]> {
     Some(numbers)
 }
 
-/// `v`, `v/vt`, `v//vn` or `v/vt/vn`, with a blank or the end of the line after it. An index of 0 is wrong
-/// wherever it is written.
+/// `v`, `v/vt`, `v//vn` or `v/vt/vn`, followed by a blank or the end of the line. A written index of 0 is
+/// always wrong.
 #[inline]
 fn corner(cursor: &mut PlainCursor) -> Option<[i32; 3]> {
     let mut indices = [written(cursor)?, 0, 0];
@@ -234,5 +235,5 @@ fn corner(cursor: &mut PlainCursor) -> Option<[i32; 3]> {
 
 #[inline]
 fn written(cursor: &mut PlainCursor) -> Option<i32> {
-    cursor.whole().filter(|index| *index != 0)
+    cursor.integer().filter(|index| *index != 0)
 }

@@ -1,4 +1,4 @@
-//! `ObjPictures`: the pictures that material libraries name, opened once each, as images and textures of glTF.
+//! `ObjPictures`: the pictures of material libraries, opened once each, as images and textures of glTF.
 use super::mtl_map::MtlMap;
 use crate::files::{self, FileOpener};
 use crate::notes::NamedNotes;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// glTF's `CLAMP_TO_EDGE`.
 const CLAMP: u32 = 33071;
 
-/// The code and the sentence for files that stand elsewhere than they are said to.
+/// The code and the sentence for files that were found at another place than stated.
 pub(super) const FOUND_BY_NAME: &str = "found-by-name";
 pub(super) const FOUND_BY_NAME_TEXT: &str =
     "files outside the folder were taken from it, where one has their name";
@@ -19,7 +19,7 @@ pub(super) const FOUND_BY_NAME_TEXT: &str =
 /// Files beside an OBJ, by paths below its folder.
 pub(super) struct ObjFiles<'a, 'b> {
     open: &'a mut FileOpener<'b>,
-    /// Bytes that may still be read.
+    /// The number of bytes that may still be read.
     left: u64,
 }
 
@@ -28,7 +28,7 @@ impl<'a, 'b> ObjFiles<'a, 'b> {
         Self { open, left }
     }
 
-    /// The bytes of a file, or why they cannot be had.
+    /// The bytes of a file, or the reason why they are not available.
     pub fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
         let bytes = (self.open)(path)?;
         let left = self.left.checked_sub(bytes.len() as u64);
@@ -48,12 +48,12 @@ pub(super) struct ObjPictures<'a, 'b> {
     opened: Vec<OpenedPicture>,
     /// The picture of each path that was tried.
     tried: BTreeMap<String, Option<usize>>,
-    /// The texture of each picture, with or without a border.
-    made: BTreeMap<(usize, bool), usize>,
+    /// The texture of each picture, keyed by whether it is clamped.
+    texture_indices: BTreeMap<(usize, bool), usize>,
     images: Vec<SceneImage>,
     textures: Vec<Value>,
     samplers: Vec<Value>,
-    /// WebP needs an extension.
+    /// Whether some picture is WebP, which needs an extension.
     has_webp: bool,
 }
 
@@ -62,7 +62,7 @@ struct OpenedPicture {
     path: String,
     mime: &'static str,
     bytes: Arc<[u8]>,
-    /// Its number among the images, once a texture shows it.
+    /// Its index among the images, once a texture uses it.
     image: Option<usize>,
 }
 
@@ -72,7 +72,7 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
             files,
             opened: Vec::new(),
             tried: BTreeMap::new(),
-            made: BTreeMap::new(),
+            texture_indices: BTreeMap::new(),
             images: Vec::new(),
             textures: Vec::new(),
             samplers: Vec::new(),
@@ -80,8 +80,8 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
         }
     }
 
-    /// The picture of a path in the library's folder, or else below the folder of the OBJ. Of a path that leads
-    /// out of it, only the name is looked for.
+    /// The picture at a path in the library's folder, or else below the folder of the OBJ. If the path leads
+    /// out of it, only its file name is used.
     pub fn open(&mut self, folder: &str, path: &str, notes: &mut NamedNotes) -> Option<usize> {
         let outside = |notes: &mut NamedNotes| {
             let what = "pictures that are no files below the folder were not opened";
@@ -98,8 +98,9 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
             return Some(picture);
         };
         let above = files::resolve_path("", path).ok().filter(|above| *above != inside);
-        let found = self.open_inside(inside);
-        match found.or_else(|why| above.map_or(Err(None), |above| self.open_inside(above)).map_err(|_| why)) {
+        let result = self.open_inside(inside);
+        match result.or_else(|why| above.map_or(Err(None), |above| self.open_inside(above)).map_err(|_| why))
+        {
             Ok(picture) => Some(picture),
             Err(why) => {
                 let name = why.map_or_else(|| path.to_owned(), |why| format!("{path} ({why})"));
@@ -109,24 +110,25 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
         }
     }
 
-    /// The picture of a path below the top folder, or why it cannot be had, where it was not tried before.
+    /// The picture at a path below the top folder, or the reason why it is not available, unless that was
+    /// reported before.
     fn open_inside(&mut self, path: String) -> Result<usize, Option<String>> {
         if let Some(known) = self.tried.get(&path) {
             return known.ok_or(None);
         }
-        let found = self.files.read(&path).and_then(|bytes| {
+        let opened = self.files.read(&path).and_then(|bytes| {
             let mime = picture_type(&bytes).filter(|mime| *mime != "image/ktx2");
             let mime = mime.ok_or("it is no PNG, JPEG or WebP")?;
             self.opened.push(OpenedPicture { path: path.clone(), mime, bytes: bytes.into(), image: None });
             Ok(self.opened.len() - 1)
         });
-        self.tried.insert(path, found.as_ref().ok().copied());
-        found.map_err(Some)
+        self.tried.insert(path, opened.as_ref().ok().copied());
+        opened.map_err(Some)
     }
 
     /// The texture of a picture.
     pub fn texture(&mut self, picture: usize, map: &MtlMap) -> usize {
-        if let Some(known) = self.made.get(&(picture, map.is_clamped)) {
+        if let Some(known) = self.texture_indices.get(&(picture, map.is_clamped)) {
             return *known;
         }
         let image = self.number(picture);
@@ -143,7 +145,7 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
             texture["sampler"] = json!(0);
         }
         self.textures.push(texture);
-        self.made.insert((picture, map.is_clamped), self.textures.len() - 1);
+        self.texture_indices.insert((picture, map.is_clamped), self.textures.len() - 1);
         self.textures.len() - 1
     }
 
@@ -160,7 +162,7 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
         })
     }
 
-    /// Whether a picture has one channel, so that it is a height and no direction.
+    /// Whether a picture has one channel, so that it holds heights and not directions.
     pub fn is_gray(&self, picture: usize) -> bool {
         is_gray(&self.opened[picture].bytes)
     }
@@ -175,14 +177,14 @@ impl<'a, 'b> ObjPictures<'a, 'b> {
 
 fn is_gray(bytes: &[u8]) -> bool {
     if picture_type(bytes) == Some("image/png") {
-        // The colour type of the header: 0 is gray, 4 gray with opacity (PNG specification, 11.2.1).
+        // The colour type of the header: 0 is grey, 4 grey with opacity (PNG specification, 11.2.1).
         return matches!(bytes.get(25), Some(0 | 4));
     }
     if picture_type(bytes) != Some("image/jpeg") {
         return false;
     }
-    // Segments of a marker and a length each, up to the frame header, which has the number of components at
-    // its eighth byte (ITU-T T.81, B.2.2).
+    // Each segment has a marker and a length, up to the frame header, whose eighth byte is the number of
+    // components (ITU-T T.81, B.2.2).
     let mut at = 2;
     while let Some(&[0xff, marker, high, low, _, _, _, _, _, n_components]) = bytes.get(at..at + 10) {
         if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {

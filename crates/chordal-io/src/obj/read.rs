@@ -26,22 +26,22 @@ use chordal::explicit::subdivision::Scheme;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
-/// Reads an OBJ file as one mesh part; or as one cage of polygons, if it has subdivision tags or
-/// `limits.surface` says so.
+/// Reads an OBJ file as one mesh part; or as one polygon cage, if it has subdivision tags or `limits.surface`
+/// demands it.
 ///
 /// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or
-/// texture coordinates gets further rows after them, tied to it by `position_id`. Polygons are cut into
-/// triangles. `usemtl`, `g`, `o` and `s` become face attributes [`Semantic::Group`] of the kinds [`MATERIAL`],
-/// "g", "o" and "s", with their names in [`Scene::groups`]. Colours after a position become
-/// [`Semantic::Color`]. Texture coordinates begin at the lower left corner.
+/// texture coordinates gets further rows after them, linked to it by `position_id`. Polygons are cut into
+/// triangles. `usemtl`, `g`, `o` and `s` become face attributes [`Semantic::Group`] of the kinds
+/// [`MATERIAL`], "g", "o" and "s", with their names in [`Scene::groups`]. Colours after a position become
+/// [`Semantic::Color`]. The origin of texture coordinates is the lower left corner.
 ///
-/// No other file is opened: materials have names alone. [`crate::read_with`] opens the libraries (`mtllib`)
-/// below the folder of the OBJ, and the pictures that they name; the materials become those of glTF, in
-/// [`Scene::assets`]. A library or picture that cannot be had is a warning.
+/// No other file is opened, so materials have only names. [`crate::read_with`] opens the libraries (`mtllib`)
+/// below the folder of the OBJ, and their pictures; the materials become those of glTF, in [`Scene::assets`].
+/// A missing library or picture is a warning.
 ///
-/// Where the file has no normal at all, or no texture coordinate, faces that name some are a warning: their
-/// corners have none. [`Conformance::Strict`](crate::Conformance) refuses them. An index beyond the normals that
-/// there are is always an error, since the file then lacks some of them and which is not known.
+/// If the file has no normals, or no texture coordinates, faces that refer to them are a warning, and their
+/// corners have none. [`Conformance::Strict`](crate::Conformance) refuses them. An index beyond the existing
+/// normals is always an error, since some normals are then missing and nobody knows which.
 ///
 /// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the
 /// order of the file. It keeps texture coordinates with their own indices, and no normals. Its tags are those
@@ -62,7 +62,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// As [`read`], and opens material libraries and pictures, where there is an opener.
+/// As [`read`], and opens material libraries and pictures if there is an opener.
 pub(crate) fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
@@ -73,7 +73,7 @@ pub(crate) fn read_with(
     read_parts(bytes, &parts_of(text, PART_BYTES), open, limits)
 }
 
-/// Reads a file whose text is cut into these parts.
+/// Reads a file whose text was cut into these parts.
 fn read_parts(
     bytes: &[u8],
     parts: &[&[u8]],
@@ -89,17 +89,17 @@ fn read_parts(
     reader.finish_file(bytes, open)
 }
 
-/// The bytes of a part: long enough that starting one costs nothing, and short enough that what is read of it
-/// is still in the cache when it is taken over.
+/// The bytes of a part. Chosen: long enough that starting one costs nothing, and short enough that its parsed
+/// data is still in the cache when it is merged.
 const PART_BYTES: usize = 256 << 10;
 
-/// What every OBJ says of its space.
+/// The coordinate frame of every OBJ.
 const FRAME: Frame =
     Frame { up: None, metres_per_unit: None, texture_origin: Some(TextureOrigin::LowerLeft) };
 
 /// The kinds of groups, in the order of `ObjReader::groups`.
 const GROUPS: [&str; 4] = [MATERIAL, "g", "o", "s"];
-/// The place of materials in it.
+/// The index of materials in it.
 const MATERIALS: usize = 0;
 
 /// The subdivision scheme of the polygons, if they are a cage.
@@ -134,7 +134,7 @@ struct ObjReader<'a> {
     counts: ObjRowCounts,
     warnings: Warnings,
     positions: Vec<[f64; 3]>,
-    /// One for each position once any position has a colour; empty before.
+    /// One entry for each position once any position has a colour; empty before.
     colors: Vec<[f64; 4]>,
     n_colored: usize,
     has_alpha: bool,
@@ -145,12 +145,12 @@ struct ObjReader<'a> {
     /// The builder of the cage, if the faces are read as one.
     cage: Option<CageBuilder>,
     groups: [Groups; 4],
-    /// What follows each `mtllib`, where libraries are opened.
+    /// The text after each `mtllib`, if libraries are opened.
     libraries: Option<Vec<Box<[u8]>>>,
     corners: Vec<u32>,
     certificate: CertificateComments,
     n_known: u64,
-    /// The lines of the parts so far.
+    /// The number of lines of the parts so far.
     n_lines: u64,
 }
 
@@ -187,7 +187,7 @@ impl<'a> ObjReader<'a> {
         let Some(word) = tokens.next() else { return Ok(()) };
         if word.starts_with(b"#") {
             if let Some(piece) = statement.strip_prefix(CERTIFICATE.as_bytes()) {
-                // An empty scene has no other line.
+                // A scene without content has only this statement.
                 self.n_known += 1;
                 self.certificate.take(piece, FileLocation::Line(line));
             }
@@ -358,7 +358,7 @@ impl<'a> ObjReader<'a> {
         self.groups[kind].name(&text, n_faces)
     }
 
-    /// Remembers the libraries of a statement, or counts that they are not opened.
+    /// Stores the libraries of a statement, or counts that they are not opened.
     fn library(&mut self, line: u64, rest: &[u8]) -> Result<(), ReadError> {
         if let Some(libraries) = &mut self.libraries {
             // Exporters that join files repeat the statement.
@@ -405,8 +405,8 @@ impl<'a> ObjReader<'a> {
             b"p" => count("points-skipped", "points (p) were skipped"),
             b"t" => count("tags-skipped", "subdivision tags (t) were skipped: the faces are taken as flat"),
             _ => {
-                let known = |list: &[&str]| list.iter().any(|name| name.as_bytes() == word);
-                match SKIPPED.iter().position(|(_, list)| known(list)) {
+                let contains_word = |list: &[&str]| list.iter().any(|name| name.as_bytes() == word);
+                match SKIPPED.iter().position(|(_, list)| contains_word(list)) {
                     Some(i) => {
                         count(["free-form-skipped", "display-skipped", "scripts-skipped"][i], SKIPPED[i].0)
                     }
@@ -423,7 +423,7 @@ impl<'a> ObjReader<'a> {
         }
     }
 
-    /// Opens the libraries, where that is asked for, and ends.
+    /// Opens the libraries if requested, and finishes.
     fn finish_file(
         mut self,
         bytes: &[u8],
@@ -449,7 +449,7 @@ impl<'a> ObjReader<'a> {
             let message = "not Wavefront OBJ: there is no v, f or any other of its statements";
             return Err(ReadError::new("not-wavefront", FileLocation::File, message));
         }
-        // Another language has words of one letter, too.
+        // Other languages have one-letter words, too.
         if self.positions.is_empty() && self.warnings.has("unknown-statement") {
             let message =
                 "not Wavefront OBJ: there is no vertex (v), and lines that start with no known statement";
@@ -536,7 +536,7 @@ impl<'a> ObjReader<'a> {
         Ok(Some(Attribute { semantic: Semantic::Color(0), domain: Domain::Vertex, width, values }))
     }
 
-    /// One value for each row, zeros for corners without one; `None` when no corner has one.
+    /// One value for each row, zeros for corners without one; `None` if no corner has one.
     fn stream<const N: usize>(
         &mut self,
         list: &[[f64; N]],

@@ -1,4 +1,4 @@
-//! `ObjSideFiles`: the material library and the pictures that stand beside an OBJ.
+//! `ObjSideFiles`: the material library and the pictures beside an OBJ.
 use super::gltf_to_mtl::MtlWriter;
 use super::names::{ObjNames, UniqueNames, one_line};
 use super::pictures::file_name;
@@ -16,18 +16,18 @@ use std::io::Write;
 pub struct ObjSideFiles<'a> {
     /// The name of the material library, for [`super::write_with_library`].
     pub library: String,
-    /// The files, the library first. Names are letters, digits, `.`, `_` and `-`, without folders, each once
-    /// where case does not count.
+    /// The files, the library first. Names consist of letters, digits, `.`, `_` and `-`, without folders, and
+    /// are unique ignoring case.
     pub files: Vec<SideFile<'a>>,
-    /// What of the materials no statement of a library says.
+    /// The properties of materials that a library cannot express.
     pub lost: Vec<Warning>,
 }
 
-/// The material library and the pictures of a scene; `None` where it has no materials. `stem` begins the name of
-/// each: that of the OBJ without its extension.
+/// The material library and the pictures of a scene; `None` if it has no materials. Each name begins with
+/// `stem`, the name of the OBJ without its extension.
 ///
-/// Materials that came from a library are written as it said them. Those of another format get `Kd`, `d`, `Ke`,
-/// `Ks`, `Ns` and the metal and roughness of the extension for physically based rendering (`Pm`, `Pr`).
+/// Materials that came from a library are written with its statements. Those of another format get `Kd`, `d`,
+/// `Ke`, `Ks`, `Ns` and the metal and roughness of the extension for physically based rendering (`Pm`, `Pr`).
 /// Pictures are byte for byte those of the scene.
 ///
 /// ```
@@ -49,7 +49,7 @@ pub fn side_files<'a>(scene: &'a Scene, stem: &str) -> Option<ObjSideFiles<'a>> 
     of_materials(&scene.groups, &scene.assets, stem)
 }
 
-/// What of its materials no statement of a library says.
+/// The properties of its materials that a library cannot express.
 pub(crate) fn lost_looks(scene: &Scene) -> Vec<Message> {
     let beside = side_files(scene, "");
     beside.iter().flat_map(|beside| &beside.lost).map(|lost| lost.message.clone()).collect()
@@ -61,7 +61,7 @@ pub fn side_files_of_polygons<'a>(polygons: &'a Polygons, stem: &str) -> Option<
     of_materials(&polygons.groups, &polygons.assets, stem)
 }
 
-/// Writes a scene and the files beside it, all of whose names begin with `stem`.
+/// Writes a scene and the files beside it; all names begin with `stem`.
 ///
 /// # Errors
 /// As for [`super::write`].
@@ -126,7 +126,7 @@ fn of_materials<'a>(
     Some(ObjSideFiles { library, files, lost })
 }
 
-/// The file of an image: its name after the stem, or the other file that it stands in.
+/// The file of an image: its name after the stem, or the file that the image refers to.
 fn picture_name(image: &SceneImage, stem: &str, taken: &mut UniqueNames) -> String {
     let text = |member: &str| image.properties.get(member).and_then(Value::as_str);
     let bytes = match &image.content {
@@ -138,17 +138,17 @@ fn picture_name(image: &SceneImage, stem: &str, taken: &mut UniqueNames) -> Stri
     let is_known =
         |ending: &str| picture_extensions().chain(["jpeg"]).any(|known| known.eq_ignore_ascii_case(ending));
     let bare = name.rsplit_once('.').filter(|(_, ending)| is_known(ending)).map_or(name, |(bare, _)| bare);
-    // A picture that was written before has the stem already.
-    let own = format!("{stem}_");
-    let bare = bare.strip_prefix(&own).unwrap_or(bare);
+    // A picture that was written before already has the stem.
+    let prefix = format!("{stem}_");
+    let bare = bare.strip_prefix(&prefix).unwrap_or(bare);
     let bare = if bare.is_empty() { "picture".to_owned() } else { safe(bare) };
-    taken.unique(&format!("{own}{bare}"), &ending)
+    taken.unique(&format!("{prefix}{bare}"), &ending)
 }
 
-/// The characters of a name; file systems take 255 bytes, and there are endings.
+/// The most characters of a name. Chosen: file systems allow 255 bytes, and endings are added.
 const LONGEST: usize = 48;
 
-/// A name as every file system and every reader of OBJ takes it.
+/// A name that every file system and every reader of OBJ accepts.
 fn safe(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' };
     let safe: String = name.chars().map(letter).take(LONGEST).collect();

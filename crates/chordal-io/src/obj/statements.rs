@@ -5,7 +5,7 @@ use crate::text::{LineTokens, TextLines};
 use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::subdivision::Scheme;
 
-/// An iterator of statements: lines, joined with the next one where they end in a backslash.
+/// An iterator of statements: lines, joined with the next one if they end in a backslash.
 pub(super) struct ObjStatements<'a> {
     lines: TextLines<'a>,
     joined: Vec<u8>,
@@ -44,8 +44,8 @@ impl<'a> ObjStatements<'a> {
     }
 }
 
-/// The numbers of rows of the file, counted in advance. So lists get their exact length, and an index out of
-/// range is found at its line.
+/// The numbers of rows in the file, counted in advance, so that lists get their exact length, and an index
+/// out of range is reported at its line.
 #[derive(Clone, Copy, Default)]
 pub(super) struct ObjRowCounts {
     pub(super) positions: usize,
@@ -54,7 +54,7 @@ pub(super) struct ObjRowCounts {
     pub(super) faces: usize,
     /// The number of subdivision tags.
     pub(super) tags: usize,
-    /// The scheme that the last of the tags names which name one.
+    /// The scheme of the last scheme tag.
     pub(super) scheme: Option<Scheme>,
 }
 
@@ -79,7 +79,7 @@ impl ObjRowCounts {
         counts
     }
 
-    /// The counts of this text and of one that follows it.
+    /// The counts of this text followed by another one.
     pub(super) fn and(self, next: Self) -> Self {
         Self {
             positions: self.positions + next.positions,

@@ -1,8 +1,8 @@
-//! The names of subdivision tags in an OBJ, and of what they name.
+//! The names of subdivision tags in an OBJ, and of their values.
 use crate::text::LineTokens;
 use chordal::explicit::subdivision::{Boundary, Scheme};
 
-/// Tags that mark the polygons as a cage, whether or not all of their content is understood.
+/// Tags that mark the polygons as a cage, whether or not all of their content is supported.
 pub(super) const KNOWN: [&str; 13] = [
     "crease",
     "corner",
@@ -22,10 +22,10 @@ pub(super) const KNOWN: [&str; 13] = [
 /// Chordal's own tag for a scheme, since OBJ has none.
 pub(super) const SCHEME: &str = "scheme";
 
-/// Chordal's own tag for a cage that came from a round of refinement, in which implicit corners are listed.
+/// Chordal's own tag for a cage after a round of refinement, in which implicit corners are listed.
 pub(super) const REFINED: &str = "refined";
 
-/// Schemes with their names in that tag.
+/// The values of the scheme tag.
 pub(super) const SCHEMES: [(Scheme, &str); 3] =
     [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
 
@@ -34,12 +34,12 @@ pub(super) fn is_tag(mut words: LineTokens) -> bool {
     words.next().is_some_and(|name| KNOWN.iter().any(|known| known.as_bytes() == name))
 }
 
-/// The scheme that the words after `t` name, if they are a scheme tag.
+/// The scheme in the words after `t`, if they are a scheme tag.
 pub(super) fn scheme_of(mut words: LineTokens) -> Option<Scheme> {
     let name = words.next().filter(|name| *name == SCHEME.as_bytes()).and_then(|_| words.nth(1))?;
     SCHEMES.iter().find(|(_, known)| known.as_bytes() == name).map(|(scheme, _)| *scheme)
 }
 
-/// Boundary rules with their numbers in `interpolateboundary`.
+/// The values of `interpolateboundary` for boundary rules.
 pub(super) const BOUNDARIES: [(Boundary, u32); 3] =
     [(Boundary::None, 0), (Boundary::EdgeAndCorner, 1), (Boundary::EdgeOnly, 2)];

@@ -10,14 +10,14 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, ReadError};
 use chordal::explicit::subdivision::{Boundary, CreasingMethod, LinearTexcoords};
 
-/// The content of the tags, with vertices and faces that exist.
+/// The content of the tags; all vertices and faces exist.
 #[derive(Debug, Default)]
 pub(super) struct SubdivTags {
     pub(super) creases: Vec<([u32; 2], f64)>,
-    /// First crease and line of each tag.
+    /// The first crease and the line of each tag.
     lines: Vec<(usize, u64)>,
     pub(super) corners: Vec<(u32, f64)>,
-    /// Faces, as indices of the file.
+    /// Faces, as face indices of the file.
     pub(super) holes: Vec<u32>,
     pub(super) boundary: Boundary,
     pub(super) creasing: CreasingMethod,
@@ -119,8 +119,8 @@ impl SubdivTags {
     fn rule(&mut self, tag: &SubdivTag) -> bool {
         match (tag.name, &tag.ints[..], &tag.strings[..]) {
             ("interpolateboundary", [rule], _) => {
-                let known = BOUNDARIES.iter().find(|(_, number)| number == rule);
-                known.inspect(|(boundary, _)| self.boundary = *boundary).is_some()
+                let entry = BOUNDARIES.iter().find(|(_, number)| number == rule);
+                entry.inspect(|(boundary, _)| self.boundary = *boundary).is_some()
             }
             ("creasemethod", _, [b"normal"]) => {
                 self.creasing = CreasingMethod::Uniform;
@@ -131,12 +131,12 @@ impl SubdivTags {
                 true
             }
             ("facevaryinginterpolateboundary", [rule], _) => {
-                let known = LinearTexcoords::ALL.get(*rule as usize);
-                known.inspect(|linear| self.linear = **linear).is_some()
+                let linear_rule = LinearTexcoords::ALL.get(*rule as usize);
+                linear_rule.inspect(|linear| self.linear = **linear).is_some()
             }
-            // Catmull–Clark cages treat triangles by their own rules already.
+            // Catmull–Clark cages already treat triangles by their own rules.
             ("smoothtriangles", _, [b"catmark"]) => true,
-            // Read together with the counts of the file, before its faces.
+            // The scheme was read with the counts of the file, before its faces.
             (SCHEME, _, [name]) => SCHEMES.iter().any(|(_, known)| known.as_bytes() == *name),
             (REFINED, [], []) => {
                 self.is_refined = true;
@@ -162,14 +162,17 @@ impl<'a> SubdivTag<'a> {
             let message = format!("{name} says how many words follow as in 2/1/0, not {}", show(counts));
             return Err(tag.error(message));
         };
-        let (said, given) =
+        let (declared, actual) =
             (ints.saturating_add(floats).saturating_add(strings), words.clone().count() as u64);
-        if said != given {
-            let message =
-                format!("{name} says that {} words follow, and there are {}", grouped(said), grouped(given));
+        if declared != actual {
+            let message = format!(
+                "{name} says that {} words follow, and there are {}",
+                grouped(declared),
+                grouped(actual)
+            );
             return Err(tag.error(message));
         }
-        // Not more than the words on the line.
+        // At most the number of words on the line.
         for word in words.by_ref().take(ints as usize) {
             let value = integer(word).ok().and_then(|value| u32::try_from(value).ok());
             let value = value.ok_or_else(|| {

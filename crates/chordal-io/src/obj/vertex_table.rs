@@ -7,7 +7,8 @@ use std::collections::HashMap;
 /// A position that no face has used so far.
 const UNUSED: u32 = u32::MAX;
 
-/// One corner of a face: row numbers from 0 for the position, from 1 for the others, where 0 is none.
+/// One corner of a face: the row of the position from 0, and the rows of the others from 1, where 0 means
+/// none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ObjCorner {
     pub(super) position: u32,
@@ -15,13 +16,13 @@ pub(super) struct ObjCorner {
     pub(super) normal: u32,
 }
 
-/// Numbers the combinations. The first at a position gets that position's own row, so the rows start with all
-/// positions of the file in its order. Further combinations follow in the order in which faces use them.
+/// Numbers the combinations. The first one at a position gets that position's own row, so the rows start with
+/// all positions of the file in its order. Further combinations follow in the order in which faces use them.
 #[derive(Debug, Default)]
 pub(super) struct ObjVertexTable {
     first: Vec<[u32; 2]>,
     more: Vec<ObjCorner>,
-    /// Only looked up: rows are numbered in the order of the file.
+    /// Only for lookups: rows are numbered in the order of the file.
     index: HashMap<ObjCorner, u32>,
 }
 
@@ -36,13 +37,13 @@ impl ObjVertexTable {
     /// The row of a corner.
     #[inline]
     pub(super) fn row(&mut self, corner: ObjCorner) -> Result<u32, ReadError> {
-        let own = &mut self.first[corner.position as usize];
+        let first_pair = &mut self.first[corner.position as usize];
         let pair = [corner.texcoord, corner.normal];
-        if *own == pair {
+        if *first_pair == pair {
             return Ok(corner.position);
         }
-        if *own == [UNUSED, UNUSED] {
-            *own = pair;
+        if *first_pair == [UNUSED, UNUSED] {
+            *first_pair = pair;
             return Ok(corner.position);
         }
         let next = self.first.len() + self.more.len();
@@ -59,11 +60,11 @@ impl ObjVertexTable {
 
     /// Every row as a corner; positions that no face uses have no texture coordinate and no normal.
     pub(super) fn corners(&self) -> impl Iterator<Item = ObjCorner> + Clone {
-        let own = self.first.iter().enumerate().map(|(i, &[texcoord, normal])| {
+        let first_corners = self.first.iter().enumerate().map(|(i, &[texcoord, normal])| {
             let [texcoord, normal] = if texcoord == UNUSED { [0, 0] } else { [texcoord, normal] };
             ObjCorner { position: i as u32, texcoord, normal }
         });
-        own.chain(self.more.iter().copied())
+        first_corners.chain(self.more.iter().copied())
     }
 
     /// Whether row `row` is used by a face.

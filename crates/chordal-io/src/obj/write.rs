@@ -11,15 +11,15 @@ use std::io::{BufWriter, Write};
 
 /// Writes a scene as OBJ.
 ///
-/// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and
-/// differ in their `vn` and `vt`. Texture coordinates begin at the lower left corner: v is written as 1 - v
-/// where the frame says that it runs down. Positions and texture coordinates are the shortest decimals that
-/// read back to the same f64, normals to the same f32. Transforms of nodes are applied; each node becomes an
-/// `o`. Group attributes become `usemtl`, `g`, `o` and `s`; materials are named, each by a name of its own.
-/// The certificate is in comments. [`crate::losses`] lists what OBJ cannot hold.
+/// Each position is written once: vertices with the same [`chordal::Mesh::position_id`] share their `v` line
+/// and differ in their `vn` and `vt`. The origin of texture coordinates is the lower left corner: v is
+/// written as (1 - v) if the frame says that it runs down. Positions and texture coordinates are the shortest
+/// decimals that read back to the same f64, normals to the same f32. Transforms of nodes are applied; each
+/// node becomes an `o`. Group attributes become `usemtl`, `g`, `o` and `s`; each material gets a unique name.
+/// The certificate is in comments. [`crate::losses`] lists the data that OBJ cannot hold.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long.
+/// [`WriteError`] if the sink fails, a node is invalid, or the certificate is too long.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -34,7 +34,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
     write_with_library(scene, certificate, None, out)
 }
 
-/// As [`write`], and names a material library, which [`super::side_files`] makes.
+/// As [`write`], and refers to a material library, which [`super::side_files`] creates.
 ///
 /// # Errors
 /// As for [`write`].
@@ -67,13 +67,13 @@ pub(super) const GROUPS: [(&str, &str); 6] =
 
 pub(super) struct ObjWriter<'a> {
     pub(super) out: BufWriter<&'a mut dyn Write>,
-    /// The line that is being built.
+    /// The current line.
     pub(super) line: Vec<u8>,
     /// The numbers of `v`, `vt` and `vn` lines so far.
     pub(super) written: [u64; 3],
 }
 
-/// A stream of `vt` or `vn` lines, one for each row. It finds the line that a corner names.
+/// A stream of `vt` or `vn` lines, one for each row; it finds the line for a corner.
 struct ObjStream {
     first: u64,
     domain: Domain,
@@ -226,7 +226,7 @@ impl ObjWriter<'_> {
     }
 }
 
-/// Whether the writer keeps an attribute, with the first of all rows that are the same vertex.
+/// Whether the writer keeps an attribute; `first_rows` has for each row the first row of the same vertex.
 pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
     let Attribute { semantic, domain, width, .. } = attribute;
     match (semantic, domain) {
@@ -238,7 +238,7 @@ pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
     }
 }
 
-/// Whether vertices of one position have one colour, so that their common line can hold it.
+/// Whether vertices at one position have one colour, so that their common line can hold it.
 fn colors_agree(color: &Attribute, first_rows: &[u32]) -> bool {
     first_rows.iter().enumerate().all(|(vertex, first)| color.row(vertex) == color.row(*first as usize))
 }

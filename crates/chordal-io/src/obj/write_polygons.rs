@@ -12,16 +12,16 @@ use serde_json::Value;
 use std::io::{BufWriter, Write};
 
 /// Writes a cage as OBJ, so that the file reads back as the same cage: vertices and polygons in their order,
-/// texture coordinates with their own indices, colours, groups, and everything that shapes its surface as
+/// texture coordinates with their own indices, colours, groups, and everything that defines its surface as
 /// subdivision tags.
 ///
-/// The boundary rule is always written, so the file has a tag and is read as a cage everywhere. A scheme
-/// other than Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`. A cage that came from a round of
+/// The boundary rule is always written, so the file has a tag and every reader treats it as a cage. A scheme
+/// other than Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`. A cage after a round of
 /// refinement has `t refined 0/0/0`. Both are Chordal's own. Numbers are the shortest decimals that read back
-/// to the same f64. [`crate::losses_of_polygons`] lists what OBJ cannot hold.
+/// to the same f64. [`crate::losses_of_polygons`] lists the data that OBJ cannot hold.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long.
+/// [`WriteError`] if the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -43,7 +43,7 @@ pub fn write_polygons(
     write_polygons_with_library(polygons, certificate, None, out)
 }
 
-/// As [`write_polygons`], and names a material library, which [`super::side_files_of_polygons`] makes.
+/// As [`write_polygons`], and refers to a material library, which [`super::side_files_of_polygons`] creates.
 ///
 /// # Errors
 /// As for [`write_polygons`].
@@ -119,7 +119,7 @@ fn faces(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> 
     Ok(())
 }
 
-/// Holes in one tag: few enough for the 256 bytes of a line that some readers take.
+/// The most holes in one tag. Chosen: few enough for readers with lines of 256 bytes.
 const HOLES: usize = 16;
 
 fn tags(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {

@@ -1,33 +1,34 @@
-//! `OffColors`: colours of vertices or faces, which OFF writes as bytes or as fractions without saying which.
+//! `OffColors`: colours of vertices or faces, which OFF writes as bytes or as fractions without
+//! distinguishing them.
 use crate::ReadError;
 use crate::grow::{push, push_many};
 use crate::number::put_count;
 use crate::warnings::Warnings;
 use chordal::explicit::{Attribute, Domain, Semantic};
 
-/// The largest byte: what Geomview's whole numbers are divided by.
+/// The largest byte: Geomview divides whole numbers by it.
 const BYTE: f64 = 255.0;
 
-/// A colour as a row spells it.
+/// A colour as spelled in a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OffColor {
-    /// Three or four numbers, and 1 for an alpha that is not there.
+    /// Three or four numbers; a missing alpha is 1.
     pub(super) channels: [f64; 4],
     pub(super) width: usize,
     /// Whether all of them are spelled as whole numbers.
     pub(super) is_whole: bool,
 }
 
-/// A row of whole numbers up to 1: a colour that is nearly black, or one of the brightest.
+/// A row of whole numbers up to 1: either bytes of a nearly black colour, or fractions of a bright one.
 #[derive(Debug)]
 struct UndecidedColor {
     row: u32,
     width: u8,
 }
 
-/// The colours so far. Whole numbers are bytes where one of them is above 1, as Geomview takes them, and
-/// other numbers are fractions. A row of zeros and ones follows the other rows; where they do not say,
-/// it holds fractions.
+/// The colours so far. Whole numbers are bytes if one of them is above 1, as in Geomview, and other numbers
+/// are fractions. A row of zeros and ones is interpreted like the other rows; if these do not decide, as
+/// fractions.
 #[derive(Debug, Default)]
 pub(super) struct OffColors {
     values: Vec<[f64; 4]>,
@@ -36,12 +37,12 @@ pub(super) struct OffColors {
     has_fractions: bool,
     has_alpha: bool,
     n_out_of_range: u64,
-    /// The rows before the first colour, and those without one after it.
+    /// The number of rows before the first colour, and of rows without one after it.
     n_missing: u64,
 }
 
 impl OffColors {
-    /// Adds `n_rows` rows, all of the colour.
+    /// Adds `n_rows` rows of the same colour.
     pub(super) fn push(&mut self, color: OffColor, n_rows: usize) -> Result<(), ReadError> {
         if self.values.is_empty() {
             push_many(&mut self.values, [1.0; 4], self.n_missing as usize)?;
@@ -73,7 +74,7 @@ impl OffColors {
         if self.values.is_empty() { Ok(()) } else { push_many(&mut self.values, [1.0; 4], n_rows) }
     }
 
-    /// The colours as an attribute; none where no row has one.
+    /// The colours as an attribute; `None` if no row has one.
     pub(super) fn finish(mut self, domain: Domain, warnings: &mut Warnings) -> Option<Attribute> {
         if self.values.is_empty() {
             return None;
@@ -100,7 +101,7 @@ impl OffColors {
     }
 }
 
-/// How the colours of a list are written.
+/// The spelling of the colours of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OffColorSpelling {
     Bytes,
@@ -108,7 +109,7 @@ pub(super) enum OffColorSpelling {
 }
 
 impl OffColorSpelling {
-    /// Bytes where they read back as exactly these channels, else fractions, which always do.
+    /// Bytes if they read back as exactly these channels, else fractions, which always do.
     pub(super) fn from_channels<'a>(channels: impl Iterator<Item = &'a f64>) -> Self {
         let mut is_plain = false;
         for channel in channels {
@@ -117,7 +118,7 @@ impl OffColorSpelling {
                 Some(byte) => is_plain |= byte > 1,
             }
         }
-        // Bytes of which none is above 1 would be taken for fractions.
+        // Bytes would be taken for fractions if none of them is above 1.
         if is_plain { Self::Bytes } else { Self::Fractions }
     }
 
@@ -126,7 +127,7 @@ impl OffColorSpelling {
         line.push(b' ');
         match byte(channel).filter(|_| self == Self::Bytes) {
             Some(byte) => put_count(line, u64::from(byte)),
-            // With a point or an exponent, which tells fractions from bytes.
+            // A point or an exponent distinguishes fractions from bytes.
             None => line.extend_from_slice(format!("{channel:?}").as_bytes()),
         }
     }
@@ -136,6 +137,6 @@ impl OffColorSpelling {
 fn byte(channel: f64) -> Option<u8> {
     let nearest = (channel * BYTE).round();
     let byte = (0.0..=BYTE).contains(&nearest).then_some(nearest as u8)?;
-    // By their bits: −0 is no byte.
+    // Compared by bits: −0 is not a byte.
     ((f64::from(byte) / BYTE).to_bits() == channel.to_bits()).then_some(byte)
 }

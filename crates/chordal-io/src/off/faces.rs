@@ -1,4 +1,4 @@
-//! The faces of an OFF file: polygons with a colour each, or none.
+//! The faces of an OFF file: polygons, each with an optional colour.
 use super::colors::OffColors;
 use super::rows::OffRowReader;
 use crate::assemble::too_many_rows;
@@ -8,7 +8,7 @@ use crate::text::grouped;
 use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
 
-/// Reads faces, whose indices must be below the number of vertices.
+/// Reads faces; their indices must be below the number of vertices.
 pub(super) struct OffFaceReader<'a> {
     pub(super) faces: Faces,
     /// One row for each triangle.
@@ -32,7 +32,7 @@ impl<'a> OffFaceReader<'a> {
         is_binary: bool,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
-        // The number of corners, and in a binary file that of channels.
+        // The number of corners, and in a binary file also the number of channels.
         rows.start_list("face", n_faces, 1 + usize::from(is_binary))?;
         for row in 0..n_faces {
             rows.start_row(row)?;

@@ -8,16 +8,16 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
-/// What stands before the first vertex.
+/// The data before the first vertex.
 #[derive(Debug)]
 pub(super) struct OffHeader {
     pub(super) keyword: OffKeyword,
-    /// The coordinates of a position in the file, 2 or 3, without the homogeneous one.
+    /// The number of coordinates of a position in the file, 2 or 3, without the homogeneous one.
     pub(super) dimension: usize,
     pub(super) n_vertices: u64,
     pub(super) n_faces: u64,
     pub(super) certificate: Option<Value>,
-    /// Where the rows start, and how many lines precede them.
+    /// The offset at which the rows start, and the number of lines before them.
     pub(super) body: usize,
     pub(super) lines: u64,
 }
@@ -40,7 +40,7 @@ impl OffHeader {
         Ok(Self { keyword, dimension, n_vertices, n_faces, certificate, body, lines })
     }
 
-    /// The numbers of a position in the file.
+    /// The count of numbers of a position in the file.
     pub(super) fn n_coordinates(&self) -> usize {
         self.dimension + usize::from(self.keyword.is_homogeneous)
     }
@@ -51,10 +51,10 @@ struct OffHeaderReader<'a, 'b> {
     limits: &'b Limits,
     warnings: &'b mut Warnings,
     lines: TextLines<'a>,
-    /// The words of the current line that were not read so far.
+    /// The remaining words of the current line.
     words: LineTokens<'a>,
     line: u64,
-    /// Digits that were joined to the keyword, or the first count of a file without one.
+    /// Digits that were joined to the keyword, or the first count of a file without a keyword.
     pending: Option<&'a [u8]>,
     /// The next byte of a binary header.
     at: usize,
@@ -80,7 +80,7 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
         ReadError::new(code, FileLocation::Line(self.line), message.into())
     }
 
-    /// Moves to the next line; false at the end of the file.
+    /// Moves to the next line. Returns false at the end of the file.
     fn next_line(&mut self) -> Result<bool, ReadError> {
         let Some((line, text)) = self.lines.next() else { return Ok(false) };
         self.line = line;
@@ -145,7 +145,7 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
         Ok(keyword)
     }
 
-    /// What a first word means that is no keyword: a count, or nothing.
+    /// Handles a first word that is not a keyword: a count, or an error.
     fn without_keyword(&mut self, word: &'a [u8]) -> Result<OffKeyword, ReadError> {
         if integer(word) == Err(IntegerError::Spelling) {
             let message = format!("{} where a keyword [ST][C][N][4][n]OFF should stand", show(word));
@@ -199,7 +199,8 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
                 self.warnings.count("padded-positions", || (place, message.to_owned()));
                 Ok(2)
             }
-            // One coordinate bounds no face, and a digit a vertex would exceed the memory promised.
+            // With one coordinate there are no faces, and a digit per vertex would exceed the documented
+            // memory.
             _ => {
                 let message =
                     format!("variant nOFF of dimension {} is not supported; 2 and 3 are", grouped(n));
@@ -220,7 +221,7 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
         Ok(n)
     }
 
-    /// Reads the number of edges, which nothing depends on, and which some writers leave out of a text.
+    /// Reads the number of edges. Nothing depends on it, and some writers leave it out of a text.
     fn edges(&mut self, keyword: &OffKeyword, n_vertices: u64) -> Result<(), ReadError> {
         if keyword.is_binary {
             return self.binary_integer("the number of edges").map(|_| ());
@@ -243,7 +244,7 @@ impl<'a, 'b> OffHeaderReader<'a, 'b> {
         }
     }
 
-    /// Skips a line of a single number, which is no vertex.
+    /// Skips a line with a single number, which cannot be a vertex.
     fn edges_on_a_line(&mut self) {
         let mut ahead = self.lines.clone();
         let next = ahead.find(|(_, text)| !trim(without_comment(text)).is_empty());

@@ -1,8 +1,8 @@
-//! `OffKeyword`: the first word of an OFF file, which says what a vertex consists of.
+//! `OffKeyword`: the first word of an OFF file, which defines the data of a vertex.
 use crate::text::{LineTokens, TextLines};
 use memchr::memchr;
 
-/// What the keyword `[ST][C][N][4][n]OFF` says, and whether `BINARY` follows it.
+/// The content of the keyword `[ST][C][N][4][n]OFF`, and whether `BINARY` follows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct OffKeyword {
     /// ST: vertices have texture coordinates.
@@ -13,17 +13,17 @@ pub(super) struct OffKeyword {
     pub(super) has_normals: bool,
     /// 4: positions have a last, homogeneous coordinate.
     pub(super) is_homogeneous: bool,
-    /// n: the dimension of space stands before the counts.
+    /// n: the dimension of space precedes the counts.
     pub(super) has_dimension: bool,
-    /// Whether N stands before C. That is not Geomview's order, and programs that write it do not agree on
-    /// which of the two comes first in a row.
+    /// Whether N precedes C. That is not Geomview's order, and programs that write it disagree on which of
+    /// the two comes first in a row.
     pub(super) is_out_of_order: bool,
     pub(super) is_binary: bool,
 }
 
 impl OffKeyword {
-    /// The keyword, and the digits that some writers join to it, as in `OFF8 6 12`. Letters may stand in any
-    /// order, each once, because Geomview's own is not kept by all.
+    /// The keyword, and the digits that some writers join to it, as in `OFF8 6 12`. Letters may be in any
+    /// order, each once, because not all writers keep Geomview's order.
     pub(super) fn from_word(word: &[u8]) -> Option<(Self, &[u8])> {
         let mut keyword = Self::default();
         let mut rest = word;
@@ -51,14 +51,15 @@ impl OffKeyword {
     }
 }
 
-/// A line up to its comment.
+/// A line without its comment.
 pub(super) fn without_comment(line: &[u8]) -> &[u8] {
     memchr(b'#', line).map_or(line, |at| &line[..at])
 }
 
-/// Whether the first word that is no comment is a keyword of OFF.
+/// Whether the first word after comments is a keyword of OFF.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
-    // Chosen: enough for the longest leading comments that were seen; longer ones need the extension.
+    // Chosen: enough for the longest leading comments that were seen; files with longer ones need the
+    // extension.
     const HEAD: usize = 64 << 10;
     let head = &text[..text.len().min(HEAD)];
     let first = TextLines::new(head).find_map(|(_, line)| LineTokens::new(without_comment(line)).next());

@@ -13,10 +13,10 @@ use chordal::explicit::Domain;
 ///
 /// The keyword is `[ST][C][N][4][n]OFF`: texture coordinates, colours and normals of vertices become
 /// attributes, homogeneous positions are divided, positions of two coordinates get a third. Without a keyword
-/// the file starts with its counts. The number of edges is not used. Polygons are cut into triangles, each of
-/// which has the colour of its face, a [`chordal::explicit::Semantic::Color`] of faces. Colours are fractions,
-/// or whole numbers up to 255, which are divided by 255; whole numbers up to 1 follow the other rows of their
-/// list. In text each vertex and each face has a line of its own.
+/// the file starts with its counts. The number of edges is not used. Polygons are cut into triangles, each
+/// with the colour of its face, a [`chordal::explicit::Semantic::Color`] of faces. Colours are fractions, or
+/// whole numbers up to 255, which are divided by 255; whole numbers up to 1 are interpreted like the other
+/// rows of their list. In a text each vertex and each face begins on a new line.
 ///
 /// # Errors
 /// [`ReadError`] at the line, or in a binary file at the byte, with the row.

@@ -5,14 +5,14 @@ use super::keyword::without_comment;
 use crate::text::{IntegerError, LineTokens, TextLines, grouped, integer, number, number_error, show, trim};
 use crate::{FileLocation, ReadError};
 
-/// A cursor over the rows after the header. In text each row begins on a line of its own, so that a number too
-/// few or too many is seen there; only the corners of a face may go on over more lines.
+/// A cursor over the rows after the header. In a text each row begins on a new line, so that a missing or
+/// extra number is noticed there; only the corners of a face may continue on further lines.
 pub(super) struct OffRowReader<'a> {
     is_binary: bool,
     bytes: &'a [u8],
     /// The byte at which the rows start.
     body: usize,
-    /// The next byte of a binary file.
+    /// The offset of the next byte of a binary file.
     at: usize,
     lines: TextLines<'a>,
     first_line: u64,
@@ -44,7 +44,7 @@ impl<'a> OffRowReader<'a> {
         }
     }
 
-    /// The byte of the cursor, or in text its line.
+    /// The byte of the cursor, or in a text its line.
     pub(super) fn place(&self) -> FileLocation {
         if self.is_binary { FileLocation::Byte(self.at as u64) } else { FileLocation::Line(self.line) }
     }
@@ -59,8 +59,8 @@ impl<'a> OffRowReader<'a> {
         ReadError::new(code, self.place(), format!("{} {}: {message}", self.list, self.row))
     }
 
-    /// Starts a list, and refuses one with more rows of `n_numbers` numbers than the file can hold, before
-    /// any is read.
+    /// Starts a list. Refuses a list with more rows of `n_numbers` numbers than the file can hold, before any
+    /// is read.
     pub(super) fn start_list(&mut self, list: &'static str, n_rows: u64, n_numbers: usize) -> OffResult<()> {
         self.list = list;
         let (size, left, slack) = if self.is_binary {
@@ -109,7 +109,7 @@ impl<'a> OffRowReader<'a> {
         }
     }
 
-    /// Ends a row: in text, nothing more may be on its line.
+    /// Ends a row: in a text, nothing may follow on its line.
     #[inline]
     pub(super) fn end_row(&mut self) -> OffResult<()> {
         if self.is_binary {
@@ -174,7 +174,7 @@ impl<'a> OffRowReader<'a> {
         }
     }
 
-    /// Reads the number of corners, and checks that they can follow.
+    /// Reads the number of corners, and checks that enough words follow.
     #[inline]
     pub(super) fn length(&mut self) -> OffResult<u64> {
         let n = self.integer()?;
@@ -184,7 +184,7 @@ impl<'a> OffRowReader<'a> {
         let left = if self.is_binary {
             (self.bytes.len() - self.at) as u64 / 4
         } else {
-            // Each is at least a digit and a space, and the last may end the file.
+            // Each corner is at least a digit and a space, and the last one may end the file.
             let after = self.bytes.len() - self.body - self.lines.offset();
             (self.tokens.rest().len() + after) as u64 / 2 + 1
         };
@@ -196,7 +196,7 @@ impl<'a> OffRowReader<'a> {
         Ok(n)
     }
 
-    /// Reads the index of a corner, which may stand on a later line than its face begins.
+    /// Reads the index of a corner, which may be on a later line than the start of its face.
     #[inline]
     pub(super) fn corner(&mut self) -> OffResult<i64> {
         if !self.is_binary && self.tokens.rest().is_empty() {
@@ -209,8 +209,8 @@ impl<'a> OffRowReader<'a> {
         self.integer()
     }
 
-    /// Whether the corners of the face are on several lines. Then nothing may follow them: it would be the next
-    /// face, and a corner of this one be missing.
+    /// Whether the corners of the face are on several lines. Then nothing may follow them: it would be the
+    /// next face, and a corner of this one would be missing.
     pub(super) fn goes_on(&self) -> OffResult<bool> {
         if self.goes_on && !self.tokens.rest().is_empty() {
             let message = "the face has fewer corners than it declares, or they are mixed with another row";

@@ -7,7 +7,7 @@ use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 
-/// The rows of the vertices, one list for each of their data.
+/// The rows of the vertices, one list for each kind of data.
 #[derive(Debug)]
 pub(super) struct OffVertices {
     pub(super) positions: Vec<[f64; 3]>,
@@ -16,9 +16,10 @@ pub(super) struct OffVertices {
     colors: OffColors,
 }
 
-/// The names of the coordinates, as errors show them.
+/// The names of the coordinates in messages.
 const AXES: [&str; 3] = ["x", "y", "z"];
-/// Geomview's colours of vertices have an alpha, and in a binary file no other count is possible.
+/// The channels of vertex colours in binary files. Defined by Geomview: they have an alpha, and no other
+/// count is possible.
 const BINARY_CHANNELS: usize = 4;
 
 impl OffVertices {
@@ -33,7 +34,7 @@ impl OffVertices {
         let n_normals = 3 * usize::from(keyword.has_normals);
         let n_least = header.n_coordinates() + n_normals + 3 * usize::from(keyword.has_colors) + n_after;
         rows.start_list("vertex", header.n_vertices, n_least)?;
-        // The bytes of that many rows are there, so the memory for them is in proportion.
+        // The file was checked to have the bytes of all rows, so the memory is in proportion.
         let n_rows = header.n_vertices as usize;
         let mut vertices = Self {
             positions: with_room(n_rows)?,
@@ -75,7 +76,7 @@ impl OffVertices {
     }
 }
 
-/// The number of channels of the colour that the line goes on with.
+/// The number of channels of the colour that follows on the line.
 fn n_channels(rows: &OffRowReader, header: &OffHeader, n_after: usize) -> Result<usize, ReadError> {
     if header.keyword.is_binary {
         return Ok(BINARY_CHANNELS);
@@ -106,7 +107,7 @@ fn position(rows: &mut OffRowReader, header: &OffHeader, limits: &Limits) -> Res
         return Ok(position);
     }
     let w = rows.number()?;
-    // A quotient by infinity would be a number.
+    // A quotient by infinity would be a finite number.
     let divided = if w.is_finite() { position.map(|x| x / w) } else { [f64::NAN; 3] };
     if limits.drop_nonfinite || divided.iter().all(|x| x.is_finite()) {
         return Ok(divided);

@@ -10,17 +10,17 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes a scene as OFF text, all numbers as the shortest decimals that read back to the same f64.
+/// Writes a scene as OFF text, with all numbers as the shortest decimals that read back to the same f64.
 ///
-/// OFF has one row for each position, so vertices that [`chordal::Mesh::position_id`] ties become one row. An
-/// attribute of vertices is kept where tied vertices agree in it: normals, colours and texture coordinates of
-/// set 0. Colours of faces are kept too. Colours are whole numbers up to 255 where that is exact, else
-/// fractions. Transforms of nodes are applied, and all parts become one; where only some have an attribute,
-/// the others have normals and texture coordinates of 0, white vertices and faces without a colour. The
-/// certificate is in comments. [`crate::losses`] lists what OFF cannot hold.
+/// OFF has one row for each position, so vertices with the same [`chordal::Mesh::position_id`] become one
+/// row. An attribute of vertices is kept if such vertices agree in it: normals, colours and texture
+/// coordinates of set 0. Colours of faces are kept too. Colours are whole numbers up to 255 if that is exact,
+/// else fractions. Transforms of nodes are applied, and all parts become one; if only some have an attribute,
+/// the others get normals and texture coordinates of 0, white vertices and faces without a colour. The
+/// certificate is in comments. [`crate::losses`] lists the data that OFF cannot hold.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the
+/// [`WriteError`] if the sink fails, a node is invalid, there are more than 2³² − 2 vertices, or the
 /// certificate is too long.
 ///
 /// ```
@@ -48,7 +48,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
     Ok(())
 }
 
-/// Whether the writer keeps an attribute, with the first of all rows that are the same vertex.
+/// Whether the writer keeps an attribute; `first_rows` has for each row the first row of the same vertex.
 pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
     let Attribute { semantic, domain, width, .. } = attribute;
     let is_color = *semantic == Semantic::Color(0) && matches!(width, 3 | 4);
@@ -61,13 +61,13 @@ pub(crate) fn keeps(attribute: &Attribute, first_rows: &[u32]) -> bool {
     }
 }
 
-/// Whether vertices of one position have one value, so that their common row can hold it.
+/// Whether vertices at one position have one value, so that their common row can hold it.
 fn rows_agree(attribute: &Attribute, first_rows: &[u32]) -> bool {
     let mut rows = first_rows.iter().enumerate();
     rows.all(|(vertex, first)| attribute.row(vertex) == attribute.row(*first as usize))
 }
 
-/// A part with what of it is written.
+/// A part with the data of it that is written.
 struct OffPartLayout<'a> {
     instance: &'a PartInstance<'a>,
     /// For each vertex the first one at its position.
@@ -103,7 +103,7 @@ impl<'a> OffPartLayout<'a> {
     }
 }
 
-/// How the colours of a list are written: how many channels, and how they are spelled.
+/// The spelling of the colours of a list: the number of channels, and bytes or fractions.
 #[derive(Clone, Copy, Debug)]
 struct OffColorLayout {
     width: usize,
@@ -111,26 +111,27 @@ struct OffColorLayout {
 }
 
 impl OffColorLayout {
-    /// That of the attributes of all parts, with `least` channels or more; none where there are none.
+    /// The layout for the colours of all parts, with at least `least` channels; `None` if there are no
+    /// colours.
     fn from_attributes<'a>(
         attributes: impl Iterator<Item = &'a Attribute> + Clone,
         least: usize,
     ) -> Option<Self> {
         let width = attributes.clone().map(|a| a.width).max()?.max(least);
-        // The alpha of narrower rows, and of vertices without a colour, is 1, which is a byte too.
+        // The alpha of narrower rows, and of vertices without a colour, is 1, which is also a byte.
         let is_narrower = |a: &Attribute| a.width < width && !a.values.is_empty();
         let alpha = attributes.clone().any(is_narrower).then_some(&1.0);
         let spelling = OffColorSpelling::from_channels(attributes.flat_map(|a| &a.values).chain(alpha));
         Some(Self { width, spelling })
     }
 
-    /// Appends a colour, white where there is none.
+    /// Appends a colour, white if there is none.
     fn put(self, line: &mut Vec<u8>, color: &[f64]) {
         (0..self.width).for_each(|k| self.spelling.put(line, color.get(k).copied().unwrap_or(1.0)));
     }
 }
 
-/// What every row of the file has: all that some part has.
+/// The data of every row of the file: all that any part has.
 struct OffFileLayout {
     n_vertices: u64,
     n_faces: u64,
@@ -152,7 +153,8 @@ impl OffFileLayout {
             n_faces: parts.iter().map(OffPartLayout::n_faces).sum(),
             has_normals: parts.iter().any(|part| part.normals.is_some()),
             has_texcoords: parts.iter().any(|part| part.texcoords.is_some()),
-            // Geomview's have an alpha, and Assimp refuses a file whose have none; those of faces may leave it out.
+            // Geomview's vertex colours have an alpha, and Assimp refuses a file without it; face colours may
+            // leave it out.
             colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.colors), 4),
             face_colors: OffColorLayout::from_attributes(parts.iter().filter_map(|part| part.face_colors), 3),
         })
@@ -185,7 +187,7 @@ impl OffFileLayout {
                 put_numbers(&mut line, part.texcoords.map_or(&[0.0; 2], |a| a.row(vertex)));
             }
             line.push(b'\n');
-            // Every number has a space before it.
+            // Every number is preceded by a space.
             out.write_all(line.trim_ascii_start())?;
         }
         Ok(())
@@ -226,7 +228,7 @@ fn file_rows(part: &OffPartLayout, first: u64) -> Vec<u64> {
     rows
 }
 
-/// Writes the certificate and the counts. That of edges, which readers do not use, is 0.
+/// Writes the certificate and the counts. The number of edges, which readers do not use, is 0.
 pub(super) fn end_header(
     certificate: Option<&Value>,
     counts: [u64; 2],

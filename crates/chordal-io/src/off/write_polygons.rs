@@ -4,14 +4,14 @@ use crate::{Polygons, WriteError};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes the vertices and polygons of a cage as OFF text, positions as the shortest decimals that read back
-/// to the same f64.
+/// Writes the vertices and polygons of a cage as OFF text, with positions as the shortest decimals that read
+/// back to the same f64.
 ///
-/// OFF has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is in
+/// OFF has no subdivision tags; [`crate::losses_of_polygons`] lists the losses. The certificate is in
 /// comments.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long.
+/// [`WriteError`] if the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;

@@ -10,16 +10,16 @@ use chordal::Job;
 pub(super) struct PlyBody<'a> {
     encoding: PlyEncoding,
     bytes: &'a [u8],
-    /// The byte at which the body starts.
+    /// The offset at which the body starts.
     body: usize,
-    /// The next byte of a binary body.
+    /// The offset of the next byte of a binary body.
     at: usize,
     lines: TextLines<'a>,
     first_line: u64,
     line: u64,
     tokens: LineTokens<'a>,
     row: u64,
-    /// The bytes of a part of a text, where rows are read many at once.
+    /// The bytes of a part of a text whose rows are parsed in parallel.
     part_bytes: Option<usize>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// The byte of the cursor, or in text its line.
+    /// The byte of the cursor, or in a text its line.
     pub(super) fn place(&self) -> FileLocation {
         match self.encoding {
             PlyEncoding::Text => FileLocation::Line(self.line),
@@ -82,8 +82,8 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Gives the first rows of an element to `take`, as far as they are plain and it takes them, and returns how
-    /// many it took; see [`text_rows`]. None of a binary body.
+    /// Passes the first rows of an element to `take`, as long as they are plain and accepted, and returns how
+    /// many were accepted; see [`text_rows`]. Zero for a binary body.
     pub(super) fn plain_rows(
         &mut self,
         element: &PlyElement,
@@ -127,7 +127,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Ends a row: in text, nothing more may be on its line.
+    /// Ends a row: in a text, nothing may follow on its line.
     #[inline]
     pub(super) fn end_row(&mut self, element: &PlyElement) -> PlyResult<()> {
         if self.encoding != PlyEncoding::Text {
@@ -211,7 +211,7 @@ impl<'a> PlyBody<'a> {
                 let bytes = self.take(element)?;
                 i64::from(if little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
             }
-            // The header admits only integer types here.
+            // The header allows only integer types here.
             PlyScalar::F32 | PlyScalar::F64 | PlyScalar::Opaque(_) => {
                 return Err(self.error(element, "type-unknown", "an integer should stand here"));
             }
@@ -234,7 +234,7 @@ impl<'a> PlyBody<'a> {
         }
     }
 
-    /// Reads the length of a list, and checks that its items can follow.
+    /// Reads the length of a list, and checks that enough bytes follow.
     #[inline]
     pub(super) fn length(
         &mut self,
@@ -279,7 +279,7 @@ impl<'a> PlyBody<'a> {
             PlyPropertyType::List { length, item } => {
                 let n = self.length(element, length, item)?;
                 if self.encoding != PlyEncoding::Text {
-                    // `length` has checked that the product fits.
+                    // `length` checked that the product fits.
                     return self.skip_bytes(element, n * item.size());
                 }
                 (0..n).try_for_each(|_| self.token(element).map(|_| ()))
@@ -295,9 +295,9 @@ impl<'a> PlyBody<'a> {
         });
         let size: Option<u64> = fixed.sum();
         match size {
-            // A text has no lines for rows without properties.
+            // In a text, rows without properties have no lines.
             _ if element.properties.is_empty() => Ok(()),
-            // `check_size` has checked that the product fits.
+            // `check_size` checked that the product fits.
             Some(size) if self.encoding != PlyEncoding::Text => self.skip_bytes(element, size * element.rows),
             _ => (0..element.rows).try_for_each(|row| {
                 self.start_row(element, row)?;

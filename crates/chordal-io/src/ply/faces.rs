@@ -12,7 +12,7 @@ use chordal::Job;
 /// The property names of the corners of a face.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Reads faces and strips, whose indices must be below the number of vertices.
+/// Reads faces and strips; their indices must be below the number of vertices.
 pub(super) struct PlyFaceReader<'a> {
     pub(super) faces: Faces,
     n_vertices: u64,
@@ -58,7 +58,7 @@ impl PlyFaceReader<'_> {
         Ok(())
     }
 
-    /// Reads the rows of a text that are plain, as far as nothing has to be said of them.
+    /// Reads the plain rows of a text up to the first one that needs a warning or an error.
     fn plain_polygons(&mut self, body: &mut PlyBody, element: &PlyElement) -> Result<u64, ReadError> {
         let job = Job::default().with_threads(self.limits.threads);
         let mut row = 0;
@@ -166,7 +166,7 @@ impl PlyFaceReader<'_> {
     }
 }
 
-/// The property that lists the corners; counts the others.
+/// The property with the corners; the others are counted.
 fn corner_list(element: &PlyElement, warnings: &mut Warnings) -> Result<usize, ReadError> {
     let is_list = |p: &super::header::PlyProperty| match p.shape {
         PlyPropertyType::List { item, .. } => item.range().is_some() && CORNERS.contains(&p.name.as_str()),

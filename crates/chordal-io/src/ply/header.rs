@@ -6,9 +6,9 @@ use crate::{FileLocation, Limits, ReadError};
 use chordal::budget::advice::Message;
 use serde_json::Value;
 
-/// The most elements that a header may declare, far more than any writer does.
+/// The most elements that a header may declare. Chosen: far more than any writer uses.
 const MOST_ELEMENTS: usize = 256;
-/// The most properties that an element may have: scanners write some tens, splat files some hundreds.
+/// The most properties of an element. Chosen: scanners write some tens, splat files some hundreds.
 const MOST_PROPERTIES: usize = 4096;
 
 /// The encoding of the body.
@@ -30,11 +30,11 @@ pub(super) enum PlyScalar {
     U32,
     F32,
     F64,
-    /// A type known only by its size: it can be skipped.
+    /// A type of which only the size is known, so that it can be skipped.
     Opaque(u8),
 }
 
-/// The names of 1990, the later ones with sizes, and those that some tools add.
+/// The type names of 1990, the later ones with sizes, and those that some tools add.
 const NAMES: [(&str, PlyScalar); 26] = [
     ("char", PlyScalar::I8),
     ("int8", PlyScalar::I8),
@@ -153,7 +153,7 @@ impl PlyHeader {
                 cr_only = bytes.get(end) == Some(&b'\r') && bytes.get(end + 1) != Some(&b'\n');
             }
             if reader.line(line, text, limits)? {
-                // In a header of lone CRs, an LF after the last one is the first byte of a binary body.
+                // If a header uses lone CRs, an LF after the last one is the first byte of a binary body.
                 let cr_end = before + text.len() + 1;
                 let body = if cr_only && reader.is_binary() { cr_end } else { lines.offset() };
                 return reader.finish(line, body, warnings);
@@ -175,7 +175,7 @@ impl PlyHeaderReader {
         self.encoding.is_some_and(|e| e != PlyEncoding::Text)
     }
 
-    /// Reads one line; true when it is the last one.
+    /// Reads one line. Returns true for the last one.
     fn line(&mut self, line: u64, text: &[u8], limits: &Limits) -> Result<bool, ReadError> {
         let mut tokens = LineTokens::new(text);
         let Some(word) = tokens.next() else { return Ok(false) };

@@ -18,5 +18,5 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
     text.starts_with(b"ply") && text.get(3).is_some_and(|b| crate::text::is_space(*b))
 }
 
-/// What stands before each piece of a certificate.
+/// The prefix of each piece of a certificate.
 const CERTIFICATE: &str = "comment chordal ";

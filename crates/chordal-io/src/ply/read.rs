@@ -31,7 +31,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_in_parts(bytes, limits, Some(PART_BYTES))
 }
 
-/// The same with texts read in parts of about so many bytes, or row by row.
+/// The same, with texts parsed in parts of about so many bytes, or row by row.
 pub(super) fn read_in_parts(
     bytes: &[u8],
     limits: &Limits,

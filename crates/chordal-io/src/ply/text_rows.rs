@@ -1,5 +1,5 @@
-//! Rows of a text PLY, many at once on the threads of a job: as far as every line is one row, spelled as programs
-//! spell it. Where that ends the reader of single rows goes on; it says what is wrong, if anything is.
+//! Rows of a text PLY, parsed in parallel on the threads of a job, as long as every line is one row in the
+//! usual spelling. After that, the reader of single rows continues and reports any error.
 use super::header::{PlyElement, PlyPropertyType, PlyScalar};
 use crate::ReadError;
 use crate::grow::push;
@@ -7,8 +7,8 @@ use crate::plain_text::{PlainCursor, parts_at_once};
 use chordal::Job;
 use chordal::budget::par_map;
 
-/// The bytes of a part: long enough that starting one costs nothing, and short enough that what is read of it is
-/// still in the cache when it is taken over.
+/// The bytes of a part. Chosen: long enough that starting one costs nothing, and short enough that its parsed
+/// data is still in the cache when it is merged.
 pub(super) const PART_BYTES: usize = 256 << 10;
 
 /// Rows of a part, one on each line.
@@ -16,19 +16,19 @@ pub(super) const PART_BYTES: usize = 256 << 10;
 pub(super) struct PlyTextRows {
     /// The numbers of all rows.
     pub values: Vec<f64>,
-    /// Where each row ends in them.
+    /// The end of each row in `values`.
     pub ends: Vec<u32>,
 }
 
-/// How many of some rows were taken over, and the bytes of their lines.
+/// The number of rows that were merged, and the bytes of their lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PlyTextProgress {
     pub n_rows: u64,
     pub n_bytes: usize,
 }
 
-/// Reads the rows of an element from the beginning of a text, as far as they are plain, and gives them in their
-/// order to `take`, which returns how many it took. The list of a row is without its length.
+/// Reads the plain rows of an element from the beginning of a text, and passes them in order to `take`, which
+/// returns how many it accepted. Lists are passed without their length.
 pub(super) fn plain_rows(
     parts: &[&[u8]],
     element: &PlyElement,
@@ -60,7 +60,7 @@ fn bytes_of_lines(text: &[u8], n_lines: u64) -> usize {
     cursor.at
 }
 
-/// The rows from the beginning of a part to the first line that is none, or not plain.
+/// The rows from the beginning of a part to the first line that is not a plain row.
 fn rows_of(text: &[u8], element: &PlyElement) -> Result<PlyTextRows, ReadError> {
     let mut rows = PlyTextRows::default();
     let mut cursor = PlainCursor { text, at: 0 };
@@ -105,8 +105,8 @@ fn value(cursor: &mut PlainCursor, scalar: PlyScalar) -> Option<f64> {
     match (scalar, scalar.range()) {
         (_, Some((low, high))) => {
             cursor.skip_blanks();
-            let whole = i64::from(cursor.whole()?);
-            (low <= whole && whole <= high && cursor.is_at_end()).then_some(whole as f64)
+            let value = i64::from(cursor.integer()?);
+            (low <= value && value <= high && cursor.is_at_end()).then_some(value as f64)
         }
         (PlyScalar::Opaque(_), None) => None,
         (_, None) => cursor.number(),

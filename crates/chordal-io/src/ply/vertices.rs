@@ -23,7 +23,7 @@ const COLORS: [[&str; 4]; 3] = [
 ];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 const POSITION: [&str; 3] = ["x", "y", "z"];
-/// The property that ties vertices of one position; only this library writes it.
+/// The property that links vertices at one position; only this library writes it.
 pub(super) const POSITION_ID: &str = "position_id";
 
 /// The destination of a value.
@@ -100,7 +100,7 @@ impl PlyVertexLayout {
         self.streams.push(Attribute { semantic, domain, width: names.len(), values: Vec::new() });
     }
 
-    /// Adds every other number as a stream of its own; lists and unreadable numbers are skipped.
+    /// Adds every other number as a separate stream; lists and types of unknown meaning are skipped.
     fn read_custom(&mut self, element: &PlyElement, warnings: &mut Warnings) {
         for (i, property) in element.properties.iter().enumerate() {
             if !matches!(self.targets[i], PlyValueTarget::Skip) {
@@ -150,7 +150,7 @@ impl PlyVertices {
     ) -> Result<Self, ReadError> {
         let PlyVertexLayout { targets, mut streams, has_id } =
             PlyVertexLayout::from_element(element, warnings)?;
-        // `PlyBody::check_size` has seen the bytes of that many rows, so the memory for them is in
+        // `PlyBody::check_size` checked that the file has the bytes for all rows, so the memory is in
         // proportion.
         let n_rows = element.rows as usize;
         let mut positions: Vec<[f64; 3]> = with_room(n_rows)?;

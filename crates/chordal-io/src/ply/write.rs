@@ -12,14 +12,14 @@ use std::io::{BufWriter, Write};
 /// Writes a scene as binary little-endian PLY: positions and texture coordinates as doubles, normals as
 /// floats, indices as 32-bit.
 ///
-/// PLY has one row for each vertex, so vertices that differ only in their attributes stay separate rows.
-/// Where the mesh ties them, a property `position_id` names the first row at the same position. This reader
+/// PLY has one row for each vertex, so vertices that differ only in their attributes stay separate rows. If
+/// the mesh links them, a property `position_id` holds the first row at the same position. This reader
 /// understands it, others skip it. Transforms of nodes are applied, and all parts become one. Colours are
-/// bytes where that is exact, else floats. The certificate is in comments. [`crate::losses`] lists what PLY
-/// cannot hold.
+/// bytes if that is exact, else floats. The certificate is in comments. [`crate::losses`] lists the data that
+/// PLY cannot hold.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the
+/// [`WriteError`] if the sink fails, a node is invalid, there are more than 2³² − 2 vertices, or the
 /// certificate is too long.
 ///
 /// ```
@@ -59,7 +59,7 @@ enum PlyColors {
     Floats(usize),
 }
 
-/// The properties of every row of the file: all that some part has.
+/// The properties of every row of the file: all that any part has.
 struct PlyFileLayout {
     n_vertices: u64,
     n_faces: u64,

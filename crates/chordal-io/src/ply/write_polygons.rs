@@ -8,11 +8,11 @@ use std::io::{BufWriter, Write};
 /// Writes the vertices and polygons of a cage as binary little-endian PLY: positions as doubles, indices as
 /// 32-bit.
 ///
-/// PLY has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost. The certificate is in
+/// PLY has no subdivision tags; [`crate::losses_of_polygons`] lists the losses. The certificate is in
 /// comments.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long.
+/// [`WriteError`] if the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;

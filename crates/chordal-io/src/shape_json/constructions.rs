@@ -17,10 +17,11 @@ use chordal::{Job, Tolerance};
 /// The members of a surface that construct it.
 pub(super) const CONSTRUCTIONS: [&str; 6] = ["loft", "coons", "sweep", "extrude", "revolve", "ruled"];
 
-/// The degree of a loft that states none, or one less than its sections where these are fewer. Chosen: continuous curvature.
+/// The default degree of a loft, or one less than the number of its sections if that is lower. Chosen:
+/// continuous curvature.
 const CUBIC: usize = 3;
-/// How near a sweep is to the true one where it states no tolerance, relative to the diagonal of path and profile. Chosen: a
-/// thousandth of what triangles are usually made to, and some 20 pieces for a turn of a helix.
+/// The default tolerance of a sweep, relative to the diagonal of path and profile. Chosen: a thousandth of
+/// the usual tolerance of triangles, and some 20 pieces for a turn of a helix.
 const NEAR: f64 = 1e-6;
 
 struct ConstructionReader<'a, 'b> {
@@ -47,11 +48,12 @@ pub(super) fn construction(
     }
 }
 
-/// The slack of a surface each of whose coordinates is a sum or a product of two given ones, rounded, and its weights products
-/// with rounded square roots.
+/// Adds the slack of a surface whose coordinates are each a rounded sum or product of two given ones, and
+/// whose weights are products with rounded square roots.
 fn rounded(surface: NurbsSurface) -> NurbsSurface {
     let reach = surface.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-    // Derived: half a rounding for each of three coordinates; two for a weight, which move a point by up to twice its reach.
+    // Derived: half a rounding for each of three coordinates; two for a weight, which move a point by up to
+    // twice its reach.
     surface.with_slack(8.0 * f64::EPSILON * reach)
 }
 
@@ -61,23 +63,23 @@ impl ConstructionReader<'_, '_> {
     }
 
     fn curves(&mut self) -> Result<Vec<GivenCurve>, ReadError> {
-        let mut all = Vec::new();
+        let mut curves = Vec::new();
         let (limits, warnings) = (self.limits, &mut *self.warnings);
         self.json.array(|json, i| {
             check_rows(json, "curves", i, limits)?;
-            push(&mut all, spline_curve(json, limits, warnings)?)
+            push(&mut curves, spline_curve(json, limits, warnings)?)
         })?;
-        Ok(all)
+        Ok(curves)
     }
 
     /// Two curves.
     fn pair(&mut self) -> Result<[NurbsCurve<3>; 2], ReadError> {
-        let all: Vec<NurbsCurve<3>> = self.curves()?.into_iter().map(|given| given.curve).collect();
-        let n = all.len() as u64;
-        <[NurbsCurve<3>; 2]>::try_from(all).map_err(|_| width(self.json, n, "curves", 2))
+        let curves: Vec<NurbsCurve<3>> = self.curves()?.into_iter().map(|given| given.curve).collect();
+        let n = curves.len() as u64;
+        <[NurbsCurve<3>; 2]>::try_from(curves).map_err(|_| width(self.json, n, "curves", 2))
     }
 
-    /// Reads an object: `read` takes a member that it knows.
+    /// Reads an object. `read` reads the members that it knows, and returns false for others.
     fn members(
         &mut self,
         mut read: impl FnMut(&mut ConstructionReader<'_, '_>, &str) -> Result<bool, ReadError>,
@@ -112,13 +114,13 @@ impl ConstructionReader<'_, '_> {
                 .map_err(|error| ReadError::new("invalid-surface", place.clone(), error))?,
             None => {
                 let most = CUBIC.min(sections.len().saturating_sub(1)).max(1);
-                // A closed one takes odd degrees.
+                // A closed curve needs an odd degree.
                 if closed && most == 2 { 1 } else { most }
             }
         };
         let curves: Vec<NurbsCurve<3>> = sections.into_iter().map(|given| given.curve).collect();
-        let made = NurbsSurface::lofted(&curves, degree, CurveEnds::from(closed));
-        made.map_err(|error| {
+        let surface = NurbsSurface::lofted(&curves, degree, CurveEnds::from(closed));
+        surface.map_err(|error| {
             let few = matches!(error, InvalidNurbs::TooFew { .. });
             if !few {
                 return invalid(&place, &error);
@@ -166,8 +168,8 @@ impl ConstructionReader<'_, '_> {
                 "\"along\" is [0, 0, 0], which extrudes nothing",
             ));
         }
-        let made = NurbsSurface::extruded(&profile.curve, along);
-        made.map(rounded).map_err(|error| invalid(&place, &error))
+        let surface = NurbsSurface::extruded(&profile.curve, along);
+        surface.map(rounded).map_err(|error| invalid(&place, &error))
     }
 
     fn revolve(&mut self) -> Result<NurbsSurface, ReadError> {
@@ -182,17 +184,18 @@ impl ConstructionReader<'_, '_> {
         NurbsSurface::revolved(&profile).map(rounded).map_err(|error| invalid(&place, &error))
     }
 
-    /// A loft of two sections, which need not have the same knots.
+    /// A loft of two sections, whose knots may differ.
     fn ruled(&mut self) -> Result<NurbsSurface, ReadError> {
         let place = self.json.place();
         let pair = self.pair()?;
-        let made = if pair[0].knots() == pair[1].knots() {
+        let surface = if pair[0].knots() == pair[1].knots() {
             NurbsSurface::ruled(&pair[0], &pair[1])
         } else {
-            // Of degree 1 a loft is the ruled surface of what `compatible` makes, and counts what that costs.
+            // A loft of degree 1 is the ruled surface between the compatible curves, and it counts the
+            // rounding of `compatible`.
             NurbsSurface::lofted(&pair, 1, CurveEnds::Open)
         };
-        made.map_err(|error| invalid(&place, &error))
+        surface.map_err(|error| invalid(&place, &error))
     }
 
     fn sweep(&mut self) -> Result<NurbsSurface, ReadError> {

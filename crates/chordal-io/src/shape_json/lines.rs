@@ -10,7 +10,7 @@ use crate::{Content, FileLocation, Frame, Limits, ReadError};
 use chordal::explicit::nurbs::{KnotVector, NurbsCurve};
 use chordal::explicit::{Bezier, Curve, CurveSegment, FillRule};
 
-/// Which list a line belongs to, and how its points are interpreted.
+/// The list that a line belongs to, and the interpretation of its points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CurveForm {
     /// 3n + 1 control points of n cubics.
@@ -55,7 +55,7 @@ struct CurveEntry {
     spline: SplineEntry,
 }
 
-/// The degree, the knots and the weights of a curve, where they are given.
+/// The degree, the knots and the weights of a curve, if they are given.
 #[derive(Debug, Default)]
 struct SplineEntry {
     degree: Option<f64>,
@@ -81,7 +81,7 @@ impl SplineEntry {
     }
 }
 
-/// The degree of a spline that states none. Chosen: what most programs draw.
+/// The default degree of a spline. Chosen: what most programs draw.
 const CUBIC: f64 = 3.0;
 
 /// All lines of a file. Their points are in one list, with `dimension` numbers each.
@@ -171,18 +171,18 @@ impl CurveList {
         let n = json.array(|json, row| {
             check_rows(json, "points", row, limits)?;
             let mut point = [0.0; 3];
-            let found = json.array(|json, i| {
+            let n_numbers = json.array(|json, i| {
                 let value = json.number()?;
                 set(&mut point, i, value);
                 Ok(())
             })?;
-            if self.dimension == 0 && matches!(found, 2 | 3) {
-                self.dimension = found as usize;
+            if self.dimension == 0 && matches!(n_numbers, 2 | 3) {
+                self.dimension = n_numbers as usize;
             }
-            if found != self.dimension as u64 {
+            if n_numbers != self.dimension as u64 {
                 return Err(match self.dimension {
-                    0 => json.error("wrong-width", format!("{found} numbers where 2 or 3 are needed")),
-                    needed => width(json, found, "numbers", needed as u64),
+                    0 => json.error("wrong-width", format!("{n_numbers} numbers where 2 or 3 are needed")),
+                    needed => width(json, n_numbers, "numbers", needed as u64),
                 });
             }
             point[..self.dimension].iter().try_for_each(|x| push(&mut self.numbers, *x))
@@ -198,12 +198,12 @@ impl CurveList {
     /// Builds the drawing, or the curves in space.
     pub fn content(self, form: CurveForm, frame: Frame) -> Result<Content, ReadError> {
         if self.dimension == 3 {
-            return Ok(Content::Curves(self.drawn(form, frame)?));
+            return Ok(Content::Curves(self.path_set(form, frame)?));
         }
-        Ok(Content::Drawing(self.drawn(form, frame)?))
+        Ok(Content::Drawing(self.path_set(form, frame)?))
     }
 
-    fn drawn<const D: usize>(self, form: CurveForm, frame: Frame) -> Result<PathSet<Curve<D>>, ReadError> {
+    fn path_set<const D: usize>(self, form: CurveForm, frame: Frame) -> Result<PathSet<Curve<D>>, ReadError> {
         let mut drawn = PathSet { frame, ..PathSet::default() };
         let mut before = None;
         for (index, line) in self.lines.iter().enumerate() {
@@ -238,8 +238,8 @@ impl CurveList {
         form: CurveForm,
     ) -> Result<Curve<D>, InvalidCurveEntry> {
         let point = |i: usize| -> [f64; D] {
-            let given = self.at(line, i);
-            std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0))
+            let coordinates = self.at(line, i);
+            std::array::from_fn(|k| coordinates.get(k).copied().unwrap_or(0.0))
         };
         if line.spline.is_given() {
             let path = line.spline.path((0..line.n).map(point).collect())?;
@@ -274,7 +274,8 @@ impl CurveList {
     }
 }
 
-/// Why the numbers are no curve: of a chain of cubics it cannot occur, since they were read as finite.
+/// Why the numbers are not a curve. It cannot occur for a chain of cubics, whose points were checked to be
+/// finite.
 #[derive(Debug)]
 struct InvalidCurveEntry(String);
 

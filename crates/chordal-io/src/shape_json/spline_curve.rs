@@ -1,4 +1,5 @@
-//! A curve that a surface is constructed from, in JSON: a spline, a line, a circle, an arc, or a spline through points.
+//! A curve from which a surface is constructed, in JSON: a spline, a line, a circle, an arc, or a spline
+//! through points.
 use super::spline_numbers::{numbers, whole_degree};
 use super::{check_rows, width};
 use crate::grow::push;
@@ -8,11 +9,11 @@ use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsCurve};
 use chordal::explicit::spline::Knots;
 
-/// The degree of a spline that states none, or one less than its points where these are fewer. Chosen: what most programs
-/// draw.
+/// The default degree of a spline, or one less than the number of its points if that is lower. Chosen: what
+/// most programs draw.
 const CUBIC: usize = 3;
 
-/// A curve, and how many numbers its points have: those of the plane have a third one of 0.
+/// A curve, and the dimension of its points: in the plane, the third coordinate is 0.
 pub(super) struct GivenCurve {
     pub curve: NurbsCurve<3>,
     pub dimension: usize,
@@ -36,7 +37,7 @@ pub(super) fn invalid(place: &FileLocation, error: &InvalidNurbs) -> ReadError {
     ReadError::new("invalid-surface", place.clone(), error.to_string())
 }
 
-/// Points of two or of three numbers, all alike.
+/// Points of two or of three numbers, the same for all.
 #[derive(Default)]
 struct GivenPoints {
     points: Vec<[f64; 3]>,
@@ -74,11 +75,11 @@ impl GivenPoints {
     }
 }
 
-/// What an object says of a curve.
+/// The members of a curve object.
 #[derive(Default)]
 struct CurveMembers {
     given: GivenPoints,
-    /// The member that names the form, with its centre and its axes where it has some.
+    /// The member that names the form; `round` holds its centre and axes, if it has some.
     form: Option<&'static str>,
     round: Option<([f64; 3], [[f64; 3]; 2])>,
     angles_deg: [f64; 2],
@@ -168,15 +169,15 @@ impl CurveMembers {
         Ok(())
     }
 
-    /// The curve, and how many numbers its points have.
+    /// The curve, and the dimension of its points.
     fn curve(self) -> Result<(NurbsCurve<3>, usize), Result<InvalidNurbs, String>> {
         let n = self.given.points.len();
         let degree = match self.degree {
             Some(degree) => whole_degree(degree).map_err(Err)?,
-            // Too few points are refused as such.
+            // The constructor refuses too few points.
             None => CUBIC.min(n.saturating_sub(1)).max(1),
         };
-        let made = match (self.form, self.round) {
+        let curve = match (self.form, self.round) {
             (Some("circle"), Some((centre, axes))) => NurbsCurve::circle(centre, axes),
             (Some("arc"), Some((centre, axes))) => {
                 let [start_rad, sweep_rad] = self.angles_deg.map(f64::to_radians);
@@ -201,6 +202,6 @@ impl CurveMembers {
                 return Err(Err(message.to_owned()));
             }
         };
-        Ok((made.map_err(Ok)?, self.given.dimension))
+        Ok((curve.map_err(Ok)?, self.given.dimension))
     }
 }

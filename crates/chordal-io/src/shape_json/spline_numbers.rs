@@ -4,7 +4,7 @@ use crate::grow::push;
 use crate::json::JsonReader;
 use crate::{Limits, ReadError};
 
-/// A degree as it is counted.
+/// A degree as an integer.
 pub(super) fn whole_degree(degree: f64) -> Result<usize, String> {
     if degree.fract() != 0.0 || degree < 0.0 {
         return Err(format!("the degree {degree} is no whole number from 1 to 30"));
@@ -15,10 +15,10 @@ pub(super) fn whole_degree(degree: f64) -> Result<usize, String> {
 
 /// A list of numbers.
 pub(super) fn numbers(json: &mut JsonReader, limits: &Limits) -> Result<Vec<f64>, ReadError> {
-    let mut all = Vec::new();
+    let mut values = Vec::new();
     json.array(|json, i| {
         check_rows(json, "numbers", i, limits)?;
-        push(&mut all, json.number()?)
+        push(&mut values, json.number()?)
     })?;
-    Ok(all)
+    Ok(values)
 }

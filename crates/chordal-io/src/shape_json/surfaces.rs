@@ -10,8 +10,8 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits};
 use chordal::explicit::nurbs::{KnotVector, NurbsSurface, TrimmedSurface};
 
-/// Reads one surface: its degrees, knots, rows of control points and weights, or its construction from curves; and the loops
-/// that trim it.
+/// Reads one surface: its degrees, knots, rows of control points and weights, or its construction from
+/// curves; and its trimming loops.
 pub(super) fn surface(
     json: &mut JsonReader,
     limits: &Limits,
@@ -34,8 +34,8 @@ pub(super) fn surface(
             }
             "trim" => loops = trim_loops(json, limits, warnings)?,
             "flip" => is_flipped = json.flag()?,
-            "degree" => degrees = Some(both(json, |json| json.number())?),
-            "knots" => knots = Some(both(json, |json| numbers(json, limits))?),
+            "degree" => degrees = Some(u_v_pair(json, |json| json.number())?),
+            "knots" => knots = Some(u_v_pair(json, |json| numbers(json, limits))?),
             "control" => {
                 json.array(|json, row| {
                     check_rows(json, "rows", row, limits)?;
@@ -78,7 +78,7 @@ pub(super) fn surface(
     Ok(if is_flipped { trimmed.flipped() } else { trimmed })
 }
 
-/// What an object says of a surface by its control points.
+/// The members of a surface given by control points.
 struct SurfaceMembers {
     degrees: Option<[f64; 2]>,
     knots: Option<[Vec<f64>; 2]>,
@@ -92,8 +92,8 @@ impl SurfaceMembers {
         let Self { degrees, knots, control, row_lengths, weights } = self;
         let missing = |name: &str| wrong(format!("there is no member \"{name}\""));
         let degrees = degrees.ok_or_else(|| {
-            let all = CONSTRUCTIONS.map(|name| format!("\"{name}\"")).join(", ");
-            wrong(format!("there is no member \"degree\", and none that constructs a surface ({all})"))
+            let names = CONSTRUCTIONS.map(|name| format!("\"{name}\"")).join(", ");
+            wrong(format!("there is no member \"degree\", and none that constructs a surface ({names})"))
         })?;
         let knots = knots.ok_or_else(|| missing("knots"))?;
         if row_lengths.is_empty() {
@@ -129,24 +129,24 @@ impl SurfaceMembers {
     }
 }
 
-/// Two of the same, for `u` and for `v`.
-fn both<T>(
+/// Two values, for `u` and for `v`.
+fn u_v_pair<T>(
     json: &mut JsonReader,
     mut read: impl FnMut(&mut JsonReader) -> Result<T, ReadError>,
 ) -> Result<[T; 2], ReadError> {
-    let mut found = Vec::new();
+    let mut values = Vec::new();
     if json.peek()? != JsonKind::Array {
         return Err(json.error("wrong-type", "two stand here, for u and for v"));
     }
     let n = json.array(|json, i| {
-        let one = read(json)?;
-        // More than two are counted.
-        if i < 2 { push(&mut found, one) } else { Ok(()) }
+        let value = read(json)?;
+        // More than two are only counted.
+        if i < 2 { push(&mut values, value) } else { Ok(()) }
     })?;
-    <[T; 2]>::try_from(found).ok().filter(|_| n == 2).ok_or_else(|| width(json, n, "values", 2))
+    <[T; 2]>::try_from(values).ok().filter(|_| n == 2).ok_or_else(|| width(json, n, "values", 2))
 }
 
-/// What is said of a file with surfaces and something else.
+/// The error for a file with surfaces and something else.
 pub(super) fn mixed(other: &str) -> ReadError {
     ReadError::new("mixed-shapes", FileLocation::File, format!("a file holds surfaces or {other}, not both"))
 }

@@ -1,4 +1,4 @@
-//! Loops that trim a surface, in JSON.
+//! Trimming loops of a surface, in JSON.
 use super::spline_numbers::{numbers, whole_degree};
 use super::{check_rows, width};
 use crate::grow::push;
@@ -9,10 +9,11 @@ use chordal::explicit::nurbs::{KnotVector, NurbsCurve};
 use chordal::explicit::{Curve, CurveEnds, CurveSegment};
 use chordal::math::greater;
 
-/// The degree of a curve that states none: a polygon's. Chosen: it is what most loops of people are.
+/// The default degree of a curve: a polygon. Chosen: most hand-written loops are polygons.
 const STRAIGHT: f64 = 1.0;
-/// A gap between two curves of a loop, relative to the loop's size, that is closed by a straight line. Chosen: more is a
-/// mistake; at the pole of a sphere, where parameters mean little, programs for CAD leave 6 %.
+/// The largest gap between two curves of a loop, relative to the loop's size, that is closed by a straight
+/// line. Chosen: a larger one is a mistake; at the pole of a sphere, where parameters mean little, CAD
+/// programs leave 6 %.
 const GAP: f64 = 0.25;
 
 /// Reads a list of loops, each a list of curves.
@@ -38,7 +39,7 @@ pub(super) fn trim_loops(
     Ok(loops)
 }
 
-/// One curve in the plane of the parameters.
+/// One curve in the parameter plane.
 fn trim_curve(
     json: &mut JsonReader,
     limits: &Limits,
@@ -55,9 +56,10 @@ fn trim_curve(
             "control" => {
                 json.array(|json, i| {
                     check_rows(json, "points", i, limits)?;
-                    let found = numbers(json, limits)?;
-                    let n = found.len() as u64;
-                    let point = <[f64; 2]>::try_from(found).map_err(|_| width(json, n, "numbers", 2))?;
+                    let coordinates = numbers(json, limits)?;
+                    let n = coordinates.len() as u64;
+                    let point =
+                        <[f64; 2]>::try_from(coordinates).map_err(|_| width(json, n, "numbers", 2))?;
                     push(&mut control, point)
                 })?;
             }
@@ -80,7 +82,7 @@ fn trim_curve(
     path.map_err(|error| wrong(error.to_string()))
 }
 
-/// The curves one after the other as one closed path; gaps of rounding are straight lines.
+/// The curves joined to one closed path; gaps from rounding are closed by straight lines.
 fn joined(curves: &[Curve<2>]) -> Result<Curve<2>, String> {
     let (Some(first), Some(_)) = (curves.first(), curves.last()) else {
         return Err("a trim loop needs a curve".to_owned());

@@ -13,7 +13,7 @@ const SCHEMA: &str = "chordal.report/1";
 /// polyline on each line, with the fewest digits that read back to the same bits.
 ///
 /// # Errors
-/// When the sink fails, or a number is not finite.
+/// If the sink fails, or a number is not finite.
 pub fn write(
     polylines: &Polylines,
     certificate: Option<&Value>,
@@ -21,8 +21,8 @@ pub fn write(
 ) -> Result<(), WriteError> {
     out.write_all(b"{\"polylines\": [")?;
     match polylines {
-        Polylines::Plane(drawn) => all(drawn, out)?,
-        Polylines::Space(drawn) => all(drawn, out)?,
+        Polylines::Plane(drawn) => write_lines(drawn, out)?,
+        Polylines::Space(drawn) => write_lines(drawn, out)?,
     }
     out.write_all(b"]")?;
     if let Some(certificate) = certificate {
@@ -33,7 +33,7 @@ pub fn write(
     Ok(())
 }
 
-fn all<const D: usize>(drawn: &PathSet<Polyline<D>>, out: &mut dyn Write) -> Result<(), WriteError> {
+fn write_lines<const D: usize>(drawn: &PathSet<Polyline<D>>, out: &mut dyn Write) -> Result<(), WriteError> {
     for (i, line) in drawn.lines.iter().enumerate() {
         if line.points.as_flattened().iter().any(|x| !x.is_finite()) {
             return Err(WriteError::Unsupported(format!("polyline {i} has a number that is not finite")));

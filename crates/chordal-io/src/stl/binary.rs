@@ -52,13 +52,13 @@ pub(super) fn size_of(facets: u64) -> u64 {
 /// The error for a binary file that is shorter than it declares.
 pub(super) fn too_short(bytes: &[u8], facets: u64) -> ReadError {
     let size = bytes.len() as u64;
-    let whole = (size - HEAD as u64) / FACET as u64;
+    let n_complete = (size - HEAD as u64) / FACET as u64;
     let message = format!(
         "{} bytes, header says {} facets: that needs {} bytes, and facet {} is cut off",
         grouped(size),
         grouped(facets),
         grouped(size_of(facets)),
-        grouped(whole)
+        grouped(n_complete)
     );
-    ReadError::new("truncated", FileLocation::Byte(size_of(whole)), message)
+    ReadError::new("truncated", FileLocation::Byte(size_of(n_complete)), message)
 }

@@ -1,4 +1,4 @@
-//! `StlFacets`: triangles with three vertices of their own each, and the checks of their normals.
+//! `StlFacets`: triangles with three separate vertices each, and the checks of their normals.
 use crate::assemble::{self, RawMesh};
 use crate::grow::{extend, with_room};
 use crate::text::not_finite;
@@ -14,12 +14,12 @@ pub(super) struct StlFacets {
     pub(super) warnings: Warnings,
 }
 
-/// Whether the order of the corners has the given normal on its side beyond all rounding: what nearly all facets
-/// have, told without square roots.
+/// Whether the corners are clearly counter-clockwise about the given normal, beyond all rounding. Nearly all
+/// facets are, and this test needs no square root.
 #[inline]
 fn clearly_agrees([a, b, c]: [[f64; 3]; 3], normal: [f64; 3]) -> bool {
-    // Thousands of times the roundings of these sums, which are at most eight of 2⁻⁵³ each, and far above what a
-    // product loses when it underflows.
+    // Thousands of times the rounding of these sums, which is at most eight times 2⁻⁵³, and far above the
+    // loss of a product that underflows.
     const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
     const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
     let (mut along, mut most) = (0.0, 0.0);
@@ -33,7 +33,7 @@ fn clearly_agrees([a, b, c]: [[f64; 3]; 3], normal: [f64; 3]) -> bool {
 }
 
 impl StlFacets {
-    /// No facets, with room for those that were counted in the bytes of the file.
+    /// An empty list, with room for as many facets as were counted in the bytes of the file.
     pub(super) fn with_room(n_facets: usize) -> Result<Self, ReadError> {
         Ok(Self { positions: with_room(3 * n_facets)?, ..Self::default() })
     }
@@ -43,10 +43,10 @@ impl StlFacets {
         self.positions.len() / 3
     }
 
-    /// Appends one facet. Its normal adds nothing to the corners, so it is only compared.
+    /// Appends one facet. Its normal adds no information to the corners, so it is only compared.
     ///
     /// # Errors
-    /// `not-finite` for a corner, unless the limits drop those; `too-many-rows`.
+    /// `not-finite` for a corner, unless the limits drop such corners; `too-many-rows`.
     pub(super) fn push(
         &mut self,
         corners: [[f64; 3]; 3],
@@ -69,7 +69,7 @@ impl StlFacets {
         self.warnings.count_many("negative-zeros", n_negative as u64, || {
             (place(), "coordinates -0 were read as 0, so that equal vertices are tied".to_owned())
         });
-        // −0 + 0 is 0, and anything else + 0 is itself.
+        // −0 + 0 is 0, and any other number + 0 is itself.
         let plain = |[x, y, z]: [f64; 3]| [x + 0.0, y + 0.0, z + 0.0];
         let [a, b, c] = corners;
         extend(&mut self.positions, &[plain(a), plain(b), plain(c)])
@@ -94,7 +94,7 @@ impl StlFacets {
         self.warnings.count(code, || (place(), format!("{message}; normals are taken from the corners")));
     }
 
-    /// Builds the mesh: `position_id` ties bit-identical positions.
+    /// Builds the mesh: vertices at bit-identical positions share a `position_id`.
     pub(super) fn into_mesh(
         mut self,
         attribute: Option<Attribute>,
@@ -103,7 +103,7 @@ impl StlFacets {
         let n = self.positions.len() as u32;
         let mut faces = with_room(self.len())?;
         faces.extend((0..n / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]));
-        // There is no −0, so these are the rows of the same bits.
+        // There is no −0, so equal positions have equal bits.
         let id = position_id_by_bits(&self.positions);
         let raw = RawMesh {
             positions: self.positions,
@@ -129,7 +129,7 @@ mod tests {
             let size = [1e-300, 1e-150, 1e-30, 1.0, 1e30, 1e150, 1e300][i as usize % 7];
             let mut point = || [0; 3].map(|_| size * random.signed());
             let [a, mut b, mut c] = [(); 3].map(|()| point());
-            // Slivers, and corners on a line.
+            // Slivers, and collinear corners.
             match i % 4 {
                 1 => c = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k])),
                 2 => b = a.map(f64::next_up),

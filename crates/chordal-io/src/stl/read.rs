@@ -7,10 +7,10 @@ use crate::{FileLocation, Limits, ReadError, ReadOutcome};
 /// Reads the mesh of an STL file, text or binary, as one part.
 ///
 /// A file that declares n facets and has 84 + 50 n bytes is binary, whatever its header says. Any other file
-/// is text if it starts with `solid` and holds no NUL. Every facet gets three vertices of its own;
-/// `position_id` ties those at bit-identical positions. To this end −0 is read as 0 and counted. Facet
-/// normals are compared with the corners and dropped. The solids of a text become a face attribute
-/// `Group("solid")` if there are several.
+/// is text if it starts with `solid` and holds no NUL. Every facet gets three separate vertices; those at
+/// bit-identical positions share a `position_id`. To this end −0 is read as 0 and counted. Facet normals are
+/// compared with the corners and dropped. The solids of a text become a face attribute `Group("solid")` if
+/// there are several.
 ///
 /// # Errors
 /// [`ReadError`] at the byte or line.
@@ -41,7 +41,7 @@ fn is_exact_binary(bytes: &[u8]) -> bool {
 }
 
 fn is_text(bytes: &[u8]) -> bool {
-    // A binary count below 2^24 has a NUL in its highest byte, so a few lines of text suffice to tell.
+    // A binary count below 2^24 has a NUL in its highest byte, so a few lines of text are enough to decide.
     const LOOK: usize = 1024;
     let head = &bytes[..bytes.len().min(LOOK)];
     let head = head.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(head);

@@ -78,7 +78,7 @@ impl StlTextReader<'_> {
 
     fn facet(&mut self, limits: &Limits) -> Result<(), ReadError> {
         self.keyword("normal")?;
-        // Runtimes print NaN as `-nan(ind)` and the like. A normal that is NaN is only counted.
+        // C runtimes print NaN as `-nan(ind)` and the like. A normal that is NaN is only counted.
         let nan = |word: &[u8]| word.to_ascii_lowercase().windows(3).any(|w| w == b"nan").then_some(f64::NAN);
         let normal = self.numbers("normal", nan)?;
         self.keyword("outer")?;
@@ -106,8 +106,8 @@ impl StlTextReader<'_> {
         facets.push(corners, normal, || words.place(), limits)
     }
 
-    fn wrong_width(&self, found: &str) -> ReadError {
-        let message = format!("a facet has {found} vertices where 3 are needed");
+    fn wrong_width(&self, actual: &str) -> ReadError {
+        let message = format!("a facet has {actual} vertices where 3 are needed");
         ReadError::new("wrong-width", self.words.place(), message)
     }
 }

@@ -11,10 +11,10 @@ use std::io::{BufWriter, Write};
 /// corners.
 ///
 /// Transforms of nodes are applied, and all parts become one. STL has only 80 free bytes, too few for a
-/// certificate, so none is written. [`crate::losses`] lists what else is lost.
+/// certificate, so none is written. [`crate::losses`] lists the other losses.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, a coordinate overflows an f32, or there are 2³²
+/// [`WriteError`] if the sink fails, a node is invalid, a coordinate overflows an f32, or there are 2³²
 /// facets or more.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! `TextCursor`: parses numbers, flags and separators of SVG's attribute texts, and locates errors.
+//! `TextCursor`: parses numbers, flags and separators of SVG attributes, and locates errors.
 use crate::text::show;
 
 /// Where and why parsing a text failed.
@@ -6,7 +6,7 @@ use crate::text::show;
 pub(super) struct SvgSyntaxError {
     /// Bytes from the start of the text.
     pub at: usize,
-    /// What was expected, and what was found.
+    /// The expected and the actual text.
     pub what: String,
     /// Whether the cause is a number that is not finite.
     pub not_finite: bool,
@@ -49,7 +49,7 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// Skips white space with at most one comma in it. Returns whether there was a comma.
+    /// Skips white space with at most one comma. Returns whether there was a comma.
     pub fn skip_comma(&mut self) -> bool {
         self.skip_space();
         let comma = self.peek() == Some(b',');
@@ -60,14 +60,14 @@ impl<'a> TextCursor<'a> {
         comma
     }
 
-    /// Takes this byte if it is next.
+    /// Skips this byte if it comes next. Returns whether it did.
     pub fn take(&mut self, byte: u8) -> bool {
-        let found = self.peek() == Some(byte);
-        self.at += usize::from(found);
-        found
+        let is_next = self.peek() == Some(byte);
+        self.at += usize::from(is_next);
+        is_next
     }
 
-    /// Takes the letters that are next.
+    /// Skips and returns the letters that come next.
     pub fn word(&mut self) -> &'a [u8] {
         let rest = &self.text[self.at..];
         let len = rest.iter().take_while(|b| b.is_ascii_alphabetic()).count();
@@ -84,10 +84,10 @@ impl<'a> TextCursor<'a> {
         self.at >= self.text.len()
     }
 
-    /// The error that says what was expected here.
-    pub fn trouble(&self, wanted: &str) -> SvgSyntaxError {
+    /// The error that names what was expected here.
+    pub fn trouble(&self, expected: &str) -> SvgSyntaxError {
         let rest = self.rest();
-        let found = if rest.is_empty() {
+        let actual = if rest.is_empty() {
             "the end".to_owned()
         } else {
             let len = rest.iter().take_while(|b| !is_space(**b) && **b != b',').count().clamp(1, 20);
@@ -95,12 +95,12 @@ impl<'a> TextCursor<'a> {
         };
         SvgSyntaxError {
             at: self.at,
-            what: format!("{found} where {wanted} should stand"),
+            what: format!("{actual} where {expected} should stand"),
             not_finite: self.is_no_finite_word(),
         }
     }
 
-    /// Whether a word is next that programs print for values that are not finite.
+    /// Whether the next word is one that programs print for values that are not finite.
     fn is_no_finite_word(&self) -> bool {
         let rest = self.rest();
         let rest = match rest {
@@ -111,7 +111,7 @@ impl<'a> TextCursor<'a> {
             .is_some_and(|word| word.eq_ignore_ascii_case(b"nan") || word.eq_ignore_ascii_case(b"inf"))
     }
 
-    /// Whether a number is next.
+    /// Whether a number comes next.
     pub fn at_number(&self) -> bool {
         match self.rest() {
             [b'0'..=b'9' | b'.', ..] | [b'+' | b'-', b'0'..=b'9' | b'.', ..] => true,
@@ -124,14 +124,14 @@ impl<'a> TextCursor<'a> {
         let rest = self.rest();
         let mut len = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
         let digits = |from: usize| rest[from..].iter().take_while(|b| b.is_ascii_digit()).count();
-        let whole = digits(len);
-        len += whole;
+        let n_whole = digits(len);
+        len += n_whole;
         let mut fraction = 0;
         if rest.get(len) == Some(&b'.') {
             fraction = digits(len + 1);
             len += 1 + fraction;
         }
-        if whole + fraction == 0 {
+        if n_whole + fraction == 0 {
             return Err(self.trouble("a number"));
         }
         if matches!(rest.get(len), Some(b'e' | b'E')) {
@@ -177,18 +177,18 @@ impl<'a> TextCursor<'a> {
 /// Parses all numbers of a list. Returns the error too, if one ended it early.
 pub(super) fn numbers(text: &str) -> (Vec<f64>, Option<SvgSyntaxError>) {
     let mut cursor = TextCursor::new(text);
-    let mut all = Vec::new();
+    let mut values = Vec::new();
     cursor.skip_space();
     while !cursor.is_at_end() {
         match cursor.number() {
-            Ok(value) => all.push(value),
-            Err(trouble) => return (all, Some(trouble)),
+            Ok(value) => values.push(value),
+            Err(trouble) => return (values, Some(trouble)),
         }
         if cursor.skip_comma() && cursor.is_at_end() {
-            return (all, Some(cursor.trouble("a number")));
+            return (values, Some(cursor.trouble("a number")));
         }
     }
-    (all, None)
+    (values, None)
 }
 
 #[cfg(test)]

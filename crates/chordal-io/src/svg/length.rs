@@ -1,7 +1,7 @@
 //! `SvgLength`: lengths with units or percentages, in user units.
 use super::cursor::{SvgSyntaxError, TextCursor};
 
-/// A length as the file gives it.
+/// A length as written in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SvgLength {
     pub value: f64,
@@ -47,7 +47,7 @@ impl SvgUnit {
         }
     }
 
-    /// Metres per unit, for physical units; a pixel is none.
+    /// Metres per unit, for physical units; `None` for a pixel.
     pub fn metres(self) -> Option<f64> {
         match self {
             Self::In => Some(0.0254),
@@ -65,7 +65,7 @@ impl SvgLength {
     /// Parses a length.
     ///
     /// # Errors
-    /// When the text is no length, or its unit is not supported.
+    /// If the text is not a length, or its unit is not supported.
     pub fn read(text: &str) -> Result<Self, LengthError> {
         let mut cursor = TextCursor::new(text);
         cursor.skip_space();
@@ -94,10 +94,10 @@ impl SvgLength {
         }
     }
 
-    /// Converts to user units; a percentage is of `whole`. `None` where that is not known.
-    pub fn resolve(self, whole: Option<f64>) -> Option<f64> {
+    /// Converts to user units; a percentage is relative to `whole`. `None` if `whole` is needed but unknown.
+    pub fn resolve(self, reference: Option<f64>) -> Option<f64> {
         match self.unit {
-            SvgUnit::Percent => whole.map(|whole| self.value * whole / 100.0),
+            SvgUnit::Percent => reference.map(|reference| self.value * reference / 100.0),
             unit => {
                 let [times, over] = unit.scale();
                 Some(self.value * times / over)
@@ -105,7 +105,7 @@ impl SvgLength {
         }
     }
 
-    /// Whether the conversion to user units rounds nothing.
+    /// Whether the conversion to user units is exact.
     pub fn is_exact(self) -> bool {
         self.unit.scale() == [1.0, 1.0] && self.unit != SvgUnit::Percent
     }

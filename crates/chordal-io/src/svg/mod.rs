@@ -1,7 +1,7 @@
 //! SVG: reads drawings as curves in the plane, and writes polylines as drawings.
 //!
-//! Coordinates are the root's user units, as its `viewBox` says; y grows downwards. Visible elements that are
-//! not supported are counted in warnings; `docs/svg.md` lists them.
+//! Coordinates are the root's user units, as its `viewBox` defines; y grows downwards. Visible elements that
+//! are not supported are counted in warnings; `docs/svg.md` lists them.
 mod cursor;
 mod length;
 mod names;
@@ -20,7 +20,7 @@ use crate::xml_text::text_of;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 pub use write::{write, write_paths};
 
-/// The element with a certificate, in a namespace of its own.
+/// The element with a certificate, in its own namespace.
 const CERTIFICATE: &str = "chordal:certificate";
 
 /// Reads the curves of an SVG file: one for each subpath of each drawn element, in document order.
@@ -29,9 +29,9 @@ const CERTIFICATE: &str = "chordal:certificate";
 /// the rounding of transforms and relative coordinates.
 ///
 /// # Errors
-/// [`ReadError`] with line and column: XML that is not well-formed, a document type with declarations, a
+/// [`ReadError`] with line and column, for XML that is not well-formed, a document type with declarations, a
 /// number that is not finite (unless the limits drop such elements), nesting or copies by `use` over the
-/// limits, `use` in a cycle.
+/// limits, or `use` in a cycle.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, svg};
@@ -76,7 +76,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Drawing(drawing), warnings: warnings.into_list() })
 }
 
-/// Whether a text starts like an SVG file: with the element, or with what XML allows before it.
+/// Whether a text starts like an SVG file: with the element, or with constructs that XML allows before it.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     const LOOKED_AT: usize = 4096;
     if text.first() != Some(&b'<') {

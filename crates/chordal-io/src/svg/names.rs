@@ -16,9 +16,9 @@ pub(super) enum ElementTag {
     Polyline,
     Polygon,
     Style,
-    /// A description, or a container whose content is drawn only where something refers to it.
+    /// A description, or a container whose content is drawn only by reference.
     Silent,
-    /// Visible or with a visible effect, and not supported.
+    /// Visible or with a visible effect, but not supported.
     Unsupported(UnsupportedFeature),
     /// Outside SVG's namespace.
     Foreign,
@@ -38,8 +38,8 @@ pub(super) enum UnsupportedFeature {
 }
 
 impl ElementTag {
-    /// The element of SVG's namespace with that name.
-    pub fn named(name: &str) -> Self {
+    /// The element of SVG's namespace with this name.
+    pub fn from_name(name: &str) -> Self {
         match name {
             "svg" => Self::Svg,
             "g" | "a" => Self::Group,
@@ -68,7 +68,7 @@ impl ElementTag {
             | "mpath" => Self::Unsupported(UnsupportedFeature::Animation),
             "script" | "handler" | "listener" => Self::Unsupported(UnsupportedFeature::Script),
             "video" | "audio" | "iframe" | "canvas" => Self::Unsupported(UnsupportedFeature::Media),
-            // Lights and primitives of filters.
+            // Light sources and filter primitives.
             _ if name.starts_with("fe") => Self::Silent,
             _ => Self::Unknown,
         }
@@ -129,8 +129,8 @@ macro_rules! keys {
         }
 
         impl Key {
-            /// The attribute with that name.
-            pub fn named(name: &str) -> Option<Self> {
+            /// The attribute with this name.
+            pub fn from_name(name: &str) -> Option<Self> {
                 match name {
                     $($name => Some(Self::$key),)*
                     _ => None,

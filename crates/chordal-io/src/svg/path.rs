@@ -1,8 +1,8 @@
-//! Path data: parses the text of `d`, with all commands, and draws it up to the first error.
+//! Path data: parses the text of `d` with all commands, and draws it up to the first error.
 use super::cursor::{SvgSyntaxError, TextCursor};
 use super::path_builder::{ArcParameters, PathBuilder, PathError};
 
-/// The control point that the last command left for a smooth one.
+/// The control point of the last command, for a smooth command after it.
 #[derive(Clone, Copy)]
 enum SmoothControl {
     Cubic([f64; 2]),
@@ -20,27 +20,27 @@ struct PathParser<'a, 'p> {
 /// Draws path data.
 ///
 /// # Errors
-/// At the first error in the text. What precedes it is drawn, as SVG 2 demands (9.5.4, *Error handling in
+/// At the first error in the text. Everything before it is drawn, as SVG 2 demands (9.5.4, *Error handling in
 /// path data*).
 pub(super) fn draw(text: &str, pen: &mut PathBuilder) -> Result<(), PathError> {
     let mut path = PathParser { text: TextCursor::new(text), pen, last: SmoothControl::Other };
-    let drawn = path.all();
+    let drawn = path.commands();
     path.pen.end()?;
     drawn
 }
 
 impl PathParser<'_, '_> {
-    fn all(&mut self) -> Result<(), PathError> {
+    fn commands(&mut self) -> Result<(), PathError> {
         self.text.skip_space();
         let mut is_first = true;
         while let Some(command) = self.text.peek() {
-            let known = matches!(
+            let is_command = matches!(
                 command.to_ascii_lowercase(),
                 b'm' | b'l' | b'h' | b'v' | b'c' | b's' | b'q' | b't' | b'a' | b'z'
             );
-            if !known || is_first && !matches!(command, b'm' | b'M') {
-                let wanted = if is_first { "a move (M or m)" } else { "a command" };
-                return Err(self.text.trouble(wanted).into());
+            if !is_command || is_first && !matches!(command, b'm' | b'M') {
+                let expected = if is_first { "a move (M or m)" } else { "a command" };
+                return Err(self.text.trouble(expected).into());
             }
             is_first = false;
             self.text.step();
@@ -91,8 +91,8 @@ impl PathParser<'_, '_> {
             b'h' => self.along(0, relative)?,
             b'v' => self.along(1, relative)?,
             b'c' => {
-                let all = [self.point(relative)?, self.point(relative)?, self.point(relative)?];
-                self.cubic(all)?;
+                let points = [self.point(relative)?, self.point(relative)?, self.point(relative)?];
+                self.cubic(points)?;
             }
             b's' => {
                 let [c, d] = [self.point(relative)?, self.point(relative)?];
@@ -103,8 +103,8 @@ impl PathParser<'_, '_> {
                 self.cubic([b, c, d])?;
             }
             b'q' => {
-                let all = [self.point(relative)?, self.point(relative)?];
-                self.quadratic(all)?;
+                let points = [self.point(relative)?, self.point(relative)?];
+                self.quadratic(points)?;
             }
             b't' => {
                 let to = self.point(relative)?;
@@ -123,35 +123,35 @@ impl PathParser<'_, '_> {
     fn point(&mut self, relative: bool) -> Result<[f64; 2], PathError> {
         self.text.skip_comma();
         let at = self.text.at();
-        let given = [self.text.number()?, self.text.next_number()?];
-        let point = if relative { self.pen.relative(given) } else { given };
+        let coordinates = [self.text.number()?, self.text.next_number()?];
+        let point = if relative { self.pen.relative(coordinates) } else { coordinates };
         finite(point, at)
     }
 
     fn along(&mut self, axis: usize, relative: bool) -> Result<(), PathError> {
         let at = self.text.at();
-        let given = self.text.number()?;
+        let coordinate = self.text.number()?;
         let mut to = self.pen.at();
         if relative {
             let mut by = [0.0; 2];
-            by[axis] = given;
+            by[axis] = coordinate;
             to[axis] = self.pen.relative(by)[axis];
         } else {
-            to[axis] = given;
+            to[axis] = coordinate;
         }
         Ok(self.pen.line_to(finite(to, at)?)?)
     }
 
-    fn cubic(&mut self, all: [[f64; 2]; 3]) -> Result<(), PathError> {
-        self.last = SmoothControl::Cubic(all[1]);
-        finite(all[0], self.text.at())?;
-        Ok(self.pen.cubic_to(all)?)
+    fn cubic(&mut self, points: [[f64; 2]; 3]) -> Result<(), PathError> {
+        self.last = SmoothControl::Cubic(points[1]);
+        finite(points[0], self.text.at())?;
+        Ok(self.pen.cubic_to(points)?)
     }
 
-    fn quadratic(&mut self, all: [[f64; 2]; 2]) -> Result<(), PathError> {
-        self.last = SmoothControl::Quadratic(all[0]);
-        finite(all[0], self.text.at())?;
-        Ok(self.pen.quadratic_to(all)?)
+    fn quadratic(&mut self, points: [[f64; 2]; 2]) -> Result<(), PathError> {
+        self.last = SmoothControl::Quadratic(points[0]);
+        finite(points[0], self.text.at())?;
+        Ok(self.pen.quadratic_to(points)?)
     }
 
     fn arc(&mut self, relative: bool) -> Result<(), PathError> {
@@ -161,13 +161,13 @@ impl PathParser<'_, '_> {
         let flags = [self.text.flag()?, self.text.flag()?];
         self.text.skip_comma();
         let end_at = self.text.at();
-        let given = [self.text.number()?, self.text.next_number()?];
+        let coordinates = [self.text.number()?, self.text.next_number()?];
         let shape = ArcParameters { radii, deg, flags };
         let drawn = if relative {
-            finite([0, 1].map(|k| self.pen.at()[k] + given[k]), end_at)?;
-            self.pen.arc_by(&shape, given)?
+            finite([0, 1].map(|k| self.pen.at()[k] + coordinates[k]), end_at)?;
+            self.pen.arc_by(&shape, coordinates)?
         } else {
-            self.pen.arc_to(&shape, finite(given, end_at)?)?
+            self.pen.arc_to(&shape, finite(coordinates, end_at)?)?
         };
         if drawn {
             return Ok(());
@@ -177,7 +177,7 @@ impl PathParser<'_, '_> {
     }
 }
 
-/// Sums of finite numbers can be infinite.
+/// Refuses a point that is not finite: sums of finite numbers can be infinite.
 fn finite(point: [f64; 2], at: usize) -> Result<[f64; 2], PathError> {
     if point.iter().all(|x| x.is_finite()) {
         return Ok(point);

@@ -1,4 +1,4 @@
-//! `PathBuilder`: draws subpaths segment by segment, and bounds the rounding on the way.
+//! `PathBuilder`: draws subpaths segment by segment, and bounds their rounding.
 use super::cursor::SvgSyntaxError;
 use crate::ReadError;
 use crate::grow::{push, push_large};
@@ -10,9 +10,9 @@ use std::f64::consts::PI;
 /// Why drawing stops.
 #[derive(Debug)]
 pub(super) enum PathError {
-    /// An error in the text, which ends the element there.
+    /// An error in the text; the element ends there.
     Text(SvgSyntaxError),
-    /// An error of the reader, which refuses the file.
+    /// A read error; the file is refused.
     Read(ReadError),
 }
 
@@ -41,14 +41,14 @@ pub(super) struct ArcParameters {
 pub(super) struct PathBuilder {
     /// The finished subpaths.
     pub curves: Vec<Curve<2>>,
-    /// The number of subpaths that were one point and drew nothing.
+    /// The number of subpaths of a single point, which draw nothing.
     pub lone_points: u64,
     pieces: Vec<CurveSegment<2>>,
     start: [f64; 2],
     current: [f64; 2],
-    /// Whether a subpath is open, by an explicit or implied move.
+    /// Whether a subpath was started, by an explicit or implied move.
     is_down: bool,
-    /// What sums of relative coordinates have lost so far in this subpath, and the most that one segment adds
+    /// The accumulated rounding of relative coordinates in this subpath, and the most that one segment adds
     /// to it.
     drift: f64,
     worst: f64,
@@ -112,8 +112,8 @@ impl PathBuilder {
     /// Counts an error of this size for all finished subpaths.
     pub fn add_error_everywhere(&mut self, lost: f64) {
         if lost > 0.0 {
-            let all = std::mem::take(&mut self.curves).into_iter();
-            self.curves = all
+            let curves = std::mem::take(&mut self.curves).into_iter();
+            self.curves = curves
                 .map(|curve| {
                     let slack = add_up(curve.slack(), lost);
                     curve.with_slack(slack)
@@ -142,25 +142,25 @@ impl PathBuilder {
 
     /// Appends a quadratic Bézier curve.
     pub fn quadratic_to(&mut self, [b, c]: [[f64; 2]; 2]) -> Result<(), ReadError> {
-        let all = [self.current, b, c];
-        let reach = all.iter().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let points = [self.current, b, c];
+        let reach = points.iter().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
         // Two units in the last place, as the constructor says.
         self.at_worst(2.0 * f64::EPSILON * reach);
-        self.piece(CurveSegment::quadratic(all))
+        self.piece(CurveSegment::quadratic(points))
     }
 
-    /// Appends an elliptical arc to a point. Returns false where its parameters are too extreme for an arc.
+    /// Appends an elliptical arc to a point. Returns false if its parameters are too extreme for an arc.
     pub fn arc_to(&mut self, shape: &ArcParameters, to: [f64; 2]) -> Result<bool, ReadError> {
         if to == self.current {
             return Ok(true);
         }
-        // The current point may be off what the file says, and the end is not, so the arc may span another
-        // chord than it should.
+        // The current point may differ from the one in the file, but the end does not, so the arc may span
+        // another chord than it should.
         let off_by = self.drift;
         self.span(shape, off_by, to, |from, shape| Arc::through(from, to, shape))
     }
 
-    /// Appends an elliptical arc by a step from the current point; its shape depends on the step alone.
+    /// Appends an elliptical arc by a step from the current point; its shape depends only on the step.
     pub fn arc_by(&mut self, shape: &ArcParameters, step: [f64; 2]) -> Result<bool, ReadError> {
         if step == [0.0; 2] {
             return Ok(true);
@@ -174,7 +174,7 @@ impl PathBuilder {
         shape: &ArcParameters,
         off_by: f64,
         to: [f64; 2],
-        made: impl FnOnce([f64; 2], &SvgArcShape) -> Result<Arc<2>, InvalidArc>,
+        new_arc: impl FnOnce([f64; 2], &SvgArcShape) -> Result<Arc<2>, InvalidArc>,
     ) -> Result<bool, ReadError> {
         let radii = shape.radii.map(f64::abs);
         if radii.contains(&0.0) {
@@ -188,10 +188,11 @@ impl PathBuilder {
         let [large, positive] = shape.flags;
         let rotation_rad = deg * (PI / 180.0);
         let (from, shape) = (self.current, SvgArcShape { radii, rotation_rad, large, positive });
-        let Ok(arc) = made(from, &shape) else {
+        let Ok(arc) = new_arc(from, &shape) else {
             return Ok(false);
         };
-        // The rotation was rounded from degrees: a factor and a product, of at most half a turn.
+        // The rotation was converted from degrees: the rounding of a factor and a product, for at most half a
+        // turn.
         let turned_off = if rotation_rad == 0.0 { 0.0 } else { 8.0 * f64::EPSILON };
         if (turned_off > 0.0 && radii[0] != radii[1]) || off_by > 0.0 {
             self.at_worst(shape.moved_by([0, 1].map(|k| to[k] - from[k]), off_by, turned_off));
@@ -220,8 +221,8 @@ impl PathBuilder {
         push_large(&mut self.pieces, piece)
     }
 
-    /// Closes the subpath, with a straight line if it needs one. The next segment starts where this subpath
-    /// did.
+    /// Closes the subpath, with a straight line if it needs one. The next segment starts at the start of this
+    /// subpath.
     pub fn close(&mut self) -> Result<(), ReadError> {
         if self.current != self.start {
             self.line_to(self.start)?;
@@ -251,7 +252,7 @@ impl PathBuilder {
         let slack = add_up(self.drift, self.worst);
         let slack = if self.drift == 0.0 && self.worst == 0.0 { 0.0 } else { slack };
         (self.worst, self.mirror) = (0.0, 0.0);
-        // Segments join by construction; those that are not finite were refused with their numbers.
+        // Segments join by construction; numbers that are not finite were refused before.
         if let Ok(curve) = Curve::new(pieces, closed.into()) {
             push(&mut self.curves, curve.with_slack(slack))?;
         }

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Why an element draws nothing.
 #[derive(Debug)]
 pub(super) enum ElementError {
-    /// Counted as a warning, or without a size.
+    /// It was counted as a warning, or has no size.
     Skip,
     /// The file is refused.
     Refuse(ReadError),
@@ -64,13 +64,13 @@ impl LengthReader<'_, '_> {
         if text.trim() == "auto" {
             return Ok(None);
         }
-        let whole = self.viewport.map(|[w, h]| match along {
+        let reference = self.viewport.map(|[w, h]| match along {
             PercentBasis::X => w,
             PercentBasis::Y => h,
             PercentBasis::Both => ((w * w + h * h) / 2.0).sqrt(),
         });
         match SvgLength::read(&text) {
-            Ok(length) => match length.resolve(whole) {
+            Ok(length) => match length.resolve(reference) {
                 Some(value) if value.is_finite() => {
                     // At most six roundings for a percentage.
                     self.lost += if length.is_exact() { 0.0 } else { 8.0 * f64::EPSILON * value.abs() };
@@ -103,7 +103,7 @@ impl LengthReader<'_, '_> {
         ElementError::Skip
     }
 
-    /// Counts an attribute that is ignored.
+    /// Counts an ignored attribute.
     pub fn bad(&mut self, start: usize, why: &str) {
         let tree = self.tree;
         self.warnings.count("bad-attribute", || {
@@ -111,7 +111,8 @@ impl LengthReader<'_, '_> {
         });
     }
 
-    /// Reads a size: 0 or none draws nothing, and a negative one is an error that draws nothing.
+    /// Reads a size. If it is 0 or absent, nothing is drawn; if it is negative, an error is counted and
+    /// nothing is drawn.
     fn size(&mut self, key: Key, along: PercentBasis) -> Result<f64, ElementError> {
         match self.length(key, along)? {
             Some(value) if value > 0.0 => Ok(value),
@@ -124,7 +125,7 @@ impl LengthReader<'_, '_> {
         }
     }
 
-    /// Reads a radius; `None` if it follows the other one.
+    /// Reads a radius; `None` if it equals the other one.
     fn radius(&mut self, key: Key, along: PercentBasis) -> Result<Option<f64>, ElementError> {
         let radius = self.length(key, along)?;
         if radius.is_some_and(|r| r < 0.0) {
@@ -236,7 +237,7 @@ fn round_rect(
 ) -> Result<(), ElementError> {
     let [left_in, right_in] = [pen.sum(x, rx), pen.sum(right, -rx)];
     let [top_in, bottom_in] = [pen.sum(y, ry), pen.sum(bottom, -ry)];
-    // Each side ends where the arc of the next corner begins.
+    // Each side ends at the arc of the next corner.
     let sides = [
         ([right_in, y], [right, top_in], [right_in, top_in]),
         ([right, bottom_in], [right_in, bottom], [right_in, bottom_in]),
@@ -263,7 +264,7 @@ fn quarter(
 ) -> Result<(), ElementError> {
     match arc {
         Ok(arc) => Ok(pen.arc(arc)?),
-        // The numbers are finite and their sums are not: such a corner is beyond every budget, so it is drawn
+        // The numbers are finite but their sums are not. Such a corner is beyond every budget, so it is drawn
         // square.
         Err(_) => Ok(()),
     }
@@ -272,13 +273,13 @@ fn quarter(
 /// Draws an ellipse: one turn from the end of the first axis.
 fn ellipse(pen: &mut PathBuilder, centre: [f64; 2], [rx, ry]: [f64; 2]) -> Result<(), ElementError> {
     let start = [pen.sum(centre[0], rx), centre[1]];
-    let whole = Arc::new(centre, [[rx, 0.0], [0.0, ry]], 0.0, 2.0 * PI).map_err(|_| ElementError::Skip)?;
+    let ellipse = Arc::new(centre, [[rx, 0.0], [0.0, ry]], 0.0, 2.0 * PI).map_err(|_| ElementError::Skip)?;
     pen.move_to(start)?;
-    pen.arc(whole.with_ends([start, start]))?;
+    pen.arc(ellipse.with_ends([start, start]))?;
     Ok(pen.close()?)
 }
 
-/// The message of a path that ends before its text does.
+/// The message for path data that ends early because of an error.
 pub(super) fn truncated_path_message(why: &str) -> String {
     format!("paths were drawn up to an error in their text, as SVG asks: {why}")
 }

@@ -34,7 +34,7 @@ pub(super) struct ElementStyle {
     pub clipped: bool,
     pub masked: bool,
     pub filtered: bool,
-    /// Geometry, a transform or its origin given by CSS, which are not supported.
+    /// Geometry, a transform or its origin given in CSS, which is not supported.
     pub css_geometry: bool,
     /// An opacity below 1, which is ignored.
     pub sheer: bool,
@@ -80,7 +80,7 @@ impl StyleProperty {
         })
     }
 
-    /// Converts from the attribute of the same meaning.
+    /// Converts from the attribute with the same meaning.
     pub fn from_attribute(key: Key) -> Option<Self> {
         Some(match key {
             Key::Fill => Self::Fill,
@@ -99,7 +99,7 @@ impl StyleProperty {
     }
 }
 
-/// The style of one element, while it is computed from that of its parent.
+/// The style of one element, while it is derived from that of its parent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StyleCascade {
     pub inherited: InheritedStyle,
@@ -126,11 +126,11 @@ impl StyleCascade {
         let initial = InheritedStyle::default();
         match property {
             StyleProperty::Fill => {
-                let given = (!is("none") && !is("transparent"), value.contains("url("));
+                let explicit = (!is("none") && !is("transparent"), value.contains("url("));
                 (looks.filled, looks.painted) = match value {
                     _ if inherits => (self.parent.filled, self.parent.painted),
                     _ if is("initial") => (initial.filled, initial.painted),
-                    _ => given,
+                    _ => explicit,
                 };
             }
             StyleProperty::FillRule if inherits => looks.rule = self.parent.rule,

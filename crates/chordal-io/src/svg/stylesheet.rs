@@ -1,9 +1,9 @@
-//! `StyleSheet`: rules for elements, classes and ids; all else is counted.
+//! `StyleSheet`: rules for elements, classes and ids; all other rules are counted.
 use super::style::{StyleProperty, declarations};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// The most rules of one sheet; further ones are dropped. Matching is linear in the rules that name one
+/// The most rules of one sheet; more are dropped. Chosen: matching is linear in the rules that name one
 /// class.
 pub(super) const MOST_RULES: usize = 4096;
 
@@ -26,9 +26,9 @@ struct CssRule {
 #[derive(Debug, Default)]
 pub(super) struct StyleSheet {
     rules: Vec<CssRule>,
-    /// Indices of the rules whose selector names this id (`#…`), class (`.…`) or element, or nothing (empty).
+    /// Indices of the rules whose selector names this id (`#…`), class (`.…`) or element, or no name (empty).
     by_name: BTreeMap<String, Vec<u32>>,
-    /// The number of selectors and at-rules that are not supported.
+    /// The number of unsupported selectors and at-rules.
     pub unsupported: u64,
     /// The number of rules over the limit.
     pub dropped: u64,
@@ -92,11 +92,11 @@ impl StyleSheet {
         keys.extend(named.id.iter().map(|id| format!("#{id}")));
         keys.push(named.element.to_owned());
         keys.push(String::new());
-        let mut found: Vec<u32> =
+        let mut rules: Vec<u32> =
             keys.iter().filter_map(|key| self.by_name.get(key)).flatten().copied().collect();
-        found.retain(|rule| self.rules[*rule as usize].selector.fits(named, &classes));
-        found.sort_by_key(|rule| (self.rules[*rule as usize].selector.weight(), *rule));
-        found
+        rules.retain(|rule| self.rules[*rule as usize].selector.fits(named, &classes));
+        rules.sort_by_key(|rule| (self.rules[*rule as usize].selector.weight(), *rule));
+        rules
             .iter()
             .map(|rule| &self.rules[*rule as usize])
             .map(|rule| (rule.property, rule.value.as_str()))
@@ -105,7 +105,7 @@ impl StyleSheet {
 }
 
 impl CssSelector {
-    /// Parses a selector. `None` if it has more than names of one element.
+    /// Parses a selector. `None` if it refers to more than the names of one element.
     fn read(text: &str) -> Option<Self> {
         let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | '#' | '*');
         if text.is_empty() || !text.chars().all(is_plain) {

@@ -1,4 +1,4 @@
-//! `SvgTransform`: transforms and view boxes, with bounds on their own rounding.
+//! `SvgTransform`: transforms and view boxes, with bounds on their rounding.
 use super::cursor::{CursorResult, SvgSyntaxError, TextCursor};
 use chordal::explicit::parametric::AffineMap;
 use chordal::explicit::{Curve, InvalidCurve};
@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SvgTransform {
     affine: AffineMap<2>,
-    /// Upper bounds, each of the error of the number at the same position of the map.
-    off: AffineMap<2>,
+    /// Upper bounds of the errors of the map's numbers, at the same positions.
+    error: AffineMap<2>,
     is_identity: bool,
 }
 
@@ -18,24 +18,24 @@ const NOTHING: AffineMap<2> = AffineMap { columns: [[0.0; 2]; 2], offset: [0.0; 
 
 impl SvgTransform {
     pub fn identity() -> Self {
-        Self { affine: AffineMap::identity(), off: NOTHING, is_identity: true }
+        Self { affine: AffineMap::identity(), error: NOTHING, is_identity: true }
     }
 
     /// A map whose numbers are exactly those of the file.
     fn exact(columns: [[f64; 2]; 2], offset: [f64; 2]) -> Self {
         let affine = AffineMap { columns, offset };
-        Self { affine, off: NOTHING, is_identity: affine == AffineMap::identity() }
+        Self { affine, error: NOTHING, is_identity: affine == AffineMap::identity() }
     }
 
     pub fn translation(by: [f64; 2]) -> Self {
         Self::exact([[1.0, 0.0], [0.0, 1.0]], by)
     }
 
-    /// A map whose numbers were rounded, each by less than `relative` of itself.
+    /// A map with rounded numbers, each with a relative error below `relative`.
     fn rounded(columns: [[f64; 2]; 2], offset: [f64; 2], relative: f64) -> Self {
-        let off = |x: f64| mul_up(relative, x.abs());
-        let off = AffineMap { columns: columns.map(|c| c.map(off)), offset: offset.map(off) };
-        Self { affine: AffineMap { columns, offset }, off, is_identity: false }
+        let error = |x: f64| mul_up(relative, x.abs());
+        let error = AffineMap { columns: columns.map(|c| c.map(error)), offset: offset.map(error) };
+        Self { affine: AffineMap { columns, offset }, error, is_identity: false }
     }
 
     /// A rotation by an angle in degrees, from x towards y.
@@ -50,9 +50,9 @@ impl SvgTransform {
         let (sin, cos) = libm::sincos(rad);
         // The angle is rounded twice, each by half a step; sine and cosine are off by less than one step
         // more.
-        let off = 2.0 * f64::EPSILON * (rad.abs() + 1.0);
+        let error = 2.0 * f64::EPSILON * (rad.abs() + 1.0);
         let affine = AffineMap { columns: [[cos, sin], [-sin, cos]], offset: [0.0; 2] };
-        Self { affine, off: AffineMap { columns: [[off; 2]; 2], offset: [0.0; 2] }, is_identity: false }
+        Self { affine, error: AffineMap { columns: [[error; 2]; 2], offset: [0.0; 2] }, is_identity: false }
     }
 
     /// The tangent of an angle in degrees, and a bound on its error.
@@ -70,7 +70,7 @@ impl SvgTransform {
         Some((tan, 4.0 * f64::EPSILON * (rad.abs() + 1.0) * (1.0 + tan * tan)))
     }
 
-    /// The map that applies `inner` first and then this.
+    /// The composition: first `inner`, then this map.
     pub fn after(&self, inner: &Self) -> Self {
         if self.is_identity {
             return *inner;
@@ -85,25 +85,25 @@ impl SvgTransform {
         let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         let (outer_size, inner_size) = (size(&self.affine), size(&inner.affine));
         // |AB - ab| ≤ |a||δb| + |δa|(|b| + |δb|) + rounding: two products, two sums, half a step each.
-        let of_vector = |b: [f64; 2], off: [f64; 2]| {
-            let given = sum(outer_size.vector(off), self.off.vector(sum(b, off)));
-            sum(given, outer_size.vector(b).map(|x| 4.0 * f64::EPSILON * x))
+        let of_vector = |b: [f64; 2], error: [f64; 2]| {
+            let propagated = sum(outer_size.vector(error), self.error.vector(sum(b, error)));
+            sum(propagated, outer_size.vector(b).map(|x| 4.0 * f64::EPSILON * x))
         };
-        let whole = |all: [f64; 2]| all.map(|x| mul_up(x, 1.0 + 16.0 * f64::EPSILON));
-        let columns = [0, 1].map(|k| whole(of_vector(inner_size.columns[k], inner.off.columns[k])));
-        let offset = of_vector(inner_size.offset, inner.off.offset);
-        let offset = sum(offset, sum(self.off.offset, outer_size.offset.map(|x| 4.0 * f64::EPSILON * x)));
-        let off = AffineMap { columns, offset: whole(offset) };
-        Self { affine: self.affine.after(&inner.affine), off, is_identity: false }
+        let padded = |vector: [f64; 2]| vector.map(|x| mul_up(x, 1.0 + 16.0 * f64::EPSILON));
+        let columns = [0, 1].map(|k| padded(of_vector(inner_size.columns[k], inner.error.columns[k])));
+        let offset = of_vector(inner_size.offset, inner.error.offset);
+        let offset = sum(offset, sum(self.error.offset, outer_size.offset.map(|x| 4.0 * f64::EPSILON * x)));
+        let error = AffineMap { columns, offset: padded(offset) };
+        Self { affine: self.affine.after(&inner.affine), error, is_identity: false }
     }
 
     /// Applies the map to a curve; the slack of the result bounds all rounding.
     pub fn apply(&self, curve: &Curve<2>) -> Result<Curve<2>, InvalidCurve> {
         let moved = curve.transformed(&self.affine)?;
         let reach = curve.bounds().iter().flatten().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        let [a, b] = self.off.vector([add_up(reach, curve.slack()); 2]);
-        let off = add_up(add_up(a, b), add_up(self.off.offset[0], self.off.offset[1]));
-        let slack = mul_up(add_up(moved.slack(), off), 1.0 + 8.0 * f64::EPSILON);
+        let [a, b] = self.error.vector([add_up(reach, curve.slack()); 2]);
+        let error = add_up(add_up(a, b), add_up(self.error.offset[0], self.error.offset[1]));
+        let slack = mul_up(add_up(moved.slack(), error), 1.0 + 8.0 * f64::EPSILON);
         if slack.is_finite() {
             Ok(moved.with_slack(slack))
         } else {
@@ -137,8 +137,8 @@ impl SvgTransform {
             let of_scale = if view.is_some() { mul_up(2.0, lost / least) } else { 0.0 };
             let of_corner = mul_up(of_scale, add_up(add_up(x.abs(), y.abs()), add_up(w, h)));
             let of_offset = add_up(mul_up(2.0, lost), of_corner);
-            self.off.columns = self.off.columns.map(|c| c.map(|x| add_up(x, of_scale)));
-            self.off.offset = self.off.offset.map(|x| add_up(x, of_offset));
+            self.error.columns = self.error.columns.map(|c| c.map(|x| add_up(x, of_scale)));
+            self.error.offset = self.error.offset.map(|x| add_up(x, of_offset));
             self.is_identity = false;
         }
         self
@@ -165,15 +165,15 @@ impl SvgTransform {
             scale = [if slice { most } else { least }; 2];
         }
         let columns = [[scale[0], 0.0], [0.0, scale[1]]];
-        let room = [0, 1].map(|k| aspect.align[k] * (port[2 + k] - view[2 + k] * scale[k]));
-        let offset = [0, 1].map(|k| port[k] + room[k] - view[k] * scale[k]);
+        let unused = [0, 1].map(|k| aspect.align[k] * (port[2 + k] - view[2 + k] * scale[k]));
+        let offset = [0, 1].map(|k| port[k] + unused[k] - view[k] * scale[k]);
         // A quotient is rounded by half a step; offsets follow below.
         let mut map = Self::rounded(columns, offset, 4.0 * f64::EPSILON);
         // A sum can be smaller than its parts: five roundings of half a step each, relative to its parts.
         for k in 0..2 {
             let parts =
                 port[k].abs() + port[2 + k].abs() + (view[k].abs() + view[2 + k].abs()) * scale[k].abs();
-            map.off.offset[k] = 8.0 * f64::EPSILON * parts;
+            map.error.offset[k] = 8.0 * f64::EPSILON * parts;
         }
         map
     }
@@ -187,19 +187,19 @@ fn read_one(cursor: &mut TextCursor) -> CursorResult<SvgTransform> {
         return Err(cursor.trouble("a transform, as in scale(2),"));
     }
     let mut n = 0;
-    let mut all = [0.0; 6];
+    let mut numbers = [0.0; 6];
     cursor.skip_space();
     while !cursor.take(b')') {
         let value = cursor.number()?;
         if n < 6 {
-            all[n] = value;
+            numbers[n] = value;
         }
         n += 1;
         if cursor.skip_comma() && !cursor.at_number() {
             return Err(cursor.trouble("a number"));
         }
     }
-    let [a, b, c, d, e, f] = all;
+    let [a, b, c, d, e, f] = numbers;
     let wrong = |what: String| SvgSyntaxError { at, what, not_finite: false };
     let name = String::from_utf8_lossy(name);
     Ok(match (name.as_ref(), n) {
@@ -217,7 +217,7 @@ fn read_one(cursor: &mut TextCursor) -> CursorResult<SvgTransform> {
             let k = usize::from(name == "skewX");
             let mut map = SvgTransform::identity();
             map.affine.columns[k][1 - k] = tan;
-            map.off.columns[k][1 - k] = tan_off;
+            map.error.columns[k][1 - k] = tan_off;
             map.is_identity = tan == 0.0;
             map
         }
@@ -228,9 +228,9 @@ fn read_one(cursor: &mut TextCursor) -> CursorResult<SvgTransform> {
 /// How a view box sits in a viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PreserveAspectRatio {
-    /// `None` for `none`; else whether the viewport is filled (`slice`) or everything is shown (`meet`).
+    /// `None` for `none`; else whether the view box covers the viewport (`slice`) or fits inside it (`meet`).
     uniform: Option<bool>,
-    /// The share of the unused length that comes before: 0, a half or 1.
+    /// The share of the unused length before the view box: 0, a half or 1.
     align: [f64; 2],
 }
 
@@ -320,7 +320,7 @@ mod tests {
 
     #[test]
     fn the_error_of_a_chain_covers_what_it_loses() {
-        // Eighteen rotations by 20 degrees make the identity.
+        // Eighteen rotations by 20 degrees are the identity.
         let mut map = SvgTransform::identity();
         for _ in 0..18 {
             map = map.after(&SvgTransform::rotation(20.0));
@@ -328,8 +328,8 @@ mod tests {
         let point = Curve::point([3.0, 4.0]).unwrap();
         let moved = map.apply(&point).unwrap();
         let [x, y] = moved.start();
-        let off = ((x - 3.0).powi(2) + (y - 4.0).powi(2)).sqrt();
-        assert!(off <= moved.slack() && moved.slack() < 1e-10, "{off} {}", moved.slack());
+        let error = ((x - 3.0).powi(2) + (y - 4.0).powi(2)).sqrt();
+        assert!(error <= moved.slack() && moved.slack() < 1e-10, "{error} {}", moved.slack());
     }
 
     #[test]

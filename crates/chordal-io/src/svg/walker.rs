@@ -17,10 +17,11 @@ use std::collections::BTreeMap;
 
 /// The deepest nesting of elements, including those that `use` adds: each level takes some of the call stack.
 const DEEPEST: usize = 400;
-/// The segments and elements that `use` may copy whatever the file's size: 64 MiB, at about 320 bytes each.
+/// The segments and elements that `use` may copy, whatever the file's size. Chosen: 64 MiB, at about 320
+/// bytes each.
 const COPIES: u64 = 200_000;
 
-/// What children inherit.
+/// The properties that children inherit.
 #[derive(Clone, Copy)]
 struct ParentContext {
     map: SvgTransform,
@@ -29,7 +30,7 @@ struct ParentContext {
     depth: usize,
 }
 
-/// A walk over a tree.
+/// A traversal of a tree.
 pub(super) struct SvgWalker<'w, 'a> {
     tree: &'w XmlTree<'a>,
     limits: &'w Limits,
@@ -42,7 +43,7 @@ pub(super) struct SvgWalker<'w, 'a> {
     drawing: Drawing,
 }
 
-/// The size that a `use` gives to its symbol, and the rounding of its units.
+/// The size that a `use` gives to its symbol, and the rounding of its unit conversions.
 #[derive(Clone, Copy, Debug, Default)]
 struct UseSize {
     size: [Option<f64>; 2],
@@ -98,7 +99,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         Ok(self.drawing)
     }
 
-    /// Reads the root: coordinates are those of its view box, which is not applied.
+    /// Reads the root. Coordinates are those of its view box, which is not applied.
     fn root(&mut self) -> Result<Option<[f64; 2]>, ReadError> {
         let tree = self.tree;
         let mut sizes = [None; 2];
@@ -126,7 +127,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         let aspect = self.aspect(0);
         self.drawing.frame.metres_per_unit = match (metres(0), metres(1), shown) {
             (Some(w), Some(h), Some([_, _, vw, vh])) => aspect.scale([vw, vh], [w, h]),
-            // A missing size follows from the other by the view box.
+            // A missing size follows from the other one and the view box.
             (Some(w), None, Some([_, _, vw, _])) if sizes[1].is_none() => Some(w / vw),
             (None, Some(h), Some([_, _, _, vh])) if sizes[0].is_none() => Some(h / vh),
             _ => None,
@@ -168,7 +169,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         })
     }
 
-    /// The style of an element from attributes, sheets and its own style, in this order.
+    /// The style of an element, from attributes, style sheets and its `style`, in this order.
     fn cascade(&mut self, node: usize, parent: InheritedStyle) -> StyleCascade {
         let tree = self.tree;
         let mut cascade = StyleCascade::from(parent);
@@ -201,28 +202,28 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
     }
 
     /// Counts unsupported properties of an element. Returns whether it is drawn at all.
-    fn is_visible(&mut self, node: usize, own: &ElementStyle) -> bool {
-        if own.hidden {
+    fn is_visible(&mut self, node: usize, style: &ElementStyle) -> bool {
+        if style.hidden {
             self.warn(node, "hidden", "elements that are not displayed were left out");
             return false;
         }
-        let asked = [
-            (own.clipped, "unsupported-clip-path", "clip paths are not applied: shapes are whole"),
-            (own.masked, "unsupported-mask", "masks are not applied: shapes are whole"),
-            (own.filtered, "unsupported-filter", "filters are not applied"),
+        let unsupported = [
+            (style.clipped, "unsupported-clip-path", "clip paths are not applied: shapes are whole"),
+            (style.masked, "unsupported-mask", "masks are not applied: shapes are whole"),
+            (style.filtered, "unsupported-filter", "filters are not applied"),
             (
-                own.css_geometry,
+                style.css_geometry,
                 "unsupported-css-geometry",
                 "geometry and transforms are read from attributes, not from styles, and turn about the origin",
             ),
             (
-                own.sheer,
+                style.sheer,
                 "unsupported-opacity",
                 "opacity is not looked at: what shows through is drawn as if it did not",
             ),
-            (own.important, "unsupported-important", "'!important' does not change which style wins"),
+            (style.important, "unsupported-important", "'!important' does not change which style wins"),
         ];
-        for (_, code, message) in asked.into_iter().filter(|row| row.0) {
+        for (_, code, message) in unsupported.into_iter().filter(|row| row.0) {
             self.warn(node, code, message);
         }
         true
@@ -289,7 +290,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// The context with the element's transform; `None` if that leaves nothing to draw.
+    /// The context with the element's transform; `None` if nothing can be drawn with it.
     fn transformed(
         &mut self,
         node: usize,
@@ -317,7 +318,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         Ok(Some(ParentContext { map: context.map.after(&map), ..context }))
     }
 
-    /// Draws a nested picture, or the symbol of a `use` with the sizes that it gives.
+    /// Draws a nested picture, or the symbol of a `use` with the size that the `use` gives.
     fn viewport(&mut self, node: usize, context: &ParentContext, given: UseSize) -> Result<(), ReadError> {
         let place = match self.port(node, context) {
             Ok(place) => place,
@@ -328,7 +329,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         let size = [given.size[0].or(w), given.size[1].or(h)];
         let lost = if given.lost > 0.0 { add_up(lost, given.lost) } else { lost };
         let outer = context.viewport;
-        let size = [0, 1].map(|k| size[k].or(outer.map(|all| all[k])));
+        let size = [0, 1].map(|k| size[k].or(outer.map(|size| size[k])));
         let view_box = self.view_box(node)?;
         let aspect = self.aspect(node);
         let at = [x.unwrap_or(0.0), y.unwrap_or(0.0)];
@@ -358,7 +359,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         self.children(node, &inner)
     }
 
-    /// The position and size of an element, and the rounding of their units.
+    /// The position and size of an element, and the rounding of their unit conversions.
     fn port(
         &mut self,
         node: usize,
@@ -385,7 +386,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// Whether the conditions of an element hold, as for a reader of English without extensions.
+    /// Whether the conditions of an element hold, for an English-speaking reader without extensions.
     fn conditions_hold(&self, node: usize) -> bool {
         let language = self.tree.get(node, Key::SystemLanguage).is_none_or(|(all, _)| {
             all.split(',').any(|one| one.trim() == "en" || one.trim().starts_with("en-"))
@@ -448,7 +449,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         drawn
     }
 
-    /// Draws a symbol or picture that is used.
+    /// Draws the symbol or picture of a `use`.
     fn draw_instance(
         &mut self,
         node: usize,
@@ -467,7 +468,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
         }
     }
 
-    /// Counts what `use` draws against a limit of its own: a few lines can stand for more than memory holds.
+    /// Counts elements drawn by `use` against a separate limit: a few lines can expand beyond all memory.
     fn count_copies(&mut self, node: usize, more: u64) -> Result<(), ReadError> {
         if self.using.is_empty() {
             return Ok(());
@@ -501,7 +502,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
             return Ok(());
         }
         let looks = context.inherited;
-        let asked = [
+        let unsupported = [
             (
                 looks.stroked,
                 "unsupported-stroke",
@@ -514,7 +515,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
                 "gradients and patterns are plain fills here",
             ),
         ];
-        for (_, code, message) in asked.into_iter().filter(|row| row.0) {
+        for (_, code, message) in unsupported.into_iter().filter(|row| row.0) {
             self.warn(node, code, message);
         }
         self.add_element(node, context, pen)
@@ -591,7 +592,7 @@ impl<'w, 'a> SvgWalker<'w, 'a> {
             name,
             source: u64::from(owner),
             rule,
-            // A line has no inside.
+            // A line has no interior.
             filled: filled && tag != ElementTag::Line,
         };
         push_large(&mut self.drawing.elements, element)

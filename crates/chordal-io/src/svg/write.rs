@@ -1,5 +1,5 @@
-//! Writes polylines, and paths of lines and cubics, as an SVG file: one path for each element, with a subpath for each of
-//! them.
+//! Writes polylines, and paths of lines and cubics, as an SVG file: one path for each element, with a subpath
+//! for each of its lines.
 use super::CERTIFICATE;
 use crate::WriteError;
 use crate::drawing::{Drawing, DrawingElement, PathSet, Polylines};
@@ -11,11 +11,11 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::io::Write;
 
-/// Writes polylines with all digits that they need to read back to the same bits. Filled elements are filled,
-/// all others are thin lines. The certificate is in `metadata`.
+/// Writes polylines with enough digits to read back to the same bits. Filled elements are filled, all others
+/// are thin lines. The certificate is in `metadata`.
 ///
 /// # Errors
-/// When the sink fails, or the polylines are in space.
+/// If the sink fails, or the polylines are in space.
 pub fn write(
     polylines: &Polylines,
     certificate: Option<&Value>,
@@ -35,10 +35,10 @@ pub fn write(
     )
 }
 
-/// Writes paths of lines and cubics as [`write`] does polylines: with all digits.
+/// Writes paths of lines and cubics as [`write`] does polylines, with all digits.
 ///
 /// # Errors
-/// When the sink fails, or a path has a piece that SVG does not hold to the last digit: an arc or a rational one.
+/// If the sink fails, or a path has a piece that SVG cannot hold exactly: an arc or a rational one.
 pub fn write_paths(
     drawing: &Drawing,
     certificate: Option<&Value>,
@@ -48,7 +48,7 @@ pub fn write_paths(
     document(drawing, bounds(corners), certificate, out, path_data)
 }
 
-/// Writes the `d` of one line.
+/// A function that writes the `d` of one line.
 type LineWriter<T> = fn(&T, &mut dyn Write) -> Result<(), WriteError>;
 
 fn document<T>(
@@ -72,7 +72,7 @@ fn document<T>(
             "<metadata><{CERTIFICATE} xmlns:chordal=\"{CERTIFICATE_NAMESPACE}\">{text}</{CERTIFICATE}></metadata>"
         )?;
     }
-    // An id must be unique; copies that `use` made have the same.
+    // An id must be unique, but copies by `use` share theirs.
     let mut named = BTreeSet::new();
     for (element, lines) in drawn.groups() {
         let id = named.insert(&element.name).then_some(&*element.name).filter(|id| !id.is_empty());
@@ -110,7 +110,7 @@ fn polyline(line: &Polyline<2>, out: &mut dyn Write) -> Result<(), WriteError> {
         };
         write_points(command, &[*point], out)?;
     }
-    // A single point is drawn by closing it.
+    // A closed path draws a dot for a single point.
     if line.closed || line.points.len() == 1 {
         out.write_all(b"Z")?;
     }
@@ -122,7 +122,7 @@ fn path_data(curve: &Curve<2>, out: &mut dyn Write) -> Result<(), WriteError> {
     let last = curve.segments().len().saturating_sub(1);
     for (index, piece) in curve.segments().iter().enumerate() {
         match piece {
-            // The last line of a closed path is what closing it draws.
+            // Closing the path draws its last line.
             CurveSegment::Line(_) if curve.is_closed() && index == last => {}
             CurveSegment::Line([_, end]) => write_points("L", &[*end], out)?,
             CurveSegment::Cubic(cubic) => write_points("C", &cubic.control[1..], out)?,
@@ -146,7 +146,7 @@ fn write_points(command: &str, points: &[[f64; 2]], out: &mut dyn Write) -> Resu
     Ok(())
 }
 
-/// A box around all points, of positive size even where they have none.
+/// A box around all points, of positive size even if the points have none.
 fn bounds(mut points: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
     let Some(first) = points.next() else { return [0.0, 0.0, 1.0, 1.0] };
     let (mut low, mut high) = (first, first);

@@ -1,5 +1,5 @@
-//! `XmlTree`: the elements of an SVG file in document order, in 24 bytes each and 12 for each attribute that
-//! is kept.
+//! `XmlTree`: the elements of an SVG file in document order. An element takes 24 bytes, and each stored
+//! attribute 12.
 use super::names::{ElementTag, Key};
 use crate::grow::push;
 use crate::text::{grouped, show};
@@ -13,7 +13,7 @@ use quick_xml::events::attributes::Attributes;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// The deepest nesting, whatever the limits allow: each level takes some of the call stack later.
+/// The deepest nesting, whatever the limits allow. Chosen: later, each level takes some of the call stack.
 const DEEPEST: usize = 256;
 /// The namespace of SVG.
 const SVG: &str = "http://www.w3.org/2000/svg";
@@ -60,14 +60,13 @@ impl<'a> XmlTree<'a> {
     /// Parses a file.
     ///
     /// # Errors
-    /// When the text is no XML, has a document type with declarations, or exceeds the limits on size or
-    /// depth.
+    /// If the text is not XML, has a document type with declarations, or exceeds the limits on size or depth.
     pub fn read(text: &'a str, limits: &Limits) -> Result<Self, ReadError> {
         if u32::try_from(text.len()).is_err() {
             let message = format!("{} bytes are over the limit of 4,294,967,295", grouped(text.len() as u64));
             return Err(ReadError::new("too-large", FileLocation::File, message));
         }
-        XmlParser::new(text, limits).all()
+        XmlParser::new(text, limits).parse()
     }
 
     /// The number of elements.
@@ -75,7 +74,7 @@ impl<'a> XmlTree<'a> {
         self.nodes.len()
     }
 
-    /// The bytes of the file.
+    /// The number of bytes of the file.
     pub fn bytes(&self) -> u64 {
         self.text.len() as u64
     }
@@ -113,25 +112,25 @@ impl<'a> XmlTree<'a> {
     /// The value of an attribute, with its escapes resolved, and the byte where it starts.
     pub fn get(&self, node: usize, key: Key) -> Option<(Cow<'a, str>, usize)> {
         let XmlNode { attributes, n_attributes, .. } = self.nodes[node];
-        let own = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
-        let found = own.iter().find(|a| a.key == key)?;
-        Some((self.value(*found), found.at as usize))
+        let range = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
+        let attribute = range.iter().find(|a| a.key == key)?;
+        Some((self.value(*attribute), attribute.at as usize))
     }
 
-    /// All attributes that are kept.
+    /// All stored attributes.
     pub fn attributes(&self, node: usize) -> impl Iterator<Item = (Key, Cow<'a, str>, usize)> + '_ {
         let XmlNode { attributes, n_attributes, .. } = self.nodes[node];
-        let own = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
-        own.iter().map(|a| (a.key, self.value(*a), a.at as usize))
+        let range = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
+        range.iter().map(|a| (a.key, self.value(*a), a.at as usize))
     }
 
     fn value(&self, attribute: XmlAttribute) -> Cow<'a, str> {
         let raw = &self.text[attribute.at as usize..(attribute.at + attribute.len) as usize];
-        // Parsing has checked that it can be resolved.
+        // The parser checked that the escapes can be resolved.
         if raw.contains('&') { unescape(raw).unwrap_or(Cow::Borrowed(raw)) } else { Cow::Borrowed(raw) }
     }
 
-    /// The location of a byte in an attribute's value; with escapes in it, where the value starts.
+    /// The location of a byte in an attribute's value; of the start of the value if it has escapes.
     #[expect(clippy::ptr_arg, reason = "a borrowed value has no escapes")]
     pub fn place_in(&self, value: &Cow<'_, str>, start: usize, at: usize) -> FileLocation {
         let offset = if matches!(value, Cow::Borrowed(_)) { at } else { 0 };
@@ -185,7 +184,7 @@ impl<'a> XmlParser<'a> {
         ReadError::new(code, place(self.tree.text, at), message)
     }
 
-    fn all(mut self) -> Result<XmlTree<'a>, ReadError> {
+    fn parse(mut self) -> Result<XmlTree<'a>, ReadError> {
         loop {
             let at = self.reader.buffer_position() as usize;
             let event = match self.reader.read_event() {
@@ -262,7 +261,7 @@ impl<'a> XmlParser<'a> {
         self.text(at, &resolved)
     }
 
-    /// Handles text, which counts in style sheets and in the certificate; outside the root there is none.
+    /// Handles text, which matters in style sheets and in the certificate; none is allowed outside the root.
     fn text(&mut self, at: usize, text: &str) -> Result<(), ReadError> {
         let Some(node) = self.open.last() else {
             if text.trim_matches(|c: char| c.is_ascii_whitespace() || c == '\u{feff}').is_empty() {
@@ -303,15 +302,16 @@ impl<'a> XmlParser<'a> {
         let binds = self.attributes(body, name_len, at + 1)?;
         let (prefix, local) = name.split_once(':').unwrap_or(("", name));
         let is_root = self.tree.nodes.is_empty();
-        let is_svg = match self.bound.get(prefix).and_then(|all| all.last()) {
+        let is_svg = match self.bound.get(prefix).and_then(|bindings| bindings.last()) {
             Some(is_svg) => *is_svg,
-            // In a file without any namespace, names are SVG's.
+            // In a file without any namespace, all names are SVG's.
             None => prefix.is_empty() && !self.tree.has_namespace,
         };
         if is_root {
-            self.tree.has_namespace = self.bound.get(prefix).is_some_and(|all| all.last() == Some(&true));
+            self.tree.has_namespace =
+                self.bound.get(prefix).is_some_and(|bindings| bindings.last() == Some(&true));
         }
-        let tag = if is_svg { ElementTag::named(local) } else { ElementTag::Foreign };
+        let tag = if is_svg { ElementTag::from_name(local) } else { ElementTag::Foreign };
         let node = XmlNode {
             tag,
             n_attributes: (self.tree.attributes.len() - first) as u16,
@@ -327,7 +327,7 @@ impl<'a> XmlParser<'a> {
     }
 
     fn finish(&mut self) {
-        // The reader has matched start and end tags.
+        // The XML reader has already matched start and end tags.
         let Some(node) = self.open.pop() else { return };
         self.tree.nodes[node as usize].end = self.tree.nodes.len() as u32;
         for prefix in self.binds.pop().unwrap_or_default() {
@@ -337,7 +337,7 @@ impl<'a> XmlParser<'a> {
         }
     }
 
-    /// Keeps the known attributes. Returns the prefixes that are bound here.
+    /// Stores the known attributes. Returns the prefixes bound by this element.
     fn attributes(&mut self, body: &'a str, name_len: usize, at: usize) -> Result<Vec<&'a str>, ReadError> {
         let mut binds = Vec::new();
         let base = body.as_ptr() as usize;
@@ -357,7 +357,7 @@ impl<'a> XmlParser<'a> {
                 return Err(self.error(at, "too-many-attributes", message));
             }
             let name: &'a str = attribute.key.0;
-            // Raw values are slices of the text; any other would become empty.
+            // Raw values are slices of the text; an owned value, which cannot occur, would become empty.
             let value: &'a str = match attribute.value {
                 Cow::Borrowed(value) => value,
                 Cow::Owned(_) => "",
@@ -371,7 +371,7 @@ impl<'a> XmlParser<'a> {
             if let Some(prefix) = name.strip_prefix("xmlns:").or((name == "xmlns").then_some("")) {
                 self.bound.entry(prefix).or_default().push(value == SVG);
                 binds.push(prefix);
-            } else if let Some(key) = Key::named(local_of(name)) {
+            } else if let Some(key) = Key::from_name(local_of(name)) {
                 let len = value.len() as u32;
                 push(&mut self.tree.attributes, XmlAttribute { key, at: value_at as u32, len })?;
             }
@@ -383,7 +383,7 @@ impl<'a> XmlParser<'a> {
 /// The local name of an attribute; a prefix other than that of links makes it foreign.
 fn local_of(name: &str) -> &str {
     match name.split_once(':') {
-        // Any prefix counts: nobody binds another namespace to an attribute of this name.
+        // Any prefix is accepted: no other namespace in use has an attribute of this name.
         Some((_, "href")) => "xlink:href",
         Some(_) => "",
         None => name,

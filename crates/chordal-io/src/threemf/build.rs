@@ -1,4 +1,4 @@
-//! `NodeBuilder`: the nodes of a scene from items and components, which say what stands where.
+//! `NodeBuilder`: the nodes of a scene from items and components, which place objects.
 use super::meshes::NOTHING;
 use super::model::{ModelDocument, ModelObject, ModelSet, ObjectReference, ObjectShape};
 use crate::grow::{push, with_room};
@@ -7,35 +7,34 @@ use crate::text::grouped;
 use crate::{FileLocation, Node, ReadError, Scene};
 use std::collections::BTreeMap;
 
-/// The nodes that a file may have beyond those that it lists, since objects are made of others and their
-/// nodes are written out. Chosen: they take about as much memory as the 64 MiB that a reader may take for
-/// any file.
+/// The nodes that a file may have beyond those that it lists, since objects contain others and are expanded.
+/// Chosen: they take about as much memory as the 64 MiB that a reader may take for any file.
 const COPIES: u64 = 200_000;
-/// The bytes of a node: a longer name counts as so many nodes more.
+/// The bytes of a node; a longer name counts as further nodes.
 const NODE_BYTES: u64 = 192;
 
-/// What an object becomes.
+/// The nodes that an object expands to.
 #[derive(Clone, Copy, Debug, Default)]
 struct NodeCount {
     n_nodes: u64,
-    /// The same with long names counted as nodes.
+    /// The same, with long names counted as nodes.
     weight: u64,
 }
 
-/// Makes nodes of the objects of all model parts.
+/// Creates the nodes for the objects of all model parts.
 pub(super) struct NodeBuilder<'a> {
     set: &'a ModelSet,
     documents: &'a [ModelDocument],
-    /// The objects, with the number of their document.
+    /// The objects, with the index of their document.
     objects: Vec<(usize, &'a ModelObject)>,
     numbers: BTreeMap<(u32, u32), u32>,
-    /// For each document, for each component, the object.
+    /// For each component of each document, its object.
     targets: Vec<Vec<u32>>,
     counts: Vec<NodeCount>,
 }
 
 impl<'a> NodeBuilder<'a> {
-    /// Checks that every object that is referred to is there, and that none is a part of itself.
+    /// Checks that every referenced object exists, and that none contains itself.
     ///
     /// # Errors
     /// `missing-object`, `component-cycle`, `too-many-copies`.
@@ -68,8 +67,8 @@ impl<'a> NodeBuilder<'a> {
     /// The object of a reference in a document.
     fn object(&self, document: usize, reference: &ObjectReference) -> Result<u32, ReadError> {
         self.numbers.get(&(reference.document, reference.object)).copied().ok_or_else(|| {
-            let there = self.set.documents.get(reference.document as usize).map_or("", |name| name);
-            let message = format!("object {} is not in {there}", reference.object);
+            let document_name = self.set.documents.get(reference.document as usize).map_or("", |name| name);
+            let message = format!("object {} is not in {document_name}", reference.object);
             self.error(document, reference.line, "missing-object", message)
         })
     }
@@ -85,8 +84,8 @@ impl<'a> NodeBuilder<'a> {
         }
     }
 
-    /// The part that an object shows by itself. An object of one mesh in its own place is a name of the
-    /// mesh.
+    /// The part that an object itself shows. An object with a single untransformed mesh only gives that mesh
+    /// a name.
     fn part(&self, object: u32) -> Option<usize> {
         if let ObjectShape::Mesh(part) = self.objects[object as usize].1.shape {
             return Some(part);
@@ -137,9 +136,9 @@ impl<'a> NodeBuilder<'a> {
         let mut count = NodeCount { n_nodes: 1, weight: 1 + name.len() as u64 / NODE_BYTES };
         if self.part(object).is_none() {
             for target in self.components(object).2 {
-                let of = self.counts[*target as usize];
-                count.n_nodes = count.n_nodes.saturating_add(of.n_nodes);
-                count.weight = count.weight.saturating_add(of.weight);
+                let component = self.counts[*target as usize];
+                count.n_nodes = count.n_nodes.saturating_add(component.n_nodes);
+                count.weight = count.weight.saturating_add(component.weight);
             }
         }
         count
@@ -148,7 +147,7 @@ impl<'a> NodeBuilder<'a> {
     /// The nodes of the root model's items.
     ///
     /// # Errors
-    /// `missing-object`; `too-many-copies` when objects of objects are more than is held.
+    /// `missing-object`; `too-many-copies` if nested objects exceed the limit.
     pub(super) fn nodes(&self, scene: &mut Scene) -> Result<(), ReadError> {
         let Some(root) = self.documents.first() else { return Ok(()) };
         let listed: u64 = self.documents.iter().map(|d| (d.components.len() + d.items.len()) as u64).sum();
@@ -202,7 +201,7 @@ impl<'a> NodeBuilder<'a> {
     }
 }
 
-/// A node that is still to be made: the object that a reference in a document shows.
+/// A node that is still to be created: the object of a reference in a document.
 struct OpenNode<'a> {
     object: u32,
     /// `NOTHING` for a root.
@@ -211,8 +210,8 @@ struct OpenNode<'a> {
     reference: &'a ObjectReference,
 }
 
-/// The matrix of a reference. The file has rows for points that are rows, which are columns for those that
-/// are columns.
+/// The matrix of a reference. The rows of the file, which are for row vectors, are the columns of our matrix
+/// for column vectors.
 fn matrix(document: &ModelDocument, reference: &ObjectReference) -> [f64; 16] {
     let mut matrix = IDENTITY;
     if let Some(transform) = document.transforms.get(reference.transform as usize) {

@@ -1,14 +1,14 @@
-//! `ModelMesh`: the vertices and triangles of an object, as they are read.
+//! `ModelMesh`: the vertices and triangles of an object while they are read.
 use super::namespace::ModelElements;
 use crate::assemble::too_many_rows;
 use crate::grow::{push, push_many};
 use crate::text::{IntegerError, grouped, integer, not_finite, number, number_error, show, trim};
 use crate::{Limits, ReadError};
 
-/// The number of no group and of no property.
+/// The number for a missing group or property.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// The group and the properties of a triangle's corners, `NOTHING` where the file says nothing.
+/// The group and the properties of a triangle's corners, `NOTHING` if the file gives none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TriangleProperties {
     pub group: u32,
@@ -22,22 +22,22 @@ impl TriangleProperties {
 /// A mesh with the properties of its triangles.
 #[derive(Clone, Debug)]
 pub(super) struct ModelMesh {
-    /// The number of its object.
+    /// The id of its object.
     pub id: u32,
-    /// The group and the property of triangles without their own; `NOTHING` where there is none.
+    /// The default group and property of triangles; `NOTHING` if there is none.
     pub group: u32,
     pub property: u32,
     pub positions: Vec<[f64; 3]>,
     pub faces: Vec<[u32; 3]>,
-    /// Of the first triangles; those after them have none of their own.
+    /// The properties of the first triangles; later ones have none of their own.
     pub properties: Vec<TriangleProperties>,
 }
 
-/// A number that names a resource or an element of a list.
+/// A number that refers to a resource or an element of a list.
 pub(super) fn index(elements: &ModelElements, name: &str) -> Result<Option<u32>, ReadError> {
     let Some(text) = elements.get(name) else { return Ok(None) };
     let token = trim(text.as_bytes());
-    let found = match integer(token) {
+    let parsed = match integer(token) {
         Ok(value) => u32::try_from(value).ok().filter(|value| *value != NOTHING),
         Err(IntegerError::TooLarge) => None,
         Err(IntegerError::Spelling) => {
@@ -45,22 +45,22 @@ pub(super) fn index(elements: &ModelElements, name: &str) -> Result<Option<u32>,
             return Err(elements.error("not-a-number", message));
         }
     };
-    found.map(Some).ok_or_else(|| {
+    parsed.map(Some).ok_or_else(|| {
         let message = format!("{name} = {} is outside 0 to {}", show(token), grouped(u64::from(NOTHING) - 1));
         elements.error("index-out-of-range", message)
     })
 }
 
-/// The same where it has to be there.
+/// The same for a required number.
 pub(super) fn needed_index(elements: &ModelElements, name: &str) -> Result<u32, ReadError> {
     elements.need(name)?;
     index(elements, name).map(|found| found.unwrap_or(NOTHING))
 }
 
 impl ModelMesh {
-    /// Appends the vertex that is the current element.
+    /// Appends the vertex of the current element.
     pub(super) fn push_vertex(&mut self, elements: &ModelElements, limits: &Limits) -> Result<(), ReadError> {
-        // The highest number is that of nothing.
+        // The highest number is reserved for `NOTHING`.
         let most = limits.rows.min(u64::from(u32::MAX - 1));
         if self.positions.len() as u64 >= most {
             let rows = self.positions.len() as u64 + 1;
@@ -81,7 +81,7 @@ impl ModelMesh {
         push(&mut self.positions, position)
     }
 
-    /// Appends the triangle that is the current element.
+    /// Appends the triangle of the current element.
     pub(super) fn push_triangle(
         &mut self,
         elements: &ModelElements,

@@ -12,10 +12,10 @@ use crate::{FileLocation, Limits, Part, ReadError};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// What an object is made of.
+/// The content of an object.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ObjectShape {
-    /// The part of the scene that its mesh became.
+    /// The index of the scene's part for its mesh.
     Mesh(usize),
     /// A run of the document's references.
     Components { first: usize, n: usize },
@@ -24,15 +24,15 @@ pub(super) enum ObjectShape {
 /// An object of a model.
 #[derive(Clone, Debug)]
 pub(super) struct ModelObject {
-    /// Empty for a mesh, whose part has the name.
+    /// Empty for a mesh; its part has the name.
     pub name: String,
     pub shape: ObjectShape,
 }
 
-/// A component or an item: an object at a place.
+/// A component or an item: an instance of an object.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ObjectReference {
-    /// The model part that has the object, as an index of the reader's list.
+    /// The index of the model part with the object, in the reader's list.
     pub document: u32,
     pub object: u32,
     /// Index of the document's transforms, `NOTHING` for the identity.
@@ -47,19 +47,19 @@ pub(super) struct ModelDocument {
     pub objects: BTreeMap<u32, ModelObject>,
     pub components: Vec<ObjectReference>,
     pub items: Vec<ObjectReference>,
-    /// Row by row, as the file has them.
+    /// Row by row, as in the file.
     pub transforms: Vec<[f64; 12]>,
     pub certificate: Option<Value>,
 }
 
-/// What the documents of a package share.
+/// The data shared by the documents of a package.
 #[derive(Debug, Default)]
 pub(super) struct ModelSet {
-    /// The names of the model parts, the root first; the order in which they are read.
+    /// The names of the model parts, the root first, in reading order.
     pub documents: Vec<String>,
-    /// Where each was named first.
+    /// The location of the first reference to each.
     pub places: Vec<FileLocation>,
-    /// The numbers of those names.
+    /// The indices of those names.
     numbers: BTreeMap<String, u32>,
     pub parts: Vec<Part>,
     /// The names of all materials.
@@ -68,7 +68,7 @@ pub(super) struct ModelSet {
 }
 
 impl ModelSet {
-    /// The number of a document, which is read later if it is new.
+    /// The index of a document. A new one is added to the list and read later.
     pub(super) fn document(&mut self, name: &str, place: FileLocation) -> u32 {
         let key = name.to_ascii_lowercase();
         if let Some(known) = self.numbers.get(&key) {
@@ -92,7 +92,7 @@ pub(super) const UNITS: [(&str, f64); 6] = [
     ("foot", 0.3048),
     ("meter", 1.0),
 ];
-/// The unit of a file that names none.
+/// The default unit of a file.
 pub(super) const DEFAULT_UNIT: &str = "millimeter";
 
 /// The meaning of an open element.
@@ -119,7 +119,7 @@ enum GroupKind {
     Skipped(&'static str),
 }
 
-/// An object that is being read.
+/// An object while it is read.
 struct ObjectDraft {
     id: u32,
     name: String,
@@ -132,7 +132,7 @@ struct ObjectDraft {
 /// Reads one model part.
 pub(super) struct ModelReader<'a, 's> {
     elements: ModelElements<'a>,
-    /// The name of the part and its number.
+    /// The name of the part, and its index.
     part: &'a str,
     number: u32,
     limits: &'a Limits,
@@ -169,7 +169,7 @@ impl<'a, 's> ModelReader<'a, 's> {
         }
     }
 
-    /// Reads all of the part; its meshes become parts of the scene.
+    /// Reads the whole part; its meshes become parts of the scene.
     ///
     /// # Errors
     /// With the line and the column, and the name of the part.
@@ -276,7 +276,7 @@ impl<'a, 's> ModelReader<'a, 's> {
         }
     }
 
-    /// Counts an element that is left out with all that it holds.
+    /// Counts an element that is skipped with its content.
     fn skip(&mut self, code: &'static str, element: XmlElement<'_, ModelNamespace>) -> OpenElement {
         let Self { elements, set, part, .. } = self;
         set.warnings.count(code, || {
@@ -319,7 +319,7 @@ impl<'a, 's> ModelReader<'a, 's> {
         Ok(OpenElement::Model)
     }
 
-    /// Metadata says nothing of the shape; the certificate is one of them.
+    /// Metadata does not affect the shape; the certificate is in an entry of it.
     fn metadata(&self) -> OpenElement {
         let name = self.elements.get("name").unwrap_or("");
         let is_certificate = name.split_once(':').is_some_and(|(prefix, local)| {
@@ -329,7 +329,7 @@ impl<'a, 's> ModelReader<'a, 's> {
         if is_certificate { OpenElement::Certificate } else { OpenElement::Skipped }
     }
 
-    /// The number of a new resource.
+    /// The id of a new resource.
     fn resource(&self) -> Result<u32, ReadError> {
         let id = needed_index(&self.elements, "id")?;
         if self.document.objects.contains_key(&id) || self.groups.contains_key(&id) {
@@ -551,7 +551,7 @@ impl<'a, 's> ModelReader<'a, 's> {
         }
     }
 
-    /// Makes parts of the meshes, once all groups are known.
+    /// Converts the meshes to parts, once all groups are known.
     fn assemble(&mut self) -> Result<(), ReadError> {
         reserve_large(&mut self.set.parts, self.meshes.len())?;
         for (model_mesh, name) in std::mem::take(&mut self.meshes) {

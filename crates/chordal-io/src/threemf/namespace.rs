@@ -12,10 +12,10 @@ pub(super) const RELATIONSHIPS: &str = "http://schemas.openxmlformats.org/packag
 /// The elements of a model part.
 pub(super) type ModelElements<'a> = XmlElements<'a, ModelNamespace>;
 
-/// What a namespace stands for.
+/// The meaning of a namespace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ModelNamespace {
-    /// No namespace, as that of most attributes.
+    /// No namespace, as most attributes have.
     None,
     Core,
     Materials,
@@ -28,12 +28,12 @@ pub(super) enum ModelNamespace {
     Volumetric,
     SecureContent,
     Relationships,
-    /// Of this library, for the certificate.
+    /// This library's namespace, for the certificate.
     Certificate,
     Unknown,
 }
 
-/// The namespaces by the part of their name that stays from version to version.
+/// The namespaces by the beginning of their name, which is the same in all versions.
 const BY_START: [(&str, ModelNamespace); 10] = [
     ("http://schemas.microsoft.com/3dmanufacturing/production/", ModelNamespace::Production),
     ("http://schemas.microsoft.com/3dmanufacturing/beamlattice/", ModelNamespace::BeamLattice),
@@ -66,7 +66,7 @@ impl NamespaceKind for ModelNamespace {
 }
 
 impl ModelNamespace {
-    /// Its name in a sentence.
+    /// Its name, for messages.
     pub(super) fn title(self) -> &'static str {
         match self {
             Self::None | Self::Unknown => "unknown",
@@ -85,8 +85,8 @@ impl ModelNamespace {
         }
     }
 
-    /// Whether the triangles of a file that requires it are all that they should be, or what is left out is
-    /// counted where it stands.
+    /// Whether a file that requires the extension still has correct triangles here, or skipped elements are
+    /// counted where they occur.
     pub(super) fn is_read(self) -> bool {
         matches!(
             self,

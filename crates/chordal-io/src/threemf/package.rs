@@ -8,13 +8,13 @@ use crate::zip::directory::{ZipDirectory, ZipNames, unsafe_name};
 use crate::zip::unpack::ZipUnpacker;
 use crate::{FileLocation, Limits, ReadError};
 
-/// The list of what the parts are, which every package has.
+/// The list of the parts' content types, which every package has.
 pub(super) const CONTENT_TYPES: &str = "[Content_Types].xml";
 /// The relationships of the package as a whole.
 pub(super) const ROOT_RELATIONSHIPS: &str = "_rels/.rels";
-/// The type of the relationship that leads to the model.
+/// The type of the relationship to the model.
 pub(super) const MODEL_RELATIONSHIP: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
-/// Where writers put the model.
+/// The usual name of the model.
 pub(super) const MODEL: &str = "3D/3dmodel.model";
 
 /// A 3MF file.
@@ -25,7 +25,7 @@ pub(super) struct ModelPackage<'a> {
     limits: &'a Limits,
 }
 
-/// A line of a part with relationships.
+/// An entry in a part with relationships.
 struct PartRelationship {
     kind: String,
     target: String,
@@ -36,17 +36,17 @@ impl<'a> ModelPackage<'a> {
     /// Opens a file.
     ///
     /// # Errors
-    /// As of [`ZipDirectory::read`].
+    /// As for [`ZipDirectory::read`].
     pub(super) fn new(bytes: &'a [u8], limits: &'a Limits) -> Result<Self, ReadError> {
         let directory = ZipDirectory::read(bytes, ZipNames::AnyCase)?;
         let is_used = vec![false; directory.entries.len()];
         Ok(Self { directory, unpacker: ZipUnpacker::new(bytes, UnpackCap::MODEL, limits), is_used, limits })
     }
 
-    /// The name of the part that the package says is the model.
+    /// The name of the part that the package declares as the model.
     ///
     /// # Errors
-    /// When there is none, or a relationship leads out of the package.
+    /// If there is none, or a relationship leads out of the package.
     pub(super) fn model(&mut self, warnings: &mut Warnings) -> Result<String, ReadError> {
         match self.directory.find(CONTENT_TYPES) {
             Some(entry) => self.is_used[entry] = true,
@@ -58,11 +58,13 @@ impl<'a> ModelPackage<'a> {
             }),
         }
         let relationships = self.relationships("")?;
-        if let Some(found) = relationships.iter().find(|r| r.kind == MODEL_RELATIONSHIP) {
-            return part_name("", &found.target).map_err(|what| {
-                let message =
-                    format!("{ROOT_RELATIONSHIPS}: the model {} {what}", show(found.target.as_bytes()));
-                ReadError::new("external-link", found.place.clone(), message)
+        if let Some(relationship) = relationships.iter().find(|r| r.kind == MODEL_RELATIONSHIP) {
+            return part_name("", &relationship.target).map_err(|what| {
+                let message = format!(
+                    "{ROOT_RELATIONSHIPS}: the model {} {what}",
+                    show(relationship.target.as_bytes())
+                );
+                ReadError::new("external-link", relationship.place.clone(), message)
             });
         }
         if self.directory.find(MODEL).is_none() {
@@ -75,10 +77,10 @@ impl<'a> ModelPackage<'a> {
         Ok(MODEL.to_owned())
     }
 
-    /// The text of a part, whose relationships stay in the package.
+    /// The text of a part whose relationships stay in the package.
     ///
     /// # Errors
-    /// When it is not there, cannot be unpacked, or has a relationship to somewhere else.
+    /// If it is missing, cannot be unpacked, or has a relationship to something outside.
     pub(super) fn model_text(&mut self, part: &str, place: &FileLocation) -> Result<Vec<u8>, ReadError> {
         self.relationships(part)?;
         let Some(entry) = self.directory.find(part) else {
@@ -89,7 +91,7 @@ impl<'a> ModelPackage<'a> {
         self.unpacker.unpack(&self.directory.entries[entry])
     }
 
-    /// The relationships of a part, or of the package for the empty name. None where it has no such part.
+    /// The relationships of a part, or of the package for the empty name. Empty if there is no such part.
     fn relationships(&mut self, part: &str) -> Result<Vec<PartRelationship>, ReadError> {
         let (folder, file) = part.rsplit_once('/').map_or(("", part), |(folder, file)| (folder, file));
         let between = if folder.is_empty() { "" } else { "/" };
@@ -99,7 +101,7 @@ impl<'a> ModelPackage<'a> {
         let bytes = self.unpacker.unpack(&self.directory.entries[entry])?;
         let text = crate::xml_text::text_of(&bytes)?;
         let mut elements: ModelElements = XmlElements::new(text, &name, self.limits);
-        let mut found = Vec::new();
+        let mut relationships = Vec::new();
         while let Some(step) = elements.next()? {
             let XmlStep::Start(element) = step else { continue };
             if element.local != "Relationship" || element.namespace != ModelNamespace::Relationships {
@@ -114,12 +116,12 @@ impl<'a> ModelPackage<'a> {
                 return Err(elements.error("external-link", message));
             }
             let kind = elements.get("Type").unwrap_or("").to_owned();
-            found.push(PartRelationship { kind, target, place: elements.place() });
+            relationships.push(PartRelationship { kind, target, place: elements.place() });
         }
-        Ok(found)
+        Ok(relationships)
     }
 
-    /// Counts the parts that nothing asked for.
+    /// Counts the parts that were never read.
     pub(super) fn count_ignored(&self, warnings: &mut Warnings) {
         for (entry, _) in self.directory.entries.iter().zip(&self.is_used).filter(|(_, used)| !**used) {
             let extension = entry.name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
@@ -137,10 +139,10 @@ impl<'a> ModelPackage<'a> {
     }
 }
 
-/// The name of a part that a reference in another part gives, from the package's top.
+/// The absolute name of the part that a reference in another part points to.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The error in the reference.
 pub(super) fn part_name(from: &str, target: &str) -> Result<String, &'static str> {
     let name = match target.strip_prefix('/') {
         Some(absolute) => absolute.to_owned(),

@@ -1,4 +1,4 @@
-//! `PropertyGroup`: materials and colours of a model, and what of them a mesh gets.
+//! `PropertyGroup`: materials and colours of a model, and the attributes of a mesh from them.
 use super::meshes::{ModelMesh, NOTHING, TriangleProperties};
 use crate::grow::with_room;
 use crate::text::grouped;
@@ -7,27 +7,27 @@ use crate::{FileLocation, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
-/// The kind of face groups that materials become.
+/// The kind of the face groups that represent materials.
 pub(super) const MATERIAL: &str = "material";
-/// The steps of a channel: colours are bytes.
+/// The largest value of a channel. Defined: colours are bytes.
 pub(super) const CHANNEL: f64 = 255.0;
 
 /// A colour: red, green, blue and opacity, as sRGB bytes.
 pub(super) type ColorBytes = [u8; 4];
 
-/// What is shown where no colour is known.
+/// The colour if none is known.
 pub(super) const WHITE: ColorBytes = [0xFF; 4];
 
-/// A group of properties that triangles name by its number.
+/// A property group; triangles refer to it by its id.
 #[derive(Clone, Debug)]
 pub(super) enum PropertyGroup {
-    /// Materials, numbered on from that of the first.
+    /// Materials; the first one has this number, the others follow.
     Materials {
         first: u32,
         colors: Vec<ColorBytes>,
     },
     Colors(Vec<ColorBytes>),
-    /// Textures and mixtures, of which only the number counts.
+    /// Textures and mixtures; only their count matters.
     Skipped(u32),
 }
 
@@ -53,7 +53,7 @@ pub(super) fn color(text: &str) -> Option<ColorBytes> {
 /// The attributes of the meshes of a model.
 pub(super) struct PropertyReader<'a> {
     pub groups: &'a BTreeMap<u32, PropertyGroup>,
-    /// The name of the model's part.
+    /// The name of the model part.
     pub part: &'a str,
     pub warnings: &'a mut Warnings,
 }
@@ -61,65 +61,65 @@ pub(super) struct PropertyReader<'a> {
 impl<'a> PropertyReader<'a> {
     /// The colours of a mesh's corners, and the materials of its faces.
     ///
-    /// A group that is not there, or a property beyond its end, is counted, and the triangle has the default of its
-    /// object: what it looks like does not keep its shape from being read.
+    /// A missing group, or a property beyond its end, is counted, and the triangle gets the default of its
+    /// object: a wrong colour should not keep a shape from being read.
     ///
     /// # Errors
-    /// When there is no memory for them.
+    /// If memory runs out.
     pub(super) fn attributes(&mut self, mesh: &ModelMesh) -> Result<Vec<Attribute>, ReadError> {
-        let whole = TriangleProperties { group: mesh.group, corners: [mesh.property; 3] };
-        if mesh.properties.is_empty() && whole.corners[0] == NOTHING {
+        let default = TriangleProperties { group: mesh.group, corners: [mesh.property; 3] };
+        if mesh.properties.is_empty() && default.corners[0] == NOTHING {
             return Ok(Vec::new());
         }
         let (mut colors, mut materials) = (Vec::new(), Vec::new());
         let mut n_plain = 0;
         for row in 0..mesh.faces.len() {
-            let own = mesh.properties.get(row).copied().unwrap_or(TriangleProperties::NONE);
-            let properties = if own.corners[0] == NOTHING {
-                whole
+            let stated = mesh.properties.get(row).copied().unwrap_or(TriangleProperties::NONE);
+            let properties = if stated.corners[0] == NOTHING {
+                default
             } else {
                 TriangleProperties {
-                    group: if own.group == NOTHING { whole.group } else { own.group },
-                    ..own
+                    group: if stated.group == NOTHING { default.group } else { stated.group },
+                    ..stated
                 }
             };
             let mut properties = properties;
-            let mut found = self.resolve(mesh, properties, row);
-            if found.is_none() && properties != whole {
-                properties = whole;
-                found = self.resolve(mesh, whole, row);
+            let mut resolved = self.resolve(mesh, properties, row);
+            if resolved.is_none() && properties != default {
+                properties = default;
+                resolved = self.resolve(mesh, default, row);
             }
-            match found {
-                Some(PropertyGroup::Materials { first, colors: own }) => {
+            match resolved {
+                Some(PropertyGroup::Materials { first, colors: group_colors }) => {
                     let property = properties.corners[0];
                     begin(&mut materials, mesh.faces.len(), 0.0)?;
                     materials[row] = f64::from(first + property) + 1.0;
                     begin(&mut colors, 12 * mesh.faces.len(), 1.0)?;
-                    fill(&mut colors, row, [own[property as usize]; 3]);
+                    fill(&mut colors, row, [group_colors[property as usize]; 3]);
                 }
-                Some(PropertyGroup::Colors(own)) => {
+                Some(PropertyGroup::Colors(group_colors)) => {
                     begin(&mut colors, 12 * mesh.faces.len(), 1.0)?;
-                    fill(&mut colors, row, properties.corners.map(|corner| own[corner as usize]));
+                    fill(&mut colors, row, properties.corners.map(|corner| group_colors[corner as usize]));
                 }
                 Some(PropertyGroup::Skipped(_)) | None => n_plain += 1,
             }
         }
         let attribute = |semantic, domain, width, values| Attribute { semantic, domain, width, values };
-        let mut found = Vec::new();
+        let mut attributes = Vec::new();
         if !colors.is_empty() {
             self.warnings.count_many("triangles-without-colour", n_plain, || {
                 let message = "triangles without a colour of their own are white, since others have one";
                 (FileLocation::File, format!("{}: {message}", self.part))
             });
-            found.push(attribute(Semantic::Color(0), Domain::Corner, 4, colors));
+            attributes.push(attribute(Semantic::Color(0), Domain::Corner, 4, colors));
         }
         if !materials.is_empty() {
-            found.push(attribute(Semantic::Group(MATERIAL.to_owned()), Domain::Face, 1, materials));
+            attributes.push(attribute(Semantic::Group(MATERIAL.to_owned()), Domain::Face, 1, materials));
         }
-        Ok(found)
+        Ok(attributes)
     }
 
-    /// The group of a triangle, with its properties in range; `None` where it has none that can be found.
+    /// The group of a triangle, with its properties in range; `None` if it has none, or an invalid one.
     fn resolve(
         &mut self,
         mesh: &ModelMesh,
@@ -144,21 +144,21 @@ impl<'a> PropertyReader<'a> {
             });
             None
         };
-        let Some(found) = groups.get(&group) else {
+        let Some(property_group) = groups.get(&group) else {
             return missing(format!("the property group {group} is not there"));
         };
-        if let Some(bad) = corners.iter().find(|corner| **corner >= found.len()) {
+        if let Some(bad) = corners.iter().find(|corner| **corner >= property_group.len()) {
             return missing(format!(
                 "property {} of group {group}, which has {}",
                 grouped(u64::from(*bad)),
-                grouped(u64::from(found.len()))
+                grouped(u64::from(property_group.len()))
             ));
         }
-        Some(found)
+        Some(property_group)
     }
 }
 
-/// Makes `n` values, unless they are there.
+/// Fills the list with `n` values, unless it is filled already.
 fn begin(list: &mut Vec<f64>, n: usize, value: f64) -> Result<(), ReadError> {
     if list.is_empty() {
         *list = with_room(n)?;
@@ -167,7 +167,7 @@ fn begin(list: &mut Vec<f64>, n: usize, value: f64) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// The three corners of a triangle, of four channels each.
+/// Sets the colours of the three corners of a triangle, four channels each.
 fn fill(colors: &mut [f64], row: usize, corners: [ColorBytes; 3]) {
     let bytes = corners.into_iter().flatten();
     colors[12 * row..][..12]

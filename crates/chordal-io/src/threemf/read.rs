@@ -7,23 +7,23 @@ use crate::zip::directory::{LOCAL, ZipDirectory, ZipNames};
 use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 use chordal::explicit::Semantic;
 
-/// Reads a 3MF file: each mesh becomes a part, each item and component a node that shows one.
+/// Reads a 3MF file: each mesh becomes a part, each item and component a node.
 ///
 /// Positions are exactly the numbers of the file, in its unit; z is up. Base materials and colour groups
 /// become the colours of corners, as sRGB bytes divided by 255, and materials also the face attribute
 /// `Group("material")`, with their names in [`Scene::groups`]. Objects in other model parts of the package
-/// (production extension) are read. Textures, composites, slices and beam lattices are counted as
-/// warnings, and so is all else in the package: settings and scripts are neither read nor run. The
-/// certificate is a metadata entry.
+/// (production extension) are read. Textures, composites, slices and beam lattices are counted as warnings,
+/// and so are all other parts of the package: settings and scripts are neither read nor run. The certificate
+/// is a metadata entry.
 ///
-/// A package unpacks to 1 GiB at most, an entry to 512 MiB, and from 16 MiB on to 200 times its bytes; it
-/// has 10,000 entries at most.
+/// A package may unpack to at most 1 GiB, an entry to 512 MiB, and above 16 MiB to at most 200 times its
+/// packed bytes; a package has at most 10,000 entries.
 ///
 /// # Errors
-/// [`ReadError`] with the byte of the package, or the line and column of the part that the message names:
-/// the package is damaged, passes a limit, or has names that are there twice or lead out of it; a part is
-/// no XML or has a document type; an object, property or part that is named is not there; an object is a
-/// component of itself; a link leaves the package; an extension that changes the shape is required.
+/// [`ReadError`] with the byte of the package, or the line and column of the part that the message names, if
+/// the package is damaged, exceeds a limit, or has names that are repeated or lead out of it; a part is not
+/// XML or has a document type; a referenced object, property or part is missing; an object is a component of
+/// itself; a link leaves the package; or an extension that changes the shape is required.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -92,9 +92,9 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
-/// Whether the content is a zip file that holds a model, and not another kind of zip file.
+/// Whether the content is a zip file with a model, and not another kind of zip file.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    /// Where the first names of a file stand whose end, with all names, is not there.
+    /// The bytes that are searched for names if the end of the file, with the directory, is missing.
     const LOOKED_AT: usize = 4096;
     if !bytes.starts_with(LOCAL) {
         return false;

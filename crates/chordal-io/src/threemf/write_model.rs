@@ -14,27 +14,27 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Write;
 
-/// The objects that a scene becomes, with their numbers.
+/// The objects for a scene, with their ids.
 pub(super) struct ModelWriter<'a> {
     scene: &'a Scene,
     unit: &'static str,
     properties: SceneProperties,
-    /// For each part its colour group, if it has one, and its object, unless it is empty.
+    /// For each part the id of its colour group, if it has one, and of its object, unless it is empty.
     parts: Vec<(Option<u32>, Option<u32>)>,
-    /// For each node its object, unless it shows nothing; and those that are objects of their own, in the
-    /// order of the file.
+    /// For each node the id of its object, unless it shows nothing; and the nodes that are separate objects,
+    /// in the order of the file.
     nodes: Vec<Option<u32>>,
     assemblies: Vec<usize>,
 }
 
-/// The number of the group of materials.
+/// The id of the group of materials.
 const BASE_MATERIALS: u32 = 1;
 
 impl<'a> ModelWriter<'a> {
-    /// Numbers the objects.
+    /// Assigns ids to the objects.
     ///
     /// # Errors
-    /// As of [`super::write()`], but for those of the sink.
+    /// As for [`super::write()`], except errors of the sink.
     pub(super) fn new(scene: &'a Scene) -> Result<Self, WriteError> {
         check_forest(scene)?;
         let unit = unit_of(scene.frame)?;
@@ -65,7 +65,7 @@ impl<'a> ModelWriter<'a> {
             nodes: vec![None; scene.nodes.len()],
             assemblies: Vec::new(),
         };
-        // Children come before their parents: an object may only name those before it.
+        // Children come before their parents: an object may only refer to earlier objects.
         let mut open: Vec<(usize, bool)> = scene.roots.iter().rev().map(|root| (*root, false)).collect();
         while let Some((node, is_ready)) = open.pop() {
             if !is_ready {
@@ -86,7 +86,7 @@ impl<'a> ModelWriter<'a> {
         node.part.and_then(|part| self.parts[part].1)
     }
 
-    /// Whether a node needs an object of its own, its children being numbered.
+    /// Whether a node needs its own object. Its children must have ids already.
     fn is_assembly(&self, node: &Node) -> bool {
         if node.children.iter().any(|child| self.nodes[*child].is_some()) {
             return true;
@@ -124,7 +124,7 @@ impl<'a> ModelWriter<'a> {
         writeln!(out, "</resources>\n<build>")?;
         for root in &self.scene.roots {
             if let Some(object) = self.nodes[*root] {
-                let matrix = self.turned(&self.scene.nodes[*root].matrix);
+                let matrix = self.z_up_matrix(&self.scene.nodes[*root].matrix);
                 reference("item", object, &matrix, out)?;
             }
         }
@@ -212,9 +212,9 @@ impl<'a> ModelWriter<'a> {
         Ok(writeln!(out, "</triangles>\n</mesh>\n</object>")?)
     }
 
-    /// The property of an object as a whole: that of most of its triangles, the first of several, since some programs
-    /// show objects in it alone. Readers ask for one as soon as a triangle has a property; it would also be that of
-    /// triangles without a material.
+    /// The default property of an object: that of most of its triangles, the first one of several, since some
+    /// programs show objects only with the default. Readers demand one as soon as a triangle has a property;
+    /// it would also apply to triangles without a material.
     fn default_property(&self, part: &Part, properties: &PartProperties) -> Option<u32> {
         let property = |face| match properties {
             PartProperties::Materials { of_all: true } => self.properties.material(self.scene, part, face),
@@ -231,7 +231,7 @@ impl<'a> ModelWriter<'a> {
             .map(|(index, _): (u32, usize)| index)
     }
 
-    /// Writes the object of a node: its part in its own place, and its children.
+    /// Writes the object of a node: its own part, untransformed, and its children.
     fn assembly(&self, index: usize, out: &mut dyn Write) -> Result<(), WriteError> {
         let node = &self.scene.nodes[index];
         write!(out, "<object id=\"{}\" type=\"model\"", self.nodes[index].unwrap_or(0))?;
@@ -248,8 +248,8 @@ impl<'a> ModelWriter<'a> {
         Ok(writeln!(out, "</components>\n</object>")?)
     }
 
-    /// The matrix of a root where z is up. Only signs and places of numbers change.
-    fn turned(&self, matrix: &[f64; 16]) -> [f64; 16] {
+    /// The matrix of a root, with z up. Only signs and positions of numbers change.
+    fn z_up_matrix(&self, matrix: &[f64; 16]) -> [f64; 16] {
         if self.scene.frame.up != Some(Axis::Y) {
             return *matrix;
         }
@@ -295,7 +295,7 @@ fn color_group(group: u32, palette: &BTreeMap<ColorBytes, u32>, out: &mut dyn Wr
     writeln!(out, "</m:colorgroup>")
 }
 
-/// Writes an element that puts an object in a place. Columns of our matrix are rows of the file.
+/// Writes an element that places an object. Columns of our matrix are rows of the file.
 fn reference(element: &str, object: u32, matrix: &[f64; 16], out: &mut dyn Write) -> std::io::Result<()> {
     write!(out, "<{element} objectid=\"{object}\"")?;
     if *matrix != IDENTITY {

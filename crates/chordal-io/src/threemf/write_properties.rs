@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// The largest coordinate that lib3mf reads.
 const LIB3MF_LIMIT: f64 = 1e9; // its `NMR_MESH_MAXCOORDINATE`
 
-/// What the triangles of a part have.
+/// The properties of the triangles of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum PartProperties {
     Nothing,
@@ -19,7 +19,7 @@ pub(super) enum PartProperties {
     Materials {
         of_all: bool,
     },
-    /// Colours of corners, in the order in which they first come.
+    /// Colours of corners, in the order of first use.
     Colors(BTreeMap<ColorBytes, u32>),
 }
 
@@ -27,9 +27,9 @@ pub(super) enum PartProperties {
 pub(super) struct SceneProperties {
     /// For each part.
     pub parts: Vec<PartProperties>,
-    /// The materials that are used, by their value: index in the file, name and colour.
+    /// The used materials, by their group value: index in the file, name and colour.
     pub materials: BTreeMap<u32, BaseMaterial>,
-    /// Whether a part's materials are left out, since its colours are others.
+    /// Whether some part's materials are left out because its colours differ from theirs.
     pub lacks_materials: bool,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct BaseMaterial {
 impl SceneProperties {
     pub(super) fn new(scene: &Scene) -> Self {
         let names = scene.groups.get(MATERIAL).map(Vec::as_slice);
-        let mut found: BTreeMap<u32, Option<ColorBytes>> = BTreeMap::new();
+        let mut base_colors: BTreeMap<u32, Option<ColorBytes>> = BTreeMap::new();
         let mut lacks_materials = false;
         let mut parts = Vec::with_capacity(scene.parts.len());
         for part in &scene.parts {
@@ -52,11 +52,11 @@ impl SceneProperties {
             let n_faces = part.mesh.faces().len();
             if let Some(materials) = materials
                 && let Some(own) = material_colors(part, materials, colors, names.is_some())
-                && own.iter().all(|(value, color)| agree(found.get(value).copied().flatten(), *color))
+                && own.iter().all(|(value, color)| agree(base_colors.get(value).copied().flatten(), *color))
             {
                 own.into_iter().for_each(|(value, color)| {
-                    let known = found.entry(value).or_default();
-                    *known = known.or(color);
+                    let slot = base_colors.entry(value).or_default();
+                    *slot = slot.or(color);
                 });
                 let of_all = (0..n_faces).all(|face| value_of(materials, face, names.is_some()).is_some());
                 parts.push(PartProperties::Materials { of_all });
@@ -69,12 +69,12 @@ impl SceneProperties {
             });
         }
         let base = |(index, (value, color)): (usize, (u32, Option<ColorBytes>))| {
-            let known = names.and_then(|names| names.get(value as usize));
-            let name = known.cloned().unwrap_or_else(|| format!("{MATERIAL}_{value}"));
+            let group_name = names.and_then(|names| names.get(value as usize));
+            let name = group_name.cloned().unwrap_or_else(|| format!("{MATERIAL}_{value}"));
             let color = color.or_else(|| base_color(scene, value)).unwrap_or(WHITE);
             (value, BaseMaterial { index: index as u32, name, color })
         };
-        let materials = found.into_iter().enumerate().map(base).collect();
+        let materials = base_colors.into_iter().enumerate().map(base).collect();
         Self { parts, materials, lacks_materials }
     }
 
@@ -85,7 +85,7 @@ impl SceneProperties {
     }
 }
 
-/// The base colour of a material as glTF holds it, by the value of its triangles.
+/// The base colour of a glTF material, by the group value of its triangles.
 fn base_color(scene: &Scene, value: u32) -> Option<ColorBytes> {
     let material = (value as usize).checked_sub(1).and_then(|at| scene.assets.materials.get(at))?;
     let factors = material.pointer("/pbrMetallicRoughness/baseColorFactor")?.as_array()?;
@@ -99,12 +99,12 @@ fn to_byte(x: f64) -> u8 {
     (lesser(greater(x, 0.0), 1.0) * CHANNEL).round() as u8
 }
 
-/// A linear intensity in the encoding of sRGB (IEC 61966-2-1), in which 3MF has its colours.
+/// A linear intensity in the encoding of sRGB (IEC 61966-2-1), which 3MF uses for colours.
 fn to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// Whether a material of glTF says more than its name and base colour.
+/// Whether a glTF material has properties other than its name and base colour.
 fn has_looks(material: &Value) -> bool {
     let Some(material) = material.as_object() else { return false };
     let is_base = |(key, value): (&String, &Value)| match key.as_str() {
@@ -129,23 +129,23 @@ fn colors_of(part: &Part) -> Option<&Attribute> {
     part.mesh.attribute(&Semantic::Color(0)).filter(|attribute| is_kept(attribute))
 }
 
-/// The value of a triangle's material. With names 0 is none, as in every group that has names; without them,
-/// as in glTF, only what is negative is none.
+/// The group value of a triangle's material. In groups with names, 0 means none; in groups without names, as
+/// in glTF, only negative values do.
 fn value_of(materials: &Attribute, face: usize, has_names: bool) -> Option<u32> {
     let value = materials.row(face)[0];
     let first = if has_names { 1.0 } else { 0.0 };
     (value >= first && value < f64::from(u32::MAX)).then_some(value as u32)
 }
 
-/// The colour of each material of a part; none where one has several colours, or triangles without a
-/// material have one.
+/// The colour of each material of a part; `None` if one has several colours, or triangles without a material
+/// have a colour.
 fn material_colors(
     part: &Part,
     materials: &Attribute,
     colors: Option<&Attribute>,
     has_names: bool,
 ) -> Option<BTreeMap<u32, Option<ColorBytes>>> {
-    let mut found: BTreeMap<u32, Option<ColorBytes>> = BTreeMap::new();
+    let mut colors_by_value: BTreeMap<u32, Option<ColorBytes>> = BTreeMap::new();
     for face in 0..part.mesh.faces().len() {
         let color = match colors.map(|colors| corner_colors(part, colors, face)) {
             None => None,
@@ -154,8 +154,8 @@ fn material_colors(
         };
         match value_of(materials, face, has_names) {
             Some(value) => {
-                let known = found.entry(value).or_insert(color);
-                if *known != color {
+                let first_color = colors_by_value.entry(value).or_insert(color);
+                if *first_color != color {
                     return None;
                 }
             }
@@ -163,7 +163,7 @@ fn material_colors(
             None => return None,
         }
     }
-    (!found.is_empty()).then_some(found)
+    (!colors_by_value.is_empty()).then_some(colors_by_value)
 }
 
 fn palette(part: &Part, colors: &Attribute) -> BTreeMap<ColorBytes, u32> {
@@ -205,12 +205,13 @@ fn is_kept(attribute: &Attribute) -> bool {
     }
 }
 
-/// Whether the writer keeps an attribute; [`changes`] says what of it.
+/// Whether the writer keeps an attribute; [`changes`] reports partial losses.
 pub(crate) fn keeps(attribute: &Attribute, _first_rows: &[u32]) -> bool {
     is_kept(attribute)
 }
 
-/// The size of a scene of one part where it was read, as those have that know no unit: whoever forgot one sees it.
+/// The size of a scene with one part, in the unit of its file, for formats without a unit: so the user
+/// notices a missing unit.
 fn size_of_one(scene: &Scene) -> String {
     let is_plain = scene.nodes.len() == 1 && scene.nodes[0].matrix == Node::default().matrix;
     let [part] = &scene.parts[..] else { return String::new() };
@@ -218,31 +219,31 @@ fn size_of_one(scene: &Scene) -> String {
     if !is_plain || bounds.is_empty() {
         return String::new();
     }
-    // Three digits tell 2 mm from 2 inches.
+    // Three digits distinguish 2 mm from 2 inches.
     let short = |x: f64| format!("{x:.2e}").parse::<f64>().unwrap_or(x);
     let [x, y, z] = [0, 1, 2].map(|k| short(bounds.max[k] - bounds.min[k]));
     format!(", {x} x {y} x {z} mm")
 }
 
-/// What the writer makes of a scene that is not in it, or leaves out of what it keeps.
+/// Changes that the writer makes to a scene, and data that it leaves out of kept attributes.
 pub(crate) fn changes(scene: &Scene) -> Vec<Message> {
-    let mut found = Vec::new();
+    let mut changes = Vec::new();
     if scene.frame.metres_per_unit.is_none() {
         let taken = "3MF needs a unit, and the shape has none: millimetres were taken";
         let message = Message::from(format!("{taken}{}; ", size_of_one(scene)));
-        found.push(message.setting(Setting::Unit).words(" says another"));
+        changes.push(message.setting(Setting::Unit).words(" says another"));
     }
     let is_byte = |value: &f64| {
         let nearest = (value * CHANNEL).round();
         (0.0..=CHANNEL).contains(&nearest) && nearest / CHANNEL == *value
     };
     if scene.parts.iter().filter_map(colors_of).any(|colors| !colors.values.iter().all(is_byte)) {
-        found.push("3MF holds colours of 8 bits a channel: others were rounded to them".into());
+        changes.push("3MF holds colours of 8 bits a channel: others were rounded to them".into());
     }
     let materials = &scene.assets.materials;
     if materials.iter().any(has_looks) {
         let what = "3MF holds names and base colours of materials: textures and all else were left out";
-        found.extend(materials.iter().filter(|material| has_looks(material)).map(|_| what.into()));
+        changes.extend(materials.iter().filter(|material| has_looks(material)).map(|_| what.into()));
     }
     for part in &scene.parts {
         let first_rows = first_rows(&part.mesh);
@@ -251,16 +252,16 @@ pub(crate) fn changes(scene: &Scene) -> Vec<Message> {
             a == b || b == c || c == a
         };
         let collapsed = part.mesh.faces().iter().filter(is_collapsed);
-        found.extend(collapsed.map(|_| "3MF holds no triangles with a corner twice".into()));
+        changes.extend(collapsed.map(|_| "3MF holds no triangles with a corner twice".into()));
     }
     let mut coordinates = scene.parts.iter().flat_map(|part| part.mesh.positions().as_flattened());
     if coordinates.any(|x| x.abs() > LIB3MF_LIMIT) {
-        found.push("lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000".into());
+        changes.push("lib3mf, which programs read 3MF by, refuses coordinates over 1,000,000,000".into());
     }
     if SceneProperties::new(scene).lacks_materials {
-        found.push(
+        changes.push(
             "3MF holds a colour or a material of a triangle: colours were written, materials not".into(),
         );
     }
-    found
+    changes
 }

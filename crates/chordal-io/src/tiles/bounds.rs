@@ -1,22 +1,22 @@
-//! Bounding boxes of tiles: around what a viewer shows of a GLB that Chordal writes.
+//! Bounding boxes of tiles: around a GLB that Chordal writes, as a viewer shows it.
 use crate::glb::{StoredPositions, storage_of};
 use crate::matrix::IDENTITY;
 use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, greater, mul_down, mul_up};
 
-/// The box, in tile coordinates, of what [`crate::glb::write`] writes for a scene.
+/// The box, in tile coordinates, of a scene as [`crate::glb::write`] writes it.
 ///
-/// Tiles are z-up and in metres. GLB is y-up and in metres, and a viewer rotates it by (x, y, z) →
-/// (x, −z, y). So a z-up scene keeps its coordinates, any other is rotated, and a known unit scales both: the
-/// same that the writer's frame nodes and a viewer do. The box holds every stored position, taken exactly,
-/// with all rounding outward. It is the smallest such box where no node has a transform, no unit is known,
-/// and parts are not far from zero for their size.
+/// Tiles are z-up and in metres. GLB is y-up and in metres, and a viewer rotates it by (x, y, z) → (x, −z,
+/// y). So a z-up scene keeps its coordinates, any other is rotated, and a known unit scales both, as the
+/// writer's frame nodes and a viewer do together. The box holds every stored position, taken exactly, with
+/// all rounding outward. It is the smallest such box if no node has a transform, no unit is known, and parts
+/// are not far from zero compared with their size.
 ///
 /// Linear in the number of vertices. Empty for a scene that shows nothing.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] where the writer refuses: nodes that are no tree or not affine, a unit that is
-/// no length, coordinates that overflow.
+/// [`WriteError::Unsupported`] if the writer would refuse the scene: nodes are not a tree or not affine, the
+/// unit is not a valid length, or coordinates overflow.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -39,9 +39,9 @@ pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
         if std::mem::replace(&mut seen[index], true) {
             return Err(unsupported("is reached twice: nodes must be a tree"));
         }
-        let own = IntervalAffine::from_matrix(&node.matrix)
+        let local = IntervalAffine::from_matrix(&node.matrix)
             .ok_or_else(|| unsupported("has a matrix that is not affine"))?;
-        let place = parent.times(&own);
+        let place = parent.times(&local);
         if let Some(part) = node.part {
             let shown = scene.parts.get(part).ok_or_else(|| unsupported("shows a part that is not there"))?;
             bounds = bounds.union(place.bounds(shown, &stored[part])?);
@@ -52,8 +52,8 @@ pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
 }
 
 /// Converts a box to a tile's: the centre, then the half axes along x, y and z. Computing centre ± half axis,
-/// in double precision or exactly, gives a box that contains this one, larger by about two units in the last
-/// place.
+/// in double precision or exactly, gives a box that contains this one and is larger by about two units in the
+/// last place.
 ///
 /// ```
 /// use chordal::math::Box3;
@@ -176,7 +176,7 @@ impl IntervalAffine {
             let ends = Box3 { min: point.map(Interval::lo), max: point.map(Interval::hi) };
             bounds = bounds.union(ends);
         }
-        // Zero has no sign here.
+        // Adding zero removes the sign of −0.
         Ok(Box3 { min: bounds.min.map(|x| x + 0.0), max: bounds.max.map(|x| x + 0.0) })
     }
 }

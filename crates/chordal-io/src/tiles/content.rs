@@ -1,4 +1,5 @@
-//! Contents of tiles: GLB is read, as it is and in the tiles of 1.0; points and vectors are named and refused.
+//! Contents of tiles: GLB is read, directly and inside tiles of 1.0; point clouds and vector data are refused
+//! by name.
 use super::old_tile;
 use crate::{FileLocation, Limits, ReadError, ReadOutcome, glb};
 

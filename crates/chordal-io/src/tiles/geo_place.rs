@@ -1,4 +1,4 @@
-//! `GeoPlace`: a place on the Earth, where a tileset stands.
+//! `GeoPlace`: a place on the Earth for a tileset.
 use std::str::FromStr;
 
 /// The equatorial radius of the WGS 84 ellipsoid, in metres: defined.
@@ -17,7 +17,7 @@ pub struct GeoPlace {
 
 impl GeoPlace {
     /// A place at a latitude north and a longitude east, in degrees, and at a height above the ellipsoid, in
-    /// metres. `None` beyond 90 degrees of latitude, beyond 360 of longitude, and for what is not finite.
+    /// metres. `None` beyond 90 degrees of latitude or 360 of longitude, and for values that are not finite.
     ///
     /// ```
     /// use chordal_io::tiles::GeoPlace;
@@ -57,7 +57,7 @@ impl GeoPlace {
         let up = [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat];
         let mut matrix = [0.0; 16];
         for (column, axis) in matrix.chunks_exact_mut(4).zip([east, north, up, [x, y, z]]) {
-            // Adding zero takes the sign off zeros.
+            // Adding zero removes the sign of −0.
             column[..3].iter_mut().zip(axis).for_each(|(out, x)| *out = x + 0.0);
         }
         matrix[15] = 1.0;
@@ -100,12 +100,12 @@ mod tests {
 
     #[test]
     fn places_are_where_others_say_they_are() {
-        // PROJ 9, EPSG:4979 to EPSG:4978.
+        // Expected values: PROJ 9, EPSG:4979 to EPSG:4978.
         for (place, expected) in PROJ {
             let matrix = place.parse::<GeoPlace>().expect("a place").matrix();
             let off = (0..3).map(|k| (matrix[12 + k] - expected[k]).abs()).fold(0.0, f64::max);
             assert!(off < 1e-7, "{place}: {off} m off");
-            // The axes are a rotation.
+            // The axes form a rotation.
             for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
                 let dot: f64 = (0..3).map(|k| matrix[4 * i + k] * matrix[4 * j + k]).sum();
                 assert!((dot - f64::from(u8::from(i == j))).abs() < 1e-15, "{place}");
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// Places, and where they are.
+    /// Places, and their coordinates by PROJ.
     const PROJ: [(&str, [f64; 3]); 4] = [
         ("52.52,13.405,34", [3_783_265.180_121_165, 901_649.796_600_969_3, 5_038_246.081_059_04]),
         ("-33.8568, 151.2153, 5", [-4_646_972.276_464_276, 2_553_078.919_527_07, -3_533_269.913_085_934]),

@@ -1,27 +1,27 @@
-//! Scenes of several tiles as one: their triangles, each below a node of its own.
+//! Merges the scenes of several tiles: their triangles, each scene below its own node.
 use crate::grow::push_large;
 use crate::matrix::product;
 use crate::warnings::Warnings;
 use crate::{Axis, Content, FileLocation, Frame, Node, Part, ReadError, ReadOutcome, Scene};
 use chordal::Mesh;
 
-/// Turns y-up to z-up as a viewer of tiles does, (x, y, z) → (x, −z, y), and back: by columns.
+/// Rotates y-up to z-up as a viewer of tiles does, (x, y, z) → (x, −z, y); by columns.
 const TO_Z_UP: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 const TO_Y_UP: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// A map of tiles, whose z is up, for their contents, whose y is. Turning back and forth rounds nothing.
+/// A map of z-up tile space, converted to the y-up space of contents. The two rotations are exact.
 pub(super) fn for_content(of_tiles: &[f64; 16]) -> [f64; 16] {
     product(&TO_Y_UP, &product(of_tiles, &TO_Z_UP))
 }
 
-/// The map that moves by a vector.
+/// A translation.
 pub(super) fn moved_by([x, y, z]: [f64; 3]) -> [f64; 16] {
     let mut matrix = crate::matrix::IDENTITY;
     (matrix[12], matrix[13], matrix[14]) = (x, y, z);
     matrix
 }
 
-/// Scenes that become one.
+/// Collects scenes into one.
 #[derive(Debug, Default)]
 pub(super) struct SceneMerge {
     scene: Scene,
@@ -29,10 +29,11 @@ pub(super) struct SceneMerge {
 }
 
 impl SceneMerge {
-    /// Adds what a tile shows, moved by `matrix`. Looks stay behind: each file numbers its materials on its own.
+    /// Adds the content of a tile, transformed by `matrix`. Materials are dropped, since each file numbers
+    /// its own.
     ///
     /// # Errors
-    /// When memory ends.
+    /// If memory runs out.
     pub(super) fn add(&mut self, read: ReadOutcome, matrix: &[f64; 16]) -> Result<(), ReadError> {
         for warning in read.warnings {
             self.warnings.count_many(warning.code, warning.count, || (warning.place, warning.message));
@@ -64,7 +65,7 @@ impl SceneMerge {
     /// The scene.
     ///
     /// # Errors
-    /// `empty` when nothing was added.
+    /// `empty` if nothing was added.
     pub(super) fn finish(mut self) -> Result<ReadOutcome, ReadError> {
         if self.scene.parts.is_empty() {
             return Err(ReadError::new("no-triangles", FileLocation::File, "no tile has triangles"));
@@ -74,7 +75,7 @@ impl SceneMerge {
     }
 }
 
-/// The triangles alone.
+/// The triangles without materials.
 fn without_looks(mesh: &Mesh) -> Result<Mesh, ReadError> {
     let invalid = |error| ReadError::new("invalid-mesh", FileLocation::File, format!("{error}"));
     let plain = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec()).map_err(invalid)?;

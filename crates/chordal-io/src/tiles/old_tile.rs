@@ -1,30 +1,30 @@
-//! Tiles of 3D Tiles 1.0: a GLB behind a header and tables, one of them placed many times, several in one file.
+//! Tiles of 3D Tiles 1.0: a GLB after a header and tables, an instanced GLB, or several tiles in one file.
 use super::merge::{SceneMerge, for_content, moved_by};
 use crate::grow::push_large;
 use crate::text::grouped;
 use crate::{Content, FileLocation, Limits, Node, ReadError, ReadOutcome, Scene, glb};
 use serde_json::Value;
 
-/// The bytes of the headers: mark, version and length, then the lengths of four tables; and of those of instances, the
-/// kind of their glTF; and of composites, the number of tiles.
+/// The bytes of the headers. Defined: magic, version and length, then the lengths of four tables; for
+/// instanced tiles also the kind of their glTF; for composites, the number of tiles.
 const BATCHED_HEADER: usize = 28;
 const INSTANCED_HEADER: usize = 32;
 const COMPOSITE_HEADER: usize = 16;
 
-/// Composites in composites, at most.
+/// The deepest nesting of composites. Chosen: larger values take more of the call stack.
 const MOST_NESTED: usize = 8;
 
-/// Whether content is one of the tiles that are read here.
+/// Whether the content is one of these tiles.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     [b"b3dm", b"i3dm", b"cmpt"].iter().any(|magic| bytes.starts_with(*magic))
 }
 
-/// Reads a `.b3dm`, an `.i3dm` or a `.cmpt`: the GLB in it, where its centre is, once for each instance, and all tiles of a
-/// composite. y is up, as in the GLB. Tables of features are left out.
+/// Reads a `.b3dm`, an `.i3dm` or a `.cmpt`: its GLB, moved to its centre, once for each instance, and all
+/// tiles of a composite. y is up, as in the GLB. Data of features is skipped.
 ///
 /// # Errors
-/// [`ReadError`] at the byte of the tile, or as for [`glb::read`]; `unsupported` for what names a glTF elsewhere,
-/// instances that are turned by the globe, and other tiles in a composite.
+/// [`ReadError`] at the byte of the tile, or as for [`glb::read`]; `unsupported` for references to an
+/// external glTF, instances oriented by the globe, and other tiles in a composite.
 ///
 /// Source: Cesium and OGC, *3D Tiles Specification 1.0*, 18-053r2, 2019.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
@@ -45,8 +45,8 @@ fn word(bytes: &[u8], at: usize) -> Option<usize> {
     usize::try_from(u32::from_le_bytes(four)).ok()
 }
 
-/// The bytes of a tile whose header says how many there are; `start` is their place in the file.
-fn whole(bytes: &[u8], start: u64, header: usize) -> Result<&[u8], ReadError> {
+/// The bytes of a tile, as many as its header declares; `start` is its offset in the file.
+fn tile_bytes(bytes: &[u8], start: u64, header: usize) -> Result<&[u8], ReadError> {
     let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
         return Err(error("truncated", start + bytes.len() as u64, "the header of the tile is cut off"));
     };
@@ -80,7 +80,7 @@ fn composite(
     (limits, nested): (&Limits, usize),
     merge: &mut SceneMerge,
 ) -> Result<(), ReadError> {
-    let bytes = whole(bytes, start, COMPOSITE_HEADER)?;
+    let bytes = tile_bytes(bytes, start, COMPOSITE_HEADER)?;
     let n_tiles = word(bytes, 12).unwrap_or(0);
     if nested == 0 {
         return Err(error(
@@ -93,7 +93,7 @@ fn composite(
     for _ in 0..n_tiles {
         let inner = &bytes[at..];
         let place = start + at as u64;
-        let inner = whole(inner, place, COMPOSITE_HEADER)?;
+        let inner = tile_bytes(inner, place, COMPOSITE_HEADER)?;
         at += inner.len();
         if inner.starts_with(b"cmpt") {
             composite(inner, place, (limits, nested - 1), merge)?;
@@ -111,7 +111,7 @@ fn composite(
 fn single(bytes: &[u8], start: u64, limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let is_instanced = bytes.starts_with(b"i3dm");
     let header = if is_instanced { INSTANCED_HEADER } else { BATCHED_HEADER };
-    let bytes = whole(bytes, start, header)?;
+    let bytes = tile_bytes(bytes, start, header)?;
     let tables = FeatureTable::read(bytes, start, header, limits)?;
     if is_instanced && word(bytes, 28) != Some(1) {
         return Err(error("unsupported", start + 28, "the tile names a glTF elsewhere, which is not read"));
@@ -135,7 +135,8 @@ fn single(bytes: &[u8], start: u64, limits: &Limits) -> Result<ReadOutcome, Read
     Ok(read)
 }
 
-/// Shows all nodes once at each place: a node has one parent, so that each place but the first has its own copies.
+/// Shows all nodes once at each place. A node has only one parent, so each place but the first gets its own
+/// copies.
 fn place_at(scene: &mut Scene, places: &[[f64; 16]], limits: &Limits, start: u64) -> Result<(), ReadError> {
     let (n, roots) = (scene.nodes.len(), std::mem::take(&mut scene.roots));
     let n_all = (n as u64 + 1).saturating_mul(places.len() as u64);
@@ -157,13 +158,13 @@ fn place_at(scene: &mut Scene, places: &[[f64; 16]], limits: &Limits, start: u64
     Ok(())
 }
 
-/// What a tile says of its features.
+/// The feature table of a tile.
 struct FeatureTable<'a> {
     json: Value,
     binary: &'a [u8],
-    /// The place of the table in the file.
+    /// The offset of the table in the file.
     at: u64,
-    /// The byte of the tile at which the tables end.
+    /// The offset in the tile at which the tables end.
     end: usize,
 }
 
@@ -184,7 +185,7 @@ impl<'a> FeatureTable<'a> {
         let json = if text.iter().all(|b| crate::text::is_space(*b) || *b == 0) {
             Value::Null
         } else {
-            // Their nesting is that of serde_json, 128, whatever the limits allow beyond.
+            // Nesting is limited by serde_json to 128, even if the limits allow more.
             let _ = limits;
             serde_json::from_slice(text)
                 .map_err(|why| error("bad-json", at, format!("the feature table: {why}")))?
@@ -196,7 +197,7 @@ impl<'a> FeatureTable<'a> {
         error("bad-header", self.at, format!("{key} of the feature table {what}"))
     }
 
-    /// The centre that positions are about, in the space of tiles.
+    /// The centre that positions are relative to, in the space of tiles.
     fn center(&self) -> Result<[f64; 3], ReadError> {
         match self.json.get("RTC_CENTER") {
             None => Ok([0.0; 3]),
@@ -209,7 +210,7 @@ impl<'a> FeatureTable<'a> {
         }
     }
 
-    /// The rows of a list in the binary part: `width` numbers of single precision each.
+    /// The rows of a list in the binary part, of `width` single-precision numbers each.
     fn rows(&self, key: &str, n: usize, width: usize) -> Result<Option<Vec<f64>>, ReadError> {
         let Some(property) = self.json.get(key) else { return Ok(None) };
         let offset =
@@ -219,16 +220,16 @@ impl<'a> FeatureTable<'a> {
         let end = length.and_then(|length| offset.checked_add(length));
         let bytes = end.and_then(|end| self.binary.get(offset..end));
         let bytes = bytes.ok_or_else(|| self.wrong(key, "is cut off"))?;
-        let mut all = crate::grow::with_room(n * width)?;
-        all.extend(bytes.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))));
-        if all.iter().all(|x: &f64| x.is_finite()) {
-            Ok(Some(all))
+        let mut values = crate::grow::with_room(n * width)?;
+        values.extend(bytes.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))));
+        if values.iter().all(|x: &f64| x.is_finite()) {
+            Ok(Some(values))
         } else {
             Err(self.wrong(key, "is not finite"))
         }
     }
 
-    /// Where the instances are, in the space of tiles.
+    /// The transforms of the instances, in the space of tiles.
     fn instances(&self, limits: &Limits) -> Result<Vec<[f64; 16]>, ReadError> {
         let n = self.json.get("INSTANCES_LENGTH").and_then(Value::as_u64);
         let n = n.ok_or_else(|| self.wrong("INSTANCES_LENGTH", "is missing"))?;
@@ -258,13 +259,13 @@ impl<'a> FeatureTable<'a> {
         let rights = self.rows("NORMAL_RIGHT", n, 3)?;
         let scales = self.rows("SCALE", n, 1)?;
         let stretches = self.rows("SCALE_NON_UNIFORM", n, 3)?;
-        let mut all = crate::grow::with_room(n)?;
+        let mut matrices = crate::grow::with_room(n)?;
         for i in 0..n {
             let row = |list: &[f64]| [list[3 * i], list[3 * i + 1], list[3 * i + 2]];
             let mut matrix = moved_by(row(&positions));
             if let (Some(ups), Some(rights)) = (&ups, &rights) {
                 let (right, up) = (row(rights), row(ups));
-                // The third of the axes: right, up, and forward as right × up.
+                // The axes are right, up, and forward, which is right × up.
                 let axes = [right, up, crate::matrix::cross(right, up)];
                 (0..9).for_each(|k| matrix[4 * (k / 3) + k % 3] = axes[k / 3][k % 3]);
             }
@@ -273,8 +274,8 @@ impl<'a> FeatureTable<'a> {
             for (column, stretch) in stretch.into_iter().enumerate() {
                 (0..3).for_each(|k| matrix[4 * column + k] *= uniform * stretch);
             }
-            all.push(matrix);
+            matrices.push(matrix);
         }
-        Ok(all)
+        Ok(matrices)
     }
 }

@@ -15,25 +15,27 @@ pub(super) struct ImplicitTilingJson {
     pub template: String,
 }
 
-/// What a tile leaves open until its surroundings are known.
+/// The fields of a tile that depend on its parent or its file.
 #[derive(Default)]
 pub(super) struct UnresolvedTile {
     pub rule: Option<ImplicitTilingJson>,
-    /// `None` inherits the parent's, which may be written after its children.
+    /// `None` inherits the parent's value, which may be written after its children.
     pub refine: Option<Refine>,
 }
 
-/// A tileset with its URIs as written, and the open fields of its tiles, in the order of [`Tileset::tiles`].
+/// A tileset with its URIs as written, and the unresolved fields of its tiles, in the order of
+/// [`Tileset::tiles`].
 pub(super) struct RawTileset {
     pub tileset: Tileset,
     pub pending: Vec<UnresolvedTile>,
 }
 
-/// The memory for extras beside a share of the file: a small text may become a hundred times its size.
+/// The memory for extras in addition to a share of the file. Chosen: a small text may become a hundred times
+/// its size.
 const EXTRAS_BYTES: u64 = 16 << 20;
 
-/// The most memory that a value of extras takes: itself and its key, in a list with a spare capacity of as
-/// many again.
+/// The most memory that a value of extras takes. Derived: itself and its key, in a list with as much spare
+/// capacity.
 const VALUE_BYTES: u64 = 256;
 
 struct TilesetParser<'p> {
@@ -48,7 +50,7 @@ type TileParseResult<T> = Result<T, ReadError>;
 /// Parses a tileset.
 ///
 /// # Errors
-/// With the byte or the pointer, when it is no JSON or no tileset.
+/// With the byte or the pointer, if it is not JSON or not a tileset.
 pub(super) fn parse(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> TileParseResult<RawTileset> {
     refuse_gzip(bytes)?;
     let extras_left = EXTRAS_BYTES + 8 * bytes.len() as u64;
@@ -103,7 +105,7 @@ fn error_of(json: &mut JsonReader<'_>) -> TileParseResult<f64> {
 fn refuse_extensions(json: &mut JsonReader<'_>) -> TileParseResult<()> {
     json.array(|json, _| {
         let name = json.string()?;
-        // It only says that contents may be glTF, which 1.1 allows always.
+        // It only declares that contents may be glTF, which 1.1 always allows.
         if name == "3DTILES_content_gltf" {
             return Ok(());
         }
@@ -114,10 +116,10 @@ fn refuse_extensions(json: &mut JsonReader<'_>) -> TileParseResult<()> {
 
 /// Reads exactly `N` numbers.
 fn numbers<const N: usize>(json: &mut JsonReader<'_>) -> TileParseResult<[f64; N]> {
-    let mut found = [0.0; N];
+    let mut values = [0.0; N];
     let n = json.array(|json, i| {
         let value = json.number()?;
-        if let Some(slot) = usize::try_from(i).ok().and_then(|i| found.get_mut(i)) {
+        if let Some(slot) = usize::try_from(i).ok().and_then(|i| values.get_mut(i)) {
             *slot = value;
         }
         Ok(())
@@ -125,31 +127,31 @@ fn numbers<const N: usize>(json: &mut JsonReader<'_>) -> TileParseResult<[f64; N
     if n != N as u64 {
         return Err(json.error("wrong-length", format!("{n} numbers where {N} should stand")));
     }
-    Ok(found)
+    Ok(values)
 }
 
 fn volume(json: &mut JsonReader<'_>) -> TileParseResult<BoundingVolume> {
-    let mut found = None;
+    let mut volume = None;
     json.object(|json, key| {
         match key {
-            "box" => found = Some(BoundingVolume::Box(numbers(json)?)),
-            "region" => found = found.or(Some(BoundingVolume::Region(numbers(json)?))),
+            "box" => volume = Some(BoundingVolume::Box(numbers(json)?)),
+            "region" => volume = volume.or(Some(BoundingVolume::Region(numbers(json)?))),
             "sphere" => {
                 let sphere: [f64; 4] = numbers(json)?;
                 if sphere[3] < 0.0 {
                     return Err(json.error("out-of-range", format!("a radius of {} is negative", sphere[3])));
                 }
-                found = found.or(Some(BoundingVolume::Sphere(sphere)));
+                volume = volume.or(Some(BoundingVolume::Sphere(sphere)));
             }
             _ => json.skip()?,
         }
         Ok(())
     })?;
-    found.ok_or_else(|| json.error("unsupported", "the volume is neither a box, a region nor a sphere"))
+    volume.ok_or_else(|| json.error("unsupported", "the volume is neither a box, a region nor a sphere"))
 }
 
 impl TilesetParser<'_> {
-    /// Skips and counts a property that is not kept.
+    /// Skips and counts an unused property.
     fn ignore(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<()> {
         let place = json.place();
         self.warnings.count("tiles-metadata-ignored", || {
@@ -161,7 +163,7 @@ impl TilesetParser<'_> {
     fn extras(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<Option<Value>> {
         let place = json.place();
         let text = json.raw()?;
-        // Each value but the first follows one of these; those in strings only make the count larger.
+        // Each value but the first follows one of these; those inside strings only make the count larger.
         let n_values = 1 + text.iter().filter(|b| matches!(b, b',' | b'[' | b'{')).count() as u64;
         let taken = text.len() as u64 + n_values * VALUE_BYTES;
         let parsed = match self.extras_left.checked_sub(taken) {
@@ -243,9 +245,9 @@ impl TilesetParser<'_> {
         let mut uri = None;
         json.object(|json, key| {
             match key {
-                // Version 0.0 had `url`, and files that say 1.0 still do.
+                // Version 0.0 had `url`, and some files that declare 1.0 still do.
                 "uri" | "url" => uri = Some(json.string()?),
-                // A tighter volume, which the tile's own replaces.
+                // A tighter volume of the content, which the tile's own volume replaces.
                 "boundingVolume" => json.skip()?,
                 _ => self.ignore(json)?,
             }
@@ -272,7 +274,7 @@ fn affine(json: &mut JsonReader<'_>) -> TileParseResult<[f64; 16]> {
     Ok(matrix)
 }
 
-/// Reads a number of levels. It is counted in 32 bits; tiles more than 62 halvings deep cannot be numbered.
+/// Reads a number of levels. It fits into 32 bits; tiles more than 62 halvings deep cannot be numbered.
 fn levels(json: &mut JsonReader<'_>) -> TileParseResult<u32> {
     let number = json.number()?;
     if number.fract() != 0.0 || !(1.0..=62.0).contains(&number) {

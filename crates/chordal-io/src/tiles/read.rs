@@ -1,4 +1,4 @@
-//! The tileset reader: the tree of one file, and of the files that it references.
+//! The tileset reader: the tree of one file, and of the files that it refers to.
 use super::parse::{self, RawTileset, UnresolvedTile};
 use super::subtree::{self, TileCoordinates};
 use super::{ImplicitTiling, Refine, Tile, Tileset};
@@ -7,23 +7,22 @@ use crate::warnings::Warnings;
 use crate::{Conformance, FileLocation, Limits, ReadError, Warning};
 use std::collections::BTreeSet;
 
-/// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles reference and the subtrees of its implicit
+/// Reads a tileset, 1.0 or 1.1, with the external tilesets of its tiles and the subtrees of its implicit
 /// tilings; `open` returns those files. Contents other than tilesets are not opened.
 ///
-/// Paths in the result are relative to the first file's folder. A tile whose content is a tileset has that
-/// one's root as its last child; a tileset that is referenced again is counted and not opened again.
-/// Geometric errors must not grow towards the leaves, which [`Limits::conformance`] turns into a warning. What a
-/// tileset holds beside its tree (metadata, styles, tighter volumes of contents, request volumes) is counted,
-/// not kept.
+/// Paths in the result are relative to the first file's folder. If the content of a tile is a tileset, the
+/// root of that tileset becomes the tile's last child; a tileset that occurs again is counted and not opened
+/// again. Geometric errors must not grow towards the leaves, unless [`Limits::conformance`] turns this into a
+/// warning. Other data of a tileset (metadata, styles, tighter volumes of contents, request volumes) is
+/// counted, not kept.
 ///
 /// Linear in the bytes of all files, whose sum is limited by [`Limits::bytes`]; [`Limits::depth`] limits
 /// nesting.
 ///
 /// # Errors
-/// [`ReadError`] with the byte or JSON pointer, and the file's name where it is not the first: no tileset,
+/// [`ReadError`] with the byte or JSON pointer, and the file's name unless it is the first: not a tileset,
 /// errors that grow, a URI with a scheme or one that leaves the folder, tilesets that contain themselves, a
-/// file that is missing or compressed, a subtree with the wrong number of bits, an extension that is
-/// required.
+/// file that is missing or compressed, a subtree with the wrong number of bits, a required extension.
 ///
 /// ```
 /// use chordal_io::{Limits, tiles};
@@ -59,15 +58,15 @@ struct TilesetReader<'r, 'o> {
     warnings: Warnings,
     /// The paths of the enclosing tilesets; the first has an empty one.
     chain: Vec<String>,
-    /// Tilesets that were opened before.
+    /// Tilesets that were opened already.
     seen: BTreeSet<String>,
-    /// Bytes that may still be read.
+    /// The number of bytes that may still be read.
     left: u64,
     /// The number of tiles in all files.
     n_tiles: u64,
 }
 
-/// What a tile inherits from its parent and its file.
+/// The values that a tile inherits from its parent and its file.
 #[derive(Clone, Copy)]
 struct ParentTile<'a> {
     error: f64,
@@ -79,7 +78,7 @@ struct ParentTile<'a> {
 type TilesetResult<T> = Result<T, ReadError>;
 
 impl TilesetReader<'_, '_> {
-    /// Counts bytes that are about to be read.
+    /// Charges bytes that are about to be read.
     fn charge(&mut self, n: u64) -> TilesetResult<()> {
         match self.left.checked_sub(n) {
             Some(left) => {
@@ -101,9 +100,9 @@ impl TilesetReader<'_, '_> {
             let what = format!("more tiles than the limit of {}", self.limits.rows);
             return Err(ReadError::new("too-many-rows", FileLocation::File, what));
         }
-        let own = tileset.geometric_error;
-        if let Some(error) = above.filter(|error| own > *error) {
-            self.check_error(own, error, "/geometricError")?;
+        let tileset_error = tileset.geometric_error;
+        if let Some(error) = above.filter(|error| tileset_error > *error) {
+            self.check_error(tileset_error, error, "/geometricError")?;
         }
         if pending.first().is_some_and(|root| root.refine.is_none()) {
             self.warnings.count("refine-missing", || {
@@ -111,12 +110,12 @@ impl TilesetReader<'_, '_> {
                 (FileLocation::Pointer("/root".to_owned()), what)
             });
         }
-        let above = ParentTile { error: own, refine: Refine::Replace, folder: files::folder(path) };
+        let above = ParentTile { error: tileset_error, refine: Refine::Replace, folder: files::folder(path) };
         self.tile(&mut tileset.root, &mut pending.into_iter(), above, &mut "/root".to_owned())?;
         Ok(tileset)
     }
 
-    /// Refuses a geometric error that grows towards the leaves, or counts it.
+    /// Refuses or counts a geometric error that grows towards the leaves.
     fn check_error(&mut self, error: f64, above: f64, pointer: &str) -> TilesetResult<()> {
         let what = format!("the error of {error} m is above that of the tile before it, {above} m");
         let place = FileLocation::Pointer(pointer.to_owned());
@@ -158,7 +157,7 @@ impl TilesetReader<'_, '_> {
             let written = if rule.is_some() { root_uri(content) } else { content.clone() };
             let path = resolved(above.folder, &written, &key)?;
             if rule.is_some() {
-                // The template stays; that its paths are below the folder is known.
+                // The template is kept; its paths were already checked to be below the folder.
                 continue;
             }
             *content = path;
@@ -174,7 +173,7 @@ impl TilesetReader<'_, '_> {
         Ok(())
     }
 
-    /// The root of the tileset that a tile references, unless it was opened before.
+    /// The root of a tile's external tileset, unless it was opened before.
     fn external(&mut self, path: &str, error: f64, pointer: &str) -> TilesetResult<Option<Tile>> {
         let place = || FileLocation::Pointer(pointer.to_owned());
         if self.chain.iter().any(|file| file == path) {
@@ -219,12 +218,12 @@ impl TilesetReader<'_, '_> {
             super::Subdivision::Quadtree => &["{level}", "{x}", "{y}"],
             super::Subdivision::Octree => &["{level}", "{x}", "{y}", "{z}"],
         };
-        // Otherwise many subtrees would be one file, and a small one could be read without end.
+        // Otherwise many subtrees would be the same file, and a small file could be read without end.
         if let Some(name) = axes.iter().find(|name| !rule.template.contains(**name)) {
             return Err(ReadError::new("bad-template", place(), format!("the template has no {name}")));
         }
         let n_levels = rule.available_levels as usize;
-        let mut found = ImplicitTiling {
+        let mut tiling = ImplicitTiling {
             subdivision: rule.subdivision,
             subtree_levels: rule.subtree_levels,
             n_subtrees: 0,
@@ -240,15 +239,15 @@ impl TilesetReader<'_, '_> {
                 let path = resolved(self::files::folder(&path), uri, "")?;
                 self.file(&path)
             };
-            let below = subtree::read(&bytes, rule, at, &mut found, limits, &mut other);
+            let below = subtree::read(&bytes, rule, at, &mut tiling, limits, &mut other);
             open.extend(below.map_err(|error| error_in_file(&path, error))?.into_iter().rev());
         }
-        Ok(found)
+        Ok(tiling)
     }
 }
 
-/// The deepest nesting of tilesets in tilesets. Chosen: far more than in practice, and a few hundred
-/// kilobytes of stack.
+/// The deepest nesting of external tilesets. Chosen: far more than in practice, and a few hundred kilobytes
+/// of stack.
 const MOST_FILES: usize = 16;
 
 /// The path that a URI resolves to.
@@ -259,7 +258,7 @@ fn resolved(folder: &str, written: &str, pointer: &str) -> TilesetResult<String>
     })
 }
 
-/// Fills a template in for the first tile.
+/// The path of a template for the first tile.
 fn root_uri(template: &str) -> String {
     TileCoordinates { level: 0, place: [0; 3] }.uri(template)
 }

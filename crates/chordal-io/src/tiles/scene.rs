@@ -1,23 +1,24 @@
-//! Reads a tileset as one scene: what its finest tiles show.
+//! Reads a tileset as one scene: the content of its finest tiles.
 use super::merge::{SceneMerge, for_content};
 use super::{Refine, Tile, content, read};
 use crate::files::FileOpener;
 use crate::matrix::{IDENTITY, product};
 use crate::{FileLocation, Limits, ReadError, ReadOutcome};
 
-/// Whether a text is the list of a tileset.
+/// Whether a text is a `tileset.json`.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     let names = |key: &[u8]| memchr::memmem::find(text, key).is_some();
     text.first() == Some(&b'{') && names(b"\"asset\"") && names(b"\"geometricError\"") && names(b"\"root\"")
 }
 
-/// Reads the triangles of the finest tiles of a tileset, and of those above that they add to: the shape as a viewer shows
-/// it from nearby. y is up and the unit is the metre, as in the tiles; transforms of tiles are nodes, also that of the root,
-/// which may place it on the globe. Looks are left out with a warning.
+/// Reads the triangles of the finest tiles of a tileset, and of the tiles that these add to: the shape as a
+/// viewer shows it from nearby. y is up and the unit is the metre, as in the tiles' contents; transforms of
+/// tiles are nodes, including that of the root, which may place it on the globe. Materials are dropped with a
+/// warning.
 ///
 /// # Errors
-/// As for [`super::read()`] and [`content()`], with the name of the tile; for implicit tilings, whose tiles are counted and
-/// not read; where only the list is at hand.
+/// As for [`super::read()`] and [`content()`], with the name of the tile; for implicit tilings, whose tiles
+/// are counted and not read; if the files of the tiles are not available.
 pub(crate) fn read_scene(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,
@@ -41,7 +42,7 @@ pub(crate) fn read_scene(
             return Err(ReadError::new("unsupported", FileLocation::File, message));
         }
         let is_shown = tile.children.is_empty() || tile.refine == Refine::Add;
-        // A list among the contents is a child of its own.
+        // An external tileset among the contents is a child of its own.
         for name in tile.contents.iter().filter(|name| is_shown && !name.ends_with(".json")) {
             let of_tile = |error: ReadError| ReadError {
                 message: error.message.words(format_args!(" (in '{name}')")),
@@ -59,8 +60,9 @@ pub(crate) fn read_scene(
             merge.add(shown, &for_content(&matrix)).map_err(of_tile)?;
         }
         for child in tile.children.iter().rev() {
-            let own = child.transform.as_deref().map_or(matrix, |own| product(&matrix, own));
-            tiles.push((child, own));
+            let child_matrix =
+                child.transform.as_deref().map_or(matrix, |child_matrix| product(&matrix, child_matrix));
+            tiles.push((child, child_matrix));
         }
     }
     merge.finish()

@@ -6,7 +6,7 @@ use crate::json::JsonReader;
 use crate::{FileLocation, Limits, ReadError};
 use std::collections::BTreeSet;
 
-/// The first four bytes of a subtree file.
+/// The magic number of a subtree file.
 const MAGIC: &[u8; 4] = b"subt";
 
 /// The bytes of magic, version, and the lengths of JSON and buffer.
@@ -59,7 +59,7 @@ impl AvailabilityBits<'_> {
         }
     }
 
-    /// The number of available items among the `many` from `first` on. Linear only for bitstreams.
+    /// The number of available items among the `many` from `first` on. Takes linear time only for bitstreams.
     fn count(&self, first: u64, many: u64) -> u64 {
         match self {
             Self::All => many,
@@ -69,7 +69,7 @@ impl AvailabilityBits<'_> {
     }
 }
 
-/// An availability as written, before its bits are looked up.
+/// An availability as written, before its bitstream is resolved.
 #[derive(Default)]
 struct Availability {
     bitstream: Option<u64>,
@@ -99,8 +99,8 @@ type SubtreeResult<T> = Result<T, ReadError>;
 /// Returns the bytes of a file by the URI in a subtree.
 pub(super) type SubtreeFileOpener<'f> = dyn FnMut(&str) -> SubtreeResult<Vec<u8>> + 'f;
 
-/// Reads one subtree, counts its tiles into `found`, and returns the subtrees below it. `open` returns other
-/// files that it references.
+/// Reads one subtree, counts its tiles into `tiling`, and returns the subtrees below it. `open` returns other
+/// files that it refers to.
 ///
 /// # Errors
 /// With the byte or the pointer in this file.
@@ -108,7 +108,7 @@ pub(super) fn read(
     bytes: &[u8],
     rule: &ImplicitTilingJson,
     at: TileCoordinates,
-    found: &mut ImplicitTiling,
+    tiling: &mut ImplicitTiling,
     limits: &Limits,
     open: &mut SubtreeFileOpener<'_>,
 ) -> SubtreeResult<Vec<TileCoordinates>> {
@@ -130,6 +130,8 @@ pub(super) fn read(
         let what = format!("{} levels in one subtree are more than can be counted", rule.subtree_levels);
         return Err(ReadError::new("unsupported", FileLocation::File, what));
     };
+    // Levels follow each other: a quadtree has tile 0, then tiles 1 to 4, then 5 to 20. Their number is the
+    // geometric sum 1 + n + n² + …; the level after the last one belongs to the child subtrees.
     let n_tiles = (n_last - 1) / (n - 1);
     let look = |name: &str, availability: &Availability, n: u64| {
         bits(&subtree, &buffers, availability, n)
@@ -155,22 +157,23 @@ pub(super) fn read(
         let many = n.pow(level);
         let here = tiles.count(first, many);
         let depth = (at.level + level) as usize;
-        match found.n_tiles.get_mut(depth) {
+        match tiling.n_tiles.get_mut(depth) {
             Some(n_tiles) => *n_tiles = n_tiles.saturating_add(here),
             None if here == 0 => {}
             None => return Err(too_deep("tileAvailability", rule)),
         }
-        if let Some(n_contents) = found.n_contents.get_mut(depth) {
+        if let Some(n_contents) = tiling.n_contents.get_mut(depth) {
             let counts = contents.iter().map(|bits| bits.count(first, many));
             *n_contents = counts.fold(*n_contents, u64::saturating_add);
         }
         first += many;
     }
-    found.n_subtrees += 1;
+    tiling.n_subtrees += 1;
     child_subtrees(&children, n_last, rule, at)
 }
 
-/// The available subtrees below a subtree: no more than its file has bits, or than a constant may declare.
+/// The available subtrees below a subtree: at most as many as its file has bits, or as a constant may
+/// declare.
 fn child_subtrees(
     children: &AvailabilityBits<'_>,
     n_last: u64,
@@ -186,15 +189,15 @@ fn child_subtrees(
         }
         AvailabilityBits::All | AvailabilityBits::Stream(..) => n_last,
     };
-    let there = (0..n_listed).filter(|i| children.get(*i));
+    let available = (0..n_listed).filter(|i| children.get(*i));
     if at.level + rule.subtree_levels >= rule.available_levels {
-        return if there.count() == 0 {
+        return if available.count() == 0 {
             Ok(Vec::new())
         } else {
             Err(too_deep("childSubtreeAvailability", rule))
         };
     }
-    Ok(there.map(|i| at.descendant(rule.subtree_levels, i, rule.subdivision)).collect())
+    Ok(available.map(|i| at.descendant(rule.subtree_levels, i, rule.subdivision)).collect())
 }
 
 /// The most contents of one tile whose bits are read. Chosen: several are rare, and all may share one
@@ -218,7 +221,7 @@ fn check_parents(
 ) -> SubtreeResult<()> {
     let error = |name: String, what| Err(ReadError::new("no-such-tile", FileLocation::Pointer(name), what));
     if let AvailabilityBits::Stream(_, n_tiles) = tiles {
-        // Levels follow each other without gaps, so the children of tile i are n·i + 1 to n·i + n.
+        // Levels are consecutive without gaps, so the children of tile i are n·i + 1 to n·i + n.
         if let Some(i) = (1..*n_tiles).find(|i| tiles.get(*i) && !tiles.get((i - 1) / n)) {
             return error("/tileAvailability".to_owned(), format!("tile {i} is there and its parent is not"));
         }
@@ -253,7 +256,7 @@ fn chunks(bytes: &[u8]) -> SubtreeResult<(&[u8], &[u8])> {
         let what = format!("the header says {json} and {binary} bytes, {} follow", rest.len());
         return error("wrong-length", 8, what);
     }
-    // Not more than follows, as was just checked.
+    // At most the bytes that follow, as was just checked.
     Ok(rest.split_at(json as usize))
 }
 
@@ -322,30 +325,30 @@ fn integer(json: &mut JsonReader<'_>) -> SubtreeResult<u64> {
 }
 
 fn availability(json: &mut JsonReader<'_>) -> SubtreeResult<Availability> {
-    let mut found = Availability::default();
+    let mut availability = Availability::default();
     json.object(|json, key| {
         match key {
-            "bitstream" => found.bitstream = Some(integer(json)?),
-            "constant" => found.constant = Some(integer(json)?),
-            "availableCount" => found.count = Some(integer(json)?),
+            "bitstream" => availability.bitstream = Some(integer(json)?),
+            "constant" => availability.constant = Some(integer(json)?),
+            "availableCount" => availability.count = Some(integer(json)?),
             _ => json.skip()?,
         }
         Ok(())
     })?;
-    if found.bitstream.is_some() == found.constant.is_some() {
+    if availability.bitstream.is_some() == availability.constant.is_some() {
         return Err(json.error("missing", "either a bitstream or a constant has to stand here"));
     }
-    if found.constant.is_some_and(|constant| constant > 1) {
+    if availability.constant.is_some_and(|constant| constant > 1) {
         return Err(json.error("out-of-range", "the constant is neither 0 nor 1"));
     }
-    Ok(found)
+    Ok(availability)
 }
 
 /// The bytes of a buffer.
 enum SubtreeBuffer<'b> {
     Here(&'b [u8]),
     Elsewhere(Vec<u8>),
-    /// Nothing that is needed is in it.
+    /// It holds no needed data.
     Unused,
 }
 
@@ -357,11 +360,11 @@ fn buffers<'b>(
     let streams = subtree.tiles.iter().chain(&subtree.contents).chain(&subtree.children);
     let views = streams.filter_map(|availability| usize::try_from(availability.bitstream?).ok());
     let used: BTreeSet<u64> = views.filter_map(|view| Some(subtree.views.get(view)?.buffer)).collect();
-    let mut found = Vec::with_capacity(subtree.buffers.len());
+    let mut buffers = Vec::with_capacity(subtree.buffers.len());
     for (i, (length, uri)) in subtree.buffers.iter().enumerate() {
         let pointer = |key: &str| FileLocation::Pointer(format!("/buffers/{i}/{key}"));
         if !used.contains(&(i as u64)) {
-            found.push(SubtreeBuffer::Unused);
+            buffers.push(SubtreeBuffer::Unused);
             continue;
         }
         let buffer = match uri {
@@ -379,13 +382,13 @@ fn buffers<'b>(
         };
         // The file's own buffer may be padded to a multiple of eight.
         if buffer.bytes().len() as u64 >= *length {
-            found.push(buffer);
+            buffers.push(buffer);
             continue;
         }
         let what = format!("the buffer has {} bytes, not {length}", buffer.bytes().len());
         return Err(ReadError::new("buffer-too-short", pointer("byteLength"), what));
     }
-    Ok(found)
+    Ok(buffers)
 }
 
 impl SubtreeBuffer<'_> {
@@ -400,7 +403,7 @@ impl SubtreeBuffer<'_> {
 
 type SubtreeError = (&'static str, String);
 
-/// The bits of an availability of `n` items, checked for the length and for the declared number of ones.
+/// The bits of an availability of `n` items, checked for their length and for the declared number of ones.
 fn bits<'b>(
     subtree: &Subtree,
     buffers: &'b [SubtreeBuffer<'_>],
@@ -414,8 +417,8 @@ fn bits<'b>(
     };
     let n_there = bits.count(0, n);
     match availability.count {
-        Some(said) if said != n_there => {
-            Err(("wrong-count", format!("availableCount is {said}, and {n_there} of {n} bits are set")))
+        Some(declared) if declared != n_there => {
+            Err(("wrong-count", format!("availableCount is {declared}, and {n_there} of {n} bits are set")))
         }
         _ => Ok(bits),
     }
@@ -441,7 +444,7 @@ fn stream<'b>(
         return Err(("no-such-buffer", format!("there is no buffer {}", view.buffer)));
     };
     let end = view.offset.checked_add(view.length).filter(|end| *end <= length);
-    // Both ends are within a buffer that is in memory.
+    // Both ends are inside a buffer that is in memory.
     match end.and_then(|end| bytes.get(view.offset as usize..end as usize)) {
         Some(bytes) => Ok(AvailabilityBits::Stream(bytes, n)),
         None => Err(("view-too-long", format!("buffer view {view_idx} passes the buffer's {length} bytes"))),

@@ -21,7 +21,7 @@ pub struct Tile {
     pub geometric_error: f64,
     /// Whether children replace its content or add to it.
     pub refine: Refine,
-    /// Column-major 4 × 4 matrix from its space to its parent's, if it has one of its own.
+    /// Column-major 4 × 4 matrix from its space to its parent's, if it has one.
     pub transform: Option<Box<[f64; 16]>>,
     /// The files of its content, by their paths below the tileset's folder. Chordal writes one; an empty tile
     /// has none.
@@ -64,10 +64,10 @@ pub struct ImplicitTiling {
     pub subtree_levels: u32,
     /// The number of subtree files.
     pub n_subtrees: u64,
-    /// For each level, the tile itself first, the number of available tiles. Each level halves the geometric
+    /// The number of available tiles of each level, from the tile itself on. Each level halves the geometric
     /// error.
     pub n_tiles: Vec<u64>,
-    /// For each level the number of contents.
+    /// The number of contents of each level.
     pub n_contents: Vec<u64>,
 }
 
@@ -98,8 +98,7 @@ impl Tile {
 }
 
 impl Tileset {
-    /// All tiles with their depths, parents before their children; tiles of implicit tilings are not among
-    /// them.
+    /// All tiles with their depths, parents before their children, without the tiles of implicit tilings.
     ///
     /// ```
     /// use chordal_io::tiles::{Tile, Tileset};
@@ -112,12 +111,12 @@ impl Tileset {
     #[must_use]
     pub fn tiles(&self) -> Vec<(usize, &Tile)> {
         let mut open = vec![(0, &self.root)];
-        let mut found = Vec::new();
+        let mut tiles = Vec::new();
         while let Some((depth, tile)) = open.pop() {
-            found.push((depth, tile));
+            tiles.push((depth, tile));
             open.extend(tile.children.iter().rev().map(|child| (depth + 1, child)));
         }
-        found
+        tiles
     }
 }
 

@@ -9,12 +9,12 @@ use std::fmt;
 /// deepest tile.
 const MOST_LEVELS: usize = 50;
 
-/// How far a child's box may stick out of its parent's, relative to their positions and sizes: each half axis
+/// How far a child's box may stick out of its parent's, relative to their positions and sizes. Each half axis
 /// and centre was rounded once or twice, and so were the values that are computed from them here. Derived:
 /// eight roundings of half a step.
 const SLACK: f64 = 4.0 * f64::EPSILON;
 
-/// Why a tileset is not written: the tile and its fault.
+/// Why a tileset cannot be written: the tile and its fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InvalidTileset {
     /// A JSON pointer to the tile in the output; empty for the tileset as a whole.
@@ -23,7 +23,7 @@ pub struct InvalidTileset {
     pub fault: TileFault,
 }
 
-/// What can be wrong with a tile.
+/// A fault of a tile.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TileFault {
     /// A geometric error is negative, infinite or NaN.
@@ -45,16 +45,16 @@ pub enum TileFault {
         /// The root's.
         root: f64,
     },
-    /// The volume is no axis-aligned box of finite numbers with non-negative half axes.
+    /// The volume is not an axis-aligned box of finite numbers with non-negative half axes.
     NoBox,
     /// The box sticks out of the parent's.
     BoxOutside,
-    /// The URI is no plain relative path of a file below the tileset: letters, digits, `-`, `.`, `_`, `~` and
-    /// `/`.
+    /// The URI is not a plain relative path of a file below the tileset: letters, digits, `-`, `.`, `_`, `~`
+    /// and `/`.
     BadUri(String),
     /// The tree is deeper than 50 levels.
     TooDeep,
-    /// It has something that is only read: a transform other than a rigid one of the root, or an implicit
+    /// It has data that can only be read: a transform other than a rigid one of the root, or an implicit
     /// tiling.
     OnlyRead(&'static str),
 }
@@ -87,12 +87,12 @@ impl fmt::Display for InvalidTileset {
 
 impl std::error::Error for InvalidTileset {}
 
-/// Writes the `tileset.json` of a tileset, version 1.1, the same bytes for the same tileset.
+/// Writes the `tileset.json` of a tileset, version 1.1. The same tileset gives the same bytes.
 ///
 /// The tileset must comply. Geometric errors are finite, 0 for tiles without children, and below the parent's
 /// for all others; the tileset's is above 0 and not below the root's. Volumes are axis-aligned boxes, and a
-/// child's is inside its parent's but for rounding; the root may be translated as a whole. File names are
-/// plain relative paths. So a viewer that shows a tile if its error takes at most so many pixels always finds
+/// child's is inside its parent's except for rounding; the root may be translated as a whole. File names are
+/// plain relative paths. So a viewer that shows a tile if its error is at most so many pixels always finds
 /// one, and every path down the tree gets finer at each step.
 ///
 /// Linear in the number of tiles.
@@ -117,14 +117,14 @@ impl std::error::Error for InvalidTileset {}
 ///
 /// Source: Open Geospatial Consortium, 3D Tiles Specification 1.1 (22-025r4), 2023.
 pub fn write(tileset: &Tileset) -> Result<Vec<u8>, InvalidTileset> {
-    let whole = |fault| InvalidTileset { tile: String::new(), fault };
+    let tileset_fault = |fault| InvalidTileset { tile: String::new(), fault };
     let (error, root) = (tileset.geometric_error, tileset.root.geometric_error);
     if !(error.is_finite() && error >= 0.0) {
-        return Err(whole(TileFault::BadError(error)));
+        return Err(tileset_fault(TileFault::BadError(error)));
     }
     let root_tile = TilesetWriter { at: "/root".to_owned() }.tile(&tileset.root, None, 0)?;
     if !(error > 0.0 && error >= root) {
-        return Err(whole(TileFault::BadTilesetError { error, root }));
+        return Err(tileset_fault(TileFault::BadTilesetError { error, root }));
     }
     let mut json = Map::new();
     let generator = concat!("Chordal ", env!("CARGO_PKG_VERSION"));
@@ -219,7 +219,7 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
     }
 }
 
-/// Whether a column-major matrix moves and turns and does nothing else, up to rounding: errors and boxes keep
+/// Whether a column-major matrix only translates and rotates, up to rounding: then errors and boxes keep
 /// their size.
 fn is_rigid(matrix: &[f64; 16]) -> bool {
     // A few roundings of a rotation's entries.
@@ -228,7 +228,7 @@ fn is_rigid(matrix: &[f64; 16]) -> bool {
     let is_near = |x: f64, expected: f64| (x - expected).abs() <= ROUNDING;
     let product = |i: usize, j: usize| (0..3).map(|k| at(i, k) * at(j, k)).sum::<f64>();
     let is_square = (0..3).all(|i| (0..3).all(|j| is_near(product(i, j), f64::from(u8::from(i == j)))));
-    // The third axis is the cross product of the others: nothing is mirrored.
+    // The third axis is the cross product of the others, so nothing is mirrored.
     let normal = |k: usize| at(0, k + 1) * at(1, k + 2) - at(0, k + 2) * at(1, k + 1);
     let is_rotation = is_square && (0..3).all(|k| is_near(normal(k), at(2, k)));
     let last_row = [matrix[3], matrix[7], matrix[11], matrix[15]];

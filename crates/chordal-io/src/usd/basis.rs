@@ -13,7 +13,7 @@ pub(super) enum UsdBasis {
     CatmullRom,
 }
 
-/// What a curve does at its ends.
+/// The behaviour of a curve at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum UsdWrap {
     NonPeriodic,
@@ -22,7 +22,7 @@ pub(super) enum UsdWrap {
 }
 
 impl UsdBasis {
-    /// That of two words of a file; none where one of them is not known.
+    /// The basis named by two words of a file; `None` if one of them is unknown.
     pub(super) fn from_words(kind: &str, basis: &str) -> Option<Self> {
         match (kind, basis) {
             ("linear", _) => Some(Self::Linear),
@@ -45,7 +45,7 @@ impl UsdWrap {
     }
 }
 
-/// How many points a curve needs, in words; none where there are as many.
+/// The number of points that a curve needs, in words; `None` if the number is right.
 pub(super) fn misfit(n: usize, basis: UsdBasis, wrap: UsdWrap) -> Option<&'static str> {
     let (is_right, needed) = match (basis, wrap) {
         (UsdBasis::Linear, UsdWrap::Periodic) => (n >= 3, "3 or more"),
@@ -59,10 +59,10 @@ pub(super) fn misfit(n: usize, basis: UsdBasis, wrap: UsdWrap) -> Option<&'stati
     if is_right { None } else { Some(needed) }
 }
 
-/// The curve of these points, of which there are as many as it needs. What rounding moves is in its slack.
+/// The curve of these points, whose number must be right. Its slack bounds the rounding.
 ///
 /// # Errors
-/// When a number overflows.
+/// If a number overflows.
 pub(super) fn curve(points: &[[f64; 3]], basis: UsdBasis, wrap: UsdWrap) -> Result<Curve<3>, InvalidCurve> {
     let is_closed = wrap == UsdWrap::Periodic;
     let ends = CurveEnds::from(is_closed);
@@ -89,22 +89,24 @@ pub(super) fn curve(points: &[[f64; 3]], basis: UsdBasis, wrap: UsdWrap) -> Resu
             };
             let reach =
                 points.as_flattened().iter().fold(0.0, |most, x| chordal::math::greater(x.abs(), most));
-            // Derived: a coordinate of a control point is a mean, or a point and a sixth of a difference, of what reaches
-            // that far; it takes four roundings of at most twice of it, and one more where a point was put before the
-            // first: 5 ε in each of three coordinates, below 9 ε. What rounds to 0 is below the least normal number.
+            // Derived: a coordinate of a control point is a mean, or a point and a sixth of a difference, of
+            // numbers up to the reach; it takes four roundings of at most twice the reach, and one more if a
+            // point was added before the first: 5 ε in each of three coordinates, below 9 ε. Numbers that
+            // underflow to 0 are below the least normal number.
             Ok(path.with_slack(9.0 * f64::EPSILON * reach + f64::MIN_POSITIVE))
         }
     }
 }
 
-/// The points with one before the first and one after the last, so that the curve starts and ends at these.
+/// The points with one added before the first and one after the last, so that the curve starts and ends at
+/// the given ones.
 fn pinned(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let beyond = |end: [f64; 3], next: [f64; 3]| std::array::from_fn(|k| 2.0 * end[k] - next[k]);
     let n = points.len();
-    let mut all = vec![beyond(points[0], points[1])];
-    all.extend_from_slice(points);
-    all.push(beyond(points[n - 1], points[n - 2]));
-    all
+    let mut extended = vec![beyond(points[0], points[1])];
+    extended.extend_from_slice(points);
+    extended.push(beyond(points[n - 1], points[n - 2]));
+    extended
 }
 
 /// The uniform Catmull–Rom spline; an open one starts at the second point and ends at the last but one.
@@ -124,12 +126,12 @@ fn catmull_rom(points: &[[f64; 3]], ends: CurveEnds) -> Result<Curve<3>, Invalid
 mod tests {
     use super::*;
 
-    /// A polygon around the origin that is no plane figure.
+    /// A polygon around the origin that is not planar.
     fn points(n: usize) -> Vec<[f64; 3]> {
         (0..n).map(|i| [(i * i % 7) as f64, (i * 3 % 5) as f64, i as f64 / 4.0]).collect()
     }
 
-    /// The value of a piece by the matrix of the basis, as the schema draws it.
+    /// The value of a piece by the matrix of the basis, as in the schema.
     fn by_matrix(p: [[f64; 3]; 4], basis: UsdBasis, t: f64) -> [f64; 3] {
         let weights = match basis {
             UsdBasis::BSpline => [

@@ -6,7 +6,7 @@ use super::primvar::row_numbers;
 use super::shape_kind::UsdShapeKind;
 use super::shapes::{UsdShape, UsdShapes};
 use super::stage::{StagePrim, StageSource, UsdStage};
-use super::transform::{LocalTransform, placed, quaternion_matrix};
+use super::transform::{LocalTransform, compose, quaternion_matrix};
 use crate::assemble::check_surfaces;
 use crate::drawing::Curves;
 use crate::grow::{push, push_large};
@@ -20,22 +20,22 @@ use chordal::explicit::Semantic;
 use chordal::explicit::subdivision::Scheme;
 use std::collections::BTreeMap;
 
-/// Nodes that instances may bring. Chosen: as many as of 3MF.
+/// The most nodes that instances may create. Chosen: as for 3MF.
 const MOST_INSTANCES: usize = 200_000;
-/// Instancers whose prototypes hold others. Chosen: honest ones are two deep.
+/// The deepest nesting of instancers in prototypes. Chosen: real files have two levels.
 const MOST_NESTED: usize = 4;
-/// The length of a unit where a file says nothing: a hundredth of a metre, by the schema.
+/// The default length of a unit. Defined by the schema: a hundredth of a metre.
 const USUAL_UNIT: f64 = 0.01;
-/// Prims that hold no shape of their own.
+/// Types of prims without a shape of their own.
 const SILENT: [&str; 8] = ["", "Xform", "Scope", "Material", "Shader", "NodeGraph", "GeomSubset", "SkelRoot"];
 
-/// What a prim takes from those above it.
+/// The state that a prim inherits from those above it.
 #[derive(Clone, Debug)]
 struct WalkContext {
     purpose: String,
     material: Option<String>,
     world: [f64; 16],
-    /// Instances that this is in, one in another.
+    /// The nesting depth of instances.
     nesting: usize,
 }
 
@@ -53,7 +53,7 @@ struct UsdGroupName {
     name: String,
 }
 
-/// Prims that were left out because of their type.
+/// Prims that were skipped because of their type.
 #[derive(Default)]
 struct UnreadPrims {
     count: u64,
@@ -68,13 +68,13 @@ pub(super) struct UsdBuilder<'s, 'a, 'b> {
     rules: Vec<UsdCageRules>,
     /// The matrix of each node to the world.
     worlds: Vec<[f64; 16]>,
-    known: BTreeMap<MeshKey, usize>,
+    mesh_numbers: BTreeMap<MeshKey, usize>,
     left_out: BTreeMap<String, UnreadPrims>,
     shapes: UsdShapes,
     n_instances: usize,
     groups: BTreeMap<String, Vec<String>>,
     group_numbers: BTreeMap<UsdGroupName, u32>,
-    /// Nodes whose transform does not go through their parents.
+    /// Nodes whose transforms ignore their parents.
     resets: Vec<usize>,
 }
 
@@ -87,7 +87,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             requests: Vec::new(),
             rules: Vec::new(),
             worlds: Vec::new(),
-            known: BTreeMap::new(),
+            mesh_numbers: BTreeMap::new(),
             left_out: BTreeMap::new(),
             shapes: UsdShapes::default(),
             n_instances: 0,
@@ -100,7 +100,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
     /// The shape of the file.
     ///
     /// # Errors
-    /// Where what is shown is damaged.
+    /// If the shape is damaged.
     pub(super) fn build(mut self, warnings: &mut Warnings) -> Result<Content, ReadError> {
         self.frame(warnings);
         let root = self.stage.root();
@@ -120,7 +120,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             (_, Some(rules)) => self.cage(rules, warnings)?,
             (_, None) => self.parts(warnings)?,
         };
-        // One file is shapes of one kind: meshes go before surfaces, and these before curves.
+        // A file is read as one kind of shape: meshes take precedence over surfaces, and these over curves.
         let kept = match &content {
             Content::Surfaces(..) => "NURBS surfaces",
             Content::Curves(_) => "curves",
@@ -137,7 +137,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
                 self.leave_out(shape.kind.name(), &shape.prim);
             }
         }
-        self.tell(kept, warnings);
+        self.report(kept, warnings);
         Ok(content)
     }
 
@@ -157,7 +157,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         Ok(Content::Curves(Curves { frame, certificate: self.scene.certificate.take(), ..curves }))
     }
 
-    /// Counts a prim that was left out because of its type.
+    /// Counts a prim that is skipped because of its type.
     fn leave_out(&mut self, kind: &str, prim: &StagePrim) {
         let left_out = self.left_out.entry(kind.to_owned()).or_default();
         left_out.count += 1;
@@ -187,7 +187,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         }
     }
 
-    /// Makes the nodes of a prim and those below; none where they show nothing.
+    /// Creates the nodes of a prim and of those below; `None` if they show nothing.
     fn walk(&mut self, prim: &StagePrim, above: &WalkContext) -> Result<Option<usize>, ReadError> {
         if !self.stage.is_defined(prim) {
             return Ok(None);
@@ -230,7 +230,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             "Mesh" => self.scene.nodes[number].part = self.mesh(prim, &context)?,
             "PointInstancer" => {
                 self.instances(prim, &context, number)?;
-                return Ok(self.finished(number, is_reset));
+                return Ok(self.finish_node(number, is_reset));
             }
             _ if SILENT.contains(&&*kind) => {}
             _ => match shape {
@@ -245,14 +245,14 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
                 push(&mut self.scene.nodes[number].children, child)?;
             }
         }
-        let node = self.finished(number, is_reset);
+        let node = self.finish_node(number, is_reset);
         if node.is_none() && kind == "Xform" && self.stage.child_names(prim)?.is_empty() {
             self.stage.note("empty-nodes", "prims with nothing to show have no node", &prim.path);
         }
         Ok(node)
     }
 
-    /// Keeps curves or a surface, with where they are.
+    /// Stores curves or a surface with their transform.
     fn place(
         &mut self,
         prim: &StagePrim,
@@ -268,11 +268,11 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         push(&mut self.shapes.list, UsdShape { prim: prim.clone(), kind, world: context.world, is_copy })
     }
 
-    /// Takes a node away again that shows nothing, and one from its parents whose transform is not theirs.
-    fn finished(&mut self, number: usize, is_reset: bool) -> Option<usize> {
+    /// Removes a node that shows nothing, and detaches one whose transform ignores its parents.
+    fn finish_node(&mut self, number: usize, is_reset: bool) -> Option<usize> {
         let node = &self.scene.nodes[number];
         if node.part.is_none() && node.children.is_empty() {
-            // The nodes below were taken away before, unless their transforms are not those of parents.
+            // Its descendants were removed before, unless their transforms ignore their parents.
             if number + 1 == self.scene.nodes.len() {
                 self.scene.nodes.pop();
                 self.worlds.pop();
@@ -286,15 +286,15 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         Some(number)
     }
 
-    /// The path of the material that a prim names.
+    /// The path of the material bound to a prim.
     fn binding(&mut self, prim: &StagePrim) -> Option<String> {
         let names = ["material:binding:preview", "material:binding:full", "material:binding"];
-        let found = names.into_iter().find_map(|name| self.stage.targets(prim, name).into_iter().next());
+        let path = names.into_iter().find_map(|name| self.stage.targets(prim, name).into_iter().next());
         for name in self.stage.property_names(prim, "material:binding:collection") {
             let what = "materials of collections were left out";
             self.stage.note("collections-skipped", what, &format!("{name} of {}", prim.path));
         }
-        found
+        path
     }
 
     /// The number of a material for a mesh; 0 for none.
@@ -308,10 +308,10 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         }
     }
 
-    /// The group that a subset without a material is.
+    /// The group for a subset without a material.
     fn group(&mut self, subset: &StagePrim) -> Result<UsdFaceGroup, ReadError> {
         let family = self.stage.word(subset, "familyName")?.filter(|family| !family.is_empty());
-        // What has no family is what other formats call a group.
+        // A subset without a family corresponds to a group in other formats.
         let kind = family.filter(|family| family != "materialBind").unwrap_or_else(|| "g".to_owned());
         let name = self.stage.name(subset);
         let names = self.groups.entry(kind.clone()).or_insert_with(|| vec![String::new()]);
@@ -323,7 +323,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         Ok(UsdFaceGroup { kind, number })
     }
 
-    /// The number of a mesh among those that were asked for.
+    /// The index of a mesh among the requested ones.
     fn mesh(&mut self, prim: &StagePrim, context: &WalkContext) -> Result<Option<usize>, ReadError> {
         if matches!(&*context.purpose, "proxy" | "guide") {
             let what = "shapes that stand in for others or guide the eye were left out";
@@ -352,16 +352,16 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         }
         let materials: Vec<u32> =
             std::iter::once(material).chain(subsets.iter().map(|s| s.material)).collect();
-        // Sources without geometry of their own only place it.
+        // Sources without geometry only place it.
         let has_geometry = |source: &&StageSource| {
-            let own = &self.stage.spec(**source).properties();
+            let properties = &self.stage.spec(**source).properties();
             let places = ["xformOp", "material:binding", "visibility"];
-            own.iter().any(|property| !places.iter().any(|place| property.name.starts_with(place)))
+            properties.iter().any(|property| !places.iter().any(|place| property.name.starts_with(place)))
         };
         let sources = prim.sources.iter().filter(has_geometry).copied();
         let key =
             MeshKey { sources: sources.map(|source| StageSource { map: 0, ..source }).collect(), materials };
-        if let Some(known) = self.known.get(&key) {
+        if let Some(known) = self.mesh_numbers.get(&key) {
             return Ok(Some(*known));
         }
         let texcoords =
@@ -370,11 +370,11 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         let rules = rules(self.stage, prim)?;
         push(&mut self.rules, rules)?;
         push(&mut self.requests, UsdMeshRequest { prim: prim.clone(), material, subsets, texcoords })?;
-        self.known.insert(key, number);
+        self.mesh_numbers.insert(key, number);
         Ok(Some(number))
     }
 
-    /// Makes a child for each instance of a point instancer, with its prototype below.
+    /// Creates a child for each instance of a point instancer, with its prototype below.
     fn instances(&mut self, prim: &StagePrim, context: &WalkContext, node: usize) -> Result<(), ReadError> {
         if context.nesting >= MOST_NESTED {
             let message =
@@ -415,7 +415,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             };
             let point = at.as_ref().and_then(|at| at.row::<3>(i));
             let size = sizes.as_ref().map_or(Some([1.0; 3]), |sizes| sizes.row::<3>(i));
-            let matrix = turn.zip(point).zip(size).map(|((turn, point), size)| placed(point, turn, size));
+            let matrix = turn.zip(point).zip(size).map(|((turn, point), size)| compose(point, turn, size));
             let Some(matrix) = matrix.filter(|matrix| matrix.iter().all(|x| x.is_finite())) else {
                 let message = format!("{}: instance {i} has no place, or none that is finite", prim.path);
                 return Err(ReadError::new("bad-transform", self.stage.place(prim), message));
@@ -431,14 +431,15 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
             {
                 self.scene.nodes[child].children.push(shown);
             }
-            if let Some(child) = self.finished(child, false) {
+            if let Some(child) = self.finish_node(child, false) {
                 push(&mut self.scene.nodes[node].children, child)?;
             }
         }
         Ok(())
     }
 
-    /// The rules of the one cage that all meshes are; none where they become triangles.
+    /// The subdivision rules that all meshes share, so that they form one cage; `None` if they become
+    /// triangles.
     fn cage_rules(&self) -> Result<Option<UsdCageRules>, ReadError> {
         let Some(first) = self.rules.first().copied() else { return Ok(None) };
         let forced = match self.stage.limits.surface {
@@ -468,7 +469,7 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         Ok(None)
     }
 
-    /// One cage of all meshes, where their nodes place them.
+    /// One cage of all meshes, placed by their nodes.
     fn cage(&mut self, rules: UsdCageRules, warnings: &mut Warnings) -> Result<Content, ReadError> {
         let mut builder = UsdCageBuilder::new(rules);
         for (node, world) in self.scene.nodes.iter().zip(&self.worlds) {
@@ -517,8 +518,8 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
         Ok(Content::Scene(scene))
     }
 
-    /// Passes on what was noted.
-    fn tell(self, kept: &str, warnings: &mut Warnings) {
+    /// Reports the notes as warnings.
+    fn report(self, kept: &str, warnings: &mut Warnings) {
         let n_deletions = self.stage.layers.iter().map(|layer| layer.about.n_deletions).sum();
         if n_deletions > 0 {
             let what = "list edits that delete were not applied: what they delete is there";
@@ -541,6 +542,6 @@ impl<'s, 'a, 'b> UsdBuilder<'s, 'a, 'b> {
                 (FileLocation::File, message)
             });
         }
-        self.stage.notes.take().tell(warnings);
+        self.stage.notes.take().report(warnings);
     }
 }

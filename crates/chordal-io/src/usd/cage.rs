@@ -1,4 +1,4 @@
-//! `UsdCageBuilder`: one cage of all meshes of a shape that are subdivided by the same rules.
+//! `UsdCageBuilder`: one cage of all meshes of a shape, which are subdivided by the same rules.
 //!
 //! Source: Pixar Animation Studios, *UsdGeomMesh*, openusd.org, 2024.
 use super::mesh::{UsdMeshRequest, face_groups, holes};
@@ -17,15 +17,15 @@ use chordal::explicit::{Attribute, Cage, Domain, Semantic};
 use chordal::math::greater;
 use std::collections::BTreeMap;
 
-/// Words of boundary rules, and of rules for texture coordinates, in the order of their numbers.
+/// Names of boundary rules, and of rules for texture coordinates, in the order of their numbers.
 pub(super) const BOUNDARIES: [(Boundary, &str); 3] =
     [(Boundary::None, "none"), (Boundary::EdgeOnly, "edgeOnly"), (Boundary::EdgeAndCorner, "edgeAndCorner")];
 pub(super) const LINEAR: [&str; 6] =
     ["none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"];
-/// Words of schemes.
+/// Names of schemes.
 pub(super) const SCHEMES: [(Scheme, &str); 3] =
     [(Scheme::CatmullClark, "catmullClark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
-/// Chordal's own properties: how creases lose their sharpness, and whether implicit corners are listed.
+/// Chordal's own properties: the decay of creases' sharpness, and whether implicit corners are listed.
 pub(super) const CREASING: &str = "chordal:creasing";
 pub(super) const CHAIKIN: &str = "chaikin";
 pub(super) const REFINED: &str = "chordal:refined";
@@ -33,7 +33,7 @@ pub(super) const REFINED: &str = "chordal:refined";
 /// The rules by which a mesh is subdivided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UsdCageRules {
-    /// None for plain polygons.
+    /// `None` for plain polygons.
     pub scheme: Option<Scheme>,
     pub boundary: Boundary,
     pub linear: LinearTexcoords,
@@ -41,7 +41,7 @@ pub(super) struct UsdCageRules {
     pub is_refined: bool,
 }
 
-/// The rules that a mesh names.
+/// The rules of a mesh.
 pub(super) fn rules(stage: &UsdStage<'_, '_>, prim: &StagePrim) -> Result<UsdCageRules, ReadError> {
     let unknown = |name: &str, word: &str| {
         let what = "rules of subdivision that are not known were ignored";
@@ -109,7 +109,7 @@ pub(super) struct UsdCageBuilder {
     creases: Vec<([u32; 2], f64)>,
     sharp: Vec<(u32, f64)>,
     holes: Vec<u32>,
-    /// For each kind of group a number for each face; those at the end may be missing.
+    /// For each kind of group a number for each face; the list may end early.
     groups: BTreeMap<String, Vec<f64>>,
     /// The number of each face's mesh, and their names.
     meshes: Vec<f64>,
@@ -141,7 +141,7 @@ impl UsdCageBuilder {
     /// Adds a mesh.
     ///
     /// # Errors
-    /// Where it is damaged, or no cage.
+    /// If it is damaged, or not a cage.
     pub(super) fn add(
         &mut self,
         stage: &UsdStage<'_, '_>,
@@ -179,7 +179,7 @@ impl UsdCageBuilder {
         Ok(())
     }
 
-    /// Adds the faces; returns the number of each that was kept.
+    /// Adds the faces; returns the new index of each kept face.
     fn faces(
         &mut self,
         stage: &UsdStage<'_, '_>,
@@ -284,8 +284,8 @@ impl UsdCageBuilder {
                 ReadError::new("index-out-of-range", row_place(name, row), message)
             })
         };
-        let mismatch = |name: &'static str, found: usize, needed: usize| {
-            let message = format!("{}.{name} has {found} values where {needed} are needed", prim.path);
+        let mismatch = |name: &'static str, actual: usize, needed: usize| {
+            let message = format!("{}.{name} has {actual} values where {needed} are needed", prim.path);
             ReadError::new("count-mismatch", stage.place(prim), message)
         };
         let corners = points("cornerIndices", &list("cornerIndices")?)?;
@@ -323,7 +323,7 @@ impl UsdCageBuilder {
         Ok(())
     }
 
-    /// Adds colours of points. A mesh without any is white beside those that have some.
+    /// Adds colours of points. A mesh without colours is white if others have some.
     fn colors(
         &mut self,
         stage: &UsdStage<'_, '_>,
@@ -346,8 +346,8 @@ impl UsdCageBuilder {
                 Interpolation::Constant => color.row(0),
                 _ => color.row(point),
             });
-            let found = row.and_then(|row| color.as_ref()?.numbers.row::<3>(row as usize));
-            for x in found.unwrap_or([1.0; 3]) {
+            let color_row = row.and_then(|row| color.as_ref()?.numbers.row::<3>(row as usize));
+            for x in color_row.unwrap_or([1.0; 3]) {
                 push(&mut self.colors, if x.is_finite() { x } else { 0.0 })?;
             }
         }
@@ -357,7 +357,7 @@ impl UsdCageBuilder {
     /// The cage of all meshes.
     ///
     /// # Errors
-    /// Where a crease is no edge, or the box has no finite size.
+    /// If a crease is not an edge, or the bounding box is not finite.
     pub(super) fn finish(self, warnings: &mut Warnings) -> Result<Polygons, ReadError> {
         check_extent(&self.positions)?;
         warnings.count_all("no-vertices", u64::from(self.positions.is_empty()), "the file has no vertices");

@@ -18,10 +18,10 @@ const ROOT: u32 = 7;
 const RELATIONSHIP: u32 = 8;
 const VARIANT: u32 = 10;
 
-/// Reads a binary file. Values of attributes stay packed until they are asked for.
+/// Reads a binary file. Values of attributes stay packed until they are needed.
 ///
 /// # Errors
-/// At the byte where the file is cut off or damaged.
+/// At the byte where the file is truncated or damaged.
 pub(super) fn read_crate<'a>(
     bytes: Cow<'a, [u8]>,
     path: &str,
@@ -60,7 +60,7 @@ struct CrateReader<'a> {
 }
 
 impl CrateReader<'_> {
-    /// Makes the prims and variants, first without parents, since these may come later.
+    /// Creates the prims and variants, at first without parents, since these may come later.
     fn prims(&mut self) -> Result<(), ReadError> {
         let tables = self.values.tables;
         for (at, spec) in tables.specs.iter().enumerate() {
@@ -192,25 +192,25 @@ impl CrateReader<'_> {
         let prim = &mut self.prims[number as usize];
         match name {
             "references" | "payload" => {
-                let found = values.list_items(value)?;
+                let items = values.list_items(value)?;
                 arcs(prim, &mut |arcs| {
                     let list = if name == "payload" { &mut arcs.payloads } else { &mut arcs.references };
-                    list.extend_from_slice(&found);
+                    list.extend_from_slice(&items);
                     Ok(())
                 })
             }
             "inheritPaths" | "specializes" => {
-                let found = values.list_items(value)?;
+                let items = values.list_items(value)?;
                 arcs(prim, &mut |arcs| {
                     let list = if name == "specializes" { &mut arcs.specializes } else { &mut arcs.inherits };
-                    list.extend(found.iter().map(|item| item.path.clone()));
+                    list.extend(items.iter().map(|item| item.path.clone()));
                     Ok(())
                 })
             }
             "variantSelection" => {
-                let found = values.selections(value)?;
+                let selections = values.selections(value)?;
                 arcs(prim, &mut |arcs| {
-                    arcs.selections.extend_from_slice(&found);
+                    arcs.selections.extend_from_slice(&selections);
                     Ok(())
                 })
             }
@@ -290,7 +290,7 @@ impl CrateReader<'_> {
     }
 }
 
-/// Links the children of each prim in the order that it lists.
+/// Links the children of each prim in the order that the prim lists.
 fn link(prims: &mut [UsdPrim], by_name: &[u32], tables: &CrateTables, bytes: &[u8]) -> Result<(), ReadError> {
     let values = CrateValues { bytes, tables };
     let mut is_linked = Vec::new();

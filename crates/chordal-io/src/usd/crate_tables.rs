@@ -8,41 +8,41 @@ use crate::{FileLocation, Limits, ReadError};
 
 /// The first bytes of the binary form.
 pub(super) const USDC_MAGIC: &[u8] = b"PXR-USDC";
-/// The newest version of the layout that is read, and the oldest, which packs its tables.
+/// The newest version of the layout that is supported, and the oldest, which compresses its tables.
 const NEWEST: [u8; 2] = [0, 13];
 const OLDEST: [u8; 2] = [0, 4];
 /// The bytes of an entry in the table of contents: a name, a start and a size.
 const SECTION_BYTES: usize = 32;
 const SECTION_NAME_BYTES: usize = 16;
-/// Steps of a path that is asked for. Chosen: twice the depth to which prims are read.
+/// The most steps of a path. Chosen: twice the depth to which prims are read.
 const MOST_STEPS: usize = 256;
-/// Sections that there may be. Chosen: six are known.
+/// The most sections. Chosen: six are known.
 const MOST_SECTIONS: u64 = 64;
 
-/// The tables, whose numbers are checked where they are used.
+/// The tables. Their indices are checked when they are used.
 #[derive(Debug)]
 pub(super) struct CrateTables {
     /// The minor number of the version.
     pub version: u8,
     pub tokens: Vec<Box<str>>,
-    /// Tokens.
+    /// Indices of tokens.
     pub strings: Vec<u32>,
     pub fields: Vec<CrateField>,
-    /// Fields, and one beyond all after each set.
+    /// Indices of fields; each set ends with an index out of range.
     pub field_sets: Vec<u32>,
     pub paths: Vec<CratePath>,
     pub specs: Vec<CrateSpec>,
     pub budget: UnpackBudget,
 }
 
-/// A name with a value.
+/// A field: a name with a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CrateField {
     pub token: u32,
     pub value: u64,
 }
 
-/// A path, as the last step of it.
+/// A path, given by its last step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CratePath {
     pub parent: u32,
@@ -51,7 +51,7 @@ pub(super) struct CratePath {
     pub is_known: bool,
 }
 
-/// A thing at a path.
+/// A spec: an object at a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CrateSpec {
     pub path: u32,
@@ -59,14 +59,14 @@ pub(super) struct CrateSpec {
     pub kind: u32,
 }
 
-/// The bytes of a file, and where in them is read.
+/// The bytes of a file, and the current position.
 pub(super) struct CrateCursor<'a> {
     pub bytes: &'a [u8],
     pub at: usize,
 }
 
 impl<'a> CrateCursor<'a> {
-    /// At a byte that a file names.
+    /// A cursor at an offset given in the file.
     pub(super) fn at(bytes: &'a [u8], at: u64) -> Self {
         Self { bytes, at: usize::try_from(at).unwrap_or(usize::MAX).min(bytes.len()) }
     }
@@ -83,9 +83,9 @@ impl<'a> CrateCursor<'a> {
                 format!("{} bytes are needed, and {} are left", grouped(n as u64), grouped(left as u64));
             return Err(self.error("truncated", message));
         };
-        let found = &self.bytes[self.at..end];
+        let bytes = &self.bytes[self.at..end];
         self.at = end;
-        Ok(found)
+        Ok(bytes)
     }
 
     pub(super) fn u64(&mut self) -> Result<u64, ReadError> {
@@ -102,7 +102,7 @@ impl<'a> CrateCursor<'a> {
         Ok(self.take(1)?[0])
     }
 
-    /// A number of things that each take at least so many of the bytes that are left.
+    /// A number of items that take at least `least` of the remaining bytes each.
     pub(super) fn count(&mut self, least: usize) -> Result<usize, ReadError> {
         let n = self.u64()?;
         let left = self.bytes.len().saturating_sub(self.at);
@@ -116,19 +116,19 @@ impl<'a> CrateCursor<'a> {
         }
     }
 
-    /// LZ4 after its packed size.
+    /// LZ4 data after its packed size.
     pub(super) fn packed(&mut self, n: usize, budget: &UnpackBudget) -> Result<Vec<u8>, ReadError> {
         let at = self.at;
         let size = self.count(1)?;
         let packed = self.take(size)?;
-        // A byte of LZ4 stands for 255 at most, so that nothing more can be there.
+        // A byte of LZ4 unpacks to at most 255, so more than that is impossible.
         let n = n.min(packed.len().saturating_mul(255));
         budget.take(n as u64, at)?;
         let broken = || ReadError::new("bad-lz4", FileLocation::Byte(at as u64), "packed bytes are damaged");
         unpack_chunks(packed, n)?.ok_or_else(broken)
     }
 
-    /// Packed integers of W bytes.
+    /// Compressed integers of W bytes.
     pub(super) fn integers<const W: usize>(
         &mut self,
         n: usize,
@@ -154,7 +154,7 @@ impl CrateTables {
     /// Reads the tables of a file.
     ///
     /// # Errors
-    /// At the byte where the file is of another version, cut off or damaged.
+    /// At the byte where the file has another version, is truncated or damaged.
     pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let mut cursor = CrateCursor { bytes, at: 0 };
         if cursor.take(USDC_MAGIC.len()).ok() != Some(USDC_MAGIC) {
@@ -223,7 +223,7 @@ impl CrateTables {
         rest.iter().map_while(|field| self.fields.get(*field as usize).copied())
     }
 
-    /// The path of a number, as text.
+    /// The path with an index, as text.
     pub(super) fn path(&self, number: u32) -> Option<String> {
         let mut steps = Vec::new();
         let mut at = number;
@@ -241,7 +241,7 @@ impl CrateTables {
         let mut text = String::new();
         for step in steps.into_iter().rev() {
             let token = self.token(step.token)?;
-            // A variant has braces of its own, and is no step to others.
+            // A variant has its own braces, and is not a step of other paths.
             if !token.starts_with('{') {
                 text.push(if step.is_property { '.' } else { '/' });
                 text.push_str(token);
@@ -253,7 +253,7 @@ impl CrateTables {
         Some(text)
     }
 
-    /// The paths, in the order of the tree: a step each, and how far it is to the next sibling.
+    /// The paths in the order of the tree: a step each, and the distance to the next sibling.
     fn read_paths(&mut self, mut cursor: CrateCursor<'_>) -> Result<(), ReadError> {
         let start = cursor.at;
         let n_paths = cursor.u64()?;
@@ -269,7 +269,7 @@ impl CrateTables {
                 format!("the paths are damaged: {what}"),
             )
         };
-        // The numbers above are as many as there are, so that a file of few bytes cannot have many paths.
+        // The indices above limit the number of paths, so that a file of few bytes cannot have many.
         if n_paths > n.saturating_mul(2).saturating_add(64) {
             return Err(broken("more are said to be than there are"));
         }
@@ -297,6 +297,8 @@ impl CrateTables {
                 return Err(broken("one is there twice"));
             }
             self.paths[number as usize] = path;
+            // Above 0: a child follows, and the next sibling is so many entries further. 0: only a sibling
+            // follows. -1: only a child follows. -2: neither.
             let jump = jumps[at];
             let (has_child, has_sibling) = (jump > 0 || jump == -1, jump >= 0);
             if has_child {
@@ -331,7 +333,7 @@ impl CrateTables {
     }
 }
 
-/// A number of things that unpack from what follows; whether they do is seen there.
+/// A number of items in the compressed data that follows; unpacking checks it.
 fn checked(n: u64, cursor: &CrateCursor<'_>) -> Result<usize, ReadError> {
     let most = u64::from(u32::MAX);
     usize::try_from(n).ok().filter(|_| n < most).ok_or_else(|| {
@@ -340,14 +342,14 @@ fn checked(n: u64, cursor: &CrateCursor<'_>) -> Result<usize, ReadError> {
     })
 }
 
-/// Numbers without a sign, as they are stored.
+/// Unsigned numbers, as they are stored.
 fn narrow(wide: Vec<i64>) -> Result<Vec<u32>, ReadError> {
     let mut out = with_room(wide.len())?;
     out.extend(wide.into_iter().map(|x| x as u32));
     Ok(out)
 }
 
-/// Words with a zero after each.
+/// Zero-terminated words.
 fn tokens(mut cursor: CrateCursor<'_>, budget: &UnpackBudget) -> Result<Vec<Box<str>>, ReadError> {
     let at = cursor.at;
     let n = cursor.u64()?;
@@ -355,22 +357,22 @@ fn tokens(mut cursor: CrateCursor<'_>, budget: &UnpackBudget) -> Result<Vec<Box<
     let size = checked(size, &cursor)?;
     let bytes = cursor.packed(size, budget)?;
     let broken = |what: String| ReadError::new("bad-tokens", FileLocation::Byte(at as u64), what);
-    let mut found = Vec::new();
+    let mut tokens = Vec::new();
     let mut rest = &bytes[..];
     while let Some(end) = memchr::memchr(0, rest) {
-        // Sixteen bytes point to a token.
+        // Each token also takes a pointer of sixteen bytes.
         budget.take(16, at)?;
         let text = std::str::from_utf8(&rest[..end])
-            .map_err(|_| broken(format!("token {} is no UTF-8", found.len())))?;
-        push(&mut found, text.into())?;
+            .map_err(|_| broken(format!("token {} is no UTF-8", tokens.len())))?;
+        push(&mut tokens, text.into())?;
         rest = &rest[end + 1..];
     }
-    if found.len() as u64 == n {
-        return Ok(found);
+    if tokens.len() as u64 == n {
+        return Ok(tokens);
     }
     Err(broken(format!(
         "{} tokens are there where {} are said to be",
-        grouped(found.len() as u64),
+        grouped(tokens.len() as u64),
         grouped(n)
     )))
 }
@@ -378,11 +380,11 @@ fn tokens(mut cursor: CrateCursor<'_>, budget: &UnpackBudget) -> Result<Vec<Box<
 fn strings(mut cursor: CrateCursor<'_>) -> Result<Vec<u32>, ReadError> {
     // Four bytes each.
     let n = cursor.count(4)?;
-    let mut found = with_room(n)?;
+    let mut strings = with_room(n)?;
     for _ in 0..n {
-        found.push(cursor.u32()?);
+        strings.push(cursor.u32()?);
     }
-    Ok(found)
+    Ok(strings)
 }
 
 fn fields(mut cursor: CrateCursor<'_>, budget: &UnpackBudget) -> Result<Vec<CrateField>, ReadError> {
@@ -396,10 +398,10 @@ fn fields(mut cursor: CrateCursor<'_>, budget: &UnpackBudget) -> Result<Vec<Crat
         let message = format!("the values of {} fields are cut off", grouped(n as u64));
         return Err(ReadError::new("truncated", FileLocation::Byte(at as u64), message));
     }
-    let mut found = with_room(n)?;
+    let mut fields = with_room(n)?;
     for (token, raw) in tokens.into_iter().zip(values.chunks_exact(8)) {
         let value = raw.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte));
-        found.push(CrateField { token, value });
+        fields.push(CrateField { token, value });
     }
-    Ok(found)
+    Ok(fields)
 }

@@ -1,6 +1,6 @@
-//! Values of USD's binary form, which are unpacked when they are asked for.
+//! Values of USD's binary form, which are unpacked when they are needed.
 //!
-//! Source: Pixar's OpenUSD, `pxr/usd/sdf/crateFile` and `crateDataTypes.h`, 2016 to 2024, for the numbers of
+//! Source: Pixar's OpenUSD, `pxr/usd/sdf/crateFile` and `crateDataTypes.h`, 2016 to 2024, for the codes of
 //! types and their layout.
 use super::crate_tables::{CrateCursor, CrateTables};
 use super::layer::UsdReference;
@@ -9,22 +9,22 @@ use crate::grow::{push, with_room};
 use crate::text::grouped;
 use crate::{FileLocation, ReadError};
 
-/// What the upper bits of a value say: an array, in the lower bits itself, packed.
+/// The upper bits of a value: it is an array, it is stored inline in the lower bits, it is compressed.
 const IS_ARRAY: u64 = 1 << 63;
 const IS_INLINED: u64 = 1 << 62;
 const IS_PACKED: u64 = 1 << 61;
-/// The lower bits, which are the value or where it is, and the type above them.
+/// The number of lower bits, which hold the value or its offset; the type is above them.
 const PAYLOAD_BITS: u32 = 48;
 const PAYLOAD: u64 = (1 << PAYLOAD_BITS) - 1;
-/// Arrays of fewer numbers are not packed.
+/// Arrays with fewer numbers are not compressed.
 const LEAST_PACKED: usize = 16;
-/// The version from which arrays have no number of axes, and that from which their length has 64 bits.
+/// The version from which arrays have no rank, and the one from which their length has 64 bits.
 const NO_RANK: u8 = 5;
 const WIDE_LENGTH: u8 = 7;
-/// The version from which payloads have shifts in time.
+/// The version from which payloads have time offsets.
 const PAYLOAD_SHIFTS: u8 = 8;
 
-/// How one number of a type is stored.
+/// The storage type of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CrateNumber {
     Byte,
@@ -63,7 +63,7 @@ impl CrateNumber {
 /// A number of 16 bits (IEEE 754-2019, binary16).
 fn half(bits: u16) -> f64 {
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
-    // Steps of a subnormal are 2⁻²⁴; a fraction has ten bits, and the exponent is shifted by 15.
+    // Steps of a subnormal number are 2⁻²⁴; a fraction has ten bits, and the exponent has a bias of 15.
     let size = match exponent {
         0 => libm::ldexp(fraction, -24),
         31 if fraction == 0.0 => f64::INFINITY,
@@ -73,10 +73,10 @@ fn half(bits: u16) -> f64 {
     if bits >> 15 == 1 { -size } else { size }
 }
 
-/// What a number of a type means.
+/// The meaning of a type's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CrateKind {
-    /// Rows of so many numbers; quaternions have their real part last.
+    /// Rows of this many numbers; quaternions have their real part last.
     Numbers(CrateNumber, usize),
     Matrix(usize),
     Quaternion(CrateNumber),
@@ -100,7 +100,7 @@ fn kind_of(value: u64) -> CrateKind {
         8 => CrateKind::Numbers(Float, 1),
         9 | 56 => CrateKind::Numbers(Double, 1),
         10 => CrateKind::String,
-        // The path of a file is a token too.
+        // The path of a file is also a token.
         11 | 12 => CrateKind::Token,
         n @ 13..=15 => CrateKind::Matrix(n as usize - 11),
         16 => CrateKind::Quaternion(Double),
@@ -126,7 +126,7 @@ pub(super) struct CrateValues<'a> {
 }
 
 impl<'a> CrateValues<'a> {
-    /// Whether a value holds several over time.
+    /// Whether a value holds time samples.
     pub(super) fn is_samples(value: u64) -> bool {
         kind_of(value) == CrateKind::TimeSamples
     }
@@ -138,17 +138,17 @@ impl<'a> CrateValues<'a> {
     /// Unpacks a value.
     ///
     /// # Errors
-    /// At the byte where it is cut off or damaged, or unpacks to more than the file may.
+    /// At the byte where it is truncated or damaged, or unpacks to more than the file may.
     pub(super) fn unpack(&self, value: u64) -> Result<UsdValue, ReadError> {
         match kind_of(value) {
             CrateKind::Numbers(number, width) => self.numbers(value, number, width),
             CrateKind::Matrix(n) => self.matrix(value, n),
             CrateKind::Quaternion(number) => {
-                let mut found = self.numbers(value, number, 4)?;
-                if let UsdValue::Numbers(numbers) = &mut found {
+                let mut quaternions = self.numbers(value, number, 4)?;
+                if let UsdValue::Numbers(numbers) = &mut quaternions {
                     numbers.values.chunks_exact_mut(4).for_each(|row| row.rotate_right(1));
                 }
-                Ok(found)
+                Ok(quaternions)
             }
             CrateKind::Token | CrateKind::String | CrateKind::TokenList => {
                 self.words(value).map(UsdValue::Words)
@@ -170,7 +170,7 @@ impl<'a> CrateValues<'a> {
             }
         } else if width == 1 {
             let raw = (value as u32).to_le_bytes();
-            // A number of 64 bits is inlined as one of 32.
+            // An inline number of 64 bits is stored in 32.
             let narrow = match number {
                 CrateNumber::Double => CrateNumber::Float,
                 CrateNumber::Int64 => CrateNumber::Int,
@@ -179,7 +179,7 @@ impl<'a> CrateValues<'a> {
             };
             values.push(narrow.value(&raw[..narrow.n_bytes()]));
         } else {
-            // A byte with a sign for each component.
+            // One signed byte for each component.
             let raw = (value as u32).to_le_bytes();
             values.extend(raw[..width].iter().map(|byte| f64::from(*byte as i8)));
         }
@@ -190,7 +190,7 @@ impl<'a> CrateValues<'a> {
         if value & IS_ARRAY != 0 || value & IS_INLINED == 0 {
             return self.numbers(value, CrateNumber::Double, n * n);
         }
-        // The diagonal, a byte each.
+        // The diagonal of a matrix, one byte for each entry.
         let raw = (value as u32).to_le_bytes();
         let mut values = vec![0.0; n * n];
         for (i, byte) in raw[..n].iter().enumerate() {
@@ -199,7 +199,7 @@ impl<'a> CrateValues<'a> {
         Ok(UsdValue::Numbers(UsdNumbers { width: n * n, values }))
     }
 
-    /// The length of an array, whose elements follow.
+    /// The length of an array; its elements follow.
     fn length(&self, cursor: &mut CrateCursor<'_>) -> Result<usize, ReadError> {
         if self.tables.version < NO_RANK {
             cursor.u32()?;
@@ -222,7 +222,7 @@ impl<'a> CrateValues<'a> {
         }
         let n_values = n.saturating_mul(width);
         let raw = cursor.take(n_values.saturating_mul(number.n_bytes()))?;
-        // The same bytes may be the value of many attributes, so each is counted.
+        // Many attributes may share the same bytes, so each use is counted.
         self.tables.budget.take(raw.len() as u64, cursor.at)?;
         let mut values = with_room(n_values)?;
         values.extend(raw.chunks_exact(number.n_bytes()).map(|raw| number.value(raw)));
@@ -247,6 +247,8 @@ impl<'a> CrateValues<'a> {
             CrateNumber::Int64 => as_f64(cursor.integers::<8>(n, budget)?, |x| x as f64)?,
             CrateNumber::Uint64 => as_f64(cursor.integers::<8>(n, budget)?, |x| x as u64 as f64)?,
             CrateNumber::Byte => return Err(cursor.error("bad-value", "bytes are said to be packed")),
+            // Floats that are whole numbers are packed as integers ('i'), few different ones as indices into
+            // a table ('t').
             CrateNumber::Half | CrateNumber::Float | CrateNumber::Double => match cursor.u8()? {
                 b'i' => as_f64(cursor.integers::<4>(n, budget)?, |x| x as f64)?,
                 b't' => {
@@ -280,15 +282,15 @@ impl<'a> CrateValues<'a> {
         let kind = kind_of(value);
         let word = |number: u32, at: usize| {
             let tables = self.tables;
-            let found = if kind == CrateKind::String { tables.string(number) } else { tables.token(number) };
-            found.map(Box::from).ok_or_else(|| {
+            let text = if kind == CrateKind::String { tables.string(number) } else { tables.token(number) };
+            text.map(Box::from).ok_or_else(|| {
                 let message = format!("word {number} is beyond their table");
                 ReadError::new("index-out-of-range", FileLocation::Byte(at as u64), message)
             })
         };
         let is_list = value & IS_ARRAY != 0 || kind == CrateKind::TokenList;
         if !is_list {
-            // What is not inlined here is nothing that any writer makes.
+            // Writers always inline single words, so no other form is supported.
             return Ok(vec![word(value as u32, 0)?]);
         }
         if value & PAYLOAD == 0 {
@@ -306,45 +308,45 @@ impl<'a> CrateValues<'a> {
         Ok(words)
     }
 
-    /// The value of the first of several over time.
+    /// The value of the first time sample.
     pub(super) fn first_sample(&self, value: u64) -> Result<Option<u64>, ReadError> {
         let mut cursor = self.cursor(value);
-        // The times stand somewhere else, and so do the values: each after how far it is to them.
+        // Times and values are stored elsewhere, each behind a relative offset.
         for is_values in [false, true] {
             let at = cursor.at as u64;
-            let there = at.wrapping_add(cursor.u64()?);
+            let target = at.wrapping_add(cursor.u64()?);
             if is_values {
-                let mut values = CrateCursor::at(self.bytes, there);
+                let mut values = CrateCursor::at(self.bytes, target);
                 return Ok(if values.u64()? == 0 { None } else { Some(values.u64()?) });
             }
-            // Behind the times is what says where they are, and then the values.
-            cursor = CrateCursor::at(self.bytes, there);
+            // After the times comes the relative offset of the values, then the values.
+            cursor = CrateCursor::at(self.bytes, target);
             cursor.u64()?;
         }
         Ok(None)
     }
 
-    /// Whether the lists of an edited list are of tokens or paths (4 bytes each), or of references.
+    /// The items of an edited list, which holds tokens or paths (4 bytes each) or references.
     pub(super) fn list_items(&self, value: u64) -> Result<Vec<UsdReference>, ReadError> {
         let mut cursor = self.cursor(value);
-        let mut found = Vec::new();
+        let mut items = Vec::new();
         let kind = value >> PAYLOAD_BITS & 0xFF;
         match kind {
             // A vector of paths, and a single payload.
             40 => {
                 for _ in 0..cursor.count(4)? {
-                    push(&mut found, self.path_item(&mut cursor)?)?;
+                    push(&mut items, self.path_item(&mut cursor)?)?;
                 }
-                return Ok(found);
+                return Ok(items);
             }
             47 => {
-                found.push(self.arc_item(&mut cursor, kind)?);
-                return Ok(found);
+                items.push(self.arc_item(&mut cursor, kind)?);
+                return Ok(items);
             }
             34 | 35 | 55 => {}
-            _ => return Ok(found),
+            _ => return Ok(items),
         }
-        // The lists that are there: explicit, added, prepended, appended; then deleted and ordered.
+        // The lists that are present: explicit, added, prepended, appended; then deleted and ordered.
         let flags = cursor.u8()?;
         for flag in [2, 4, 32, 64] {
             if flags & flag == 0 {
@@ -355,10 +357,10 @@ impl<'a> CrateValues<'a> {
                     34 => self.path_item(&mut cursor)?,
                     _ => self.arc_item(&mut cursor, kind)?,
                 };
-                push(&mut found, item)?;
+                push(&mut items, item)?;
             }
         }
-        Ok(found)
+        Ok(items)
     }
 
     fn path_item(&self, cursor: &mut CrateCursor<'_>) -> Result<UsdReference, ReadError> {
@@ -379,7 +381,7 @@ impl<'a> CrateValues<'a> {
         let path = self.tables.path(number).unwrap_or_default();
         self.tables.budget.take(path.len() as u64, cursor.at)?;
         let path = if path == "/" { String::new() } else { path };
-        // A shift in time, two numbers of 8 bytes, and the data of a reference.
+        // A time offset of two 8-byte numbers, and the custom data of a reference.
         if kind == 35 || self.tables.version >= PAYLOAD_SHIFTS {
             cursor.take(16)?;
         }
@@ -389,19 +391,19 @@ impl<'a> CrateValues<'a> {
         Ok(UsdReference { asset, path: path.into() })
     }
 
-    /// The string of a name in a dictionary.
+    /// The string under a name in a dictionary.
     pub(super) fn string_in(&self, value: u64, name: &str) -> Result<Option<String>, ReadError> {
         if value & PAYLOAD == 0 {
             return Ok(None);
         }
         let mut cursor = self.cursor(value);
-        // A name of 4 bytes, and 8 that say how far it is to the value.
+        // A name of 4 bytes, and the relative offset of the value in 8.
         for _ in 0..cursor.count(12)? {
             let key = cursor.u32()?;
             let at = cursor.at as u64;
-            let there = at.wrapping_add(cursor.u64()?);
+            let target = at.wrapping_add(cursor.u64()?);
             if self.tables.string(key) == Some(name) {
-                let value = CrateCursor::at(self.bytes, there).u64()?;
+                let value = CrateCursor::at(self.bytes, target).u64()?;
                 let is_one = kind_of(value) == CrateKind::String && value & IS_ARRAY == 0;
                 let words = if is_one { self.words(value)? } else { Vec::new() };
                 return Ok(words.into_iter().next().map(String::from));
@@ -410,16 +412,16 @@ impl<'a> CrateValues<'a> {
         Ok(None)
     }
 
-    /// Pairs of strings: sets of variants and what is chosen of each.
+    /// Pairs of strings: sets of variants with the selected variant.
     pub(super) fn selections(&self, value: u64) -> Result<Vec<[Box<str>; 2]>, ReadError> {
         let mut cursor = self.cursor(value);
-        let mut found = Vec::new();
+        let mut pairs = Vec::new();
         // Two numbers of 4 bytes.
         for _ in 0..cursor.count(8)? {
             let pair = [cursor.u32()?, cursor.u32()?];
             let pair = pair.map(|number| Box::from(self.tables.string(number).unwrap_or_default()));
-            push(&mut found, pair)?;
+            push(&mut pairs, pair)?;
         }
-        Ok(found)
+        Ok(pairs)
     }
 }

@@ -5,11 +5,11 @@ use crate::zip::directory::{LOCAL, ZipDirectory, ZipNames};
 use crate::zip::unpack::ZipUnpacker;
 use crate::{FileLocation, Limits, ReadError};
 
-/// Where other files come from.
+/// The source of other files.
 pub(super) struct UsdFiles<'a, 'b> {
     package: Option<UsdPackage<'a>>,
     open: Option<&'a mut FileOpener<'b>>,
-    /// Bytes that may still be read.
+    /// The number of bytes that may still be read.
     left: u64,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct UsdFile {
 
 /// Whether the content is a package whose first file is USD.
 pub(crate) fn is_package(bytes: &[u8]) -> bool {
-    /// The bytes of the name of the first file stand at 30, its length at 26 (PKWARE, *APPNOTE* 6.3, 4.3.7).
+    /// The name of the first file starts at byte 30, its length is at 26 (PKWARE, *APPNOTE* 6.3, 4.3.7).
     const NAME: usize = 30;
     const LENGTH: usize = 26;
     let name = || {
@@ -48,14 +48,14 @@ impl<'a, 'b> UsdFiles<'a, 'b> {
         Self { package: None, open, left: limits.bytes.saturating_sub(n_bytes as u64) }
     }
 
-    /// Opens a package and takes its first file, which is the shape.
+    /// Opens a package and takes its first file, which holds the shape.
     ///
     /// # Errors
-    /// When the package is damaged, or holds no USD.
+    /// If the package is damaged, or holds no USD.
     pub(super) fn package(bytes: &'a [u8], limits: &Limits) -> Result<(Self, UsdFile), ReadError> {
         let directory = ZipDirectory::read(bytes, ZipNames::AnyCase)?;
         let mut unpacker = ZipUnpacker::new(bytes, UnpackCap::MODEL, limits);
-        // The first file is the one with the first byte, whatever the order of the directory.
+        // The first file is the one with the lowest offset, whatever the order of the directory.
         let first = directory.entries.iter().filter(|entry| is_layer_name(entry.name.as_bytes()));
         let Some(first) = first.min_by_key(|entry| entry.at) else {
             let message = "the package holds no file of USD: this is a zip file of another kind";
@@ -66,7 +66,7 @@ impl<'a, 'b> UsdFiles<'a, 'b> {
         Ok((Self { package: Some(UsdPackage { directory, unpacker }), open: None, left }, file))
     }
 
-    /// The path of a file that another one names.
+    /// The path of a file that another one refers to.
     ///
     /// # Errors
     /// Why it is outside.
@@ -80,7 +80,7 @@ impl<'a, 'b> UsdFiles<'a, 'b> {
     /// The bytes at such a path.
     ///
     /// # Errors
-    /// Why they cannot be had.
+    /// Why they are not available.
     pub(super) fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
         let bytes = match (&mut self.package, &mut self.open) {
             (Some(package), _) => {

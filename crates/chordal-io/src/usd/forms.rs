@@ -1,4 +1,4 @@
-//! The forms of a file of USD, by its content.
+//! The forms of a USD file, recognised by content.
 use super::crate_layer::read_crate;
 use super::crate_tables::USDC_MAGIC;
 use super::files::is_package;
@@ -10,7 +10,7 @@ use std::borrow::Cow;
 /// Reads one file in either form.
 ///
 /// # Errors
-/// Where it is damaged, or neither.
+/// If it is damaged, or in neither form.
 pub(super) fn layer<'a>(
     bytes: Cow<'a, [u8]>,
     path: &str,

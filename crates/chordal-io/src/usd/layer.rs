@@ -1,5 +1,5 @@
-//! `UsdLayer`: what one file of USD says, whatever its form: a tree of prims with properties, and the arcs to
-//! others.
+//! `UsdLayer`: the content of one file of USD, whatever its form: a tree of prims with properties, and the
+//! arcs to other prims.
 use super::crate_tables::CrateTables;
 use super::shape_kind::UsdShapeKind;
 use super::value::{UsdType, UsdValue};
@@ -9,22 +9,22 @@ use crate::{FileLocation, ReadError};
 use serde_json::Value;
 use std::borrow::Cow;
 
-/// The number of no prim.
+/// The index for "no prim".
 pub(super) const NO_PRIM: u32 = u32::MAX;
 
-/// What a prim is said to be.
+/// The specifier of a prim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum UsdSpecifier {
-    /// It is there.
+    /// Defines the prim.
     Def,
-    /// It adds to one that is there.
+    /// Overrides a prim that is defined elsewhere.
     #[default]
     Over,
-    /// Others inherit it.
+    /// A class that other prims inherit.
     Class,
 }
 
-/// A prim as one file has it, or a variant of one.
+/// A prim in one file, or a variant of one.
 #[derive(Debug)]
 pub(super) struct UsdPrim {
     pub name: Box<str>,
@@ -32,13 +32,13 @@ pub(super) struct UsdPrim {
     pub first_child: u32,
     pub last_child: u32,
     pub next: u32,
-    /// Where it is in a text; its number in a binary file.
+    /// Its offset in a text; its index in a binary file.
     pub at: u32,
     pub specifier: UsdSpecifier,
     more: Option<Box<UsdPrimMore>>,
 }
 
-/// What most prims have, in a box, since a text can have one for every nine bytes.
+/// The further fields of a prim, boxed, since a text can have a prim for every nine bytes.
 #[derive(Debug, Default)]
 pub(super) struct UsdPrimMore {
     pub type_name: Option<Box<str>>,
@@ -46,7 +46,7 @@ pub(super) struct UsdPrimMore {
     pub arcs: Option<Box<UsdArcs>>,
 }
 
-/// What a prim has beside its properties.
+/// The composition arcs and metadata of a prim.
 #[derive(Debug, Default)]
 pub(super) struct UsdArcs {
     pub references: Vec<UsdReference>,
@@ -66,7 +66,7 @@ pub(super) struct UsdVariantSet {
     pub variants: Vec<UsdVariant>,
 }
 
-/// One of a set.
+/// A variant of a set.
 #[derive(Debug)]
 pub(super) struct UsdVariant {
     pub name: Box<str>,
@@ -74,10 +74,10 @@ pub(super) struct UsdVariant {
     pub prim: u32,
 }
 
-/// A prim of this or of another file, whose content another one has too.
+/// A reference to a prim of this or of another file, whose content is composed into another prim.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct UsdReference {
-    /// The other file; empty for the same.
+    /// The other file; empty for the same file.
     pub asset: Box<str>,
     /// The prim; empty for the default one.
     pub path: Box<str>,
@@ -88,13 +88,13 @@ pub(super) struct UsdReference {
 pub(super) struct UsdProperty {
     pub name: Box<str>,
     pub kind: UsdType,
-    /// Where it is in a text; its number in a binary file.
+    /// Its offset in a text; its index in a binary file.
     pub at: u32,
     pub value: Option<UsdValue>,
     pub more: Option<Box<UsdPropertyMore>>,
 }
 
-/// What few properties have.
+/// The rarer fields of a property.
 #[derive(Debug, Default)]
 pub(super) struct UsdPropertyMore {
     pub interpolation: Option<Box<str>>,
@@ -102,27 +102,27 @@ pub(super) struct UsdPropertyMore {
     /// Targets of a relationship or connections of an attribute.
     pub targets: Vec<Box<str>>,
     pub has_targets: bool,
-    /// The first value of several over time.
+    /// The first of several time samples.
     pub first_sample: Option<UsdValue>,
 }
 
-/// A file.
+/// The content of a file.
 #[derive(Debug)]
 pub(super) struct UsdLayer<'a> {
-    /// Its path below the folder or in the package; empty for the first one.
+    /// Its path below the folder or in the package; empty for the first file.
     pub path: String,
     pub bytes: Cow<'a, [u8]>,
     pub lines: LineIndex,
-    /// The first is the root, whose children are the prims at the top.
+    /// The first is the root; its children are the top-level prims.
     pub prims: Vec<UsdPrim>,
     /// All prims, sorted by parent and name.
     pub by_name: Vec<u32>,
     pub about: UsdLayerAbout,
-    /// None for a text.
+    /// `None` for a text.
     pub tables: Option<CrateTables>,
 }
 
-/// What a file says of itself.
+/// The metadata of a file.
 #[derive(Debug, Default)]
 pub(super) struct UsdLayerAbout {
     pub default_prim: Option<Box<str>>,
@@ -132,15 +132,15 @@ pub(super) struct UsdLayerAbout {
     pub certificate: Option<Value>,
     /// Why a certificate could not be read.
     pub bad_certificate: Option<String>,
-    /// List edits that delete, which are not applied.
+    /// The number of list edits that delete; they are not applied.
     pub n_deletions: u64,
-    /// Attributes of meshes, curves and surfaces that are not known, with the name of the first.
+    /// The number of unknown attributes of meshes, curves and surfaces; `skipped` has the name of the first.
     pub n_skipped: u64,
     pub first_skipped: Option<Box<str>>,
 }
 
 impl UsdLayerAbout {
-    /// Keeps a certificate.
+    /// Stores a certificate.
     pub(super) fn take_certificate(&mut self, text: &str) {
         match serde_json::from_str(text) {
             Ok(value) => self.certificate = Some(value),
@@ -148,7 +148,7 @@ impl UsdLayerAbout {
         }
     }
 
-    /// Counts a property that is not kept, if its prim is a mesh, curves or a surface.
+    /// Counts a skipped property, if its prim is a mesh, curves or a surface.
     pub(super) fn skip(&mut self, prim: &UsdPrim, name: &str) {
         let is_expected = UNUSED.contains(&name)
             || ["ui:", "subsetFamily:", "trimCurve:"].iter().any(|start| name.starts_with(start));
@@ -160,7 +160,7 @@ impl UsdLayerAbout {
     }
 }
 
-/// Properties that are kept, and the beginnings of names of others.
+/// Properties that are kept, and prefixes of names of others.
 const KEPT: [&str; 45] = [
     "points",
     "faceVertexCounts",
@@ -210,7 +210,7 @@ const KEPT: [&str; 45] = [
 ];
 const KEPT_BEGINNINGS: [&str; 7] =
     ["primvars:", "xformOp:", "inputs:", "outputs:", "info:", "material:binding", "chordal:"];
-/// Attributes of meshes, curves and surfaces that follow from others or from nothing that is read.
+/// Attributes of meshes, curves and surfaces that are redundant, or have no effect here.
 const UNUSED: [&str; 5] = ["extent", "proxyPrim", "ids", "uForm", "vForm"];
 
 /// Whether a property of this name is kept.
@@ -256,7 +256,7 @@ impl UsdPrim {
         self.properties().iter().find(|property| &*property.name == name)
     }
 
-    /// Appends a property. Most prims have few, so that the list begins with one.
+    /// Appends a property. Most prims have few, so the first allocation has room for one.
     pub(super) fn push_property(&mut self, property: UsdProperty) -> Result<(), ReadError> {
         let list = &mut self.more_mut().properties;
         if list.len() == list.capacity() {
@@ -268,7 +268,7 @@ impl UsdPrim {
     }
 }
 
-/// Appends a prim below a parent, or below none, and returns its number.
+/// Appends a prim below a parent, or without one, and returns its index.
 pub(super) fn push_prim(prims: &mut Vec<UsdPrim>, parent: u32, prim: UsdPrim) -> Result<u32, ReadError> {
     let number = prims.len() as u32;
     push_large(prims, UsdPrim { parent, ..prim })?;
@@ -311,13 +311,13 @@ impl UsdLayer<'_> {
         std::iter::successors(Some(first).filter(is_some), move |i| Some(self.prim(*i).next).filter(is_some))
     }
 
-    /// The prim of an absolute path.
+    /// The prim with an absolute path.
     pub(super) fn find(&self, path: &str) -> Option<u32> {
         let names = path.strip_prefix('/')?.split('/').filter(|name| !name.is_empty());
         names.into_iter().try_fold(0, |parent, name| self.child(parent, name))
     }
 
-    /// Where something is that stands at a byte of a text, or has a number in a binary file.
+    /// The location of an offset in a text, or of an index in a binary file.
     pub(super) fn place(&self, at: u32) -> FileLocation {
         match self.tables {
             Some(_) => FileLocation::Row { list: "spec", row: u64::from(at) },
@@ -325,13 +325,13 @@ impl UsdLayer<'_> {
         }
     }
 
-    /// The words before a message about this file: its name, unless it is the first.
+    /// The beginning of messages about this file: its name, unless it is the first file.
     pub(super) fn prefix(&self) -> String {
         if self.path.is_empty() { String::new() } else { format!("{}: ", self.path) }
     }
 }
 
-/// The error of a tree that is too deep.
+/// The error for a tree that is too deep.
 pub(super) fn too_deep(depth: usize, place: FileLocation) -> ReadError {
     let message = format!("prims or values are nested deeper than the limit of {}", grouped(depth as u64));
     ReadError::new("too-deep", place, message)

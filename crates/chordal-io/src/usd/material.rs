@@ -9,7 +9,7 @@ use chordal::math::greater;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// Connections that are followed one after another. Chosen: honest ones are a few long.
+/// The most connections that are followed in a row. Chosen: chains in real files are a few long.
 const MOST_STEPS: usize = 16;
 
 /// The materials so far.
@@ -18,29 +18,29 @@ pub(super) struct UsdMaterials {
     pub pictures: UsdPictures,
     pub materials: Vec<Value>,
     pub names: Vec<String>,
-    /// The texture coordinates that each material uses first.
+    /// The primary texture coordinates of each material.
     pub texcoords: Vec<Option<String>>,
-    /// The number of each path, from 1 on, for one and for both sides.
-    known: BTreeMap<UsdMaterialKey, u32>,
-    /// The same by the prims that a material comes from, since instances have paths of their own.
+    /// The number of each path, from 1 on, with separate entries for one-sided and two-sided materials.
+    numbers: BTreeMap<UsdMaterialKey, u32>,
+    /// The same, by the prims that a material is composed of, since instances have their own paths.
     of_sources: BTreeMap<UsdMaterialSources, u32>,
 }
 
-/// What a material is made of.
+/// The prims that a material is composed of.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct UsdMaterialSources {
     sources: Vec<StageSource>,
     is_double_sided: bool,
 }
 
-/// A material as a mesh has it.
+/// A material as bound to a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct UsdMaterialKey {
     pub path: String,
     pub is_double_sided: bool,
 }
 
-/// What an input of a shader is.
+/// The value of a shader's input.
 enum ShaderInput {
     Numbers(UsdNumbers),
     Word(String),
@@ -48,7 +48,7 @@ enum ShaderInput {
     Output(StagePrim, String),
 }
 
-/// A texture of a material, with the channel that is used.
+/// A texture of a material, with the channel in use.
 struct ShaderTexture {
     info: Value,
     channel: String,
@@ -58,16 +58,16 @@ struct ShaderTexture {
 }
 
 impl UsdMaterials {
-    /// The number of a material, from 1 on; 0 where there is none.
+    /// The number of a material, from 1 on; 0 for none.
     ///
     /// # Errors
-    /// Where its values are damaged.
+    /// If its values are damaged.
     pub(super) fn number(
         &mut self,
         stage: &mut UsdStage<'_, '_>,
         key: &UsdMaterialKey,
     ) -> Result<u32, ReadError> {
-        if let Some(known) = self.known.get(key) {
+        if let Some(known) = self.numbers.get(key) {
             return Ok(*known);
         }
         let number = match stage.prim_at(&key.path)? {
@@ -75,7 +75,7 @@ impl UsdMaterials {
                 let sources = prim.sources.iter().map(|source| StageSource { map: 0, ..*source }).collect();
                 let sources = UsdMaterialSources { sources, is_double_sided: key.is_double_sided };
                 if let Some(known) = self.of_sources.get(&sources) {
-                    self.known.insert(key.clone(), *known);
+                    self.numbers.insert(key.clone(), *known);
                     return Ok(*known);
                 }
                 self.of_sources.insert(sources, self.materials.len() as u32 + 1);
@@ -96,11 +96,11 @@ impl UsdMaterials {
                 0
             }
         };
-        self.known.insert(key.clone(), number);
+        self.numbers.insert(key.clone(), number);
         Ok(number)
     }
 
-    /// The texture coordinates that a material uses first.
+    /// The primary texture coordinates of a material.
     pub(super) fn texcoords(&self, number: u32) -> Option<&String> {
         self.texcoords.get((number as usize).checked_sub(1)?)?.as_ref()
     }
@@ -148,7 +148,7 @@ impl MaterialReader<'_, '_, '_> {
         self.stage.note("inputs-skipped", sentence, &format!("{what} of {}", prim.path));
     }
 
-    /// What an input or output is: a value, or what it is connected to.
+    /// An input or output: its value, or its connection.
     fn input(&mut self, prim: &StagePrim, name: &str) -> Result<Option<ShaderInput>, ReadError> {
         let (mut prim, mut name) = (prim.clone(), name.to_owned());
         for _ in 0..MOST_STEPS {
@@ -177,7 +177,7 @@ impl MaterialReader<'_, '_, '_> {
         Ok(None)
     }
 
-    /// A number, or as many as there are; `usual` where nothing is said.
+    /// One or more numbers; `usual` if the file gives none.
     fn value<const N: usize>(
         &mut self,
         shader: &StagePrim,
@@ -193,7 +193,7 @@ impl MaterialReader<'_, '_, '_> {
         .unwrap_or(usual))
     }
 
-    /// The texture that an input is connected to.
+    /// The texture connected to an input.
     fn texture(
         &mut self,
         prim: &StagePrim,
@@ -226,7 +226,7 @@ impl MaterialReader<'_, '_, '_> {
         Ok(Some(ShaderTexture { info, channel, scale, bias, file }))
     }
 
-    /// Which texture coordinates a texture takes, and how they are moved.
+    /// The texture coordinates of a texture, and their transform.
     fn coordinates(
         &mut self,
         prim: &StagePrim,
@@ -265,7 +265,7 @@ impl MaterialReader<'_, '_, '_> {
         Ok(())
     }
 
-    /// Notes what a texture does to its picture, unless it is as expected.
+    /// Reports the scale and bias of a texture, unless they are as expected.
     fn check_scale(&self, prim: &StagePrim, texture: &ShaderTexture, bias: f64) {
         if texture.bias[..3] != [bias; 3] {
             self.unread(prim, &format!("the bias of {}", texture.file));
@@ -280,7 +280,7 @@ impl MaterialReader<'_, '_, '_> {
     ) -> Result<(), ReadError> {
         let mut pbr = Map::new();
         let mut extensions = Map::new();
-        // The numbers are those of the specification where nothing is said.
+        // The defaults are those of the specification.
         let mut base = self.value(shader, "inputs:diffuseColor", [0.18; 3])?;
         let mut opacity = self.value(shader, "inputs:opacity", [1.0])?[0];
         let color = self.texture(prim, shader, "inputs:diffuseColor")?;
@@ -310,7 +310,7 @@ impl MaterialReader<'_, '_, '_> {
             object.insert("alphaMode".to_owned(), json!("BLEND"));
         }
         if let Some(mut normal) = self.texture(prim, shader, "inputs:normal")? {
-            // A picture in bytes is scaled by 2 and moved by -1; one with signs is neither.
+            // A picture in bytes is scaled by 2 and shifted by -1; one with signed values is not.
             if normal.scale[0] == 2.0 {
                 self.check_scale(prim, &normal, -1.0);
             } else {
@@ -338,7 +338,7 @@ impl MaterialReader<'_, '_, '_> {
         Ok(())
     }
 
-    /// Metal and roughness: glTF takes them from the blue and green channels of one picture.
+    /// Metalness and roughness: glTF takes them from the blue and green channels of one picture.
     fn metal(
         &mut self,
         prim: &StagePrim,
@@ -346,7 +346,7 @@ impl MaterialReader<'_, '_, '_> {
         pbr: &mut Map<String, Value>,
     ) -> Result<(), ReadError> {
         let mut metal = self.value(shader, "inputs:metallic", [0.0])?[0];
-        // A half is the specification's where nothing is said.
+        // A half is the default of the specification.
         let mut roughness = self.value(shader, "inputs:roughness", [0.5])?[0];
         let metals = self.texture(prim, shader, "inputs:metallic")?;
         let rough = self.texture(prim, shader, "inputs:roughness")?;
@@ -359,7 +359,8 @@ impl MaterialReader<'_, '_, '_> {
                 metals.file == rough.file && is_in(metals, "b") && is_in(rough, "g")
             }
         };
-        // A picture for one alone would also change the other, unless that is 0 or the picture is gray.
+        // A picture for only one of them would also change the other, unless that is 0 or the picture is
+        // grey.
         let is_alone = metals.is_some() != rough.is_some();
         if !fits || (is_alone && !(rough.is_some() && metal == 0.0)) {
             self.unread(prim, "pictures of metal and roughness that are not one");
@@ -397,7 +398,7 @@ impl MaterialReader<'_, '_, '_> {
         Ok(())
     }
 
-    /// Clear coat, and how much light bends.
+    /// Clear coat, and the index of refraction.
     fn coat(
         &mut self,
         prim: &StagePrim,
@@ -411,12 +412,12 @@ impl MaterialReader<'_, '_, '_> {
         }
         let [coat] = self.value(shader, "inputs:clearcoat", [0.0])?;
         if coat > 0.0 {
-            // A hundredth is the specification's where nothing is said.
+            // A hundredth is the default of the specification.
             let [roughness] = self.value(shader, "inputs:clearcoatRoughness", [0.01])?;
             let coat = json!({ "clearcoatFactor": coat, "clearcoatRoughnessFactor": roughness });
             extensions.insert("KHR_materials_clearcoat".to_owned(), coat);
         }
-        // One and a half is that of both formats where nothing is said.
+        // One and a half is the default of both formats.
         let [ior] = self.value(shader, "inputs:ior", [1.5])?;
         if ior != 1.5 {
             extensions.insert("KHR_materials_ior".to_owned(), json!({ "ior": ior }));

@@ -12,27 +12,27 @@ use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
-/// A mesh as one prim has it, with what it takes from those above.
+/// A mesh as given by one prim, with the state that it inherits.
 #[derive(Clone, Debug)]
 pub(super) struct UsdMeshRequest {
     pub prim: StagePrim,
     /// The number of its material, from 1 on; 0 for none.
     pub material: u32,
     pub subsets: Vec<UsdFaceSubset>,
-    /// The texture coordinates that its materials use first.
+    /// The primary texture coordinates of its materials.
     pub texcoords: Option<String>,
 }
 
-/// Faces with a material of their own.
+/// A subset of faces with its own material or group.
 #[derive(Clone, Debug)]
 pub(super) struct UsdFaceSubset {
     pub prim: StagePrim,
     pub material: u32,
-    /// The kind of group that they are otherwise, and its number from 1 on.
+    /// The group of a subset that has no material.
     pub group: Option<UsdFaceGroup>,
 }
 
-/// A group of a kind by its number.
+/// A group: its kind, and its number from 1 on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct UsdFaceGroup {
     pub kind: String,
@@ -45,10 +45,10 @@ struct VertexStream<'s> {
     primvar: Primvar<'s>,
 }
 
-/// Makes the triangles. None where the mesh has no points.
+/// Creates the triangles. `None` if the mesh has no points.
 ///
 /// # Errors
-/// Where the mesh is damaged.
+/// If the mesh is damaged.
 pub(super) fn triangles(
     stage: &UsdStage<'_, '_>,
     request: &UsdMeshRequest,
@@ -79,17 +79,19 @@ pub(super) fn triangles(
         }
         rows.clear();
         for corner in face.corners() {
-            let mut own = UsdCorner { point: topology.corners[corner], rows: [0; STREAMS] };
-            for (stream, row) in streams.iter().zip(&mut own.rows) {
+            let mut vertex = UsdCorner { point: topology.corners[corner], rows: [0; STREAMS] };
+            for (stream, row) in streams.iter().zip(&mut vertex.rows) {
+                // Colours of faces become a face attribute; other values of faces split the vertices.
                 *row = match stream.primvar.interpolation {
                     Interpolation::FaceVarying => stream.primvar.row(corner),
                     Interpolation::Uniform if !is_color(stream) => stream.primvar.row(face_idx),
                     _ => 0,
                 };
             }
-            push(&mut rows, table.row(own)?)?;
+            push(&mut rows, table.row(vertex)?)?;
         }
         faces.push(&rows, face_idx as u64)?;
+        // A face of n corners is cut into n - 2 triangles.
         push_many(&mut of_triangles, face_idx as u32, face.n - 2)?;
     }
     let mut positions = with_room(table.rows().len())?;
@@ -128,37 +130,38 @@ fn is_color(stream: &VertexStream<'_>) -> bool {
     stream.semantic == Semantic::Color(0)
 }
 
-/// The names of streams with their meaning.
+/// The name of a stream with its semantic.
 struct StreamName {
     name: String,
     semantic: Semantic,
     width: usize,
 }
 
-/// What the mesh has of normals, colours and texture coordinates. Other values are noted.
+/// The normals, colours and texture coordinates of a mesh. Other values are reported.
 fn stream_names(stage: &UsdStage<'_, '_>, request: &UsdMeshRequest) -> Vec<StreamName> {
     let prim = &request.prim;
-    let all = stage.property_names(prim, "primvars:");
-    let normals = if all.contains("primvars:normals") { "primvars:normals" } else { "normals" };
-    let mut found = vec![
+    let properties = stage.property_names(prim, "primvars:");
+    let normals = if properties.contains("primvars:normals") { "primvars:normals" } else { "normals" };
+    let mut names = vec![
         StreamName { name: normals.to_owned(), semantic: Semantic::Normal, width: 3 },
         StreamName { name: "primvars:displayColor".to_owned(), semantic: Semantic::Color(0), width: 3 },
     ];
-    // The set that materials use comes first, and then the one that programs use where nothing is said.
+    // The primary set of the materials comes first, then the default set of most programs.
     let wanted = request.texcoords.as_ref().map(|name| format!("primvars:{name}"));
     let order = |name: &String| [Some(name) != wanted.as_ref(), name != "primvars:st"];
     let is_texcoord = |name: &&String| {
         let attribute = stage.attribute(prim, name).ok().flatten();
         let is_named = wanted.as_ref() == Some(*name) || **name == "primvars:st";
-        attribute.is_some_and(|found| found.kind.is_texcoord || (is_named && found.kind.width == 2))
+        attribute
+            .is_some_and(|attribute| attribute.kind.is_texcoord || (is_named && attribute.kind.width == 2))
     };
-    let mut texcoords: Vec<&String> = all.iter().filter(is_texcoord).collect();
+    let mut texcoords: Vec<&String> = properties.iter().filter(is_texcoord).collect();
     texcoords.sort_by_key(|name| order(name));
-    for (set, name) in (0..).zip(texcoords.into_iter().take(STREAMS - found.len())) {
-        found.push(StreamName { name: name.clone(), semantic: Semantic::TexCoord(set), width: 2 });
+    for (set, name) in (0..).zip(texcoords.into_iter().take(STREAMS - names.len())) {
+        names.push(StreamName { name: name.clone(), semantic: Semantic::TexCoord(set), width: 2 });
     }
-    for name in &all {
-        let is_known = found.iter().any(|known| known.name == *name)
+    for name in &properties {
+        let is_known = names.iter().any(|known| known.name == *name)
             || name.ends_with(":indices")
             || name == "primvars:displayOpacity";
         if !is_known {
@@ -166,7 +169,7 @@ fn stream_names(stage: &UsdStage<'_, '_>, request: &UsdMeshRequest) -> Vec<Strea
             stage.note("primvars-unread", what, name);
         }
     }
-    found
+    names
 }
 
 fn streams<'s>(
@@ -175,15 +178,15 @@ fn streams<'s>(
     topology: &UsdTopology,
     names: &'s [StreamName],
 ) -> Result<Vec<VertexStream<'s>>, ReadError> {
-    let mut found = Vec::new();
+    let mut streams = Vec::new();
     for StreamName { name, semantic, width } in names {
         let primvar = stage.primvar(&request.prim, name, *width, topology.size())?;
-        found.extend(primvar.map(|primvar| VertexStream { semantic: semantic.clone(), primvar }));
+        streams.extend(primvar.map(|primvar| VertexStream { semantic: semantic.clone(), primvar }));
     }
-    Ok(found)
+    Ok(streams)
 }
 
-/// The opacity beside colours, where it says anything.
+/// The opacity that accompanies colours, if it is not trivial.
 fn opacity<'s>(
     stage: &'s UsdStage<'_, '_>,
     request: &'s UsdMeshRequest,
@@ -215,9 +218,10 @@ fn push_row(
     row: Option<u32>,
 ) -> Result<(), ReadError> {
     let numbers = &stream.primvar.numbers;
-    let found = row.and_then(|row| numbers.values.get(row as usize * numbers.width..)?.get(..numbers.width));
+    let source_row =
+        row.and_then(|row| numbers.values.get(row as usize * numbers.width..)?.get(..numbers.width));
     for k in 0..numbers.width {
-        push(values, found.map_or(0.0, |row| row[k]))?;
+        push(values, source_row.map_or(0.0, |row| row[k]))?;
     }
     if let Some(opacity) = opacity {
         let is_one = opacity.interpolation == Interpolation::Constant;
@@ -227,7 +231,7 @@ fn push_row(
     Ok(())
 }
 
-/// A stream as an attribute of vertices.
+/// A stream as a vertex attribute.
 fn of_vertices(
     stream: &VertexStream<'_>,
     opacity: Option<&Primvar<'_>>,
@@ -261,10 +265,10 @@ fn color_of_faces(
     Ok(Attribute { semantic: stream.semantic.clone(), domain: Domain::Face, width, values })
 }
 
-/// The groups of faces of all kinds; materials come first.
+/// The face groups of all kinds; materials come first.
 ///
 /// # Errors
-/// Where a subset names a face that is not there.
+/// If a subset refers to a missing face.
 pub(super) fn face_groups(
     stage: &UsdStage<'_, '_>,
     request: &UsdMeshRequest,
@@ -295,10 +299,10 @@ pub(super) fn face_groups(
     Ok(groups)
 }
 
-/// The faces that have no surface; of plain polygons none.
+/// The faces that are holes; empty for plain polygons.
 ///
 /// # Errors
-/// Where a hole is no face.
+/// If a hole is not a face.
 pub(super) fn holes(
     stage: &UsdStage<'_, '_>,
     request: &UsdMeshRequest,

@@ -40,5 +40,5 @@ pub use write_package::{write_package, write_polygons_package};
 pub use write_polygons::write_polygons;
 pub(crate) use write_polygons::write_polygons_files;
 
-/// The name of the string with the certificate among what a file says of itself.
+/// The name of the metadata string with the certificate.
 const CERTIFICATE: &str = "chordal";

@@ -19,7 +19,7 @@ pub(super) const USDA_MAGIC: &[u8] = b"#usda ";
 /// Reads a text.
 ///
 /// # Errors
-/// At the line where the text is no USD, is cut off, or nested too deeply.
+/// At the line where the text is not USD, is truncated, or nested too deeply.
 pub(super) fn parse<'a>(
     bytes: Cow<'a, [u8]>,
     path: &str,
@@ -53,7 +53,7 @@ struct UsdaParser<'a> {
     depth: usize,
 }
 
-/// The words before a list that is edited.
+/// The keywords before an edited list.
 const LIST_EDITS: [&str; 5] = ["prepend", "append", "add", "delete", "reorder"];
 
 impl UsdaParser<'_> {
@@ -85,7 +85,7 @@ impl UsdaParser<'_> {
         Ok(())
     }
 
-    /// One entry of what the file says of itself.
+    /// One entry of the file's metadata.
     fn layer_entry(&mut self) -> Result<(), ReadError> {
         if matches!(self.scanner.peek()?, b'"' | b'\'') {
             self.scanner.string()?;
@@ -122,7 +122,7 @@ impl UsdaParser<'_> {
         Ok(())
     }
 
-    /// A dictionary in which a certificate may be.
+    /// A dictionary that may hold a certificate.
     fn custom_data(&mut self) -> Result<(), ReadError> {
         self.scanner.need(b'{')?;
         while !self.scanner.take(b'}')? {
@@ -166,7 +166,7 @@ impl UsdaParser<'_> {
         self.prim_rest(number, depth)
     }
 
-    /// What a prim or variant says of itself, and what is in it.
+    /// The metadata and the content of a prim or variant.
     fn prim_rest(&mut self, prim: u32, depth: usize) -> Result<(), ReadError> {
         if self.scanner.take(b'(')? {
             while !self.scanner.take(b')')? {
@@ -203,17 +203,18 @@ impl UsdaParser<'_> {
         let arcs = |parser: &mut Self| parser.arcs();
         match key {
             "references" => {
-                let found = arcs(self)?;
-                self.prims[prim as usize].arcs_mut().references.extend(found);
+                let references = arcs(self)?;
+                self.prims[prim as usize].arcs_mut().references.extend(references);
             }
             "payload" => {
-                let found = arcs(self)?;
-                self.prims[prim as usize].arcs_mut().payloads.extend(found);
+                let payloads = arcs(self)?;
+                self.prims[prim as usize].arcs_mut().payloads.extend(payloads);
             }
             "inherits" | "specializes" => {
                 let paths = arcs(self)?.into_iter().map(|arc| arc.path);
-                let own = self.prims[prim as usize].arcs_mut();
-                let list = if key == "inherits" { &mut own.inherits } else { &mut own.specializes };
+                let prim_arcs = self.prims[prim as usize].arcs_mut();
+                let list =
+                    if key == "inherits" { &mut prim_arcs.inherits } else { &mut prim_arcs.specializes };
                 list.extend(paths);
             }
             "variants" => self.selections(prim)?,
@@ -235,21 +236,21 @@ impl UsdaParser<'_> {
 
     /// References, payloads or inherited prims: one, or a list.
     fn arcs(&mut self) -> Result<Vec<UsdReference>, ReadError> {
-        let mut found = Vec::new();
+        let mut references = Vec::new();
         if self.scanner.peek_word()? == "None" {
             self.scanner.word()?;
-            return Ok(found);
+            return Ok(references);
         }
         if !self.scanner.take(b'[')? {
-            found.push(self.arc()?);
-            return Ok(found);
+            references.push(self.arc()?);
+            return Ok(references);
         }
         while !self.scanner.take(b']')? {
             let arc = self.arc()?;
-            push(&mut found, arc)?;
+            push(&mut references, arc)?;
             self.scanner.take(b',')?;
         }
-        Ok(found)
+        Ok(references)
     }
 
     fn arc(&mut self) -> Result<UsdReference, ReadError> {
@@ -266,7 +267,7 @@ impl UsdaParser<'_> {
         Ok(arc)
     }
 
-    /// Which variants are chosen.
+    /// The selected variants.
     fn selections(&mut self, prim: u32) -> Result<(), ReadError> {
         self.scanner.need(b'{')?;
         while !self.scanner.take(b'}')? {
@@ -361,18 +362,18 @@ impl UsdaParser<'_> {
         self.keep(prim, property)
     }
 
-    /// Adds to a property that is there already (`.connect`, `.timeSamples`), or keeps a new one.
+    /// Extends an existing property (`.connect`, `.timeSamples`), or stores a new one.
     fn keep(&mut self, prim: u32, new: UsdProperty) -> Result<(), ReadError> {
         let prim = &mut self.prims[prim as usize];
-        // One attribute stands in statements one after another, so that no list is searched through.
+        // The statements of one attribute are consecutive, so only the last property is compared.
         let is_known = prim.properties().last().is_some_and(|known| known.name == new.name);
-        let known = if is_known { prim.more_mut().properties.last_mut() } else { None };
-        let Some(known) = known else { return prim.push_property(new) };
+        let existing = if is_known { prim.more_mut().properties.last_mut() } else { None };
+        let Some(existing) = existing else { return prim.push_property(new) };
         if new.value.is_some() {
-            known.value = new.value;
+            existing.value = new.value;
         }
         let Some(new) = new.more else { return Ok(()) };
-        let more = known.more.get_or_insert_default();
+        let more = existing.more.get_or_insert_default();
         if new.has_targets {
             more.targets = new.targets;
             more.has_targets = true;
@@ -389,7 +390,7 @@ impl UsdaParser<'_> {
         Ok(())
     }
 
-    /// What an attribute says of itself. Returns whether there is anything to keep.
+    /// The metadata of an attribute. Returns whether there is anything to keep.
     fn attribute_entries(&mut self, more: &mut UsdPropertyMore) -> Result<bool, ReadError> {
         let mut has_some = false;
         while !self.scanner.take(b')')? {
@@ -421,7 +422,7 @@ impl UsdaParser<'_> {
         Ok(has_some)
     }
 
-    /// The first of several values over time; the others are skipped.
+    /// The first of several time samples; the others are skipped.
     fn first_sample(&mut self, kind: UsdType) -> Result<Option<super::value::UsdValue>, ReadError> {
         self.scanner.need(b'{')?;
         let mut first = None;
@@ -484,12 +485,12 @@ impl UsdaParser<'_> {
         let mut variants = Vec::new();
         while !self.scanner.take(b'}')? {
             let name = self.scanner.string()?;
-            let mut own = UsdPrim::new(&name, UsdSpecifier::Over);
-            own.at = self.scanner.at as u32;
+            let mut variant = UsdPrim::new(&name, UsdSpecifier::Over);
+            variant.at = self.scanner.at as u32;
             if let Some(name) = self.prims[prim as usize].type_name() {
-                own.more_mut().type_name = Some(name.into());
+                variant.more_mut().type_name = Some(name.into());
             }
-            let number = push_prim(&mut self.prims, NO_PRIM, own)?;
+            let number = push_prim(&mut self.prims, NO_PRIM, variant)?;
             self.prim_rest(number, depth + 1)?;
             push(&mut variants, UsdVariant { name: name.into(), prim: number })?;
         }

@@ -1,4 +1,4 @@
-//! Values of USD's text form: numbers in tuples and lists, words, and what is skipped.
+//! Values of USD's text form: numbers in tuples and lists, words, and skipped values.
 use super::layer::too_deep;
 use super::scanner::UsdaScanner;
 use super::value::{UsdNumbers, UsdType, UsdValue};
@@ -39,7 +39,7 @@ impl UsdaScanner<'_> {
         Ok(numbers)
     }
 
-    /// A number, or as many as the type has, in brackets; a matrix has brackets in brackets.
+    /// A number, or as many as the type has, in brackets; matrices have nested brackets.
     fn element(&mut self, numbers: &mut UsdNumbers) -> Result<(), ReadError> {
         if numbers.width == 1 {
             return self.number_into(numbers);
@@ -62,11 +62,11 @@ impl UsdaScanner<'_> {
                 break;
             }
         }
-        let found = numbers.values.len() - before;
-        if found == numbers.width {
+        let n_numbers = numbers.values.len() - before;
+        if n_numbers == numbers.width {
             return Ok(());
         }
-        let message = format!("a value has {found} numbers where its type has {}", numbers.width);
+        let message = format!("a value has {n_numbers} numbers where its type has {}", numbers.width);
         Err(self.error("wrong-count", message))
     }
 
@@ -125,12 +125,12 @@ impl UsdaScanner<'_> {
         }
     }
 
-    /// Skips what may follow an arc: its shift in time.
+    /// Skips an optional time offset after an arc.
     pub(super) fn skip_brackets_of_arc(&mut self, depth: usize) -> Result<(), ReadError> {
         if self.peek()? == b'(' { self.skip_brackets(depth) } else { Ok(()) }
     }
 
-    /// Skips brackets of any kind with all that is between.
+    /// Skips brackets of any kind and their content.
     pub(super) fn skip_brackets(&mut self, depth: usize) -> Result<(), ReadError> {
         let mut open = Vec::new();
         loop {

@@ -1,11 +1,11 @@
-//! `UsdPictures`: the pictures that materials name, opened once each, as images and textures of glTF.
+//! `UsdPictures`: the pictures of materials, opened once each, as images and textures of glTF.
 use super::stage::UsdStage;
 use crate::side_file::picture_type;
 use crate::{ImageContent, SceneAssets, SceneImage};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// How a picture goes on beyond its border, with glTF's numbers.
+/// The wrap modes, with glTF's codes.
 const WRAPS: [(&str, u32); 4] = [("clamp", 33071), ("black", 33071), ("mirror", 33648), ("repeat", 10497)];
 
 /// The pictures so far.
@@ -22,13 +22,13 @@ pub(super) struct UsdPictures {
 /// A picture with its wrapping along both axes.
 pub(super) struct UsdPicture<'p> {
     pub asset: &'p str,
-    /// The file that names it.
+    /// The file that refers to it.
     pub layer: u32,
     pub wraps: [String; 2],
 }
 
 impl UsdPictures {
-    /// The texture of a picture; none, with a note, where it cannot be had.
+    /// The texture of a picture; `None`, with a note, if the picture is not available.
     pub(super) fn texture(
         &mut self,
         stage: &mut UsdStage<'_, '_>,
@@ -69,11 +69,11 @@ impl UsdPictures {
         if let Some(known) = self.tried.get(&path) {
             return *known;
         }
-        let found = stage.files.read(&path).and_then(|bytes| {
+        let opened = stage.files.read(&path).and_then(|bytes| {
             let mime = picture_type(&bytes).filter(|mime| *mime != "image/ktx2");
             Ok((mime.ok_or("it is no PNG, JPEG or WebP")?, bytes))
         });
-        let image = match found {
+        let image = match opened {
             Ok((mime, bytes)) => {
                 let mut properties = Map::new();
                 properties.insert("name".to_owned(), json!(path));
@@ -98,7 +98,7 @@ impl UsdPictures {
     }
 }
 
-/// The number of an object in a list, to which it is added if it is new.
+/// The index of an object in a list; a new object is appended.
 fn number_of(list: &mut Vec<Value>, object: Value) -> usize {
     if let Some(at) = list.iter().position(|known| *known == object) {
         return at;

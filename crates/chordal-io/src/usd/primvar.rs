@@ -1,4 +1,4 @@
-//! `Primvar`: values over a mesh, with the element that each of them belongs to.
+//! `Primvar`: values over a mesh, each with the element that it belongs to.
 //!
 //! Source: Pixar Animation Studios, *UsdGeomPrimvar*, openusd.org, 2024.
 use super::stage::{StageAttribute, StagePrim, UsdStage};
@@ -8,7 +8,7 @@ use crate::text::grouped;
 use crate::{FileLocation, ReadError};
 use std::borrow::Cow;
 
-/// What the rows of values belong to.
+/// The elements that rows of values belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Interpolation {
     /// The whole mesh.
@@ -33,7 +33,7 @@ impl Interpolation {
     }
 }
 
-/// The sizes of a mesh.
+/// The numbers of faces, points and corners of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UsdMeshSize {
     pub n_points: usize,
@@ -41,11 +41,11 @@ pub(super) struct UsdMeshSize {
     pub n_corners: usize,
 }
 
-/// Values with the row of each element.
+/// Values, with the row of each element.
 pub(super) struct Primvar<'s> {
     pub numbers: Cow<'s, UsdNumbers>,
     pub interpolation: Interpolation,
-    /// None where each element has a row of its own, in order.
+    /// `None` if each element has its own row, in order.
     pub indices: Option<Vec<u32>>,
 }
 
@@ -55,7 +55,7 @@ impl Primvar<'_> {
         self.indices.as_ref().map_or(element as u32, |indices| indices[element])
     }
 
-    /// Makes rows of corners that have the same values one, where the file gives each its own.
+    /// Lets corners with equal values share a row, if the file has a row for each corner.
     pub(super) fn share_rows(&mut self) -> Result<(), ReadError> {
         if self.indices.is_none() {
             self.indices = Some(first_equal_rows(&self.numbers.values, self.numbers.width)?);
@@ -65,10 +65,10 @@ impl Primvar<'_> {
 }
 
 impl UsdStage<'_, '_> {
-    /// The values of a primvar of `width` numbers. None with a note where they do not fit the mesh.
+    /// The values of a primvar of `width` numbers. `None`, with a note, if their count does not fit the mesh.
     ///
     /// # Errors
-    /// Where they are damaged, or an index is beyond them.
+    /// If they are damaged, or an index is out of range.
     pub(super) fn primvar<'s>(
         &'s self,
         prim: &'s StagePrim,
@@ -87,7 +87,7 @@ impl UsdStage<'_, '_> {
                 return Ok(None);
             }
         };
-        // Normals belong to points where nothing is said, and others to the whole.
+        // By default normals belong to points, and other primvars to the whole mesh.
         let usual = if name == "normals" { "vertex" } else { "constant" };
         let Some(interpolation) = Interpolation::from_word(interpolation.unwrap_or(usual)) else {
             self.misfit(prim, name, "of an interpolation that is not known");
@@ -116,10 +116,10 @@ impl UsdStage<'_, '_> {
                 ReadError::new("index-out-of-range", place.clone(), message)
             })?),
         };
-        let found = indices.as_ref().map_or(numbers.n_rows(), Vec::len);
-        if found != needed {
+        let n_rows = indices.as_ref().map_or(numbers.n_rows(), Vec::len);
+        if n_rows != needed {
             let what =
-                format!("of {} rows where {} are needed", grouped(found as u64), grouped(needed as u64));
+                format!("of {} rows where {} are needed", grouped(n_rows as u64), grouped(needed as u64));
             self.misfit(prim, name, &what);
             return Ok(None);
         }
@@ -135,7 +135,7 @@ impl UsdStage<'_, '_> {
 /// Numbers as indices below a limit.
 ///
 /// # Errors
-/// That of the first row which is none.
+/// At the first row that is not such an index.
 pub(super) fn row_numbers(
     values: &[f64],
     limit: usize,
@@ -151,7 +151,7 @@ pub(super) fn row_numbers(
     Ok(rows)
 }
 
-/// The row of a list, as an error names it.
+/// A row of a list, as the location of an error.
 pub(super) fn row_place(list: &'static str, row: usize) -> FileLocation {
     FileLocation::Row { list, row: row as u64 }
 }

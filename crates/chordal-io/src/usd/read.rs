@@ -7,10 +7,10 @@ use crate::warnings::Warnings;
 use crate::{FileOpener, Limits, ReadError, ReadOutcome};
 use std::borrow::Cow;
 
-/// Reads a file of USD alone: text, binary, or a package, by its content.
+/// Reads a single USD file: text, binary, or a package, recognised by content.
 ///
-/// Meshes become parts, and the prims above them nodes. Where all meshes are subdivided by the same rules
-/// they become one cage instead, at the places of their nodes.
+/// Meshes become parts, and the prims above them nodes. If all meshes are subdivided by the same rules they
+/// become one cage instead, transformed by their nodes.
 ///
 /// # Errors
 /// As for `read_with`.
@@ -33,11 +33,12 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     read_with(bytes, None, limits)
 }
 
-/// Reads a file of USD with those that it names, where they can be opened.
+/// Reads a USD file and the files that it refers to, if they can be opened.
 ///
 /// # Errors
-/// [`ReadError`] at the line of a text or the byte of a binary file: it is cut off or damaged, nested too
-/// deeply, unpacks to too much; counts and indices of a mesh do not fit together; arcs lead in circles.
+/// [`ReadError`] at the line of a text or the byte of a binary file, if it is truncated or damaged, nested
+/// too deeply, or unpacks to too much; if counts and indices of a mesh are inconsistent; or if arcs form a
+/// cycle.
 pub(crate) fn read_with(
     bytes: &[u8],
     open: Option<&mut FileOpener<'_>>,

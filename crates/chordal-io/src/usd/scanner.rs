@@ -3,7 +3,7 @@ use crate::text::{LineIndex, is_space, show};
 use crate::{FileLocation, ReadError};
 use memchr::memchr;
 
-/// Walks through a text.
+/// A cursor in a text.
 pub(super) struct UsdaScanner<'a> {
     pub bytes: &'a [u8],
     pub at: usize,
@@ -23,7 +23,7 @@ impl<'a> UsdaScanner<'a> {
         FileLocation::Line(LineIndex::default().line_at(self.bytes, self.at))
     }
 
-    /// The error of something else than what has to be here.
+    /// The error for a token other than the expected one.
     pub(super) fn expected(&self, what: &str) -> ReadError {
         let rest = &self.bytes[self.at.min(self.bytes.len())..];
         if rest.is_empty() {
@@ -43,7 +43,7 @@ impl<'a> UsdaScanner<'a> {
                     self.at += memchr(b'\n', rest).unwrap_or(rest.len());
                 }
                 [b'/', b'*', rest @ ..] => match memchr::memmem::find(rest, b"*/") {
-                    // The two bytes at each end.
+                    // The comment includes two bytes at each end.
                     Some(n) => self.at += n + 4,
                     None => return Err(self.error("truncated", "a comment has no end")),
                 },
@@ -52,13 +52,13 @@ impl<'a> UsdaScanner<'a> {
         }
     }
 
-    /// The next byte that is no space, which stays; 0 at the end.
+    /// Peeks at the next byte that is not white space; 0 at the end.
     pub(super) fn peek(&mut self) -> Result<u8, ReadError> {
         self.skip()?;
         Ok(self.bytes.get(self.at).copied().unwrap_or(0))
     }
 
-    /// Takes a byte if it is the next.
+    /// Skips a byte if it comes next. Returns whether it did.
     pub(super) fn take(&mut self, byte: u8) -> Result<bool, ReadError> {
         let is_next = self.peek()? == byte && self.at < self.bytes.len();
         self.at += usize::from(is_next);
@@ -69,7 +69,7 @@ impl<'a> UsdaScanner<'a> {
         if self.take(byte)? { Ok(()) } else { Err(self.expected(&format!("'{}'", char::from(byte)))) }
     }
 
-    /// A word: a name, a type, a number. Empty where something else comes.
+    /// A word: a name, a type, a number. Empty if something else comes next.
     pub(super) fn word(&mut self) -> Result<&'a str, ReadError> {
         self.skip()?;
         let rest = self.bytes.get(self.at..).unwrap_or_default();
@@ -80,7 +80,7 @@ impl<'a> UsdaScanner<'a> {
         Ok(word)
     }
 
-    /// The next word, which stays.
+    /// Peeks at the next word.
     pub(super) fn peek_word(&mut self) -> Result<&'a str, ReadError> {
         self.skip()?;
         let at = self.at;
@@ -89,7 +89,7 @@ impl<'a> UsdaScanner<'a> {
         Ok(word)
     }
 
-    /// A quoted string in either quotes, one or three of them.
+    /// A string in single or double quotes, or in three of either.
     pub(super) fn string(&mut self) -> Result<String, ReadError> {
         let quote = self.peek()?;
         if quote != b'"' && quote != b'\'' {
@@ -124,7 +124,7 @@ impl<'a> UsdaScanner<'a> {
         Ok(text)
     }
 
-    /// The path of a file, between one or three `@`.
+    /// The path of a file, between single or triple `@`.
     pub(super) fn asset(&mut self) -> Result<&'a str, ReadError> {
         self.need(b'@')?;
         let rest = &self.bytes[self.at..];
@@ -151,7 +151,7 @@ impl<'a> UsdaScanner<'a> {
     }
 }
 
-/// The bytes of a string whose backslashes escape others.
+/// The bytes of a string after its backslash escapes are resolved.
 fn unescaped(raw: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(raw.len());
     let mut at = 0;

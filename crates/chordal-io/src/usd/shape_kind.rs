@@ -1,6 +1,6 @@
 //! `UsdShapeKind`: the types of prims that are curves or surfaces.
 
-/// What a prim is.
+/// The kind of shape that a prim defines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum UsdShapeKind {
     BasisCurves,

@@ -1,4 +1,4 @@
-//! `UsdShapes`: the curves and NURBS surfaces of a stage, where their prims place them.
+//! `UsdShapes`: the curves and NURBS surfaces of a stage, transformed by their prims.
 //!
 //! Source: Pixar Animation Studios, *UsdGeomBasisCurves*, *UsdGeomNurbsCurves* and *UsdGeomNurbsPatch*, openusd.org,
 //! 2024. Points of a patch run along u first, as RenderMan and Maya have them.
@@ -18,10 +18,10 @@ use chordal::explicit::nurbs::{InvalidNurbs, KnotVector, NurbsCurve, NurbsSurfac
 use chordal::explicit::parametric::AffineMap;
 use chordal::explicit::{Curve, FillRule};
 
-/// Points that copies by instancers may bring. Chosen: a hundred times what fur in files that were seen has.
+/// The most points of copies by instancers. Chosen: a hundred times those of the fur in files that were seen.
 const MOST_COPIED: u64 = 4_000_000;
 
-/// A prim with curves or a surface, and where it is placed.
+/// A prim with curves or a surface, and its transform.
 #[derive(Debug)]
 pub(super) struct UsdShape {
     pub prim: StagePrim,
@@ -54,7 +54,7 @@ impl CopiedPoints {
 }
 
 impl UsdShapes {
-    /// Whether there are surfaces, which go before curves.
+    /// Whether there are surfaces, which take precedence over curves.
     pub(super) fn has_surfaces(&self) -> bool {
         self.list.iter().any(|shape| shape.kind == UsdShapeKind::NurbsPatch)
     }
@@ -62,29 +62,29 @@ impl UsdShapes {
     /// All surfaces.
     ///
     /// # Errors
-    /// Where one is damaged.
+    /// If one is damaged.
     pub(super) fn surfaces(&self, stage: &UsdStage<'_, '_>) -> Result<Vec<TrimmedSurface>, ReadError> {
-        let (mut found, mut copied) = (Vec::new(), CopiedPoints::default());
+        let (mut surfaces, mut copied) = (Vec::new(), CopiedPoints::default());
         for shape in self.list.iter().filter(|shape| shape.kind == UsdShapeKind::NurbsPatch) {
             if let Some(surface) = surface(stage, shape)? {
                 copied.add(stage, shape, surface.control().len())?;
-                push(&mut found, TrimmedSurface::from(surface))?;
+                push(&mut surfaces, TrimmedSurface::from(surface))?;
             }
         }
-        Ok(found)
+        Ok(surfaces)
     }
 
     /// All curves.
     ///
     /// # Errors
-    /// Where some are damaged.
+    /// If one is damaged.
     pub(super) fn curves(&self, stage: &UsdStage<'_, '_>) -> Result<Curves, ReadError> {
-        let (mut found, mut copied) = (Curves::default(), CopiedPoints::default());
+        let (mut curves, mut copied) = (Curves::default(), CopiedPoints::default());
         for shape in self.list.iter().filter(|shape| shape.kind != UsdShapeKind::NurbsPatch) {
             let Some(points) = points(stage, shape)? else { continue };
             copied.add(stage, shape, points.len())?;
             let counts = curve_counts(stage, shape, points.len())?;
-            let source = found.elements.len();
+            let source = curves.elements.len();
             let element = DrawingElement {
                 kind: shape.kind.name(),
                 name: stage.name(&shape.prim).into(),
@@ -92,7 +92,7 @@ impl UsdShapes {
                 rule: FillRule::default(),
                 filled: false,
             };
-            push(&mut found.elements, element)?;
+            push(&mut curves.elements, element)?;
             let paths = match shape.kind {
                 UsdShapeKind::BasisCurves => basis_curves(stage, shape, &points, &counts)?,
                 _ => nurbs_curves(stage, shape, &points, &counts)?,
@@ -100,15 +100,15 @@ impl UsdShapes {
             for (row, path) in paths.into_iter().enumerate() {
                 let path =
                     placed(path, &shape.world).map_err(|why| wrong_curve(shape, row, &why.to_string()))?;
-                push(&mut found.owners, source as u32)?;
-                push(&mut found.lines, path)?;
+                push(&mut curves.owners, source as u32)?;
+                push(&mut curves.lines, path)?;
             }
         }
-        Ok(found)
+        Ok(curves)
     }
 }
 
-/// The points of a prim; none, with a note, where there are none.
+/// The points of a prim; `None`, with a note, if it has no points.
 fn points(stage: &UsdStage<'_, '_>, shape: &UsdShape) -> Result<Option<Vec<[f64; 3]>>, ReadError> {
     let prim = &shape.prim;
     let points = stage.numbers(prim, "points")?.filter(|points| points.width == 3 && points.n_rows() > 0);
@@ -130,7 +130,7 @@ fn points(stage: &UsdStage<'_, '_>, shape: &UsdShape) -> Result<Option<Vec<[f64;
     Ok(Some(rows))
 }
 
-/// How many points each curve has.
+/// The number of points of each curve.
 fn curve_counts(
     stage: &UsdStage<'_, '_>,
     shape: &UsdShape,
@@ -153,12 +153,12 @@ fn curve_counts(
 }
 
 /// The points of each curve.
-fn split<'p, T>(mut all: &'p [T], counts: &[usize]) -> Vec<&'p [T]> {
+fn split<'p, T>(mut items: &'p [T], counts: &[usize]) -> Vec<&'p [T]> {
     let mut parts = Vec::with_capacity(counts.len());
     for n in counts {
-        let (part, rest) = all.split_at((*n).min(all.len()));
+        let (part, rest) = items.split_at((*n).min(items.len()));
         parts.push(part);
-        all = rest;
+        items = rest;
     }
     parts
 }
@@ -223,13 +223,13 @@ fn nurbs_curves(
         let invalid = |error: InvalidNurbs| wrong_curve(shape, row, &error.to_string());
         let degree = degree(orders[row]).map_err(|why| wrong_curve(shape, row, &why))?;
         let n_knots = points.len().saturating_add(degree + 1);
-        let Some((own, rest)) = knots.split_at_checked(n_knots) else {
+        let Some((curve_knots, rest)) = knots.split_at_checked(n_knots) else {
             let why =
                 format!("its {} points take {n_knots} knots, and {} are left", points.len(), knots.len());
             return Err(wrong_curve(shape, row, &why));
         };
         knots = rest;
-        let vector = KnotVector::new(degree, own.to_vec()).map_err(invalid)?;
+        let vector = KnotVector::new(degree, curve_knots.to_vec()).map_err(invalid)?;
         note_range(stage, shape, &vector, ranges.as_ref().and_then(|ranges| ranges.row(row)));
         let spline = NurbsCurve::new(vector, points.to_vec(), weights.to_vec()).map_err(invalid)?;
         push(&mut paths, spline.to_curve().map_err(|why| wrong_curve(shape, row, &why.to_string()))?)?;
@@ -237,10 +237,10 @@ fn nurbs_curves(
     Ok(paths)
 }
 
-/// The degree of an order, which is one more.
+/// The degree for an order; the order is one more.
 fn degree(order: f64) -> Result<usize, String> {
     let is_order = order >= 2.0 && order.fract() == 0.0;
-    // What is too large saturates, and is refused as a degree.
+    // An order that is too large saturates, and is refused as a degree.
     if is_order {
         Ok(order as usize - 1)
     } else {
@@ -248,7 +248,7 @@ fn degree(order: f64) -> Result<usize, String> {
     }
 }
 
-/// The weights of the points, 1 where the file has none.
+/// The weights of the points, 1 if the file has none.
 fn weights(stage: &UsdStage<'_, '_>, shape: &UsdShape, n: usize) -> Result<Vec<f64>, ReadError> {
     let prim = &shape.prim;
     let Some(weights) = stage.numbers(prim, "pointWeights")?.filter(|weights| !weights.values.is_empty())
@@ -262,7 +262,7 @@ fn weights(stage: &UsdStage<'_, '_>, shape: &UsdShape, n: usize) -> Result<Vec<f
     Ok(weights.into_owned().values)
 }
 
-/// Notes a range that is less than all of a curve or surface.
+/// Reports a range that covers only part of a curve or surface.
 fn note_range(stage: &UsdStage<'_, '_>, shape: &UsdShape, knots: &KnotVector, range: Option<[f64; 2]>) {
     if range.is_some_and(|range| range != knots.domain()) {
         let what = "curves and surfaces with a range that ends inside their knots were read whole";
@@ -270,7 +270,7 @@ fn note_range(stage: &UsdStage<'_, '_>, shape: &UsdShape, knots: &KnotVector, ra
     }
 }
 
-/// A curve where a matrix places it.
+/// A curve transformed by a matrix.
 fn placed(path: Curve<3>, world: &[f64; 16]) -> Result<Curve<3>, chordal::explicit::InvalidCurve> {
     if *world == IDENTITY {
         return Ok(path);
@@ -279,7 +279,7 @@ fn placed(path: Curve<3>, world: &[f64; 16]) -> Result<Curve<3>, chordal::explic
     path.transformed(&AffineMap { columns: [column(0), column(1), column(2)], offset: column(3) })
 }
 
-/// A surface where its prim is placed; none, with a note, where it has no points.
+/// A surface transformed by its prim; `None`, with a note, if it has no points.
 fn surface(stage: &UsdStage<'_, '_>, shape: &UsdShape) -> Result<Option<NurbsSurface>, ReadError> {
     let prim = &shape.prim;
     let Some(mut points) = points(stage, shape)? else { return Ok(None) };
@@ -316,7 +316,7 @@ fn surface(stage: &UsdStage<'_, '_>, shape: &UsdShape) -> Result<Option<NurbsSur
         stage.note("transforms-applied", what, &prim.path);
         points.iter_mut().for_each(|point| *point = moved(&shape.world, *point));
     }
-    // A mirror turns a surface inside out, and so does running through it the other way.
+    // A mirror turns a surface inside out; so does reversing a parameter.
     let is_left_handed = stage.word(prim, "orientation")?.is_some_and(|word| word == "leftHanded");
     let n_u = u.n_control();
     if is_left_handed != (determinant(&shape.world) < 0.0) && points.len() == n_u * v.n_control() {

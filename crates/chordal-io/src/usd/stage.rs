@@ -1,4 +1,4 @@
-//! `UsdStage`: the prims of a shape, composed from those of its files: sublayers, inherited prims, chosen
+//! `UsdStage`: the prims of a shape, composed from those of its files: sublayers, inherited prims, selected
 //! variants, references and payloads.
 //!
 //! Source: Pixar Animation Studios, *USD Glossary*, "LIVRPS Strength Ordering", openusd.org, 2024.
@@ -14,20 +14,20 @@ use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Sources of prims that references and variants may bring beyond the prims of the files. Chosen: as many as
-/// copies of objects in 3MF.
+/// The most sources of prims that references and variants may add to the prims of the files. Chosen: as many
+/// as copies of objects in 3MF.
 const COPIES: u64 = 200_000;
-/// Sources of one prim. Chosen: honest ones have tens.
+/// The most sources of one prim. Chosen: real files have tens.
 const MOST_SOURCES: usize = 4096;
-/// Files that one may bring. Chosen: honest packages have a few.
+/// The most files that one may refer to. Chosen: real packages have a few.
 const MOST_LAYERS: usize = 256;
 
-/// A prim of a file that a composed one has the content of.
+/// A prim of a file whose content is part of a composed prim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct StageSource {
     pub layer: u32,
     pub prim: u32,
-    /// How paths in it become those of the shape.
+    /// The index of the map from its paths to those of the shape.
     pub map: u32,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct StagePrim {
     pub depth: usize,
 }
 
-/// Paths at and below `from` become those at and below `to`.
+/// Maps paths at and below `from` to paths at and below `to`.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct PathMap {
     from: String,
@@ -61,20 +61,20 @@ pub(super) struct UsdStage<'a, 'b> {
     pub files: UsdFiles<'a, 'b>,
     pub limits: Limits,
     pub notes: RefCell<NamedNotes>,
-    /// The files that were asked for, and what they became.
+    /// The files that were requested, each with its layer if it was opened.
     opened: BTreeMap<String, Option<u32>>,
-    /// The first is that of no change.
+    /// The path maps; the first is the identity.
     maps: Vec<PathMap>,
     left: u64,
-    /// The layers that are one file with the first: it and its sublayers.
+    /// The layer stack of the first file: it and its sublayers.
     stack: Vec<u32>,
 }
 
 impl<'a, 'b> UsdStage<'a, 'b> {
-    /// A shape of one file and those that it names.
+    /// A shape from one file and the files that it refers to.
     ///
     /// # Errors
-    /// Where one of its sublayers is damaged.
+    /// If one of its sublayers is damaged.
     pub(super) fn new(
         root: UsdLayer<'a>,
         files: UsdFiles<'a, 'b>,
@@ -116,7 +116,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         StagePrim { path: String::new(), sources: self.stack.iter().map(source).collect(), depth: 0 }
     }
 
-    /// Opens a file that one names, once.
+    /// Opens a referenced file, once.
     fn open(&mut self, from: u32, asset: &str) -> Result<Option<u32>, ReadError> {
         let missing = "files that others refer to could not be read: what they hold is missing";
         let from_path = self.layers[from as usize].path.clone();
@@ -158,7 +158,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         self.layers[source.layer as usize].prim(source.prim)
     }
 
-    /// Where a source of a prim is.
+    /// The location of a prim's strongest source.
     pub(super) fn place(&self, prim: &StagePrim) -> FileLocation {
         let first = prim.sources.first().copied();
         first.map_or(FileLocation::File, |source| {
@@ -169,7 +169,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
     /// The child of a prim.
     ///
     /// # Errors
-    /// When arcs lead to what is damaged, in circles, or to more than is held.
+    /// If arcs lead to damaged data, form a cycle, or exceed the limits.
     pub(super) fn child(&mut self, parent: &StagePrim, name: &str) -> Result<Option<StagePrim>, ReadError> {
         let mut child = StagePrim {
             path: format!("{}/{name}", parent.path),
@@ -212,7 +212,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         Ok(Some(prim))
     }
 
-    /// Adds a source with all that its arcs bring, the strongest first.
+    /// Adds a source and everything that its arcs add, the strongest first.
     fn expand(&mut self, source: StageSource, into: &mut StagePrim, depth: usize) -> Result<(), ReadError> {
         if into.sources.iter().any(|known| [known.layer, known.prim] == [source.layer, source.prim]) {
             return Ok(());
@@ -249,15 +249,15 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         Ok(())
     }
 
-    /// The variants of a prim that the strongest opinions choose. The others are counted.
+    /// The variants selected by a prim's strongest opinions. Other variants are counted.
     fn chosen_variants(&self, arcs: &UsdArcs, into: &StagePrim) -> Vec<u32> {
-        let mut found = Vec::new();
+        let mut variants = Vec::new();
         for set in &arcs.variant_sets {
             let sources = into.sources.iter();
             let selections = sources.filter_map(|source| self.spec(*source).arcs());
             let choice = selections.flat_map(|arcs| &arcs.selections).find(|[name, _]| *name == set.name);
             let variant = choice.and_then(|[_, name]| set.variants.iter().find(|known| known.name == *name));
-            found.extend(variant.map(|variant| variant.prim));
+            variants.extend(variant.map(|variant| variant.prim));
             let name = format!("{} of {}", set.name, into.path);
             if variant.is_none() && !set.variants.is_empty() {
                 self.note("variants-unset", "sets of variants of which none is chosen were left out", &name);
@@ -265,7 +265,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
                 self.note("variants-skipped", "of sets of variants only the chosen one was read", &name);
             }
         }
-        found
+        variants
     }
 
     /// Follows an arc of a source.
@@ -281,10 +281,10 @@ impl<'a, 'b> UsdStage<'a, 'b> {
             asset => self.open(source.layer, asset)?,
         };
         let Some(layer) = layer else { return Ok(()) };
-        let there = &self.layers[layer as usize];
+        let target = &self.layers[layer as usize];
         let path = match &*reference.path {
             "" => {
-                there.about.default_prim.as_deref().map(|name| format!("/{}", name.trim_start_matches('/')))
+                target.about.default_prim.as_deref().map(|name| format!("/{}", name.trim_start_matches('/')))
             }
             path => Some(path.to_owned()),
         };
@@ -305,12 +305,12 @@ impl<'a, 'b> UsdStage<'a, 'b> {
                 return Err(ReadError::new("reference-cycle", place, message));
             }
             let map = PathMap { from: path.clone(), to: into.path.clone() };
-            let known = self.maps.len() - 1;
-            let map = if self.maps[known] == map {
-                known
+            let last = self.maps.len() - 1;
+            let map = if self.maps[last] == map {
+                last
             } else {
                 push(&mut self.maps, map)?;
-                known + 1
+                last + 1
             };
             self.expand(StageSource { layer, prim, map: map as u32 }, into, depth + 1)?;
         }
@@ -321,7 +321,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         Ok(())
     }
 
-    /// Whether a source is a prim, or below it.
+    /// Whether a source is a given prim, or a descendant of it.
     fn is_inside(&self, source: StageSource, layer: u32, prim: u32) -> bool {
         let mut at = source.prim;
         while source.layer == layer && at != NO_PRIM {
@@ -333,7 +333,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         false
     }
 
-    /// Whether the prim is there, and no class.
+    /// Whether the prim is defined and not a class.
     pub(super) fn is_defined(&self, prim: &StagePrim) -> bool {
         let kinds = prim.sources.iter().map(|source| self.spec(*source).specifier);
         kinds.into_iter().find(|kind| *kind != UsdSpecifier::Over) == Some(UsdSpecifier::Def)
@@ -348,7 +348,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         arcs.any(|arcs| arcs.is_inactive)
     }
 
-    /// The name that is shown, or else the last step of the path.
+    /// The display name, or else the last step of the path.
     pub(super) fn name(&self, prim: &StagePrim) -> String {
         let mut arcs = prim.sources.iter().filter_map(|source| self.spec(*source).arcs());
         let shown = arcs.find_map(|arcs| arcs.display_name.as_deref());
@@ -364,19 +364,19 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         prim.sources.iter().filter_map(move |source| Some((*source, self.spec(*source).property(name)?)))
     }
 
-    /// The attribute of a name, if there is an opinion on it.
+    /// The attribute with a name, if there is an opinion on it.
     ///
     /// # Errors
-    /// Where its value is damaged.
+    /// If its value is damaged.
     pub(super) fn attribute<'s>(
         &'s self,
         prim: &'s StagePrim,
         name: &'s str,
     ) -> Result<Option<StageAttribute<'s>>, ReadError> {
-        let mut found: Option<StageAttribute<'s>> = None;
+        let mut strongest: Option<StageAttribute<'s>> = None;
         for (source, property) in self.opinions(prim, name) {
             let layer = &self.layers[source.layer as usize];
-            let attribute = found.get_or_insert_with(|| StageAttribute {
+            let attribute = strongest.get_or_insert_with(|| StageAttribute {
                 value: None,
                 kind: property.kind,
                 interpolation: None,
@@ -412,7 +412,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
                 attribute.place = layer.place(property.at);
             }
         }
-        Ok(found)
+        Ok(strongest)
     }
 
     /// The numbers of an attribute.
@@ -451,27 +451,30 @@ impl<'a, 'b> UsdStage<'a, 'b> {
     pub(super) fn targets(&self, prim: &StagePrim, name: &str) -> Vec<String> {
         for (source, property) in self.opinions(prim, name) {
             if let Some(more) = property.more.as_deref().filter(|more| more.has_targets) {
-                return more.targets.iter().map(|path| self.mapped(source, path)).collect();
+                return more.targets.iter().map(|path| self.map_path(source, path)).collect();
             }
         }
         Vec::new()
     }
 
-    /// The layer whose opinion on an attribute is the strongest: paths of files begin at it.
+    /// The layer with the strongest opinion on an attribute: file paths are relative to it.
     pub(super) fn layer_of(&self, prim: &StagePrim, name: &str) -> u32 {
         self.opinions(prim, name)
             .find(|(_, found)| found.value.is_some())
             .map_or(0, |(source, _)| source.layer)
     }
 
-    /// Names of properties that begin so, each once, in order.
+    /// The names of properties with a prefix, each once, in order.
     pub(super) fn property_names(&self, prim: &StagePrim, beginning: &str) -> BTreeSet<String> {
-        let all = prim.sources.iter().flat_map(|source| self.spec(*source).properties());
-        all.filter(|found| found.name.starts_with(beginning)).map(|found| found.name.to_string()).collect()
+        let properties = prim.sources.iter().flat_map(|source| self.spec(*source).properties());
+        properties
+            .filter(|found| found.name.starts_with(beginning))
+            .map(|found| found.name.to_string())
+            .collect()
     }
 
-    /// A path in a source as one of the shape.
-    fn mapped(&self, source: StageSource, path: &str) -> String {
+    /// Maps a path in a source to a path of the shape.
+    fn map_path(&self, source: StageSource, path: &str) -> String {
         let path = if path.starts_with('/') { path.to_owned() } else { self.absolute(source, path) };
         let PathMap { from, to } = &self.maps[source.map as usize];
         match path.strip_prefix(&**from) {
@@ -482,7 +485,7 @@ impl<'a, 'b> UsdStage<'a, 'b> {
         }
     }
 
-    /// A path that begins at the prim that names it.
+    /// The absolute form of a path that is relative to a source's prim.
     fn absolute(&self, source: StageSource, path: &str) -> String {
         let mut steps = Vec::new();
         let mut at = source.prim;

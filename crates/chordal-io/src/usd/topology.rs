@@ -6,7 +6,7 @@ use crate::grow::with_room;
 use crate::text::{grouped, not_finite};
 use chordal::budget::advice::{Message, Setting};
 
-/// Points, and the corners of faces, one after another.
+/// Points, and the corners of all faces in one list.
 pub(super) struct UsdTopology {
     pub points: Vec<[f64; 3]>,
     /// The number of corners of each face.
@@ -18,17 +18,16 @@ pub(super) struct UsdTopology {
 }
 
 impl UsdTopology {
-    /// Reads a mesh. None, with a note, where it has no points or faces.
+    /// Reads a mesh. `None`, with a note, if it has no points or faces.
     ///
     /// # Errors
-    /// Where counts and indices do not fit together, an index is beyond the points, or a coordinate is not
-    /// finite.
+    /// If counts and indices are inconsistent, an index is out of range, or a coordinate is not finite.
     pub(super) fn read(stage: &UsdStage<'_, '_>, prim: &StagePrim) -> Result<Option<Self>, ReadError> {
         let needed = [(3, "points"), (1, "faceVertexCounts"), (1, "faceVertexIndices")];
-        let mut found = Vec::new();
+        let mut arrays = Vec::new();
         for (width, name) in needed {
             match stage.numbers(prim, name)? {
-                Some(numbers) if numbers.width == width => found.push(numbers),
+                Some(numbers) if numbers.width == width => arrays.push(numbers),
                 _ => {
                     let what = "meshes without points or faces were left out";
                     stage.note("empty-meshes", what, &prim.path);
@@ -36,7 +35,7 @@ impl UsdTopology {
                 }
             }
         }
-        let [points, counts, corners] = &found[..] else { return Ok(None) };
+        let [points, counts, corners] = &arrays[..] else { return Ok(None) };
         let limit = stage.limits.rows;
         for (numbers, name) in [(points, "points"), (counts, "faces"), (corners, "corners")] {
             if numbers.n_rows() as u64 > limit {
@@ -86,7 +85,7 @@ impl UsdTopology {
         UsdMeshSize { n_points: self.points.len(), n_faces: self.counts.len(), n_corners: self.corners.len() }
     }
 
-    /// The first corner of each face with the number of its corners.
+    /// For each face its first corner and the number of its corners.
     pub(super) fn faces(&self) -> impl Iterator<Item = FaceCorners> {
         let is_left_handed = self.is_left_handed;
         self.counts.iter().scan(0, move |first, n| {
@@ -96,7 +95,7 @@ impl UsdTopology {
         })
     }
 
-    /// The error of coordinates of a cage that are not finite.
+    /// The error for coordinates of a cage that are not finite.
     pub(super) fn check_finite(&self, prim: &StagePrim) -> Result<(), ReadError> {
         let Some(row) = self.points.iter().position(|p| p.iter().any(|x| !x.is_finite())) else {
             return Ok(());
@@ -117,7 +116,7 @@ pub(super) struct FaceCorners {
 }
 
 impl FaceCorners {
-    /// Its corners counter-clockwise, which begin at the same one.
+    /// Its corners in counter-clockwise order, from the same first corner on.
     pub(super) fn corners(self) -> impl Iterator<Item = usize> {
         let at = move |i: usize| if self.is_left_handed { (self.n - i) % self.n } else { i };
         (0..self.n).map(move |i| self.first + at(i))

@@ -1,13 +1,13 @@
-//! The transform of a prim: a list of operations, of which the first is the outermost.
+//! The transform of a prim: a list of operations, the first of which is the outermost.
 //!
 //! Source: Pixar Animation Studios, *UsdGeomXformOp* and *UsdGeomXformable*, openusd.org, 2024.
 use super::stage::{StagePrim, UsdStage};
 use crate::ReadError;
 use crate::matrix::{IDENTITY, product, sine_cosine};
 
-/// The operation that says that transforms of ancestors do not count.
+/// The operation that discards the transforms of ancestors.
 const RESET: &str = "!resetXformStack!";
-/// The beginning of an operation that is inverted.
+/// The prefix of an inverted operation.
 const INVERT: &str = "!invert!";
 
 /// The transform of a prim to its parent.
@@ -15,7 +15,7 @@ const INVERT: &str = "!invert!";
 pub(super) struct LocalTransform {
     /// Column-major.
     pub matrix: [f64; 16],
-    /// Whether it is to the world instead.
+    /// Whether the transform is relative to the world instead.
     pub is_reset: bool,
 }
 
@@ -23,13 +23,13 @@ impl UsdStage<'_, '_> {
     /// The transform of a prim.
     ///
     /// # Errors
-    /// Where a value is damaged, not finite, or a matrix has no inverse that is asked for.
+    /// If a value is damaged or not finite, or a matrix that must be inverted is singular.
     pub(super) fn transform(&self, prim: &StagePrim) -> Result<LocalTransform, ReadError> {
-        let mut found = LocalTransform { matrix: IDENTITY, is_reset: false };
+        let mut local = LocalTransform { matrix: IDENTITY, is_reset: false };
         let order = self.words(prim, "xformOpOrder")?;
         for operation in order {
             if &*operation == RESET {
-                found = LocalTransform { matrix: IDENTITY, is_reset: true };
+                local = LocalTransform { matrix: IDENTITY, is_reset: true };
                 continue;
             }
             let name = operation.strip_prefix(INVERT).unwrap_or(&operation);
@@ -40,18 +40,18 @@ impl UsdStage<'_, '_> {
                 continue;
             };
             let matrix = if is_inverted { inverse(&matrix) } else { Some(matrix) };
-            let matrix = matrix.map(|matrix| product(&found.matrix, &matrix));
-            found.matrix = matrix.filter(|matrix| matrix.iter().all(|x| x.is_finite())).ok_or_else(|| {
+            let matrix = matrix.map(|matrix| product(&local.matrix, &matrix));
+            local.matrix = matrix.filter(|matrix| matrix.iter().all(|x| x.is_finite())).ok_or_else(|| {
                 let message = format!("{}.{operation} is not finite, or has no inverse", prim.path);
                 ReadError::new("bad-transform", self.place(prim), message)
             })?;
         }
-        let bottom = [found.matrix[3], found.matrix[7], found.matrix[11], found.matrix[15]];
+        let bottom = [local.matrix[3], local.matrix[7], local.matrix[11], local.matrix[15]];
         if bottom != [0.0, 0.0, 0.0, 1.0] {
             let message = format!("the transform of {} is a projection", prim.path);
             return Err(ReadError::new("bad-transform", self.place(prim), message));
         }
-        Ok(found)
+        Ok(local)
     }
 
     /// The matrix of an operation.
@@ -68,7 +68,7 @@ impl UsdStage<'_, '_> {
             "scaleX" | "scaleY" | "scaleZ" => one.map(|x| scaling(on_axis(kind, x, 1.0))),
             "rotateX" | "rotateY" | "rotateZ" => one.map(|x| rotation(kind.as_bytes()[6], x)),
             "rotateXYZ" | "rotateXZY" | "rotateYXZ" | "rotateYZX" | "rotateZXY" | "rotateZYX" => {
-                // The first axis turns first.
+                // The rotation about the first axis is applied first.
                 three.map(|degrees| {
                     let axes = kind.as_bytes()[6..].iter();
                     axes.fold(IDENTITY, |so_far, axis| {
@@ -77,14 +77,14 @@ impl UsdStage<'_, '_> {
                 })
             }
             "orient" => numbers.first::<4>().and_then(quaternion_matrix),
-            // Rows of points that are rows are columns of those that are columns.
+            // The file's rows, for row vectors, are our columns for column vectors.
             "transform" => numbers.first::<16>(),
             _ => None,
         })
     }
 }
 
-/// A number on the axis that ends a name, others on the other axes.
+/// A number on the axis at the end of a name, another number on the other axes.
 fn on_axis(name: &str, value: f64, other: f64) -> [f64; 3] {
     let axis = name.as_bytes().last().map_or(0, |letter| letter.wrapping_sub(b'X'));
     std::array::from_fn(|k| if k == usize::from(axis) { value } else { other })
@@ -118,7 +118,7 @@ fn rotation(axis: u8, degrees: f64) -> [f64; 16] {
     matrix
 }
 
-/// The rotation of a quaternion, real part first, of any length. None for zero.
+/// The rotation of a quaternion, real part first, of any length. `None` for zero.
 pub(super) fn quaternion_matrix(q: [f64; 4]) -> Option<[f64; 16]> {
     let [w, x, y, z] = q;
     let square = w * w + x * x + y * y + z * z;
@@ -139,8 +139,8 @@ pub(super) fn quaternion_matrix(q: [f64; 4]) -> Option<[f64; 16]> {
     Some(matrix)
 }
 
-/// The matrix of a place with a rotation and a scale.
-pub(super) fn placed(at: [f64; 3], turn: [f64; 16], size: [f64; 3]) -> [f64; 16] {
+/// The matrix of a translation, a rotation and a scale.
+pub(super) fn compose(at: [f64; 3], turn: [f64; 16], size: [f64; 3]) -> [f64; 16] {
     product(&translation(at), &product(&turn, &scaling(size)))
 }
 
@@ -154,7 +154,8 @@ fn inverse(m: &[f64; 16]) -> Option<[f64; 16]> {
     if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
         return None;
     }
-    // Of a translation nothing but its sign changes, and of a scale along the axes only its size.
+    // Special cases to keep exactness: a translation only changes its sign, an axis-aligned scale only its
+    // size.
     let is_diagonal = (0..3).all(|i| (0..3).all(|j| i == j || m[4 * i + j] == 0.0));
     let rows = if is_diagonal {
         [[1.0 / a[0], 0.0, 0.0], [0.0, 1.0 / b[1], 0.0], [0.0, 0.0, 1.0 / c[2]]]
@@ -180,7 +181,7 @@ mod tests {
     #[test]
     fn an_inverse_undoes_a_transform() {
         let turn = quaternion_matrix([1.0, 2.0, -3.0, 0.5]).unwrap();
-        let matrix = placed([4.0, -5.0, 6.0], turn, [2.0, 0.5, -3.0]);
+        let matrix = compose([4.0, -5.0, 6.0], turn, [2.0, 0.5, -3.0]);
         let one = product(&matrix, &inverse(&matrix).unwrap());
         assert!(one.iter().zip(&IDENTITY).all(|(a, b)| (a - b).abs() < 1e-14), "{one:?}");
         let moved = translation([0.1, 0.2, 0.3]);

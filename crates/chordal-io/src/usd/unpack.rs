@@ -1,4 +1,4 @@
-//! Unpacking of what USD's binary form packs: LZ4 blocks in chunks, and integers as their differences.
+//! Decompression for USD's binary form: LZ4 blocks in chunks, and integers as differences.
 //!
 //! Source: Y. Collet, *LZ4 Block Format Description*, 2015 to 2022; the chunks and the integers are those of
 //! Pixar's OpenUSD (`pxr/base/tf/fastCompression`, `pxr/usd/sdf/integerCoding`), 2017 to 2024.
@@ -6,27 +6,29 @@ use crate::ReadError;
 use crate::grow::with_room;
 use crate::{FileLocation, text::grouped};
 
-/// What may still be unpacked.
+/// The number of bytes that may still be unpacked.
 #[derive(Debug)]
 pub(super) struct UnpackBudget {
     left: std::cell::Cell<u64>,
 }
 
-/// What unpacks whatever the size of the file. Chosen: small enough to stay within what any reader may take.
+/// The bytes that may be unpacked whatever the size of the file. Chosen: small enough for the memory that any
+/// reader may take.
 const SMALL: u64 = 2 << 20;
-/// The most unpacked bytes for one of the file. LZ4 packs at most 255 to 1; the same as of zip packages here.
+/// The most unpacked bytes for each byte of the file. Chosen: as for zip packages here; LZ4 packs at most 255
+/// to 1.
 const MOST_RATIO: u64 = 200;
 
 impl UnpackBudget {
     pub(super) fn new(n_bytes: usize, limit: u64) -> Self {
-        let all = SMALL + MOST_RATIO.saturating_mul(n_bytes as u64);
-        Self { left: std::cell::Cell::new(all.min(limit)) }
+        let allowance = SMALL + MOST_RATIO.saturating_mul(n_bytes as u64);
+        Self { left: std::cell::Cell::new(allowance.min(limit)) }
     }
 
-    /// Takes bytes that are about to be unpacked.
+    /// Charges bytes that are about to be unpacked.
     ///
     /// # Errors
-    /// `too-dense` when there are too many.
+    /// `too-dense` if there are too many.
     pub(super) fn take(&self, n_bytes: u64, at: usize) -> Result<(), ReadError> {
         let left = self.left.get().checked_sub(n_bytes).ok_or_else(|| {
             let message = format!(
@@ -40,7 +42,7 @@ impl UnpackBudget {
     }
 }
 
-/// Unpacks chunks of LZ4 to at most `n` bytes, which the budget has allowed. None where they are broken.
+/// Unpacks LZ4 chunks to at most `n` bytes, which the budget has allowed. `None` if they are damaged.
 pub(super) fn unpack_chunks(packed: &[u8], n: usize) -> Result<Option<Vec<u8>>, ReadError> {
     let mut out = with_room(n)?;
     let Some((&n_chunks, mut rest)) = packed.split_first() else { return Ok(None) };
@@ -61,10 +63,10 @@ pub(super) fn unpack_chunks(packed: &[u8], n: usize) -> Result<Option<Vec<u8>>, 
 
 /// The shortest match.
 const LEAST_MATCH: usize = 4;
-/// The number of a token's four bits that says that more bytes of it follow.
+/// The value of a token's four bits that means that more bytes follow.
 const MORE: usize = 15;
 
-/// Unpacks one block behind what is there, up to `most` bytes in all, for which there is room.
+/// Appends one unpacked block, up to `most` bytes in all, for which memory is reserved.
 fn lz4_block(packed: &[u8], most: usize, out: &mut Vec<u8>) -> Option<()> {
     let start = out.len();
     let mut at = 0;
@@ -92,6 +94,7 @@ fn lz4_block(packed: &[u8], most: usize, out: &mut Vec<u8>) -> Option<()> {
         }
         out.extend_from_slice(literals);
         at += n_literals;
+        // The last sequence of a block has only literals.
         if at == packed.len() {
             return Some(());
         }
@@ -102,6 +105,7 @@ fn lz4_block(packed: &[u8], most: usize, out: &mut Vec<u8>) -> Option<()> {
             return None;
         }
         let from = out.len() - offset;
+        // One byte at a time, since a match may overlap its own output.
         for i in 0..n_match {
             out.push(out[from + i]);
         }
@@ -109,15 +113,17 @@ fn lz4_block(packed: &[u8], most: usize, out: &mut Vec<u8>) -> Option<()> {
     Some(())
 }
 
-/// The largest size of `n` packed integers before LZ4: the common value, two bits each, and the integers.
+/// The largest size of `n` packed integers before LZ4: the common difference, two bits each, and the
+/// integers.
 pub(super) fn packed_size<const W: usize>(n: usize) -> Option<usize> {
     W.checked_add(n.checked_add(3)? / 4)?.checked_add(n.checked_mul(W)?)
 }
 
-/// Integers of W bytes, each the one before and a difference: the common one, or one of three sizes.
+/// Integers of W bytes, each the sum of the previous one and a difference: the common one, or one in three
+/// sizes.
 pub(super) fn integers<const W: usize>(bytes: &[u8], n: usize) -> Result<Option<Vec<i64>>, ReadError> {
     let mut out = with_room(n)?;
-    // Four codes of two bits a byte.
+    // Four two-bit codes per byte.
     let n_codes = n.div_ceil(4);
     let (Some(common), Some(codes), Some(rest)) =
         (bytes.get(..W), bytes.get(W..W + n_codes), bytes.get(W + n_codes..))
@@ -127,8 +133,8 @@ pub(super) fn integers<const W: usize>(bytes: &[u8], n: usize) -> Result<Option<
     let common = signed(common);
     let (mut value, mut at) = (0_i64, 0);
     for i in 0..n {
-        // The sizes are a quarter, a half and the whole of W bytes, but no less than one byte and, of 64-bit
-        // integers, no less than two.
+        // The sizes are a quarter, a half and all of W bytes, but at least one byte and, for 64-bit integers,
+        // at least two.
         let size = match codes[i / 4] >> (2 * (i % 4)) & 3 {
             0 => 0,
             1 => W / 4,
@@ -144,7 +150,7 @@ pub(super) fn integers<const W: usize>(bytes: &[u8], n: usize) -> Result<Option<
         };
         value = value.wrapping_add(change);
         if W == 4 {
-            // As the writer's own arithmetic wraps.
+            // The writer's arithmetic wraps, too.
             value = i64::from(value as i32);
         }
         out.push(value);
@@ -152,7 +158,7 @@ pub(super) fn integers<const W: usize>(bytes: &[u8], n: usize) -> Result<Option<
     Ok(Some(out))
 }
 
-/// A little-endian integer with its sign.
+/// A signed little-endian integer.
 fn signed(raw: &[u8]) -> i64 {
     let bits = raw.iter().rev().fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
     let shift = 64 - 8 * raw.len() as u32;
@@ -177,7 +183,7 @@ mod tests {
 
     #[test]
     fn integers_are_sums_of_differences() {
-        // The common difference is 1; then a byte of -3 and two bytes of 300.
+        // The common difference is 1; then −3 in one byte, and 300 in two.
         let bytes = [1, 0, 0, 0, 0b10_01_00_00, 0xFD, 0x2C, 0x01];
         assert_eq!(integers::<4>(&bytes, 4).unwrap().unwrap(), [1, 2, -1, 299]);
         assert_eq!(integers::<4>(&bytes[..7], 4).unwrap(), None);

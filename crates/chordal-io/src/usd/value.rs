@@ -1,40 +1,41 @@
-//! `UsdType` and `UsdValue`: the types of attributes, and what they hold.
+//! `UsdType` and `UsdValue`: the types of attributes, and their values.
 
-/// What a type name says of its values.
+/// The layout of values, by type name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct UsdType {
-    /// Numbers in one element; 0 where they are no numbers.
+    /// The count of numbers in one element; 0 if they are not numbers.
     pub width: u8,
     /// Tokens, strings or paths of files.
     pub is_words: bool,
     pub is_array: bool,
-    /// Whether it is a texture coordinate by its name.
+    /// Whether the type name means texture coordinates.
     pub is_texcoord: bool,
-    /// Whether it is a quaternion, whose real part comes first here.
+    /// Whether it is a quaternion, which has its real part first here.
     pub is_quaternion: bool,
 }
 
 /// Names of types with one number.
 const SCALARS: [&str; 11] =
     ["bool", "uchar", "int", "uint", "int64", "uint64", "half", "float", "double", "timecode", "float1"];
-/// Names of types whose number of components follows, and then maybe a letter for their precision.
+/// Names of types that are followed by the number of components, and in some cases by a letter for the
+/// precision.
 const TUPLES: [&str; 12] = [
     "int", "half", "float", "double", "point", "normal", "vector", "color", "texCoord", "quat", "matrix",
     "frame",
 ];
 
 impl UsdType {
-    /// The type of a name in a file, with `[]` where it is an array. All 0 for one that is not known.
+    /// The type for a name in a file; `[]` marks an array. All fields are 0 for an unknown name.
     pub(super) fn from_name(name: &str) -> Self {
         let base = name.strip_suffix("[]").unwrap_or(name);
-        let mut found = Self { is_array: base.len() < name.len(), ..Self::default() };
+        let mut kind = Self { is_array: base.len() < name.len(), ..Self::default() };
         if SCALARS.contains(&base) {
-            found.width = 1;
-            return found;
+            kind.width = 1;
+            return kind;
         }
         if matches!(base, "token" | "string" | "asset") {
-            found.is_words = true;
-            return found;
+            kind.is_words = true;
+            return kind;
         }
         for tuple in TUPLES {
             let Some(rest) = base.strip_prefix(tuple) else { continue };
@@ -45,18 +46,18 @@ impl UsdType {
                 (_, [n @ b'2'..=b'4'] | [n @ b'2'..=b'4', _]) => n - b'0',
                 _ => continue,
             };
-            found.width = n;
-            found.is_texcoord = tuple == "texCoord";
-            found.is_quaternion = tuple == "quat";
+            kind.width = n;
+            kind.is_texcoord = tuple == "texCoord";
+            kind.is_quaternion = tuple == "quat";
         }
-        found
+        kind
     }
 }
 
 /// Rows of numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct UsdNumbers {
-    /// Numbers in one row.
+    /// The count of numbers in one row.
     pub width: usize,
     pub values: Vec<f64>,
 }
@@ -66,7 +67,7 @@ impl UsdNumbers {
         self.values.len() / self.width.max(1)
     }
 
-    /// The first row, if it has that many numbers.
+    /// The first row, if it has `N` numbers.
     pub(super) fn first<const N: usize>(&self) -> Option<[f64; N]> {
         if self.width == N { self.row(0) } else { None }
     }
@@ -81,15 +82,15 @@ impl UsdNumbers {
 /// The value of an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum UsdValue {
-    /// One row, or those of an array.
+    /// One row, or the rows of an array.
     Numbers(UsdNumbers),
-    /// Tokens, strings or paths of files: one, or those of an array.
+    /// One token, string or file path, or those of an array.
     Words(Vec<Box<str>>),
-    /// Still packed in a binary file: what its table says of it.
+    /// Still packed in a binary file: its entry in the file's table.
     Packed(u64),
-    /// Explicitly none, which hides weaker opinions.
+    /// Explicitly no value, which hides weaker opinions.
     Blocked,
-    /// Something that no reader here asks for.
+    /// A value that no reader here needs.
     Other,
 }
 

@@ -3,10 +3,10 @@ use crate::ReadError;
 use crate::grow::{push, push_many, with_room};
 use std::collections::HashMap;
 
-/// Streams whose corners may have rows of their own: normals, colours, and two sets of texture coordinates.
+/// The streams that may have a row for each corner: normals, colours, and two sets of texture coordinates.
 pub(super) const STREAMS: usize = 4;
 
-/// A row that nothing has used so far.
+/// A row that is not used yet.
 const UNUSED: u32 = u32::MAX;
 
 /// A corner of a face: a point, and a row of each stream.
@@ -16,12 +16,12 @@ pub(super) struct UsdCorner {
     pub rows: [u32; STREAMS],
 }
 
-/// Numbers the combinations: the first at a point gets the point's own number, others follow as they are used.
+/// Numbers the combinations. The first one at a point gets the point's number, others follow in order of use.
 #[derive(Debug)]
 pub(super) struct UsdVertexTable {
     rows: Vec<UsdCorner>,
     n_points: usize,
-    // Only looked up, so that no result depends on its order.
+    // Only for lookups: no result depends on its order.
     index: HashMap<UsdCorner, u32>,
 }
 
@@ -29,27 +29,27 @@ impl UsdVertexTable {
     pub(super) fn new(n_points: usize) -> Result<Self, ReadError> {
         let mut rows = with_room(n_points)?;
         rows.extend((0..n_points as u32).map(|point| UsdCorner { point, rows: [UNUSED; STREAMS] }));
-        // Only looked up, so that no result depends on its order.
+        // Only for lookups: no result depends on its order.
         Ok(Self { rows, n_points, index: HashMap::new() })
     }
 
     pub(super) fn row(&mut self, corner: UsdCorner) -> Result<u32, ReadError> {
-        let own = &mut self.rows[corner.point as usize];
-        if own.rows == [UNUSED; STREAMS] {
-            own.rows = corner.rows;
+        let first_corner = &mut self.rows[corner.point as usize];
+        if first_corner.rows == [UNUSED; STREAMS] {
+            first_corner.rows = corner.rows;
         }
-        if own.rows == corner.rows {
+        if first_corner.rows == corner.rows {
             return Ok(corner.point);
         }
         let next = self.rows.len();
-        let known = *self.index.entry(corner).or_insert(next as u32);
-        if known as usize == next {
+        let row = *self.index.entry(corner).or_insert(next as u32);
+        if row as usize == next {
             if next >= UNUSED as usize {
                 return Err(crate::grow::out_of_memory(next));
             }
             push(&mut self.rows, corner)?;
         }
-        Ok(known)
+        Ok(row)
     }
 
     pub(super) fn rows(&self) -> &[UsdCorner] {

@@ -12,18 +12,18 @@ use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::{Value, json};
 use std::io::Write;
 
-/// Writes a scene as USDA, the same bytes for the same scene.
+/// Writes a scene as USDA. The same scene gives the same bytes.
 ///
-/// Each node becomes a prim, under one root; a node that only shows a part is a mesh itself. A part that
-/// several nodes show is written once, and inherited by the others. Positions are the shortest decimals that
-/// read back to the same f64; the type of USD's points is `float`, to which programs round them, so that
-/// [`crate::snap`] and [`crate::polygon_rounding`] say how far they move. The unit and
-/// the axis that is up are those of the scene, or a metre and y. Materials become preview surfaces, and groups
-/// of faces subsets. The certificate is in `customLayerData`. [`crate::losses`] lists what is lost;
-/// pictures are named only where they are written beside the file, by [`crate::write_files`].
+/// Each node becomes a prim, under one root; a node that only shows a part is itself the mesh. A part that
+/// several nodes show is written once, and the others inherit it. Positions are the shortest decimals that
+/// read back to the same f64; but the type of USD's points is `float`, so programs round them, and
+/// [`crate::snap`] and [`crate::polygon_rounding`] bound that error. The unit and the up axis are those of
+/// the scene, or a metre and y. Materials become preview surfaces, and face groups subsets. The certificate
+/// is in `customLayerData`. [`crate::losses`] lists the losses; pictures are referred to only if
+/// [`crate::write_files`] writes them beside the file.
 ///
 /// # Errors
-/// When the sink fails, the nodes are no forest, or a matrix is a projection.
+/// If the sink fails, the nodes are not a forest, or a matrix is a projection.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -57,20 +57,20 @@ pub(crate) fn write_files<'a>(
     Ok(FileSet { document, beside: scene.assets.picture_files(&prefix) })
 }
 
-/// What the names of pictures begin with: letters that paths in USD hold as they are.
+/// The prefix of the names of pictures: characters that need no escape in USD paths.
 pub(super) fn picture_prefix(stem: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' };
     format!("{}_", side_stem(stem).chars().map(letter).collect::<String>())
 }
 
-/// A material of which only the name is known.
+/// A material for which only the name is known.
 pub(super) fn plain() -> Value {
     json!({ "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.5 } })
 }
 
-/// What the writer changes, in sentences.
+/// The changes that the writer makes, as sentences.
 pub(crate) fn changes(scene: &Scene) -> Vec<Message> {
-    // Pictures are files beside the document, which is written with them.
+    // The document is written with references to separate picture files.
     let assets = scene.assets_for_gltf(|_| plain()).with_pictures_beside("");
     let lost = SceneWriter::new(scene, &assets).and_then(|writer| writer.write(None, &mut std::io::sink()));
     let mut lost: Vec<Message> = lost.unwrap_or_default().into_iter().map(Message::from).collect();
@@ -89,7 +89,7 @@ pub(crate) fn keeps(attribute: &Attribute, _first_rows: &[u32]) -> bool {
     let Attribute { semantic, domain, width, .. } = attribute;
     match semantic {
         Semantic::Normal => *width == 3,
-        // As many sets as the reader takes.
+        // The reader supports the same number of sets.
         Semantic::TexCoord(set) => *set < 2 && *width == 2,
         Semantic::Color(0) => *width == 3 || *width == 4,
         Semantic::Group(_) => *domain == Domain::Face && *width == 1,
@@ -97,7 +97,7 @@ pub(crate) fn keeps(attribute: &Attribute, _first_rows: &[u32]) -> bool {
     }
 }
 
-/// The lines that say what a file is.
+/// The header and the metadata of a file.
 pub(super) fn header(
     frame: &Frame,
     root: &str,
@@ -123,9 +123,9 @@ struct SceneWriter<'a> {
     scene: &'a Scene,
     materials: UsdMaterialWriter<'a>,
     root: String,
-    /// Whether the root is a prim of its own, and no node.
+    /// Whether the root is an extra prim and not a node.
     is_wrapped: bool,
-    /// The first prim of each part.
+    /// The path of the first prim that shows each part.
     first: Vec<Option<String>>,
 }
 
@@ -142,7 +142,7 @@ impl<'a> SceneWriter<'a> {
             [root] => Some(&scene.nodes[*root]),
             _ => None,
         };
-        // A mesh alone has no place for materials that others could share.
+        // A root that is itself a mesh is no place for materials that other meshes could share.
         let is_wrapped = only
             .is_none_or(|only| is_mesh(only) && has_one_name(only, scene) && !assets.materials.is_empty());
         let name = only.filter(|_| !is_wrapped).map_or("Scene", |only| &*only.name);
@@ -151,7 +151,7 @@ impl<'a> SceneWriter<'a> {
         Ok(Self { scene, materials, root, is_wrapped, first: vec![None; scene.parts.len()] })
     }
 
-    /// Writes the file. Returns what of materials no input says.
+    /// Writes the file. Returns the properties of materials that no input can express.
     fn write(mut self, certificate: Option<&Value>, out: &mut dyn Write) -> Result<Vec<String>, WriteError> {
         let mut writer = UsdaWriter::new(out);
         header(&self.scene.frame, &self.root, certificate, &mut writer)?;
@@ -170,7 +170,7 @@ impl<'a> SceneWriter<'a> {
         } else {
             open.extend(self.scene.roots.iter().map(|root| WriteStep::Node(*root, String::new())));
         }
-        // The names of the children of the prims that are open.
+        // The names of the children of the open prims.
         let mut taken = vec![names];
         while let Some(step) = open.pop() {
             let WriteStep::Node(number, above) = step else {
@@ -227,7 +227,7 @@ impl<'a> SceneWriter<'a> {
         writer.close()
     }
 
-    /// Writes a node as a mesh, or as one that inherits what another one has.
+    /// Writes a node as a mesh, or as one that inherits from another one.
     fn mesh(
         &mut self,
         node: &Node,
@@ -238,7 +238,7 @@ impl<'a> SceneWriter<'a> {
         let UsdPrimName { name, shown, path } = *at;
         let mut about = display_name(shown, name);
         if let Some(first) = &self.first[number] {
-            // A name that is shown would be inherited too.
+            // Otherwise it would inherit the display name too.
             about = vec![format!("displayName = {}", quoted(shown)), format!("inherits = <{first}>")];
             writer.open("Mesh", name, &about)?;
             if *node.matrix == IDENTITY {
@@ -262,16 +262,16 @@ impl<'a> SceneWriter<'a> {
 /// A prim that is to be written.
 struct UsdPrimName<'n> {
     name: &'n str,
-    /// The name that is shown.
+    /// The display name.
     shown: &'n str,
     path: &'n str,
 }
 
-/// What is still to be written.
+/// A step that is still to be done.
 enum WriteStep {
     /// A node below a path.
     Node(usize, String),
-    /// The end of the prim that is open.
+    /// The end of the open prim.
     Close,
 }
 
@@ -280,7 +280,7 @@ fn is_mesh(node: &Node) -> bool {
     node.part.is_some() && node.children.is_empty()
 }
 
-/// Whether a prim of the node's name says the name of its part too.
+/// Whether the prim's name serves for the node and for its part.
 fn has_one_name(node: &Node, scene: &Scene) -> bool {
     let part = node.part.and_then(|part| scene.parts.get(part));
     part.is_none_or(|part| node.name.is_empty() || part.name.is_empty() || part.name == node.name)

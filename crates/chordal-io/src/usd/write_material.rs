@@ -5,29 +5,29 @@ use crate::{ImageContent, SceneAssets, WriteError};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// What glTF takes where a material says nothing of how its pictures go on.
+/// The default wrap mode of glTF.
 const REPEAT: u64 = 10497;
-/// The words of USD for numbers of glTF.
+/// USD's names of wrap modes, by glTF's codes.
 const WRAPS: [(u64, &str); 3] = [(33071, "clamp"), (33648, "mirror"), (REPEAT, "repeat")];
 
-/// The materials of a scene under names of their own.
+/// The materials of a scene, with unique names.
 pub(super) struct UsdMaterialWriter<'a> {
     assets: &'a SceneAssets,
-    /// The names of prims, by the number of the material.
+    /// The names of prims, by material index.
     pub names: Vec<String>,
     /// The path of the prim that holds them.
     pub scope: String,
-    /// What no input says, in sentences.
+    /// Properties that no input can express, as sentences.
     pub lost: BTreeSet<String>,
 }
 
-/// A picture that an input is connected to.
+/// A picture connected to an input.
 struct TextureUse<'v> {
     /// The name of its shader.
     name: &'static str,
     info: &'v Value,
     scale: [f64; 4],
-    /// Whether its numbers are colours.
+    /// Whether its values are colours.
     is_color: bool,
 }
 
@@ -44,7 +44,7 @@ impl<'a> UsdMaterialWriter<'a> {
         Some(format!("{}/{}", self.scope, self.names.get(material)?))
     }
 
-    /// Whether a material is seen from both sides.
+    /// Whether a material is visible from both sides.
     pub(super) fn is_double_sided(&self, material: usize) -> bool {
         self.assets.materials.get(material).is_some_and(|found| found["doubleSided"] == true)
     }
@@ -89,16 +89,21 @@ impl<'a> UsdMaterialWriter<'a> {
             writer.line(&format!("float inputs:opacity = {}", ShortestDecimal(opacity)))?;
         }
         if mode == "MASK" {
-            // A half is glTF's where nothing is said.
+            // A half is glTF's default.
             let cutoff = material["alphaCutoff"].as_f64().unwrap_or(0.5);
             writer.line(&format!("float inputs:opacityThreshold = {}", ShortestDecimal(cutoff)))?;
         }
         let metal = pbr["metallicFactor"].as_f64().unwrap_or(1.0);
         let rough = pbr["roughnessFactor"].as_f64().unwrap_or(1.0);
-        let both = &pbr["metallicRoughnessTexture"];
-        if both.is_object() {
+        let metal_rough = &pbr["metallicRoughnessTexture"];
+        if metal_rough.is_object() {
             let scale = [1.0, rough, metal, 1.0];
-            textures.push(TextureUse { name: "MetallicRoughness", info: both, scale, is_color: false });
+            textures.push(TextureUse {
+                name: "MetallicRoughness",
+                info: metal_rough,
+                scale,
+                is_color: false,
+            });
             writer.line(&connected("float", "metallic", path, "MetallicRoughness.outputs:b"))?;
             writer.line(&connected("float", "roughness", path, "MetallicRoughness.outputs:g"))?;
         } else {
@@ -107,7 +112,7 @@ impl<'a> UsdMaterialWriter<'a> {
         }
         let normal = &material["normalTexture"];
         if normal.is_object() {
-            // Bytes from 0 to 1 are directions from -1 to 1.
+            // Values from 0 to 1 in the picture are directions from -1 to 1.
             textures.push(TextureUse {
                 name: "Normal",
                 info: normal,

@@ -7,7 +7,7 @@ use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
-/// A part with what it needs.
+/// A part and the context for writing it.
 pub(super) struct UsdPartRequest<'a> {
     pub mesh: &'a Mesh,
     pub frame: &'a Frame,
@@ -18,8 +18,8 @@ pub(super) struct UsdPartRequest<'a> {
 /// The groups of faces of a mesh.
 pub(super) struct UsdSubsets<'a> {
     list: Vec<UsdSubset<'a>>,
-    /// The material of all faces.
-    whole: Option<usize>,
+    /// The material of all faces, if there is a single one.
+    material_of_all: Option<usize>,
     is_double_sided: bool,
 }
 
@@ -28,18 +28,18 @@ struct UsdSubset<'a> {
     kind: &'a str,
     name: String,
     faces: Vec<usize>,
-    /// The number of its material, from 0 on.
+    /// The index of its material, from 0 on.
     material: Option<usize>,
 }
 
 impl<'a> UsdSubsets<'a> {
-    /// The groups that attributes of faces say.
+    /// The groups in the attributes of faces.
     pub(super) fn new(
         attributes: &'a [Attribute],
         names: &'a BTreeMap<String, Vec<String>>,
         materials: &UsdMaterialWriter<'_>,
     ) -> Self {
-        let mut found = Self { list: Vec::new(), whole: None, is_double_sided: false };
+        let mut subsets = Self { list: Vec::new(), material_of_all: None, is_double_sided: false };
         for attribute in attributes {
             let Semantic::Group(kind) = &attribute.semantic else { continue };
             if attribute.domain != Domain::Face || attribute.width != 1 {
@@ -53,22 +53,22 @@ impl<'a> UsdSubsets<'a> {
             for (number, faces) in faces.into_iter().filter(|(number, _)| *number > 0) {
                 let material =
                     Some(number as usize - 1).filter(|at| kind == MATERIAL && *at < materials.names.len());
-                found.is_double_sided |= material.is_some_and(|at| materials.is_double_sided(at));
+                subsets.is_double_sided |= material.is_some_and(|at| materials.is_double_sided(at));
                 if n_groups == 1 && material.is_some() {
-                    found.whole = material;
+                    subsets.material_of_all = material;
                     continue;
                 }
                 let name = names.get(kind).and_then(|names| names.get(number as usize));
                 let name = name.cloned().unwrap_or_else(|| format!("{kind}_{number}"));
-                found.list.push(UsdSubset { kind, name, faces, material });
+                subsets.list.push(UsdSubset { kind, name, faces, material });
             }
         }
-        found
+        subsets
     }
 
-    /// What the prim says of itself.
+    /// The metadata of the prim.
     pub(super) fn about(&self) -> Option<String> {
-        let is_bound = self.whole.is_some();
+        let is_bound = self.material_of_all.is_some();
         is_bound.then(|| "prepend apiSchemas = [\"MaterialBindingAPI\"]".to_owned())
     }
 
@@ -81,7 +81,7 @@ impl<'a> UsdSubsets<'a> {
         if self.is_double_sided {
             writer.line("uniform bool doubleSided = 1")?;
         }
-        if let Some(path) = self.whole.and_then(|material| materials.path(material)) {
+        if let Some(path) = self.material_of_all.and_then(|material| materials.path(material)) {
             writer.line(&format!("rel material:binding = <{path}>"))?;
         }
         let mut families: Vec<&str> = Vec::new();
@@ -115,13 +115,13 @@ impl<'a> UsdSubsets<'a> {
     }
 }
 
-/// Whether a word can be part of the name of an attribute.
+/// Whether a word is allowed in the name of an attribute.
 fn is_identifier(word: &str) -> bool {
     word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && !word.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// Writes what is in the prim of a part.
+/// Writes the content of a part's prim.
 pub(super) fn part(
     request: &UsdPartRequest<'_>,
     materials: &UsdMaterialWriter<'_>,

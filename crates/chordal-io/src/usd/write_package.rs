@@ -1,4 +1,4 @@
-//! Writes packages of USD, `.usdz`: the text form and its pictures in one file.
+//! Writes USD packages, `.usdz`: the text form and its pictures in one file.
 use super::write::write_files;
 use super::write_polygons::write_polygons_files;
 use crate::zip::write_stored;
@@ -6,15 +6,15 @@ use crate::{FileSet, Polygons, Scene, WriteError};
 use serde_json::Value;
 use std::io::Write;
 
-/// What the layer of a package is called, and its pictures begin with. A name of its own would make the bytes
-/// depend on a path.
+/// The name of the layer in a package, and the prefix of its pictures. Chosen: a constant, so that the bytes
+/// do not depend on a path.
 const STEM: &str = "scene";
 
-/// Writes a scene as [`super::write`] does, with its pictures, as one package. Entries are stored as they are
-/// and aligned, so that readers map them.
+/// Writes a scene as [`super::write`] does, with its pictures, as one package. Entries are stored
+/// uncompressed and aligned, so that readers can map them.
 ///
 /// # Errors
-/// As for [`super::write`]; also when the package would have 4 GiB or more.
+/// As for [`super::write`]; also if the package would have 4 GiB or more.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -52,7 +52,7 @@ fn pack(files: &FileSet<'_>, out: &mut dyn Write) -> Result<(), WriteError> {
     let layer = format!("{STEM}.usda");
     let first = [(&*layer, &*files.document)];
     let beside = files.beside.iter().map(|file| (&*file.name, &*file.bytes));
-    // The first entry is what a reader opens.
+    // Readers open the first entry.
     let entries: Vec<(&str, &[u8])> = first.into_iter().chain(beside).collect();
     write_stored(&entries, out)
 }

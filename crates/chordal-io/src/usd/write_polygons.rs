@@ -1,4 +1,4 @@
-//! Writes a cage as a mesh of USD that is subdivided.
+//! Writes a cage as a subdivided mesh of USD.
 use super::cage::{BOUNDARIES, CHAIKIN, CREASING, LINEAR, REFINED, SCHEMES};
 use super::write::{header, picture_prefix};
 use super::write_material::UsdMaterialWriter;
@@ -14,10 +14,11 @@ use std::io::Write;
 /// order, its scheme, creases, corners, holes and boundary, texture coordinates with their own indices,
 /// colours and groups.
 ///
-/// What USD has no word for is in attributes of Chordal's own, `chordal:creasing` and `chordal:refined`.
+/// Properties without a counterpart in USD are in Chordal's own attributes, `chordal:creasing` and
+/// `chordal:refined`.
 ///
 /// # Errors
-/// When the sink fails.
+/// If the sink fails.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -120,8 +121,8 @@ fn shape(polygons: &Polygons, writer: &mut UsdaWriter<'_>) -> Result<(), WriteEr
     Ok(())
 }
 
-/// Texture coordinates of corners. A corner without any has a row of its own that no number names, which is
-/// not there: USD has no such thing, and it gets 0.
+/// Texture coordinates of corners. A corner without any refers to an extra row of zeros, since USD cannot
+/// leave a corner out.
 fn texcoords(polygons: &Polygons, writer: &mut UsdaWriter<'_>) -> Result<(), WriteError> {
     let Some(texcoords) = polygons.cage.texcoords() else { return Ok(()) };
     let rule = LinearTexcoords::ALL.iter().position(|rule| *rule == texcoords.linear).unwrap_or_default();

@@ -11,7 +11,7 @@ pub(super) struct UsdaWriter<'a> {
     pub depth: usize,
 }
 
-/// Numbers of a line, so that lines stay short enough for editors. Chosen: about 150 characters.
+/// The numbers in a line. Chosen: about 150 characters, short enough for editors.
 const ROWS_OF_LINE: usize = 8;
 
 impl<'a> UsdaWriter<'a> {
@@ -28,7 +28,7 @@ impl<'a> UsdaWriter<'a> {
         Ok(self.out.write_all(b"\n")?)
     }
 
-    /// Begins a prim: what it is, its name, and lines of what it says of itself.
+    /// Begins a prim: its kind, its name, and lines of metadata.
     pub(super) fn open(&mut self, kind: &str, name: &str, about: &[String]) -> Result<(), WriteError> {
         let between = if kind.is_empty() { "" } else { " " };
         self.line(&format!("def{between}{kind} \"{name}\"{}", if about.is_empty() { "" } else { " (" }))?;
@@ -49,7 +49,7 @@ impl<'a> UsdaWriter<'a> {
         self.line("}")
     }
 
-    /// Writes an array of rows, each of `width` numbers, and what follows it.
+    /// Writes an array of rows of `width` numbers, and the text after it.
     pub(super) fn rows(
         &mut self,
         start: &str,
@@ -105,14 +105,14 @@ pub(super) fn quoted(text: &str) -> String {
     out
 }
 
-/// The names of the children of one prim, each once: letters, digits and `_`.
+/// The names of the children of one prim, each unique: letters, digits and `_`.
 #[derive(Default)]
 pub(super) struct UsdNames {
     taken: BTreeSet<String>,
 }
 
 impl UsdNames {
-    /// A name like another one.
+    /// A valid, unique name similar to `name`; `usual` if `name` is empty.
     pub(super) fn unique(&mut self, name: &str, usual: &str) -> String {
         let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
         let mut safe: String = name.chars().map(letter).collect();
@@ -132,7 +132,7 @@ impl UsdNames {
     }
 }
 
-/// The line that says the name that is shown, where it is another.
+/// The line with the display name, if it differs from the prim's name.
 pub(super) fn display_name(name: &str, safe: &str) -> Vec<String> {
     if name == safe || name.is_empty() { Vec::new() } else { vec![format!("displayName = {}", quoted(name))] }
 }

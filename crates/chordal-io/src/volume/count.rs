@@ -3,20 +3,20 @@ use super::element::SampleType;
 use crate::text::grouped;
 use crate::{FileLocation, Limits, ReadError};
 
-/// The most samples along one axis; a larger number means a broken header.
+/// The most samples along one axis. Chosen: a larger number means a broken header.
 const MOST_ALONG: u64 = (1 << 31) - 1;
 
 /// The size of a lattice, checked against the limits.
 ///
 /// # Errors
-/// When an axis has no cell or too many, or the samples exceed the limit of bytes.
+/// If an axis has no cell or too many, or the samples exceed the limit of bytes.
 pub(crate) fn size_of(
     declared: [i64; 3],
     element: SampleType,
     place: &FileLocation,
     limits: &Limits,
 ) -> Result<[usize; 3], ReadError> {
-    let mut all: u64 = 1;
+    let mut n_samples: u64 = 1;
     for (axis, n) in declared.into_iter().enumerate() {
         along(axis, n, place)?;
         if n == 1 {
@@ -24,9 +24,10 @@ pub(crate) fn size_of(
                 format!("axis {axis} has 1 sample and so no cell; a volume has 2 or more along each axis");
             return Err(ReadError::new("flat-volume", place.clone(), message));
         }
-        all = all.checked_mul(n as u64).ok_or_else(|| too_many(declared, place))?;
+        n_samples = n_samples.checked_mul(n as u64).ok_or_else(|| too_many(declared, place))?;
     }
-    let bytes = all.checked_mul(element.bytes_in_memory() as u64).ok_or_else(|| too_many(declared, place))?;
+    let bytes =
+        n_samples.checked_mul(element.bytes_in_memory() as u64).ok_or_else(|| too_many(declared, place))?;
     if bytes > limits.bytes {
         let [x, y, z] = declared;
         let message = format!(

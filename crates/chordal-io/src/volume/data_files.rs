@@ -16,10 +16,10 @@ impl<'a, 'b> DataFiles<'a, 'b> {
         Self { open, limit, left: limit.saturating_sub(used) }
     }
 
-    /// The bytes of a file by the name that the header gives it at `place`.
+    /// The bytes of the file that the header refers to by `name` at `place`.
     ///
     /// # Errors
-    /// When it lies outside the folder of the header, cannot be read, or makes all files too large.
+    /// If it is outside the folder of the header, cannot be read, or all files together are too large.
     pub(crate) fn fetch(&mut self, name: &str, place: &FileLocation) -> Result<Vec<u8>, ReadError> {
         let shown = show(name.as_bytes());
         let refused =

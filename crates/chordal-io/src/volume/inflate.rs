@@ -1,4 +1,4 @@
-//! Gzip and zlib, decoded in pieces: only the requested bytes are held, however much a file unpacks to.
+//! Gzip and zlib, decoded in pieces: only the requested bytes are in memory, however much a file unpacks to.
 use crate::text::grouped;
 use crate::unpack_cap::UnpackCap;
 use crate::{FileLocation, ReadError};
@@ -8,8 +8,7 @@ use std::io::{ErrorKind, Read};
 /// The two bytes that a gzip stream starts with.
 pub(crate) const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Refuses a declared number of bytes if more samples than any that were measured would come from each packed
-/// byte.
+/// Refuses a declared number of bytes if it is more samples per packed byte than in any measured file.
 pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &FileLocation) -> Result<(), ReadError> {
     let declared = declared.unwrap_or(u64::MAX);
     let cap = UnpackCap::VOLUME;
@@ -26,9 +25,9 @@ pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &FileLocati
     Err(ReadError::new("too-dense", place.clone(), message))
 }
 
-/// What is around the deflated bytes.
+/// The container of the deflated bytes.
 enum Wrapper<'a> {
-    /// Members of gzip (RFC 1952), one after the other.
+    /// Members of gzip (RFC 1952), in sequence.
     Gzip(MultiGzDecoder<&'a [u8]>),
     /// One stream of zlib (RFC 1950).
     Zlib(ZlibDecoder<&'a [u8]>),
@@ -53,7 +52,7 @@ impl<'a> InflateReader<'a> {
         Self { wrapper: Wrapper::Zlib(ZlibDecoder::new(packed)), packed: packed.len(), start }
     }
 
-    /// The stream in `packed`, whichever of the two it is.
+    /// The stream in `packed`, of either kind.
     pub(crate) fn either(packed: &'a [u8], start: u64) -> Self {
         if packed.starts_with(&MAGIC) { Self::gzip(packed, start) } else { Self::zlib(packed, start) }
     }
@@ -79,7 +78,7 @@ impl<'a> InflateReader<'a> {
         }
     }
 
-    /// The packed bytes that were not looked at. After the end of a zlib stream they are no part of it.
+    /// The packed bytes that were not read. After the end of a zlib stream they do not belong to it.
     pub(crate) fn rest(&self) -> &'a [u8] {
         match &self.wrapper {
             Wrapper::Gzip(decoder) => decoder.get_ref(),
@@ -87,7 +86,7 @@ impl<'a> InflateReader<'a> {
         }
     }
 
-    /// The byte of the file up to which it was read.
+    /// The byte of the file up to which the stream was read.
     pub(crate) fn place(&self) -> FileLocation {
         FileLocation::Byte(self.start + (self.packed - self.rest().len()) as u64)
     }
@@ -106,7 +105,7 @@ impl<'a> InflateReader<'a> {
     }
 }
 
-/// Up to `most` unpacked bytes, or the bytes themselves where they are not packed.
+/// Up to `most` unpacked bytes, or the bytes themselves if they are not packed.
 pub(crate) fn peek(bytes: &[u8], most: usize) -> Vec<u8> {
     if !bytes.starts_with(&MAGIC) {
         return bytes[..bytes.len().min(most)].to_vec();

@@ -1,8 +1,8 @@
-//! `LabelLook`: the names and colours that a file gives the labels of its volume.
+//! `LabelLook`: the name and colour that a file gives a label of its volume.
 use crate::text::{LineTokens, number};
 use std::collections::BTreeMap;
 
-/// What a file says of one label of its volume.
+/// The properties of one label of a volume.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LabelLook {
     /// The name, or empty.
@@ -11,10 +11,10 @@ pub struct LabelLook {
     pub color: Option<[f64; 3]>,
 }
 
-/// The most labels of a table: as many as 16 bits tell apart, which are more than any file has.
+/// The most labels of a table. Chosen: as many as 16 bits can distinguish, more than any file has.
 pub(crate) const MOST_ROWS: usize = 1 << 16;
 
-/// A colour of three numbers from 0 to 1; none where they are something else.
+/// A colour of three numbers from 0 to 1; `None` for any other text.
 pub(crate) fn color(text: &[u8]) -> Option<[f64; 3]> {
     let mut channels = LineTokens::new(text).map(number);
     let color = [channels.next()??, channels.next()??, channels.next()??];
@@ -29,7 +29,7 @@ pub(crate) fn color(text: &[u8]) -> Option<[f64; 3]> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SegmentKeys(BTreeMap<u32, Segment>);
 
-/// One of them.
+/// One segment.
 #[derive(Clone, Debug, Default)]
 struct Segment {
     look: LabelLook,
@@ -38,7 +38,7 @@ struct Segment {
 }
 
 impl SegmentKeys {
-    /// Takes a key of the header, if it is one of a segment.
+    /// Stores a header entry if its key belongs to a segment.
     pub(crate) fn take(&mut self, key: &[u8], value: &[u8]) {
         let Some((number, field)) = std::str::from_utf8(key)
             .ok()
@@ -64,8 +64,8 @@ impl SegmentKeys {
         }
     }
 
-    /// The labels of one layer. A segment without a label's value is one of older files, in which each has a
-    /// layer of its own.
+    /// The labels of one layer. A segment without a label value comes from an older file, in which each
+    /// segment has its own layer.
     pub(crate) fn labels(&self, layer: u64) -> BTreeMap<i64, LabelLook> {
         let of_layer = self.0.values().filter(|segment| segment.layer == layer);
         of_layer.filter_map(|segment| Some((segment.value?, segment.look.clone()))).collect()

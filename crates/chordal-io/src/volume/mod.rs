@@ -23,8 +23,8 @@ pub struct Volume {
     pub frame: Frame,
     /// The name in the file, or empty.
     pub name: String,
-    /// The names of the axes of space, where the file has them: "RAS" for axes to the patient's right, front
-    /// and head, "LPS" for left, back and head. Coordinates are the file's own: nothing is rotated.
+    /// The names of the axes of space, if the file has them: "RAS" for axes to the patient's right, front and
+    /// head, "LPS" for left, back and head. Coordinates are the file's own: nothing is rotated.
     pub space: Option<String>,
     /// The names and colours that the file gives to labels, by their number.
     pub labels: BTreeMap<i64, LabelLook>,

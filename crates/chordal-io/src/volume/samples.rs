@@ -1,4 +1,4 @@
-//! Samples read from a stream: in their own type, of one volume of several, scaled where a header says so.
+//! Samples read from a stream: in their own type, one of several volumes, scaled if a header says so.
 use super::element::{Endian, SampleType, half};
 use super::stream::SampleStream;
 use crate::grow::{out_of_memory, push, with_room};
@@ -8,8 +8,8 @@ use crate::{Conformance, FileLocation, Limits, ReadError};
 use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::Samples;
 
-/// The layout of samples in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is
-/// wanted.
+/// The layout of samples in a stream: `outer` times `of` runs of `inner` samples; run `index` of each `of`
+/// runs is read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleLayout {
     pub element: SampleType,
@@ -21,7 +21,7 @@ pub(crate) struct SampleLayout {
 }
 
 impl SampleLayout {
-    /// Consecutive volumes, of which one is wanted.
+    /// Consecutive volumes, one of which is read.
     pub(crate) fn volumes(element: SampleType, endian: Endian, size: [usize; 3]) -> Self {
         let inner = size.iter().map(|n| *n as u64).product();
         Self { element, endian, inner, of: 1, outer: 1, index: 0 }
@@ -35,13 +35,13 @@ impl SampleLayout {
     }
 }
 
-/// Bytes that are read at once: a whole number of samples of any type.
+/// The bytes that are read at once: a whole number of samples of any type.
 const CHUNK: usize = 1 << 15;
 
-/// Reads the samples of a stream, which must end with them.
+/// Reads the samples of a stream, which must end after them.
 ///
 /// # Errors
-/// When it ends before or after them; when 64-bit numbers are too large to be kept exactly.
+/// If it ends before or after them; if 64-bit numbers are too large to be kept exactly.
 pub(crate) fn read(
     stream: &mut SampleStream,
     layout: &SampleLayout,
@@ -75,10 +75,10 @@ pub(crate) fn read(
     Ok(samples)
 }
 
-/// The bytes of the samples of a stream, which must end with them.
+/// The bytes of the samples of a stream, which must end after them.
 ///
 /// # Errors
-/// When it ends before or after them.
+/// If it ends before or after them.
 pub(crate) fn bytes(
     stream: &mut SampleStream,
     layout: &SampleLayout,
@@ -86,30 +86,30 @@ pub(crate) fn bytes(
     warnings: &mut Warnings,
 ) -> Result<Vec<u8>, ReadError> {
     let declared = layout.bytes().unwrap_or(u64::MAX);
-    let mut all = Vec::new();
+    let mut bytes = Vec::new();
     let mut buffer = [0; CHUNK];
-    while (all.len() as u64) < declared {
-        let left = usize::try_from(declared - all.len() as u64).unwrap_or(usize::MAX);
+    while (bytes.len() as u64) < declared {
+        let left = usize::try_from(declared - bytes.len() as u64).unwrap_or(usize::MAX);
         let want = left.min(CHUNK);
         let got = stream.fill(&mut buffer[..want])?;
-        append(&mut all, buffer[..got].iter().copied())?;
+        append(&mut bytes, buffer[..got].iter().copied())?;
         if got < want {
-            return Err(stream.truncated(all.len() as u64, declared));
+            return Err(stream.truncated(bytes.len() as u64, declared));
         }
     }
     end(stream, limits, warnings)?;
-    Ok(all)
+    Ok(bytes)
 }
 
-/// Checks that nothing follows: with more samples than declared the header is wrong.
+/// Checks that nothing follows: extra bytes mean that the header is wrong.
 fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
     let place = stream.place();
     let more = match stream.left() {
         Some(left) => left,
-        // One packed byte too many is enough, unless all of them are counted.
+        // One extra packed byte is enough, unless all are to be counted.
         None => stream.skip(if limits.conformance == Conformance::Lenient { u64::MAX } else { 1 })?,
     };
-    // Bytes that may be there may also be more than those that were looked at.
+    // A stream of unknown length may have more bytes than those that were read.
     let is_exact = stream.left().is_some() || limits.conformance == Conformance::Lenient;
     let more = TrailingBytes { more, place, is_exact };
     more.check(limits, warnings)?;
@@ -121,12 +121,12 @@ fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> R
 pub(crate) struct TrailingBytes {
     pub more: u64,
     pub place: FileLocation,
-    /// Whether there are not more of them.
+    /// Whether their number is exact, or a lower bound.
     pub is_exact: bool,
 }
 
 impl TrailingBytes {
-    /// Refuses them, or counts them where the reader is lenient.
+    /// Refuses them, or counts them if the reader is lenient.
     pub(crate) fn check(self, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
         let Self { more, place, is_exact } = self;
         if more == 0 {
@@ -156,50 +156,50 @@ fn collect<T: Copy>(
     let run = layout.inner * width as u64;
     let (before, after) = (layout.index * run, (layout.of - 1 - layout.index) * run);
     let declared = layout.outer * layout.of * run;
-    // Bytes in the file can be counted in advance, packed ones only on arrival.
-    let mut all = match stream.left() {
+    // Plain bytes can be counted in advance, packed ones only as they are unpacked.
+    let mut samples = match stream.left() {
         Some(_) => with_room((layout.inner * layout.outer) as usize)?,
         None => Vec::new(),
     };
     let mut buffer = [0; CHUNK];
-    let mut there = 0;
+    let mut n_read = 0;
     for _ in 0..layout.outer {
         let passed = stream.skip(before)?;
-        there += passed;
+        n_read += passed;
         let mut left = if passed == before { run } else { 0 };
         while left > 0 {
             let want = usize::try_from(left).unwrap_or(usize::MAX).min(CHUNK);
             let got = stream.fill(&mut buffer[..want])?;
-            there += got as u64;
-            append(&mut all, buffer[..got].chunks_exact(width).map(&number))?;
+            n_read += got as u64;
+            append(&mut samples, buffer[..got].chunks_exact(width).map(&number))?;
             left -= got as u64;
             if got < want {
                 break;
             }
         }
         if left > 0 || passed < before {
-            return Err(stream.truncated(there, declared));
+            return Err(stream.truncated(n_read, declared));
         }
         let passed = stream.skip(after)?;
-        there += passed;
+        n_read += passed;
         if passed < after {
-            return Err(stream.truncated(there, declared));
+            return Err(stream.truncated(n_read, declared));
         }
     }
-    Ok(all)
+    Ok(samples)
 }
 
 /// Appends a chunk. The list grows by half.
-fn append<T>(all: &mut Vec<T>, chunk: impl ExactSizeIterator<Item = T>) -> Result<(), ReadError> {
-    if all.capacity() - all.len() < chunk.len() {
-        let step = chunk.len().max(all.len() / 2);
-        all.try_reserve_exact(step).map_err(|_| out_of_memory(all.len()))?;
+fn append<T>(list: &mut Vec<T>, chunk: impl ExactSizeIterator<Item = T>) -> Result<(), ReadError> {
+    if list.capacity() - list.len() < chunk.len() {
+        let step = chunk.len().max(list.len() / 2);
+        list.try_reserve_exact(step).map_err(|_| out_of_memory(list.len()))?;
     }
-    all.extend(chunk);
+    list.extend(chunk);
     Ok(())
 }
 
-/// Integers of 64 bits; most files hold none that need them.
+/// 64-bit integers; most files have none that need so many bits.
 trait WideInteger: Copy + TryInto<i32> + TryInto<u32> + std::fmt::Display {
     /// The number as f64, if exact.
     fn exact(self) -> Option<f64>;
@@ -221,34 +221,34 @@ impl WideInteger for u64 {
 }
 
 /// Converts to the smallest type that holds all: 32 bits with or without sign, else f64.
-fn narrow<T: WideInteger>(all: &[T]) -> Result<Samples, ReadError> {
-    if let Some(all) = convert_all(all, |x| TryInto::<i32>::try_into(x).ok())? {
-        return Ok(Samples::I32(all));
+fn narrow<T: WideInteger>(values: &[T]) -> Result<Samples, ReadError> {
+    if let Some(values) = convert_all(values, |x| TryInto::<i32>::try_into(x).ok())? {
+        return Ok(Samples::I32(values));
     }
-    if let Some(all) = convert_all(all, |x| TryInto::<u32>::try_into(x).ok())? {
-        return Ok(Samples::U32(all));
+    if let Some(values) = convert_all(values, |x| TryInto::<u32>::try_into(x).ok())? {
+        return Ok(Samples::U32(values));
     }
-    if let Some(all) = convert_all(all, WideInteger::exact)? {
-        return Ok(Samples::F64(all));
+    if let Some(values) = convert_all(values, WideInteger::exact)? {
+        return Ok(Samples::F64(values));
     }
-    let row = all.iter().position(|x| x.exact().is_none()).unwrap_or(0);
-    let message = format!("{} is a whole number that f64 does not hold", all[row]);
+    let row = values.iter().position(|x| x.exact().is_none()).unwrap_or(0);
+    let message = format!("{} is a whole number that f64 does not hold", values[row]);
     Err(ReadError::new("inexact-integer", FileLocation::Row { list: "sample", row: row as u64 }, message))
 }
 
-fn convert_all<T: Copy, U>(all: &[T], to: impl Fn(T) -> Option<U>) -> Result<Option<Vec<U>>, ReadError> {
-    if !all.iter().all(|x| to(*x).is_some()) {
+fn convert_all<T: Copy, U>(values: &[T], to: impl Fn(T) -> Option<U>) -> Result<Option<Vec<U>>, ReadError> {
+    if !values.iter().all(|x| to(*x).is_some()) {
         return Ok(None);
     }
-    let mut list = with_room(all.len())?;
-    list.extend(all.iter().filter_map(|x| to(*x)));
+    let mut list = with_room(values.len())?;
+    list.extend(values.iter().filter_map(|x| to(*x)));
     Ok(Some(list))
 }
 
-/// Computes `slope · sample + inter`, in f32 where that is exact for all of them, else in f64.
+/// Computes `slope · sample + inter`, in f32 if that is exact for all of them, else in f64.
 ///
 /// # Errors
-/// When memory runs out.
+/// If memory runs out.
 pub(crate) fn scaled(samples: &Samples, slope: f64, inter: f64) -> Result<Samples, ReadError> {
     let value = |i: usize| slope * samples.get(i) + inter;
     let n = samples.len();
@@ -263,7 +263,7 @@ pub(crate) fn scaled(samples: &Samples, slope: f64, inter: f64) -> Result<Sample
     Ok(Samples::F64(list))
 }
 
-/// Numbers in text, in the type that a header names.
+/// Numbers in text, in the type that a header states.
 pub(crate) struct TextSamples {
     element: SampleType,
     values: Vec<f64>,

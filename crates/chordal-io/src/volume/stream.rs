@@ -9,7 +9,7 @@ pub(crate) enum SampleStream<'a> {
     Plain {
         /// All bytes of the file.
         file: &'a [u8],
-        /// The next byte.
+        /// The offset of the next byte.
         at: usize,
     },
     /// Packed bytes.
@@ -17,7 +17,7 @@ pub(crate) enum SampleStream<'a> {
 }
 
 impl<'a> SampleStream<'a> {
-    /// The file from a byte on, at most its end.
+    /// The file from a byte on, or from its end if it is shorter.
     pub(crate) fn plain(file: &'a [u8], at: usize) -> Self {
         Self::Plain { file, at: at.min(file.len()) }
     }
@@ -55,7 +55,7 @@ impl<'a> SampleStream<'a> {
         Ok(n - left)
     }
 
-    /// The number of bytes left, if that is known without reading them.
+    /// The number of bytes left, if it is known without reading them.
     pub(crate) fn left(&self) -> Option<u64> {
         match self {
             Self::Plain { file, at } => Some((file.len() - *at) as u64),

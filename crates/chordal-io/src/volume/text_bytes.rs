@@ -1,4 +1,4 @@
-//! Numbers in text, as the bytes that a file would have for them.
+//! Numbers in text, converted to the bytes of a binary file.
 use super::element::SampleType;
 use crate::text::{IntegerError, grouped, integer, is_space, number, number_error, show};
 use crate::{FileLocation, ReadError};
@@ -6,7 +6,7 @@ use crate::{FileLocation, ReadError};
 /// Parses numbers separated by spaces, as little-endian bytes of a type.
 ///
 /// # Errors
-/// For what is no number, or none of that type, at the place of its byte of the text.
+/// For a token that is not a number, or not of that type, at its byte of the text.
 pub(crate) fn text_bytes(
     text: &[u8],
     element: SampleType,
@@ -21,8 +21,8 @@ pub(crate) fn text_bytes(
         }
         let end = text[at..].iter().position(|b| is_space(*b)).map_or(text.len(), |n| at + n);
         let token = &text[at..end];
-        let room = bytes.try_reserve(element.width());
-        room.map_err(|_| crate::grow::out_of_memory(bytes.len() / element.width()))?;
+        let reserved = bytes.try_reserve(element.width());
+        reserved.map_err(|_| crate::grow::out_of_memory(bytes.len() / element.width()))?;
         if !put(token, element, &mut bytes) {
             let message = match number(token) {
                 Some(_) => format!("{} is no number of the type that the header names", show(token)),
@@ -35,10 +35,10 @@ pub(crate) fn text_bytes(
     Ok(bytes)
 }
 
-/// Appends a number; false where it is none, or none of that type.
+/// Appends a number; false if the token is not one, or not of that type.
 fn put(token: &[u8], element: SampleType, bytes: &mut Vec<u8>) -> bool {
     match element {
-        // Single precision is parsed as such: through f64 it would be rounded twice.
+        // Single precision is parsed directly: through f64 it would be rounded twice.
         SampleType::F32 | SampleType::F16 => {
             let spelled = std::str::from_utf8(token).ok().and_then(|text| text.parse::<f32>().ok());
             let value = spelled.or_else(|| number(token).map(|value| value as f32));
@@ -47,10 +47,10 @@ fn put(token: &[u8], element: SampleType, bytes: &mut Vec<u8>) -> bool {
         SampleType::F64 => number(token).map(|value| bytes.extend(value.to_le_bytes())).is_some(),
         SampleType::U64 => {
             let spelled = std::str::from_utf8(token).ok().and_then(|text| text.parse::<u64>().ok());
-            let value = spelled.or_else(|| whole(token).and_then(|value| value.try_into().ok()));
+            let value = spelled.or_else(|| whole_number(token).and_then(|value| value.try_into().ok()));
             value.map(|value| bytes.extend(value.to_le_bytes())).is_some()
         }
-        _ => whole(token).is_some_and(|value| put_integer(value, element, bytes)),
+        _ => whole_number(token).is_some_and(|value| put_integer(value, element, bytes)),
     }
 }
 
@@ -72,8 +72,8 @@ fn put_integer(value: i64, element: SampleType, bytes: &mut Vec<u8>) -> bool {
     true
 }
 
-/// A whole number, also where it is spelled as `12.0` or `1e3`.
-fn whole(token: &[u8]) -> Option<i64> {
+/// A whole number, even if it is spelled as `12.0` or `1e3`.
+fn whole_number(token: &[u8]) -> Option<i64> {
     match integer(token) {
         Ok(value) => Some(value),
         Err(IntegerError::TooLarge) => None,
@@ -86,7 +86,7 @@ fn whole(token: &[u8]) -> Option<i64> {
     }
 }
 
-/// The error of a text with another number of samples than the header declares, if it has.
+/// The error for a text with another number of samples than the header declares, if the counts differ.
 pub(crate) fn check_count(
     there: u64,
     declared: u64,

@@ -1,16 +1,16 @@
-//! `ArrayPlace`: where an array stands, which is turned into a location only when one is asked for: to count the
-//! lines before each array would read the text once for each.
+//! `ArrayPlace`: the position of an array, converted to a location only on request: to count the lines before
+//! each array would read the text once for each.
 use crate::FileLocation;
 use crate::xml_text::place;
 
-/// A place in a file.
+/// A position in a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ArrayPlace<'a> {
-    /// A byte of a text.
+    /// An offset in a text.
     Text(&'a str, usize),
-    /// A byte of the file.
+    /// An offset in the file.
     Byte(u64),
-    /// The line of a byte of the file.
+    /// The line of an offset in the file.
     Line(&'a [u8], usize),
 }
 
@@ -27,7 +27,7 @@ impl ArrayPlace<'_> {
         }
     }
 
-    /// The place `n` bytes on, where bytes are counted.
+    /// The position `n` bytes further, if bytes are counted.
     pub(crate) fn after(self, n: usize) -> Self {
         match self {
             Self::Byte(byte) => Self::Byte(byte + n as u64),

@@ -10,10 +10,10 @@ use crate::volume::element::SampleType;
 use crate::warnings::Warnings;
 use chordal::explicit::{Attribute, Domain, Semantic};
 
-/// What an array is, where the file says it.
+/// The role of an array, if the file states it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ArrayRole {
-    /// Nothing is said: its name and its type tell.
+    /// Not stated: the name and type of the array decide.
     Unknown,
     Normals,
     TexCoords,
@@ -26,16 +26,16 @@ pub(super) struct NamedArray<'a> {
     pub name: &'a str,
     pub role: ArrayRole,
     pub width: usize,
-    /// The type that the file gives its numbers.
+    /// The type of its numbers in the file.
     pub kind: SampleType,
-    /// What colours are divided by.
+    /// The divisor for colours.
     pub divisor: f64,
     pub numbers: NumberArray<'a>,
-    /// Where it stands.
+    /// Its position.
     pub place: ArrayPlace<'a>,
 }
 
-/// What the rows of arrays belong to.
+/// The elements that the rows of arrays belong to.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ArrayRows<'c> {
     Points(usize),
@@ -43,13 +43,13 @@ pub(super) enum ArrayRows<'c> {
     Cells(usize, &'c [u32]),
 }
 
-/// The widest array that is kept, as of [`Attribute::width`].
+/// The widest array that is kept. Defined by [`Attribute::width`].
 const MOST_WIDE: usize = 16;
-/// Integers beyond it may be rounded to f64: 2⁵³.
+/// Larger integers may be rounded to f64. Derived: 2⁵³.
 const EXACT: i64 = 1 << 53;
-/// The values that cells may spread over triangles beyond the bytes that were decoded: a cell of many corners has
-/// many triangles, each with all values of the cell. Chosen: with 8 bytes each they are the 64 MiB that a reader
-/// may take for any file.
+/// The values that may be copied to triangles of cells, in addition to the decoded bytes: a cell of many
+/// corners has many triangles, each with all values of the cell. Chosen: with 8 bytes each they are the 64
+/// MiB that a reader may take for any file.
 pub(super) const FREE_VALUES: u64 = 8 << 20;
 
 /// The attributes of one mesh.
@@ -59,7 +59,7 @@ pub(super) struct VtkAttributes {
     pub position_id: Option<Vec<u32>>,
     pub n_texcoords: u32,
     pub n_colors: u32,
-    /// The values of triangles.
+    /// The number of values copied to triangles.
     pub n_spread: u64,
 }
 
@@ -67,7 +67,7 @@ impl VtkAttributes {
     /// Adds an array.
     ///
     /// # Errors
-    /// When it has fewer values than rows need, or more than `most_spread` in all are spread over triangles.
+    /// If it has fewer values than rows need, or more than `most_spread` in all are copied to triangles.
     pub(super) fn push(
         &mut self,
         array: &NamedArray<'_>,
@@ -85,18 +85,18 @@ impl VtkAttributes {
             ArrayRows::Cells(n, _) => (n, Domain::Face),
         };
         let n_values = n_rows.saturating_mul(width);
-        let there = array.numbers.len();
-        if there < n_values {
+        let n_present = array.numbers.len();
+        if n_present < n_values {
             let message = format!(
                 "array {} has {} values, where {} rows of {width} need {}",
                 show(name.as_bytes()),
-                grouped(there as u64),
+                grouped(n_present as u64),
                 grouped(n_rows as u64),
                 grouped(n_values as u64)
             );
             return Err(ReadError::new("truncated", array.place.location(), message));
         }
-        warnings.count_many("values-left-over", (there - n_values) as u64, || {
+        warnings.count_many("values-left-over", (n_present - n_values) as u64, || {
             let message = format!("values of arrays have no row, of {} first", show(name.as_bytes()));
             (array.place.location(), message)
         });
@@ -138,7 +138,7 @@ impl VtkAttributes {
         Ok(())
     }
 
-    /// Takes the array that ties vertices of one position, if it is that; whether it is.
+    /// Stores the array if it links vertices at one position. Returns whether it did.
     pub(super) fn take_position_id(
         &mut self,
         array: &NamedArray<'_>,
@@ -160,10 +160,11 @@ impl VtkAttributes {
         Ok(true)
     }
 
-    /// What an array means, and what its values are divided by.
+    /// The semantic of an array, and the divisor of its values.
     fn semantic(&mut self, array: &NamedArray<'_>, domain: Domain) -> (Semantic, f64) {
         let NamedArray { name, role, width, divisor, .. } = *array;
-        let is = |own: ArrayRole, by_name: bool| role == own || role == ArrayRole::Unknown && by_name;
+        let is =
+            |expected: ArrayRole, by_name: bool| role == expected || role == ArrayRole::Unknown && by_name;
         let on_points = domain == Domain::Vertex;
         if on_points && width == 3 && is(ArrayRole::Normals, name == NORMALS) {
             return (Semantic::Normal, 1.0);
@@ -180,11 +181,11 @@ impl VtkAttributes {
             self.n_colors += 1;
             return (Semantic::Color(self.n_colors - 1), divisor);
         }
-        // Fewer or more channels are colours too where the file says so, but none that a mesh has.
+        // Arrays marked as colours may have other numbers of channels, but meshes cannot have such colours.
         (Semantic::Custom(name.to_owned()), if role == ArrayRole::Colors { divisor } else { 1.0 })
     }
 
-    /// Warns of integers that f64 does not hold.
+    /// Warns about integers that f64 does not hold.
     fn count_rounded(&self, array: &NamedArray<'_>, n_values: usize, warnings: &mut Warnings) {
         if !array.numbers.is_wide() {
             return;
@@ -202,7 +203,7 @@ impl VtkAttributes {
     }
 }
 
-/// Warns of an array that is not kept.
+/// Warns about an array that is not kept.
 pub(super) fn skip_array(name: &str, why: &str, place: ArrayPlace<'_>, warnings: &mut Warnings) {
     warnings.count("arrays-skipped", || {
         let message = format!("arrays were skipped, {} first: {why}", show(name.as_bytes()));

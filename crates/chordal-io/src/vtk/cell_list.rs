@@ -1,38 +1,39 @@
-//! `CellList`: the cells of a file as lists of points, in the forms in which files hold them.
+//! `CellList`: the cells of a file as lists of points, in the several forms of files.
 use super::number_array::NumberArray;
 use crate::grow::push;
 use crate::text::grouped;
 use crate::{FileLocation, ReadError};
 
-/// Where cells end in their list of points.
+/// How the end of each cell in the list of points is stored.
 #[derive(Clone, Debug)]
 pub(super) enum CellEnds<'a> {
-    /// A number of points before the points of each cell.
+    /// The number of points precedes the points of each cell.
     Counted,
     /// The end of each cell.
     Ends(NumberArray<'a>),
-    /// The start of each cell, and after them the end of the last.
+    /// The start of each cell, then the end of the last.
     Starts(NumberArray<'a>),
 }
 
-/// Cells one after the other.
+/// The cells in order.
 #[derive(Clone, Debug)]
 pub(super) struct CellList<'a> {
     points: NumberArray<'a>,
     ends: CellEnds<'a>,
-    /// The number of the next cell, that of the first in the file, and the next of the points.
+    /// The index of the next cell, the index of the first one in the file, and the position in the list of
+    /// points.
     row: u64,
     first: u64,
     at: usize,
 }
 
 impl<'a> CellList<'a> {
-    /// Cells of which the first is the `first` of the file.
+    /// A list of cells; its first cell is the `first` of the file.
     pub(super) fn new(points: NumberArray<'a>, ends: CellEnds<'a>, first: u64) -> Self {
         Self { points, ends, row: 0, first, at: 0 }
     }
 
-    /// The number of the first cell, once it is known.
+    /// Sets the index of the first cell, once it is known.
     pub(super) fn start_at(&mut self, first: u64) {
         self.first = first;
     }
@@ -46,7 +47,7 @@ impl<'a> CellList<'a> {
     /// The points of the next cell, which must be below `n_points`.
     ///
     /// # Errors
-    /// When its end is before its start or beyond the list, or a point is not there.
+    /// If its end is before its start or beyond the list, or a point does not exist.
     #[inline]
     pub(super) fn next(&mut self, n_points: usize, corners: &mut Vec<u32>) -> Result<(), ReadError> {
         corners.clear();
@@ -67,7 +68,7 @@ impl<'a> CellList<'a> {
         Ok(())
     }
 
-    /// The points of the next cell, if it is a triangle of points below `n_points`; any other is not taken.
+    /// The points of the next cell if it is a triangle of points below `n_points`; other cells stay unread.
     #[inline]
     pub(super) fn next_triangle(&mut self, n_points: usize) -> Option<[u32; 3]> {
         let row = self.row as usize;
@@ -121,7 +122,7 @@ impl<'a> CellList<'a> {
         }
     }
 
-    /// How many numbers of the list belong to no cell that was read.
+    /// The count of numbers in the list after the last cell that was read.
     pub(super) fn n_left(&self) -> u64 {
         (self.points.len() - self.at) as u64
     }

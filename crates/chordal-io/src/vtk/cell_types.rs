@@ -1,25 +1,25 @@
-//! `CellShape`: what a cell of VTK is to a surface, by its type.
+//! `CellShape`: how a cell contributes to a surface, by its type.
 //!
 //! Source: Kitware, *VTK File Formats*, and the list of types in `vtkCellType.h` of VTK 9.
 
-/// What becomes of a cell.
+/// The interpretation of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CellShape {
-    /// A polygon of its points in their order.
+    /// A polygon with its points in order.
     Polygon,
     /// A strip of triangles.
     Strip,
-    /// A quad whose points are in the order of a picture: the last two are exchanged.
+    /// A quad whose points are in the order of pixels: the last two are exchanged.
     Pixel,
-    /// A curved polygon whose first so many points are its corners.
+    /// A curved polygon; the first points, this many, are its corners.
     Curved(usize),
-    /// The same, of which the first half are its corners.
+    /// A curved polygon; the first half of its points are its corners.
     CurvedHalf,
-    /// No surface.
+    /// Not a surface.
     LeftOut,
 }
 
-/// The shape of a type.
+/// The shape for a type.
 pub(super) fn shape(kind: u8) -> CellShape {
     match kind {
         // Triangle, polygon, quad.
@@ -28,7 +28,7 @@ pub(super) fn shape(kind: u8) -> CellShape {
         8 => CellShape::Pixel,
         // Triangles of second order, by Lagrange and by Bézier.
         22 | 34 | 69 | 76 => CellShape::Curved(3),
-        // The same quads, and that with two straight sides.
+        // The same for quads, and the quad with two straight sides.
         23 | 28 | 30 | 70 | 77 => CellShape::Curved(4),
         36 => CellShape::CurvedHalf,
         _ => CellShape::LeftOut,

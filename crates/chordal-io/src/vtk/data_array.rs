@@ -1,5 +1,5 @@
-//! `DataArray`: an array of numbers in a VTK XML file, and `ArrayDecoder`, which unpacks it: text, base64 or
-//! appended bytes, packed by zlib or LZ4 or not.
+//! `DataArray`: an array of numbers in a VTK XML file, and `ArrayDecoder`, which decodes it: text, base64 or
+//! appended bytes, plain or packed by zlib or LZ4.
 //!
 //! Source: Kitware, *VTK File Formats*, "XML File Formats", 2005–2024; the byte streams as VTK 9 writes them
 //! (`vtkXMLWriter`, `vtkXMLDataParser`).
@@ -17,14 +17,14 @@ use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 
-/// What packs the blocks of arrays.
+/// The compression of the blocks of arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BlockCompressor {
     Zlib,
     Lz4,
 }
 
-/// How a file packs the bytes of its arrays.
+/// The encoding of the bytes of a file's arrays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArrayEncoding {
     pub endian: Endian,
@@ -33,39 +33,39 @@ pub(crate) struct ArrayEncoding {
     pub compressor: Option<BlockCompressor>,
 }
 
-/// The bytes behind the last element of a file.
+/// The bytes after the last element of a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AppendedBytes<'a> {
     pub bytes: &'a [u8],
-    /// The byte of the file at which they start.
+    /// The offset in the file at which they start.
     pub start: u64,
     pub packing: BytePacking,
 }
 
-/// Where the numbers of an array stand.
+/// The location of an array's numbers.
 #[derive(Clone, Debug)]
 pub(crate) enum ArraySource<'a> {
-    /// As text in the element, from a byte of the document on.
+    /// Text in the element, and its offset in the document.
     Text(Cow<'a, str>, usize),
-    /// As base64 in the element.
+    /// Base64 in the element, and its offset in the document.
     Base64(Cow<'a, str>, usize),
-    /// At an offset of the appended bytes.
+    /// An offset in the appended bytes.
     Appended(u64),
 }
 
-/// An array as its element says.
+/// An array as declared by its element.
 #[derive(Clone, Debug)]
 pub(crate) struct DataArray<'a> {
     pub name: String,
-    /// None for what is not numbers of whole bytes: strings, bits.
+    /// `None` for types other than numbers of whole bytes: strings, bits.
     pub kind: Option<SampleType>,
     pub n_components: usize,
     pub source: ArraySource<'a>,
-    /// The byte of the document at which the element starts.
+    /// The offset in the document at which the element starts.
     pub at: usize,
 }
 
-/// The type of a name in a file.
+/// The type for a name in a file.
 pub(crate) fn number_type(name: &str) -> Option<SampleType> {
     Some(match name {
         "Int8" => SampleType::I8,
@@ -82,44 +82,44 @@ pub(crate) fn number_type(name: &str) -> Option<SampleType> {
     })
 }
 
-/// The sizes of packed blocks.
+/// The sizes of compressed blocks.
 #[derive(Clone, Debug)]
 struct BlockSizes {
     /// The unpacked sizes of each block but the last, and of the last.
-    whole: u64,
+    full: u64,
     last: u64,
     packed: Vec<u64>,
 }
 
 impl BlockSizes {
-    /// What all blocks unpack to, as they say.
+    /// The declared unpacked size of all blocks.
     fn n_unpacked(&self) -> u64 {
         let n_whole = (self.packed.len() as u64).saturating_sub(1);
-        n_whole.saturating_mul(self.whole).saturating_add(self.last)
+        n_whole.saturating_mul(self.full).saturating_add(self.last)
     }
 }
 
-/// Packed blocks that follow their sizes.
+/// Compressed blocks after their sizes.
 struct BlockStream<'s, 'b> {
     blocks: BlockSizes,
     stream: &'s mut EncodedBytes<'b>,
 }
 
-/// The bytes that are unpacked between two looks at the limits.
+/// The bytes that are unpacked between two checks of the limits.
 const STEP: usize = 1 << 14;
 
-/// Unpacks the arrays of one document, and counts what they take together.
+/// Decodes the arrays of one document, and counts their bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct ArrayDecoder<'a> {
     /// The document, for locations.
     pub text: &'a str,
     pub encoding: ArrayEncoding,
     pub appended: Option<AppendedBytes<'a>>,
-    /// What arrays may still take of the appended bytes: each byte belongs to one array.
+    /// The appended bytes that arrays may still use: each byte belongs to one array.
     left_appended: u64,
-    /// What may still be unpacked.
+    /// The number of bytes that may still be unpacked.
     left: u64,
-    /// What was unpacked.
+    /// The number of bytes that were unpacked.
     n_decoded: u64,
 }
 
@@ -134,7 +134,7 @@ impl<'a> ArrayDecoder<'a> {
         Self { text, encoding, appended, left_appended, left: limits.bytes, n_decoded: 0 }
     }
 
-    /// The bytes of all arrays that were decoded, those of text as they stand in the file.
+    /// The number of bytes of all decoded arrays; for text, of the text itself.
     pub(crate) fn n_decoded(&self) -> u64 {
         self.n_decoded
     }
@@ -148,8 +148,8 @@ impl<'a> ArrayDecoder<'a> {
     /// The numbers of an array.
     ///
     /// # Errors
-    /// When it is cut off, damaged, beyond the appended bytes or over a limit; when its bytes are those of
-    /// other arrays too, or no whole numbers of its type.
+    /// If it is truncated, damaged, beyond the appended bytes or over a limit; if it shares bytes with other
+    /// arrays; or if its bytes are not whole numbers of its type.
     pub(crate) fn decode<'s>(&mut self, array: &'s DataArray<'a>) -> Result<NumberArray<'s>, ReadError>
     where
         'a: 's,
@@ -176,7 +176,7 @@ impl<'a> ArrayDecoder<'a> {
         Ok(NumberArray::Packed { kind, endian: self.encoding.endian, bytes })
     }
 
-    /// The bytes of an array that is no text.
+    /// The bytes of an array that is not text.
     pub(crate) fn bytes<'s>(&mut self, array: &'s DataArray<'a>) -> Result<Cow<'s, [u8]>, ReadError>
     where
         'a: 's,
@@ -184,7 +184,7 @@ impl<'a> ArrayDecoder<'a> {
         self.unpack(array, None)
     }
 
-    /// The bytes of an array that is no text and has to have `n` of them.
+    /// The bytes of an array that is not text and must have `n` of them.
     ///
     /// # Errors
     /// As [`Self::decode`], and `size-mismatch` before another number of bytes is unpacked.
@@ -201,7 +201,7 @@ impl<'a> ArrayDecoder<'a> {
         Ok(bytes)
     }
 
-    /// Refuses an array of another number of bytes than it has to have.
+    /// Refuses an array with a wrong number of bytes.
     fn expect(&self, array: &DataArray<'_>, n: u64, wanted: Option<u64>) -> Result<(), ReadError> {
         match wanted {
             Some(wanted) if n != wanted => {
@@ -274,7 +274,7 @@ impl<'a> ArrayDecoder<'a> {
         Ok(bytes)
     }
 
-    /// Counts bytes that are decoded.
+    /// Charges bytes that are decoded.
     fn spend(&mut self, array: &DataArray<'_>, n: u64) -> Result<(), ReadError> {
         self.n_decoded = self.n_decoded.saturating_add(n);
         match self.left.checked_sub(n) {
@@ -297,14 +297,14 @@ impl<'a> ArrayDecoder<'a> {
         })
     }
 
-    /// What stands before blocks: their number, the size of each and that of the last if it is another, and their
-    /// packed sizes.
+    /// The sizes before the blocks: the number of blocks, the size of each and that of the last if it
+    /// differs, and their packed sizes.
     fn block_sizes(&self, stream: &mut EncodedBytes<'_>) -> Result<BlockSizes, ReadError> {
         let n_blocks = self.size(stream)?;
         if n_blocks == 0 {
-            return Ok(BlockSizes { whole: 0, last: 0, packed: Vec::new() });
+            return Ok(BlockSizes { full: 0, last: 0, packed: Vec::new() });
         }
-        let (whole, last) = (self.size(stream)?, self.size(stream)?);
+        let (full, last) = (self.size(stream)?, self.size(stream)?);
         if n_blocks > stream.n_left() / self.encoding.header.width() as u64 {
             let message = format!("its {} blocks are more than bytes follow", grouped(n_blocks));
             return Err(ReadError::new("truncated", stream.place().location(), message));
@@ -313,7 +313,7 @@ impl<'a> ArrayDecoder<'a> {
         for _ in 0..n_blocks {
             packed.push(self.size(stream)?);
         }
-        Ok(BlockSizes { whole, last: if last > 0 { last } else { whole }, packed })
+        Ok(BlockSizes { full, last: if last > 0 { last } else { full }, packed })
     }
 
     /// Unpacks blocks.
@@ -327,7 +327,7 @@ impl<'a> ArrayDecoder<'a> {
         let mut unpacked = Vec::new();
         for (i, n_packed) in blocks.packed.iter().enumerate() {
             let is_last = i + 1 == blocks.packed.len();
-            let n = if is_last { blocks.last } else { blocks.whole };
+            let n = if is_last { blocks.last } else { blocks.full };
             let block_place = stream.place();
             let packed = stream.take(*n_packed)?;
             if UnpackCap::VOLUME.is_too_dense(n, *n_packed) {
@@ -335,7 +335,7 @@ impl<'a> ArrayDecoder<'a> {
                 return Err(ReadError::new("too-dense", block_place.location(), message));
             }
             let before = unpacked.len() as u64;
-            // What is declared is a limit, and is not believed before the bytes are there.
+            // A declared size is only an upper limit; memory grows with the bytes that are unpacked.
             let most = n.min(self.left);
             match compressor {
                 BlockCompressor::Zlib => inflate(&packed, &mut unpacked, most, block_place)?,
@@ -360,7 +360,7 @@ impl<'a> ArrayDecoder<'a> {
     }
 }
 
-/// Appends a zlib stream to `out`, which it may make longer by `most` bytes and no more.
+/// Appends an unpacked zlib stream to `out`, at most `most` bytes.
 fn inflate(packed: &[u8], out: &mut Vec<u8>, most: u64, place: ArrayPlace<'_>) -> Result<(), ReadError> {
     let first = out.len();
     let mut inflater = ZlibDecoder::new(packed);

@@ -1,11 +1,11 @@
-//! `EncodedBytes`: the bytes behind a data array, plain or as base64, taken piece by piece.
+//! `EncodedBytes`: the bytes of a data array, plain or as base64, read in pieces.
 use super::array_place::ArrayPlace;
 use crate::ReadError;
 use crate::grow::with_room;
 use crate::text::{grouped, is_space};
 use std::borrow::Cow;
 
-/// The value of a character that is none of base64, and of the padding.
+/// The value of a character that is not in base64, and of the padding.
 const NONE: u8 = 0xff;
 const PADDING: u8 = 0xfe;
 
@@ -22,10 +22,10 @@ const VALUES: [u8; 256] = {
     values
 };
 
-/// How bytes stand in a file.
+/// The encoding of bytes in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BytePacking {
-    /// As they are.
+    /// Unencoded.
     Raw,
     /// As base64, in one run or several, each with its own padding.
     Base64,
@@ -37,10 +37,10 @@ pub(crate) struct EncodedBytes<'a> {
     bytes: &'a [u8],
     at: usize,
     packing: BytePacking,
-    /// Decoded bytes that were not asked for yet.
+    /// Decoded bytes that were not requested yet.
     spare: [u8; 3],
     n_spare: usize,
-    /// Where the first byte stands, or all of them where they are text.
+    /// The position of the first byte, or in text that of the array.
     place: ArrayPlace<'a>,
 }
 
@@ -49,12 +49,12 @@ impl<'a> EncodedBytes<'a> {
         Self { bytes, at: 0, packing, spare: [0; 3], n_spare: 0, place }
     }
 
-    /// The place of the next byte, or that of the array where it stands in text.
+    /// The position of the next byte, or in text that of the array.
     pub(crate) fn place(&self) -> ArrayPlace<'a> {
         self.place.after(self.at)
     }
 
-    /// The number of bytes of the file that were taken.
+    /// The number of bytes of the file that were read.
     pub(crate) fn n_taken(&self) -> u64 {
         self.at as u64
     }
@@ -69,7 +69,7 @@ impl<'a> EncodedBytes<'a> {
         let left = (self.bytes.len() - self.at) as u64;
         match self.packing {
             BytePacking::Raw => left,
-            // Four characters make three bytes.
+            // Four characters encode three bytes.
             BytePacking::Base64 => self.n_spare as u64 + left / 4 * 3,
         }
     }
@@ -77,12 +77,12 @@ impl<'a> EncodedBytes<'a> {
     /// The next `n` bytes.
     ///
     /// # Errors
-    /// `truncated` when they are not there, `bad-base64`.
+    /// `truncated` if there are too few, `bad-base64`.
     pub(crate) fn take(&mut self, n: u64) -> Result<Cow<'a, [u8]>, ReadError> {
         if n > self.n_left() {
             return Err(self.cut_off(n));
         }
-        // What is left fits into memory already.
+        // The remaining bytes are already in memory, so the number fits.
         let n = n as usize;
         match self.packing {
             BytePacking::Raw => {
@@ -94,20 +94,20 @@ impl<'a> EncodedBytes<'a> {
         }
     }
 
-    /// All bytes up to the end, of base64.
+    /// All bytes up to the end, for base64.
     ///
     /// # Errors
-    /// `bad-base64`, and `truncated` where it ends inside a group of characters.
+    /// `bad-base64`, and `truncated` if it ends inside a group of characters.
     pub(crate) fn rest(&mut self) -> Result<Vec<u8>, ReadError> {
-        let mut all = with_room(self.n_left() as usize)?;
+        let mut bytes = with_room(self.n_left() as usize)?;
         while !self.is_blank() {
             if self.n_spare == 0 {
                 self.quartet(1)?;
             }
-            all.extend_from_slice(&self.spare[..self.n_spare]);
+            bytes.extend_from_slice(&self.spare[..self.n_spare]);
             self.n_spare = 0;
         }
-        Ok(all)
+        Ok(bytes)
     }
 
     fn cut_off(&self, n: u64) -> ReadError {
@@ -133,16 +133,16 @@ impl<'a> EncodedBytes<'a> {
         Ok(decoded)
     }
 
-    /// Decodes the next four characters, which are one byte or more.
+    /// Decodes the next four characters, which encode one byte or more.
     #[inline]
-    fn quartet(&mut self, asked: u64) -> Result<(), ReadError> {
+    fn quartet(&mut self, requested: u64) -> Result<(), ReadError> {
         let mut values = [0; 4];
         let mut n_padding = 0;
         for value in &mut values {
             while self.bytes.get(self.at).is_some_and(|b| is_space(*b)) {
                 self.at += 1;
             }
-            let Some(byte) = self.bytes.get(self.at) else { return Err(self.cut_off(asked)) };
+            let Some(byte) = self.bytes.get(self.at) else { return Err(self.cut_off(requested)) };
             *value = VALUES[usize::from(*byte)];
             match *value {
                 NONE => return Err(self.bad("has a character that is none of its 64")),

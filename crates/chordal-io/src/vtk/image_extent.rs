@@ -1,4 +1,4 @@
-//! Where the samples of image data are: extent, origin, spacing and direction.
+//! The positions of the samples of image data: extent, origin, spacing and direction.
 use super::xml_document::VtkDocument;
 use crate::ReadError;
 use crate::text::{finite, integer, show};
@@ -13,10 +13,10 @@ pub(super) struct ImageExtent {
 }
 
 impl ImageExtent {
-    /// The extent that an attribute `name` of the element at a byte says.
+    /// The extent in the attribute `name` of the element at an offset.
     ///
     /// # Errors
-    /// When it is missing, or is not six whole numbers in order.
+    /// If it is missing, or is not six whole numbers in order.
     pub(super) fn read(
         document: &VtkDocument<'_>,
         at: usize,
@@ -55,7 +55,7 @@ impl ImageExtent {
 /// The map from the indices of a lattice that begins `shift` steps after index 0.
 ///
 /// # Errors
-/// When it is singular, or a number is not finite.
+/// If it is singular, or a number is not finite.
 pub(super) fn affine(document: &VtkDocument<'_>, shift: [f64; 3]) -> Result<Affine3, ReadError> {
     let image = &document.image;
     let origin = numbers(document, "Origin", &image.origin, [0.0; 3])?;
@@ -70,7 +70,7 @@ pub(super) fn affine(document: &VtkDocument<'_>, shift: [f64; 3]) -> Result<Affi
     Affine3::new(rows).map_err(|error| document.error(image.at, "singular", error.to_string()))
 }
 
-/// The numbers of an attribute of the image, or what they are without it.
+/// The numbers of an attribute of the image, or their default.
 fn numbers<const N: usize>(
     document: &VtkDocument<'_>,
     name: &str,
@@ -78,15 +78,15 @@ fn numbers<const N: usize>(
     without: [f64; N],
 ) -> Result<[f64; N], ReadError> {
     let Some(text) = text else { return Ok(without) };
-    let mut all = without;
+    let mut values = without;
     let mut words = text.split_ascii_whitespace();
     let wrong = || {
         let message = format!("{name} {} is not {N} numbers", show(text.as_bytes()));
         document.error(document.image.at, "bad-header", message)
     };
-    for number in &mut all {
+    for number in &mut values {
         let word = words.next().ok_or_else(wrong)?;
         *number = finite(word.as_bytes(), || place(document.text, document.image.at))?;
     }
-    if words.next().is_some() { Err(wrong()) } else { Ok(all) }
+    if words.next().is_some() { Err(wrong()) } else { Ok(values) }
 }

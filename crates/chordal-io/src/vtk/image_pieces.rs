@@ -1,4 +1,4 @@
-//! Which array of image data is read, and its bytes in one, out of all pieces.
+//! Chooses the array of image data to read, and joins its bytes from all pieces.
 use super::data_array::{ArrayDecoder, ArraySource, DataArray};
 use super::image_extent::ImageExtent;
 use super::xml_document::{ActiveArray, PieceSection, VtkDocument, VtkPiece};
@@ -12,20 +12,20 @@ use chordal::budget::advice::{Message, Setting};
 use std::borrow::Cow;
 use std::mem::discriminant;
 
-/// The array that is read.
+/// The chosen array.
 pub(super) struct ArrayChoice<'d, 'a> {
-    /// Whether it is of points or of cells.
+    /// Whether its values are at points or at cells.
     pub section: PieceSection,
     pub array: &'d DataArray<'a>,
     pub kind: SampleType,
 }
 
 impl<'d, 'a> ArrayChoice<'d, 'a> {
-    /// The array of one number a sample: the one that [`Limits::index`] names, else the scalars of the file,
-    /// else the only one.
+    /// Chooses the array with one number per sample: the one that [`Limits::index`] selects, else the scalars
+    /// of the file, else the only one.
     ///
     /// # Errors
-    /// When there is none, or several and none is chosen.
+    /// If there is none, or there are several and none is selected.
     pub(super) fn new(
         document: &'d VtkDocument<'a>,
         limits: &Limits,
@@ -64,7 +64,7 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
         Ok(Self { section, array, kind })
     }
 
-    /// The array where the file names no scalars.
+    /// The array if the file declares no scalars.
     fn without_scalars(
         document: &VtkDocument<'_>,
         first: &VtkPiece<'_>,
@@ -95,21 +95,21 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
         })
     }
 
-    /// The bytes of its samples in the whole extent, the first axis running fastest.
+    /// The bytes of its samples in the whole extent; the first axis varies fastest.
     ///
     /// # Errors
-    /// When a piece is damaged or lies outside the extent, or the pieces leave a gap.
+    /// If a piece is damaged or outside the extent, or the pieces leave a gap.
     pub(super) fn bytes(
         &self,
         document: &'d VtkDocument<'a>,
         decoder: &mut ArrayDecoder<'a>,
-        whole: ImageExtent,
+        full: ImageExtent,
     ) -> Result<Cow<'d, [u8]>, ReadError> {
         let mut pieces = Vec::new();
         for piece in &document.pieces {
             let points = ImageExtent::read(document, piece.at, "Extent", piece.extent.as_deref())?;
             let extent = if self.section == PieceSection::CellData { points.cells() } else { points };
-            let n = whole.holds(&extent).ok_or_else(|| {
+            let n = full.holds(&extent).ok_or_else(|| {
                 document.error(piece.at, "bad-extent", "the piece is not inside the whole extent")
             })?;
             let array = piece.array(self.section, Some(&self.array.name)).ok_or_else(|| {
@@ -122,15 +122,15 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
                 return Err(document.error(array.at, "bad-header", message));
             }
             let bytes = self.decode(decoder, array, n)?;
-            if extent == whole {
+            if extent == full {
                 return Ok(bytes);
             }
             crate::grow::push_large(&mut pieces, (extent, bytes))?;
         }
-        self.assemble(document, whole, &pieces).map(Cow::Owned)
+        self.assemble(document, full, &pieces).map(Cow::Owned)
     }
 
-    /// The bytes of an array of `n` samples; those of text are little-endian.
+    /// The bytes of an array of `n` samples; those from text are little-endian.
     fn decode(
         &self,
         decoder: &mut ArrayDecoder<'a>,
@@ -141,7 +141,7 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
         let ArraySource::Text(text, at) = &array.source else {
             return decoder.exact_bytes(array, n.saturating_mul(width));
         };
-        // Not by way of f64, which neither holds every integer nor rounds to single precision but twice.
+        // Not through f64, which does not hold every integer, and would round to single precision twice.
         let bytes = text_bytes(text.as_bytes(), self.kind, |byte| place(decoder.text, at + byte))?;
         check_count(bytes.len() as u64 / width, n, || place(decoder.text, at + text.len()))?;
         Ok(Cow::Owned(bytes))
@@ -150,24 +150,24 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
     fn assemble(
         &self,
         document: &VtkDocument<'_>,
-        whole: ImageExtent,
+        full: ImageExtent,
         pieces: &[(ImageExtent, Cow<'_, [u8]>)],
     ) -> Result<Vec<u8>, ReadError> {
         let width = self.kind.width();
         let gap =
             || document.error(document.image.at, "bad-extent", "the pieces do not fill the whole extent");
-        let there: usize = pieces.iter().map(|(_, bytes)| bytes.len() / width).sum();
-        // The size was counted before.
-        let [n_x, n_y, n_z] = whole.size.map(|n| n as usize);
+        let n_present: usize = pieces.iter().map(|(_, bytes)| bytes.len() / width).sum();
+        // The size was checked before.
+        let [n_x, n_y, n_z] = full.size.map(|n| n as usize);
         let n_all = n_x * n_y * n_z;
-        if there < n_all {
+        if n_present < n_all {
             return Err(gap());
         }
         let (mut all, mut is_there) = (Vec::new(), Vec::new());
         crate::grow::push_many(&mut all, 0, n_all * width)?;
         crate::grow::push_many(&mut is_there, false, n_all)?;
         for (extent, bytes) in pieces {
-            let [x, y, z] = [0, 1, 2].map(|axis| (extent.low[axis] - whole.low[axis]) as usize);
+            let [x, y, z] = [0, 1, 2].map(|axis| (extent.low[axis] - full.low[axis]) as usize);
             let [rows_x, rows_y, rows_z] = extent.size.map(|n| n as usize);
             for k in 0..rows_z {
                 for j in 0..rows_y {
@@ -184,7 +184,7 @@ impl<'d, 'a> ArrayChoice<'d, 'a> {
 }
 
 impl ImageExtent {
-    /// The number of points of another extent, if all are inside this one.
+    /// The number of points of another extent, if it is inside this one.
     fn holds(&self, other: &Self) -> Option<u64> {
         let mut n = 1_u64;
         for axis in 0..3 {
@@ -201,16 +201,16 @@ fn arrays_of<'p, 'a>(piece: &'p VtkPiece<'a>, section: PieceSection) -> Vec<&'p 
     piece.arrays.iter().filter(|(of, _)| *of == section).map(|(_, array)| array).collect()
 }
 
-/// The names of arrays, as an error shows them.
+/// The names of arrays, for messages.
 fn listed(arrays: &[&DataArray<'_>]) -> String {
-    /// More names do not help.
+    /// Chosen: more names do not help.
     const MOST: usize = 12;
     let names: Vec<String> = arrays.iter().take(MOST).map(|array| show(array.name.as_bytes())).collect();
     let more = if arrays.len() > MOST { ", …" } else { "" };
     names.join(", ") + more
 }
 
-/// The type of an array of one number a sample.
+/// The type of an array with one number per sample.
 fn sample_type(document: &VtkDocument<'_>, array: &DataArray<'_>) -> Result<SampleType, ReadError> {
     let name = || show(array.name.as_bytes());
     let Some(kind) = array.kind else {

@@ -1,4 +1,4 @@
-//! Reads VTK's image data, `.vti`.
+//! Reads VTK ImageData, `.vti`.
 use super::data_array::{ArrayDecoder, ArraySource};
 use super::image_extent::{ImageExtent, affine};
 use super::image_pieces::ArrayChoice;
@@ -12,15 +12,15 @@ use crate::xml_text::place;
 use crate::{Content, Frame, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::Grid;
 
-/// Reads the volume of image data of VTK: the scalars of its points, else the only array of one number a point;
-/// [`Limits::index`] chooses another. Extent, origin, spacing and direction place the samples. Without arrays
-/// at points those of cells are read, at the centres of the cells, with a warning.
+/// Reads the volume of VTK ImageData: the scalars of its points, else the only array with one number per
+/// point; [`Limits::index`] selects another. Extent, origin, spacing and direction place the samples. If
+/// there are no arrays at points, those at cells are read, at the centres of the cells, with a warning.
 ///
 /// Samples are text, base64 or appended, plain or packed by zlib or LZ4, in one piece or several.
 ///
 /// # Errors
-/// [`ReadError`] at the line and column of the element, or at the byte of the samples; also for other data
-/// sets than images, other compressors, and arrays of colours or vectors.
+/// [`ReadError`] at the line and column of the element, or at the byte of the samples; also for data sets
+/// other than images, other compressors, and arrays of colours or vectors.
 ///
 /// Source: Kitware, *VTK File Formats*, "XML File Formats", docs.vtk.org (2003 to 2024).
 ///
@@ -43,16 +43,16 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let is_of_cells = choice.section == PieceSection::CellData;
     let image = &document.image;
     let points = ImageExtent::read(&document, image.at, "WholeExtent", image.extent.as_deref())?;
-    let whole = if is_of_cells { points.cells() } else { points };
+    let full = if is_of_cells { points.cells() } else { points };
     let place = place(document.text, image.at);
-    for (axis, n) in whole.size.into_iter().enumerate() {
+    for (axis, n) in full.size.into_iter().enumerate() {
         along(axis, n, &place)?;
     }
-    let size = size_of(whole.size, choice.kind, &place, limits)?;
+    let size = size_of(full.size, choice.kind, &place, limits)?;
     // A cell's centre is half a step after its lowest point.
     let half = if is_of_cells { 0.5 } else { 0.0 };
-    let affine = affine(&document, whole.low.map(|low| low as f64 + half))?;
-    let body = choice.bytes(&document, &mut decoder, whole)?;
+    let affine = affine(&document, full.low.map(|low| low as f64 + half))?;
+    let body = choice.bytes(&document, &mut decoder, full)?;
     let is_text = matches!(choice.array.source, ArraySource::Text(..));
     let endian = if is_text { Endian::Little } else { document.encoding.endian };
     let layout = SampleLayout::volumes(choice.kind, endian, size);

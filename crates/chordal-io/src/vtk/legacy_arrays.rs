@@ -6,18 +6,18 @@ use crate::text::{is_space, show};
 use crate::volume::element::SampleType;
 use crate::warnings::Warnings;
 
-/// What takes an array, with the limit of values that are spread over triangles.
+/// A consumer of arrays; the number is the limit on values that are copied to triangles.
 type ArraySink<'s> = dyn FnMut(&NamedArray<'_>, u64, &mut Warnings) -> Result<(), ReadError> + 's;
 
 /// Reads arrays.
 pub(super) struct LegacyArrays<'r, 'a> {
     pub reader: &'r mut LegacyReader<'a>,
     pub warnings: &'r mut Warnings,
-    /// The name of the first array that the file calls scalars.
+    /// The name of the first array that the file declares as scalars.
     pub first_scalars: Option<String>,
 }
 
-/// An array as its line says.
+/// An array as declared by its line.
 struct ArrayLine {
     name: String,
     role: ArrayRole,
@@ -34,7 +34,8 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
     /// Reads the arrays of these rows.
     ///
     /// # Errors
-    /// At the line or the byte, for what is no keyword, cut off or no number; and those of `sink`.
+    /// At the line or the byte, for an unknown keyword, truncated data or an invalid number; and errors of
+    /// `sink`.
     pub(super) fn read(
         &mut self,
         rows: ArrayRows<'_>,
@@ -85,7 +86,7 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
         Ok(())
     }
 
-    /// An array whose keyword says its width.
+    /// An array whose keyword implies its width.
     fn fixed(&mut self, n: u64, width: u64, role: ArrayRole) -> Result<ArrayLine, ReadError> {
         let name = self.reader.name("the name of an array")?;
         let kind = self.reader.kind()?;
@@ -113,7 +114,7 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
         Ok(ArrayLine { name, role: ArrayRole::Colors, kind: LegacyType::Number(kind), n, width })
     }
 
-    /// Gives an array of `rows` rows to the sink, or skips it.
+    /// Passes an array of `rows` rows to the sink, or skips it.
     fn array(
         &mut self,
         line: &ArrayLine,
@@ -133,7 +134,7 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
         let numbers = self.reader.numbers(line.n, line.width, kind)?;
         let is_bytes = kind == SampleType::U8;
         let width = usize::try_from(line.width).unwrap_or(usize::MAX);
-        // Viewers show three or four bytes as a colour, whatever their name.
+        // Viewers show three or four bytes as a colour, whatever the name of the array.
         let is_color = line.role == ArrayRole::Unknown && is_bytes && matches!(width, 3 | 4);
         let role = if is_color { ArrayRole::Colors } else { line.role };
         let divisor = if is_bytes { 255.0 } else { 1.0 };
@@ -141,7 +142,7 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
         sink(&array, most_spread, self.warnings)
     }
 
-    /// The arrays of a field, each with a line of its own.
+    /// The arrays of a field, each with a separate line.
     fn field(&mut self, rows: u64, most_spread: u64, sink: &mut ArraySink<'_>) -> Result<(), ReadError> {
         self.reader.name("the name of a field")?;
         let n_arrays = self.reader.count("the number of arrays")?;
@@ -177,7 +178,7 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
         Ok(())
     }
 
-    /// Skips what VTK keeps beside an array, which ends with a blank line.
+    /// Skips the metadata of an array, which ends with a blank line.
     pub(super) fn skip_metadata(&mut self) -> Result<(), ReadError> {
         self.reader.end_line();
         while self.reader.peek().is_some() {
@@ -188,7 +189,7 @@ impl<'r, 'a> LegacyArrays<'r, 'a> {
         Ok(())
     }
 
-    /// Skips a table of colours: bytes in a binary file, fractions in text, four of each.
+    /// Skips a lookup table: four bytes per colour in a binary file, four fractions in text.
     fn skip_table(&mut self) -> Result<(), ReadError> {
         let name = self.reader.name("the name of a lookup table")?;
         let n = self.reader.count("the size of a lookup table")?;

@@ -14,18 +14,18 @@ use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Volume
 use chordal::budget::advice::{Message, Setting};
 use chordal::implicit::{Affine3, Grid, Samples};
 
-/// An array of one number a sample, as a first reading found it.
+/// An array with one number per sample, found in a first pass.
 struct Candidate {
     name: String,
     is_of_cells: bool,
 }
 
-/// Reads a volume, from the keyword after the name of the data set on: the first scalars of the points, else the only
-/// array of one number a point; [`Limits::index`] chooses another. Without arrays of points those of cells are read, at
-/// the centres of the cells, with a warning.
+/// Reads a volume, from the keyword after the name of the data set on: the first scalars of the points, else
+/// the only array with one number per point; [`Limits::index`] selects another. If there are no arrays at
+/// points, those at cells are read, at the centres of the cells, with a warning.
 ///
 /// # Errors
-/// At the line, or the byte of a binary file; also where several arrays could be meant.
+/// At the line, or the byte of a binary file; also if the choice of the array is ambiguous.
 pub(super) fn read(mut reader: LegacyReader<'_>, limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let lattice = LegacyLattice::read(&mut reader, &mut warnings)?;
@@ -33,24 +33,24 @@ pub(super) fn read(mut reader: LegacyReader<'_>, limits: &Limits) -> Result<Read
     for (axis, n) in lattice.size.into_iter().enumerate() {
         along(axis, n, &place)?;
     }
-    // An array is read once to learn its name and once for its numbers, so that no more than one is in memory.
-    let mut found = Vec::new();
+    // Arrays are read twice, for their names and for their numbers, so that only one is in memory at a time.
+    let mut candidates = Vec::new();
     let mut scalars = None;
     let first = reader.clone();
     lattice.each_array(first, &mut Warnings::default(), &mut scalars, &mut |array, is_of_cells| {
         if array.width == 1 {
-            crate::grow::push(&mut found, Candidate { name: array.name.to_owned(), is_of_cells })?;
+            crate::grow::push(&mut candidates, Candidate { name: array.name.to_owned(), is_of_cells })?;
         }
         Ok(())
     })?;
-    let chosen = choose(&found, scalars.as_deref(), limits, &place)?;
+    let chosen = choose(&candidates, scalars.as_deref(), limits, &place)?;
     let others: Vec<&str> =
-        found.iter().enumerate().filter(|(i, _)| *i != chosen).map(|(_, c)| &*c.name).collect();
+        candidates.iter().enumerate().filter(|(i, _)| *i != chosen).map(|(_, c)| &*c.name).collect();
     warnings.count_many("arrays-ignored", others.len() as u64, || {
         let first = show(others[0].as_bytes());
         (place.clone(), format!("other arrays of the file were not read, {first} first"))
     });
-    let Candidate { name, is_of_cells } = &found[chosen];
+    let Candidate { name, is_of_cells } = &candidates[chosen];
     let size = lattice.size.map(|n| n - i64::from(*is_of_cells));
     let mut read = None;
     let mut ordinal = 0;
@@ -80,28 +80,29 @@ pub(super) fn read(mut reader: LegacyReader<'_>, limits: &Limits) -> Result<Read
     Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
-/// Which of the arrays is read.
+/// Chooses the array to read.
 fn choose(
-    found: &[Candidate],
+    candidates: &[Candidate],
     scalars: Option<&str>,
     limits: &Limits,
     place: &FileLocation,
 ) -> Result<usize, ReadError> {
-    let has_points = found.iter().any(|array| !array.is_of_cells);
-    let wanted: Vec<usize> = (0..found.len()).filter(|i| found[*i].is_of_cells != has_points).collect();
+    let has_points = candidates.iter().any(|array| !array.is_of_cells);
+    let selectable: Vec<usize> =
+        (0..candidates.len()).filter(|i| candidates[*i].is_of_cells != has_points).collect();
     let names = || {
-        let shown: Vec<String> = wanted.iter().map(|i| show(found[*i].name.as_bytes())).collect();
+        let shown: Vec<String> = selectable.iter().map(|i| show(candidates[*i].name.as_bytes())).collect();
         shown.join(", ")
     };
     if let Some(index) = limits.index {
-        let one = usize::try_from(index).ok().and_then(|index| wanted.get(index).copied());
+        let one = usize::try_from(index).ok().and_then(|index| selectable.get(index).copied());
         return one.ok_or_else(|| {
             let message = format!("there is no array {index}, counted from 0: the arrays are {}", names());
             ReadError::new("no-such-volume", place.clone(), message)
         });
     }
-    let active = wanted.iter().copied().find(|i| Some(&*found[*i].name) == scalars);
-    match (active, wanted.as_slice()) {
+    let active = selectable.iter().copied().find(|i| Some(&*candidates[*i].name) == scalars);
+    match (active, selectable.as_slice()) {
         (Some(one), _) => Ok(one),
         (None, [one]) => Ok(*one),
         (None, []) => {
@@ -123,19 +124,19 @@ fn samples_of(array: &NamedArray<'_>, size: [usize; 3], limits: &Limits) -> Resu
     let (bytes, endian) = match &array.numbers {
         NumberArray::Packed { bytes, endian, .. } => (&**bytes, *endian),
         NumberArray::Reals(list) if array.kind == SampleType::F32 => {
-            return Ok(Samples::F32(all(list, |x| *x as f32)?));
+            return Ok(Samples::F32(converted(list, |x| *x as f32)?));
         }
-        NumberArray::Reals(list) => return Ok(Samples::F64(all(list, |x| *x)?)),
-        // Text was checked against the range of its type.
+        NumberArray::Reals(list) => return Ok(Samples::F64(converted(list, |x| *x)?)),
+        // Numbers from text were checked against the range of their type.
         NumberArray::Integers(list) => match array.kind {
-            SampleType::U8 | SampleType::Bool => return Ok(Samples::U8(all(list, |x| *x as u8)?)),
-            SampleType::I8 => return Ok(Samples::I8(all(list, |x| *x as i8)?)),
-            SampleType::U16 => return Ok(Samples::U16(all(list, |x| *x as u16)?)),
-            SampleType::I16 => return Ok(Samples::I16(all(list, |x| *x as i16)?)),
-            SampleType::U32 => return Ok(Samples::U32(all(list, |x| *x as u32)?)),
-            SampleType::I32 => return Ok(Samples::I32(all(list, |x| *x as i32)?)),
+            SampleType::U8 | SampleType::Bool => return Ok(Samples::U8(converted(list, |x| *x as u8)?)),
+            SampleType::I8 => return Ok(Samples::I8(converted(list, |x| *x as i8)?)),
+            SampleType::U16 => return Ok(Samples::U16(converted(list, |x| *x as u16)?)),
+            SampleType::I16 => return Ok(Samples::I16(converted(list, |x| *x as i16)?)),
+            SampleType::U32 => return Ok(Samples::U32(converted(list, |x| *x as u32)?)),
+            SampleType::I32 => return Ok(Samples::I32(converted(list, |x| *x as i32)?)),
             _ => {
-                packed = all(list, |x| x.to_le_bytes())?;
+                packed = converted(list, |x| x.to_le_bytes())?;
                 (packed.as_flattened(), Endian::Little)
             }
         },
@@ -144,20 +145,20 @@ fn samples_of(array: &NamedArray<'_>, size: [usize; 3], limits: &Limits) -> Resu
     samples::read(&mut SampleStream::plain(bytes, 0), &layout, limits, &mut Warnings::default())
 }
 
-fn all<T, U>(list: &[T], to: impl Fn(&T) -> U) -> Result<Vec<U>, ReadError> {
-    let mut all = with_room(list.len())?;
-    all.extend(list.iter().map(to));
-    Ok(all)
+fn converted<T, U>(list: &[T], to: impl Fn(&T) -> U) -> Result<Vec<U>, ReadError> {
+    let mut converted = with_room(list.len())?;
+    converted.extend(list.iter().map(to));
+    Ok(converted)
 }
 
-/// Where the samples are.
+/// The lattice of the samples.
 struct LegacyLattice {
     size: [i64; 3],
     /// The index of the first point.
     low: [i64; 3],
     origin: [f64; 3],
     spacing: [f64; 3],
-    /// The place of its size.
+    /// The location of its size.
     place: FileLocation,
 }
 
@@ -200,7 +201,8 @@ impl LegacyLattice {
         Ok(lattice)
     }
 
-    /// Gives each array of numbers to `sink`, and whether it is of cells; `scalars` is the name of the first scalars.
+    /// Passes each array of numbers to `sink`, with a flag for arrays of cells; `scalars` is the name of the
+    /// first scalars.
     fn each_array(
         &self,
         mut reader: LegacyReader<'_>,
@@ -255,20 +257,20 @@ impl LegacyLattice {
 }
 
 fn whole_numbers<const N: usize>(reader: &mut LegacyReader<'_>) -> Result<[i64; N], ReadError> {
-    let mut all = [0; N];
-    for number in &mut all {
+    let mut values = [0; N];
+    for number in &mut values {
         let word = reader.word("a number of points")?;
         *number = integer(word)
             .map_err(|_| reader.error("not-a-number", format!("{} is not a whole number", show(word))))?;
     }
-    Ok(all)
+    Ok(values)
 }
 
 fn real_numbers(reader: &mut LegacyReader<'_>) -> Result<[f64; 3], ReadError> {
-    let mut all = [0.0; 3];
-    for number in &mut all {
+    let mut values = [0.0; 3];
+    for number in &mut values {
         let place = reader.place();
         *number = finite(reader.word("a number")?, || place.location())?;
     }
-    Ok(all)
+    Ok(values)
 }

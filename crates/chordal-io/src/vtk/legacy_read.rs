@@ -14,14 +14,14 @@ use crate::warnings::Warnings;
 use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 
 /// Reads the surface of a legacy VTK file: PolyData, or the surface cells of an UnstructuredGrid, as text or
-/// big-endian binary, of the versions 1.0 to 5.1; of STRUCTURED_POINTS the volume.
+/// big-endian binary, in versions 1.0 to 5.1; the volume of STRUCTURED_POINTS.
 ///
-/// Cells become faces, and arrays attributes, as in [`super::read_xml`]; `COLOR_SCALARS` are colours. Lookup tables
-/// and fields that belong to no point and no cell are left out with a warning.
+/// Cells become faces, and arrays attributes, as in [`super::read_xml`]; `COLOR_SCALARS` are colours. Lookup
+/// tables and fields that belong to neither points nor cells are skipped with a warning.
 ///
 /// # Errors
-/// [`ReadError`] at the line, the byte of a binary file, or the cell: also for other data sets, and a file of which
-/// no cell is a surface.
+/// [`ReadError`] at the line, the byte of a binary file, or the cell; also for other data sets, and for a
+/// file without surface cells.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, vtk};
@@ -104,10 +104,10 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
-/// A list of cells as it stands in the file.
+/// A list of cells as stored in the file.
 #[derive(Debug)]
 struct LegacyCells<'a> {
-    /// The type of all cells, or none where the types are in a list of their own.
+    /// The type of all cells, or `None` if the types are in a separate list.
     kind: Option<u8>,
     n: u64,
     list: CellList<'a>,
@@ -188,34 +188,33 @@ impl<'a> LegacyGeometry<'a> {
             .read(|| FileLocation::File, warnings)
     }
 
-    /// Reads the cells in the order in which VTK numbers them, whatever that of the file: points, lines, polygons,
-    /// strips.
+    /// Reads the cells in VTK's numbering, whatever their order in the file: points, lines, polygons, strips.
     fn cells(self, surface: &mut VtkSurface, scope: &mut CellScope<'_>) -> Result<(), ReadError> {
         const ORDER: [Option<u8>; 4] = [Some(2), Some(4), Some(7), Some(6)];
         let Self { kind, mut cells, types, .. } = self;
         let order = match kind {
             DataSetKind::PolyData => &ORDER[..],
             DataSetKind::UnstructuredGrid => &[None],
-            // Volumes are refused before.
+            // Volumes were refused before.
             DataSetKind::ImageData => &[],
         };
         if let Some(other) = cells.iter().find(|cells| !order.contains(&cells.kind)) {
             return Err(other.list.error("wrong-cells", "the data set has no such list of cells".to_owned()));
         }
         for of in order {
-            let Some(found) = cells.iter_mut().find(|cells| cells.kind == *of) else { continue };
-            if of.is_none() && (types.len() as u64) < found.n {
-                let message = format!("{} types for {} cells", grouped(types.len() as u64), grouped(found.n));
-                return Err(found.list.error("truncated", message));
+            let Some(group) = cells.iter_mut().find(|cells| cells.kind == *of) else { continue };
+            if of.is_none() && (types.len() as u64) < group.n {
+                let message = format!("{} types for {} cells", grouped(types.len() as u64), grouped(group.n));
+                return Err(group.list.error("truncated", message));
             }
-            let kinds = (0..found.n as usize).map(|i| match of {
+            let kinds = (0..group.n as usize).map(|i| match of {
                 Some(kind) => *kind,
-                // What is no byte is no known type.
+                // A number that does not fit a byte is an unknown type.
                 None => types.integer(i).and_then(|kind| u8::try_from(kind).ok()).unwrap_or(u8::MAX),
             });
-            found.list.start_at(scope.cell);
-            surface.read(&mut found.list, kinds, scope)?;
-            let left = found.list.n_left();
+            group.list.start_at(scope.cell);
+            surface.read(&mut group.list, kinds, scope)?;
+            let left = group.list.n_left();
             scope.warnings.count_many("connectivity-left-over", left, || {
                 (FileLocation::File, "indices after the last cell were not used".to_owned())
             });
@@ -224,7 +223,8 @@ impl<'a> LegacyGeometry<'a> {
     }
 }
 
-/// Reads a list of cells: numbers of points and points, or since version 5 their starts and then the points.
+/// Reads a list of cells: each as its number of points and the points, or since version 5 all starts and then
+/// all points.
 fn cells<'a>(
     reader: &mut LegacyReader<'a>,
     kind: Option<u8>,

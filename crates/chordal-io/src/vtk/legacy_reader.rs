@@ -10,15 +10,15 @@ use std::borrow::Cow;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LegacyType {
     Number(SampleType),
-    /// Eight to a byte.
+    /// Eight per byte.
     Bits,
     Strings,
 }
 
-/// The type of a name in a file, in small letters.
+/// The type for a name in a file, in lower case.
 ///
-/// Source: Kitware, *VTK File Formats*, 2005–2024; `vtkDataReader` of VTK 9. A `long` has the 8 bytes that it has
-/// on all systems but Windows; a `vtkIdType` is written as an `int`.
+/// Source: Kitware, *VTK File Formats*, 2005–2024; `vtkDataReader` of VTK 9. A `long` has 8 bytes, as on all
+/// systems but Windows; a `vtkIdType` is written as an `int`.
 fn type_of(name: &str) -> Option<LegacyType> {
     Some(LegacyType::Number(match name {
         "unsigned_char" | "vtktypeuint8" => SampleType::U8,
@@ -50,7 +50,7 @@ impl<'a> LegacyReader<'a> {
     /// Reads the first lines: the version, a title, and whether the file is binary.
     ///
     /// # Errors
-    /// When they are not those of VTK.
+    /// If they are not those of VTK.
     pub(super) fn new(bytes: &'a [u8], limits: &Limits) -> Result<Self, ReadError> {
         let mut reader = Self { bytes, at: 0, is_binary: false, header_line: limits.header_line };
         let first = reader.line()?.to_ascii_lowercase();
@@ -76,7 +76,7 @@ impl<'a> LegacyReader<'a> {
         Ok(reader)
     }
 
-    /// The place of the next byte.
+    /// The position of the next byte.
     pub(super) fn place(&self) -> ArrayPlace<'a> {
         self.place_at(self.at)
     }
@@ -108,7 +108,7 @@ impl<'a> LegacyReader<'a> {
         Ok(line)
     }
 
-    /// Goes on behind the end of the line.
+    /// Moves past the end of the line.
     pub(super) fn end_line(&mut self) {
         let rest = &self.bytes[self.at..];
         self.at += memchr::memchr(b'\n', rest).map_or(rest.len(), |end| end + 1);
@@ -123,7 +123,7 @@ impl<'a> LegacyReader<'a> {
         Some(&rest[..n])
     }
 
-    /// The next word, without taking it.
+    /// Peeks at the next word.
     pub(super) fn peek(&self) -> Option<&'a [u8]> {
         self.clone().next()
     }
@@ -134,12 +134,12 @@ impl<'a> LegacyReader<'a> {
         next.is_some_and(|byte| *byte != b'\n')
     }
 
-    /// A word that has to be there.
+    /// A required word.
     pub(super) fn word(&mut self, what: &str) -> Result<&'a [u8], ReadError> {
         self.next().ok_or_else(|| self.error("truncated", format!("the file ends before {what}")))
     }
 
-    /// A name, in which characters are spelled as %20.
+    /// A name, in which characters may be escaped as in %20.
     pub(super) fn name(&mut self, what: &str) -> Result<String, ReadError> {
         let word = self.word(what)?;
         let digit = |byte: Option<&u8>| byte.and_then(|b| char::from(*b).to_digit(16));
@@ -184,7 +184,7 @@ impl<'a> LegacyReader<'a> {
     /// Numbers, `n` rows of `width`. In a binary file they begin on the next line.
     ///
     /// # Errors
-    /// When there are not as many, or one is no number of the type.
+    /// If there are too few, or one is not a number of the type.
     pub(super) fn numbers(
         &mut self,
         n: u64,
@@ -211,7 +211,7 @@ impl<'a> LegacyReader<'a> {
         Ok(numbers)
     }
 
-    /// Skips what is no numbers.
+    /// Skips an array that is not numeric.
     pub(super) fn skip(&mut self, n: u64, width: u64, kind: LegacyType) -> Result<(), ReadError> {
         let n = n.saturating_mul(width);
         match (kind, self.is_binary) {
@@ -244,7 +244,7 @@ impl<'a> LegacyReader<'a> {
         }
     }
 
-    /// Skips a text with its length before it: the two highest bits say how many bytes the length has.
+    /// Skips a text with its length before it; the two highest bits encode the number of bytes of the length.
     fn skip_string(&mut self) -> Result<(), ReadError> {
         let first = self.take(1)?[0];
         let low = u64::from(first & 0x3f);
@@ -258,7 +258,7 @@ impl<'a> LegacyReader<'a> {
         self.take(n).map(|_| ())
     }
 
-    /// Refuses more words than can follow, of a character and a space each.
+    /// Refuses a number of words that cannot follow, at a character and a space each.
     fn check_words(&self, n: u64) -> Result<(), ReadError> {
         let left = (self.bytes.len() - self.at) as u64;
         if n > left / 2 + 1 {
@@ -280,9 +280,9 @@ impl<'a> LegacyReader<'a> {
     }
 }
 
-/// A word in small letters. What is no text is no keyword.
+/// A word in lower case, for comparison with keywords. Invalid UTF-8, which no keyword has, is replaced.
 pub(super) fn lower(word: &[u8]) -> String {
-    /// Longer words are no keywords.
+    /// Chosen: longer words are not keywords.
     const MOST: usize = 64;
     String::from_utf8_lossy(&word[..word.len().min(MOST)]).to_ascii_lowercase()
 }

@@ -1,20 +1,20 @@
-//! Unpacks a block of LZ4, which VTK offers beside zlib.
+//! Unpacks a block of LZ4, which VTK supports beside zlib.
 //!
 //! Source: Y. Collet, *LZ4 Block Format Description*, 2019.
 use super::array_place::ArrayPlace;
 use crate::ReadError;
 use crate::grow::push_many;
 
-/// The shortest match, which the format's nibble does not count.
+/// The shortest match; the format's nibble counts from it.
 const LEAST_MATCH: usize = 4;
-/// The value of a nibble after which more of a length follows, and that of a byte.
+/// The nibble after which more of a length follows, and the byte with the same meaning.
 const LONG_NIBBLE: usize = 15;
 const LONG_BYTE: u8 = 255;
 
-/// Appends a block to `out`, which it may make longer by `most` bytes.
+/// Appends an unpacked block to `out`, at most `most` bytes.
 ///
 /// # Errors
-/// `bad-lz4` when it is damaged or longer.
+/// `bad-lz4` if it is damaged or longer.
 pub(super) fn unpack(
     packed: &[u8],
     out: &mut Vec<u8>,
@@ -55,12 +55,12 @@ pub(super) fn unpack(
         }
         let from = out.len() - offset;
         push_many(out, 0, n)?;
-        // A match may overlap what it makes.
+        // A match may overlap its own output.
         (0..n).for_each(|i| out[from + offset + i] = out[from + i]);
     }
 }
 
-/// A length that begins with a nibble.
+/// A length that begins in a nibble.
 fn length(packed: &[u8], at: &mut usize, nibble: usize) -> Option<usize> {
     let mut n = nibble;
     if nibble == LONG_NIBBLE {

@@ -1,5 +1,5 @@
-//! The files of VTK: surfaces as XML (PolyData `.vtp`, UnstructuredGrid `.vtu`) and in the legacy form (`.vtk`), and
-//! volumes as XML (ImageData `.vti`).
+//! The files of VTK: surfaces as XML (PolyData `.vtp`, UnstructuredGrid `.vtu`) and in the legacy form
+//! (`.vtk`), and volumes as XML (ImageData `.vti`).
 pub(crate) mod array_place;
 mod attributes;
 mod cell_list;
@@ -30,15 +30,15 @@ pub use write::write;
 pub use write_polygons::write_polygons;
 pub use xml_read::read as read_xml;
 
-/// The start of the first line of a legacy file, in small letters.
+/// The start of the first line of a legacy file, in lower case.
 const LEGACY_MAGIC: &[u8] = b"# vtk datafile version";
 
-/// Whether the content begins as a legacy file does.
+/// Whether the content begins like a legacy file.
 pub(crate) fn looks_legacy(bytes: &[u8]) -> bool {
     bytes.get(..LEGACY_MAGIC.len()).is_some_and(|start| start.eq_ignore_ascii_case(LEGACY_MAGIC))
 }
 
-/// Where the root of a file begins, and how long its tag is at most: a declaration and a comment may stand before it.
+/// The bytes in which the root's tag must be. Chosen: a declaration and a comment may precede it.
 const LOOKED_AT: usize = 4096;
 
 /// The text from the root of a VTK XML file on, if it is one.

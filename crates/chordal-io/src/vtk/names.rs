@@ -1,4 +1,4 @@
-//! The names that arrays have in a file of this library, by which they are known again.
+//! The names of arrays in files of this library, by which the reader recognises them.
 
 /// Normals of points.
 pub(super) const NORMALS: &str = "Normals";
@@ -8,7 +8,7 @@ pub(super) const TANGENTS: &str = "Tangents";
 pub(super) const TEXCOORDS: &str = "TCoords";
 /// Colours; those of set 1 are `color_1`.
 pub(super) const COLOR: &str = "color";
-/// The array that ties points of one position; only this library writes it.
+/// The array that links vertices at one position; only this library writes it.
 pub(super) const POSITION_ID: &str = "position_id";
 /// The array of text with the certificate.
 pub(super) const CERTIFICATE: &str = "chordal_certificate";

@@ -1,24 +1,25 @@
-//! `NumberArray`: the numbers of a data array, as they were packed or as text spelled them.
+//! `NumberArray`: the numbers of a data array, as packed bytes or parsed from text.
 use crate::grow::with_room;
 use crate::text::{IntegerError, integer, is_space, number, number_error, show};
 use crate::volume::element::{Endian, SampleType, half};
 use std::borrow::Cow;
 
-/// The numbers that are converted at once: few enough to stay in the nearest cache, and whole rows of one to four.
+/// The count of numbers converted at once. Chosen: few enough for the L1 cache, and whole rows of one to
+/// four.
 const BLOCK: usize = 3 << 8;
 
-/// Numbers one after the other.
+/// A list of numbers.
 #[derive(Clone, Debug)]
 pub(crate) enum NumberArray<'a> {
     /// As bytes.
     Packed { kind: SampleType, endian: Endian, bytes: Cow<'a, [u8]> },
-    /// Of text, for a floating-point type.
+    /// Parsed from text, for a floating-point type.
     Reals(Vec<f64>),
-    /// Of text, for an integer type.
+    /// Parsed from text, for an integer type.
     Integers(Vec<i64>),
 }
 
-/// A token of a text that is no number of its type, with the code and the message.
+/// A token of a text that is not a number of the array's type, with the code and the message.
 #[derive(Clone, Debug)]
 pub(crate) struct BadToken<'t> {
     pub token: &'t [u8],
@@ -36,14 +37,14 @@ fn range(kind: SampleType) -> Option<[i64; 2]> {
         SampleType::I16 => [i64::from(i16::MIN), i64::from(i16::MAX)],
         SampleType::U32 => [0, i64::from(u32::MAX)],
         SampleType::I32 => [i64::from(i32::MIN), i64::from(i32::MAX)],
-        // What is beyond an i64 is refused.
+        // Larger numbers than an i64 holds are refused.
         SampleType::U64 => [0, i64::MAX],
         SampleType::I64 => [i64::MIN, i64::MAX],
         SampleType::F16 | SampleType::F32 | SampleType::F64 => return None,
     })
 }
 
-/// Room for the numbers that were counted in a text.
+/// Reserves room for the numbers that were counted in a text.
 fn room<'t, T>(n: usize) -> Result<Vec<T>, BadToken<'t>> {
     with_room(n).map_err(|error| BadToken {
         token: &[],
@@ -53,7 +54,7 @@ fn room<'t, T>(n: usize) -> Result<Vec<T>, BadToken<'t>> {
 }
 
 impl BadToken<'_> {
-    /// Where it starts in the text that it is of.
+    /// Its offset in the text that contains it.
     pub(crate) fn at(&self, text: &[u8]) -> usize {
         (self.token.as_ptr() as usize).saturating_sub(text.as_ptr() as usize).min(text.len())
     }
@@ -71,8 +72,8 @@ impl NumberArray<'_> {
         Self::from_tokens(tokens(), tokens().count(), kind)
     }
 
-    /// The numbers of tokens, with room for `n`, which the bytes of the file can hold. Those of a floating-point type
-    /// are not rounded to it.
+    /// The numbers in tokens, with room for `n`, which the bytes of the file can hold. Numbers of a
+    /// floating-point type are not rounded to it.
     pub(crate) fn from_tokens<'t>(
         tokens: impl Iterator<Item = &'t [u8]>,
         n: usize,
@@ -138,7 +139,7 @@ impl NumberArray<'_> {
         }
     }
 
-    /// Visits the first `n` numbers in order, many at once and rows of up to four whole.
+    /// Visits the first `n` numbers in order, in blocks that never split rows of up to four.
     pub(crate) fn each_block(&self, n: usize, mut visit: impl FnMut(&[f64])) {
         let mut block = [0.0; BLOCK];
         for first in (0..n).step_by(BLOCK) {
@@ -159,7 +160,7 @@ impl NumberArray<'_> {
         }
     }
 
-    /// A whole number; `None` where the type has others too, or it is beyond an i64.
+    /// A whole number; `None` if the type is not an integer type, or the number does not fit an i64.
     #[inline]
     pub(crate) fn integer(&self, i: usize) -> Option<i64> {
         let Self::Packed { kind, .. } = self else {
@@ -181,7 +182,7 @@ impl NumberArray<'_> {
         }
     }
 
-    /// Three whole numbers from one on; `None` where one is none, as [`Self::integer`] says.
+    /// Three whole numbers from `i` on; `None` under the conditions of [`Self::integer`].
     #[inline]
     pub(crate) fn three_integers(&self, i: usize) -> Option<[i64; 3]> {
         match self {
@@ -249,7 +250,7 @@ mod tests {
                 for i in 0..n - 1 {
                     let one_by_one = [i, i + 1, i + 2].map(|i| array.integer(i));
                     assert_eq!(
-                        array.three_integers(i).map(|all| all.map(Some)).unwrap_or_default(),
+                        array.three_integers(i).map(|three| three.map(Some)).unwrap_or_default(),
                         one_by_one
                     );
                 }

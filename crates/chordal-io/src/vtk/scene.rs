@@ -1,4 +1,4 @@
-//! What the two forms of VTK files share: points, and parts of a scene.
+//! The code shared by the two forms of VTK files: points, and parts of a scene.
 use super::attributes::VtkAttributes;
 use super::number_array::NumberArray;
 use super::surface::VtkSurface;
@@ -20,29 +20,29 @@ impl Positions<'_> {
     /// The points, all finite unless the limits allow others.
     ///
     /// # Errors
-    /// When there are fewer than the file declares, or too many.
+    /// If there are fewer than the file declares, or too many.
     pub(super) fn read(
         &self,
         place: impl Fn() -> FileLocation,
         warnings: &mut Warnings,
     ) -> Result<Vec<[f64; 3]>, ReadError> {
         let n = self.n_points;
-        // The highest number is that of no vertex.
+        // The highest index is reserved for "no vertex".
         let most = self.limits.rows.min(u64::from(u32::MAX) - 1);
         if n > most {
             return Err(too_many_rows(place(), "points", n, most));
         }
-        let there = self.numbers.len() as u64;
-        if there < 3 * n {
+        let n_present = self.numbers.len() as u64;
+        if n_present < 3 * n {
             let message = format!(
                 "{} points need {} coordinates, and there are {}",
                 grouped(n),
                 grouped(3 * n),
-                grouped(there)
+                grouped(n_present)
             );
             return Err(ReadError::new("truncated", place(), message));
         }
-        warnings.count_many("values-left-over", there - 3 * n, || {
+        warnings.count_many("values-left-over", n_present - 3 * n, || {
             (place(), "coordinates after those of the last point were not used".to_owned())
         });
         let mut positions: Vec<[f64; 3]> = with_room(n as usize)?;
@@ -60,7 +60,7 @@ impl Positions<'_> {
     }
 }
 
-/// What a piece holds.
+/// The content of a piece.
 pub(super) struct PieceMesh {
     pub positions: Vec<[f64; 3]>,
     pub surface: VtkSurface,
@@ -68,7 +68,7 @@ pub(super) struct PieceMesh {
 }
 
 impl PieceMesh {
-    /// The part that it is.
+    /// The part for this piece.
     pub(super) fn part(self, limits: &Limits, warnings: &mut Warnings) -> Result<Part, ReadError> {
         let Self { positions, surface, attributes } = self;
         let place = |row| FileLocation::Row { list: "cell", row };
@@ -79,7 +79,7 @@ impl PieceMesh {
     }
 }
 
-/// The scene of parts, each in its own place. Pictures begin at the lower left corner in VTK.
+/// The scene of untransformed parts. In VTK, texture coordinates begin at the lower left corner.
 pub(super) fn scene_of(parts: Vec<Part>, certificate: Option<Value>) -> Result<Scene, ReadError> {
     let frame = Frame { texture_origin: Some(TextureOrigin::LowerLeft), ..Frame::default() };
     let mut scene = Scene { frame, certificate, ..Scene::default() };

@@ -1,4 +1,4 @@
-//! `VtkSurface`: the triangles of cells, each with the number of its cell.
+//! `VtkSurface`: the triangles of cells, each with the index of its cell.
 use super::cell_list::CellList;
 use super::cell_types::{CellShape, shape, title};
 use crate::assemble::too_many_rows;
@@ -9,7 +9,7 @@ use crate::warnings::Warnings;
 use crate::{FileLocation, Limits, ReadError};
 use std::collections::BTreeMap;
 
-/// The cells of all of a file that are no surface, or only flat here: how many of each type.
+/// The numbers of skipped and flattened cells in a file, by type.
 #[derive(Debug, Default)]
 pub(super) struct CellCounts {
     left_out: BTreeMap<u8, u64>,
@@ -18,10 +18,10 @@ pub(super) struct CellCounts {
 }
 
 impl CellCounts {
-    /// Warns of what was left out.
+    /// Warns about skipped cells.
     ///
     /// # Errors
-    /// `no-surface` where that is all.
+    /// `no-surface` if all cells were skipped.
     pub(super) fn finish(self, warnings: &mut Warnings) -> Result<(), ReadError> {
         let total = |counts: &BTreeMap<u8, u64>| counts.values().fold(0_u64, |sum, n| sum.saturating_add(*n));
         let list = |counts: &BTreeMap<u8, u64>| {
@@ -60,11 +60,11 @@ pub(super) struct VtkSurface {
 }
 
 impl VtkSurface {
-    /// Reads `kinds` cells of a list, whose points must be below `n_points`. The first is cell `first` of the
-    /// piece.
+    /// Reads `kinds` cells of a list, whose points must be below `n_points`. The first of them is cell
+    /// `first` of the piece.
     ///
     /// # Errors
-    /// Of the list, or where there are too many triangles.
+    /// Errors of the list, or too many triangles.
     pub(super) fn read(
         &mut self,
         list: &mut CellList<'_>,
@@ -74,11 +74,11 @@ impl VtkSurface {
         let mut corners = std::mem::take(&mut self.corners);
         let kinds = kinds.into_iter();
         // A triangle takes three points of the list.
-        let room = kinds.size_hint().0.min(list.n_left() as usize / 3);
-        self.faces.reserve(room)?;
-        self.cells.try_reserve_exact(room).map_err(|_| out_of_memory(room))?;
+        let most = kinds.size_hint().0.min(list.n_left() as usize / 3);
+        self.faces.reserve(most)?;
+        self.cells.try_reserve_exact(most).map_err(|_| out_of_memory(most))?;
         for kind in kinds {
-            // Most cells are triangles.
+            // A fast path, since most cells are triangles.
             let triangle =
                 if shape(kind) == CellShape::Polygon { list.next_triangle(scope.n_points) } else { None };
             if let Some(triangle) = triangle {
@@ -145,7 +145,7 @@ impl VtkSurface {
         Ok(())
     }
 
-    /// Warns of what became of strips.
+    /// Warns about changes to strips.
     pub(super) fn count_strips(&self, warnings: &mut Warnings) {
         warnings.count_all("strips-cut", self.n_from_strips, "triangles were read from strips");
         let message = "triangles of strips that only lead to the next place were dropped";
@@ -153,10 +153,10 @@ impl VtkSurface {
     }
 }
 
-/// Where cells are read from.
+/// The context in which cells are read.
 pub(super) struct CellScope<'s> {
     pub n_points: usize,
-    /// The number of the next cell of the piece.
+    /// The index of the next cell of the piece.
     pub cell: u64,
     pub counts: &'s mut CellCounts,
     pub warnings: &'s mut Warnings,

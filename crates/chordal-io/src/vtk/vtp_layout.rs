@@ -1,4 +1,4 @@
-//! `VtpLayout`: the elements of a PolyData file that is written, and the bytes that are appended to it.
+//! `VtpLayout`: the elements of a PolyData file to be written, and its appended bytes.
 use super::names::CERTIFICATE;
 use crate::WriteError;
 use crate::xml_text::escaped;
@@ -7,7 +7,7 @@ use std::io::Write;
 /// The bytes of the length before each array: `UInt64`.
 const LENGTH_BYTES: u64 = 8;
 
-/// Where an array belongs.
+/// The section of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum VtpSection {
     PointData,
@@ -16,7 +16,7 @@ pub(super) enum VtpSection {
     Polys,
 }
 
-/// An array that is to be written.
+/// An array to be written.
 #[derive(Clone, Debug)]
 pub(super) struct VtpArray {
     pub section: VtpSection,
@@ -33,17 +33,17 @@ pub(super) struct VtpLayout {
     pub n_points: u64,
     pub n_polys: u64,
     pub arrays: Vec<VtpArray>,
-    /// Which arrays of points are normals, texture coordinates and colours, as attributes of an element.
+    /// The arrays of points that are normals, texture coordinates and colours, as attributes of an element.
     pub active: String,
     pub certificate: Option<String>,
 }
 
-/// The type of a list of indices below `limit` and of offsets up to it.
+/// The type for a list of indices below `limit` and of offsets up to it.
 pub(super) fn index_type(limit: u64) -> &'static str {
     if limit <= i32::MAX as u64 { "Int32" } else { "Int64" }
 }
 
-/// Appends an index in the type of that name.
+/// Appends an index in the type with this name.
 pub(super) fn put_index(row: &mut Vec<u8>, kind: &str, index: u64) {
     if kind == "Int32" {
         row.extend((index as i32).to_le_bytes());
@@ -56,7 +56,7 @@ impl VtpLayout {
     /// Writes everything up to the appended bytes, and the certificate as the first of them.
     pub(super) fn write_head(&self, out: &mut impl Write) -> Result<(), WriteError> {
         writeln!(out, "<?xml version=\"1.0\"?>")?;
-        // Version 1.0 is that of lengths of 64 bits.
+        // Lengths of 64 bits need version 1.0.
         writeln!(
             out,
             "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
@@ -107,7 +107,7 @@ impl VtpLayout {
         Ok(())
     }
 
-    /// Writes what ends a file.
+    /// Writes the end of a file.
     pub(super) fn write_end(out: &mut impl Write) -> Result<(), WriteError> {
         write!(out, "\n</AppendedData>\n</VTKFile>\n")?;
         out.flush()?;

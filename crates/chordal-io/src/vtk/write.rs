@@ -11,16 +11,16 @@ use serde_json::Value;
 use std::borrow::Cow;
 use std::io::{BufWriter, Write};
 
-/// Writes all parts of a scene as one VTK PolyData file (`.vtp`), in scene coordinates: its arrays are appended raw,
-/// little-endian, with lengths of 64 bits. Positions, normals, texture coordinates and other values are `Float64`
-/// and keep every bit; colours are bytes where that is exact, and `Float64` else. The certificate is a string of
-/// the field data, which VTK's own programs carry along.
+/// Writes all parts of a scene as one VTK PolyData file (`.vtp`), in scene coordinates. Its arrays are
+/// appended raw, little-endian, with lengths of 64 bits. Positions, normals, texture coordinates and other
+/// values are `Float64` and keep every bit; colours are bytes if that is exact, else `Float64`. The
+/// certificate is a string of the field data, which VTK's own programs preserve.
 ///
-/// Attributes of vertices and faces become arrays of points and cells under their names: what some part has not is
-/// 0, or white. Those of corners are left out, see [`crate::losses`].
+/// Attributes of vertices and faces become arrays of points and cells under their names; parts without an
+/// attribute get 0, or white. Attributes of corners are left out, see [`crate::losses`].
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, the nodes of the scene are no tree, or there are too many vertices.
+/// [`WriteError`] if the sink fails, the nodes of the scene are not a tree, or there are too many vertices.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -56,7 +56,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
         width,
         n_bytes,
     };
-    // The arrays of points and cells come before them, and their bytes too.
+    // The arrays of points and cells precede them, and so do their bytes.
     if has_ids {
         arrays.push(array(VtpSection::PointData, POSITION_ID, index, 1, n_points * index_bytes));
     }
@@ -97,7 +97,7 @@ fn greatest(a: u64, b: u64) -> u64 {
     if a > b { a } else { b }
 }
 
-/// Corners of all meshes, those of each after the vertices of the ones before it.
+/// Corners of all meshes; each mesh's indices start after the vertices of the previous ones.
 fn write_corners(meshes: &[Cow<'_, Mesh>], index: &str, out: &mut impl Write) -> Result<(), WriteError> {
     let (mut first, mut row) = (0, Vec::new());
     for mesh in meshes {
@@ -125,11 +125,11 @@ fn write_ids(meshes: &[Cow<'_, Mesh>], index: &str, out: &mut impl Write) -> Res
     Ok(())
 }
 
-/// The arrays that viewers take for what they are.
+/// The roles of arrays (normals, texture coordinates, colours), which viewers use.
 fn active(streams: &[VtpStream]) -> String {
     let named = |is_it: fn(&Semantic) -> bool, attribute: &str| {
-        let found = streams.iter().find(|s| s.domain == Domain::Vertex && is_it(&s.semantic));
-        found.map_or(String::new(), |stream| format!(" {attribute}=\"{}\"", escaped(&stream.name)))
+        let stream = streams.iter().find(|s| s.domain == Domain::Vertex && is_it(&s.semantic));
+        stream.map_or(String::new(), |stream| format!(" {attribute}=\"{}\"", escaped(&stream.name)))
     };
     named(|s| matches!(s, Semantic::Color(_)), "Scalars")
         + &named(|s| *s == Semantic::Normal, "Normals")
@@ -142,14 +142,14 @@ struct VtpStream {
     semantic: Semantic,
     domain: Domain,
     width: usize,
-    /// Its name in the file, which no other of its section has.
+    /// Its name in the file, unique in its section.
     name: String,
     is_bytes: bool,
     turns_v: bool,
 }
 
 impl VtpStream {
-    /// All that some mesh has, in the order in which they come.
+    /// All attributes that some mesh has, in order of first occurrence.
     fn of(meshes: &[Cow<'_, Mesh>], turns_v: bool) -> Vec<Self> {
         let mut streams: Vec<Self> = Vec::new();
         for attribute in meshes.iter().flat_map(|mesh| mesh.attributes()).filter(|a| keeps(a)) {
@@ -203,13 +203,13 @@ impl VtpStream {
             let is_it = |a: &&Attribute| {
                 (&a.semantic, a.domain, a.width) == (&self.semantic, self.domain, self.width)
             };
-            let found = mesh.attributes().iter().find(is_it);
+            let attribute = mesh.attributes().iter().find(is_it);
             let n_rows =
                 if self.domain == Domain::Vertex { mesh.positions().len() } else { mesh.faces().len() };
             for i in 0..n_rows {
                 row.clear();
                 for k in 0..self.width {
-                    let value = found.map_or(missing, |attribute| attribute.row(i)[k]);
+                    let value = attribute.map_or(missing, |attribute| attribute.row(i)[k]);
                     let value = if self.turns_v && k == 1 { 1.0 - value } else { value };
                     match self.is_bytes.then(|| byte(value)).flatten() {
                         Some(byte) => row.push(byte),
@@ -227,7 +227,7 @@ impl VtpStream {
 fn byte(channel: f64) -> Option<u8> {
     let nearest = (channel * 255.0).round();
     let fits = (0.0..=255.0).contains(&nearest) && nearest / 255.0 == channel;
-    // -0 is no byte.
+    // -0 is not a byte.
     (fits && channel.is_sign_positive()).then_some(nearest as u8)
 }
 

@@ -6,10 +6,10 @@ use std::io::{BufWriter, Write};
 
 /// Writes the vertices and polygons of a cage as VTK PolyData, as [`super::write`] does triangles.
 ///
-/// VTK has no subdivision tags; [`crate::losses_of_polygons`] lists what is lost.
+/// VTK has no subdivision tags; [`crate::losses_of_polygons`] lists the losses.
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, or the certificate is too long.
+/// [`WriteError`] if the sink fails, or the certificate is too long.
 ///
 /// ```
 /// use chordal::explicit::Cage;

@@ -9,7 +9,7 @@ use crate::xml_text::place;
 use crate::{FileLocation, Limits, ReadError};
 use std::borrow::Cow;
 
-/// Which data set a file holds.
+/// The kind of data set in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DataSetKind {
     PolyData,
@@ -18,7 +18,7 @@ pub(super) enum DataSetKind {
 }
 
 impl DataSetKind {
-    /// Its element, which is also the type of the file.
+    /// The name of its element, which is also the type of the file.
     fn element(self) -> &'static str {
         match self {
             Self::PolyData => "PolyData",
@@ -28,7 +28,7 @@ impl DataSetKind {
     }
 }
 
-/// Which array a section says to be of a use.
+/// The role that a section assigns to an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ActiveArray {
     PointNormals,
@@ -37,18 +37,18 @@ pub(super) enum ActiveArray {
     CellScalars,
 }
 
-/// The element of image data: its attributes as they are spelled.
+/// The element of image data: its attributes as text.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ImageElement {
     pub extent: Option<String>,
     pub origin: Option<String>,
     pub spacing: Option<String>,
     pub direction: Option<String>,
-    /// The byte of the document at which it starts.
+    /// The offset in the document at which it starts.
     pub at: usize,
 }
 
-/// What an array of a piece belongs to.
+/// The elements that an array of a piece belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PieceSection {
     PointData,
@@ -61,7 +61,7 @@ pub(super) enum PieceSection {
     Cells,
 }
 
-/// The sections by their elements.
+/// The sections by element name.
 const SECTIONS: [(&str, PieceSection); 8] = [
     ("PointData", PieceSection::PointData),
     ("CellData", PieceSection::CellData),
@@ -73,7 +73,7 @@ const SECTIONS: [(&str, PieceSection); 8] = [
     ("Cells", PieceSection::Cells),
 ];
 
-/// The attributes of sections that name an array.
+/// The attributes of sections that assign roles to arrays.
 const ACTIVE: [(PieceSection, &str, ActiveArray); 4] = [
     (PieceSection::PointData, "Normals", ActiveArray::PointNormals),
     (PieceSection::PointData, "TCoords", ActiveArray::PointTexCoords),
@@ -90,22 +90,22 @@ pub(super) struct VtkPiece<'a> {
     pub n_strips: u64,
     pub n_polys: u64,
     pub n_cells: u64,
-    /// The box of the lattice, as it is spelled.
+    /// The extent of the lattice, as text.
     pub extent: Option<Box<str>>,
     pub arrays: Vec<(PieceSection, DataArray<'a>)>,
-    /// The names of the arrays that have a use.
+    /// The names of the arrays with a role.
     active: Vec<(ActiveArray, String)>,
-    /// The byte of the document at which it starts.
+    /// The offset in the document at which it starts.
     pub at: usize,
 }
 
 impl<'a> VtkPiece<'a> {
-    /// The name of the array of a use.
+    /// The name of the array with a role.
     pub(super) fn active(&self, of: ActiveArray) -> Option<&str> {
         self.active.iter().find(|(known, _)| *known == of).map(|(_, name)| name.as_str())
     }
 
-    /// The first array of a section, or that of a name.
+    /// The first array of a section, or the one with a name.
     pub(super) fn array(&self, section: PieceSection, name: Option<&str>) -> Option<&DataArray<'a>> {
         let is_it = |array: &DataArray| name.is_none_or(|name| array.name == name);
         self.arrays.iter().find(|(of, array)| *of == section && is_it(array)).map(|(_, array)| array)
@@ -120,16 +120,16 @@ pub(super) struct VtkDocument<'a> {
     pub text: &'a str,
     pub encoding: ArrayEncoding,
     pub appended: Option<AppendedBytes<'a>>,
-    /// The element of image data, empty in other data sets.
+    /// The element of image data, empty for other data sets.
     pub image: ImageElement,
     pub pieces: Vec<VtkPiece<'a>>,
-    /// Arrays of the data set as a whole.
+    /// The field data of the data set.
     pub fields: Vec<DataArray<'a>>,
-    /// Arrays of times after the first.
+    /// The number of arrays of later time steps.
     pub n_other_times: u64,
 }
 
-/// The most arrays of a piece. Chosen: simulations write tens, and each is compared with those before it.
+/// The most arrays of a piece. Chosen: simulations write tens, and each is compared with all previous ones.
 const MOST_ARRAYS: usize = 4096;
 
 /// Where the text ends and the appended bytes begin.
@@ -153,10 +153,10 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<usize>), ReadError> {
 }
 
 impl<'a> VtkDocument<'a> {
-    /// Reads the elements of a file of one of the data sets.
+    /// Reads the elements of a file with one of these data sets.
     ///
     /// # Errors
-    /// When it is no XML, or another data set; when an attribute is missing or unknown; when a limit is passed.
+    /// If it is not XML, or another data set; if an attribute is missing or unknown; if a limit is exceeded.
     pub(super) fn read(
         bytes: &'a [u8],
         kinds: &'static [DataSetKind],
@@ -188,7 +188,7 @@ impl<'a> VtkDocument<'a> {
         Ok(reader.document)
     }
 
-    /// An error at the element that starts at a byte.
+    /// An error at the element that starts at an offset.
     pub(super) fn error(&self, at: usize, code: &'static str, message: impl Into<String>) -> ReadError {
         ReadError::new(code, place(self.text, at), message.into())
     }
@@ -222,7 +222,7 @@ impl<'a> DocumentReader<'a> {
             match step {
                 XmlStep::Start(element) => {
                     if self.open == [VtkElement::File] && element.local == "AppendedData" {
-                        // What follows is no text.
+                        // The bytes after this are not text.
                         return self.append(appended);
                     }
                     let meaning = self.start(element.local)?;
@@ -252,8 +252,8 @@ impl<'a> DocumentReader<'a> {
         Ok(())
     }
 
-    fn unknown(&self, name: &str, value: &str, known: &str) -> ReadError {
-        let message = format!("{name} = {} is none of {known}", show(value.as_bytes()));
+    fn unknown(&self, name: &str, value: &str, supported: &str) -> ReadError {
+        let message = format!("{name} = {} is none of {supported}", show(value.as_bytes()));
         self.elements.error("unknown-value", message)
     }
 
@@ -292,9 +292,9 @@ impl<'a> DocumentReader<'a> {
         let data_set = self.elements.need("type")?;
         let kind = self.kinds.iter().find(|kind| kind.element() == data_set);
         self.document.kind = *kind.ok_or_else(|| {
-            let known: Vec<&str> = self.kinds.iter().map(|kind| kind.element()).collect();
-            let known = known.join(" or ");
-            let message = format!("the data set is {}, not {known}", show(data_set.as_bytes()));
+            let supported: Vec<&str> = self.kinds.iter().map(|kind| kind.element()).collect();
+            let supported = supported.join(" or ");
+            let message = format!("the data set is {}, not {supported}", show(data_set.as_bytes()));
             self.elements.error("unsupported-data-set", message)
         })?;
         let encoding = &mut self.document.encoding;
@@ -313,14 +313,14 @@ impl<'a> DocumentReader<'a> {
             "vtkZLibDataCompressor" => encoding.compressor = Some(BlockCompressor::Zlib),
             "vtkLZ4DataCompressor" => encoding.compressor = Some(BlockCompressor::Lz4),
             other => {
-                let known = "vtkZLibDataCompressor and vtkLZ4DataCompressor";
-                return Err(self.unknown("compressor", other, known));
+                let supported = "vtkZLibDataCompressor and vtkLZ4DataCompressor";
+                return Err(self.unknown("compressor", other, supported));
             }
         }
         Ok(VtkElement::File)
     }
 
-    /// A count among the attributes, or 0.
+    /// A count in an attribute, or 0.
     fn count(&self, name: &str) -> Result<u64, ReadError> {
         let Some(text) = self.elements.get(name) else { return Ok(0) };
         let token = trim(text.as_bytes());
@@ -382,7 +382,7 @@ impl<'a> DocumentReader<'a> {
             return Err(self.unknown("type", type_name, "the types of VTK, as in Float32"));
         }
         let n_components = match self.elements.get("NumberOfComponents") {
-            // Writers of old files leave 0 where there is one.
+            // Some writers of old files leave 0 for one component.
             Some(_) => usize::try_from(self.count("NumberOfComponents")?).unwrap_or(usize::MAX).max(1),
             None => 1,
         };
@@ -399,7 +399,7 @@ impl<'a> DocumentReader<'a> {
         Ok(DataArray { name, kind, n_components, source, at })
     }
 
-    /// Text directly in an array. It comes in one run, but for comments and the like in it.
+    /// Text directly in an array. It is contiguous except for comments and the like.
     fn text(&mut self, more: Cow<'a, str>) -> Result<(), ReadError> {
         let is_blank = more.bytes().all(crate::text::is_space);
         let Some(array) = &mut self.array else { return Ok(()) };
@@ -424,7 +424,7 @@ impl<'a> DocumentReader<'a> {
                 }
                 let is_known =
                     piece.arrays.iter().any(|(of, known)| of == section && known.name == array.name);
-                // Arrays of later times have the name of the first.
+                // Arrays of later time steps have the same name as the first.
                 if is_known && !array.name.is_empty() {
                     self.document.n_other_times += 1;
                     return Ok(());

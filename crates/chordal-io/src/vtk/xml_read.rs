@@ -16,21 +16,22 @@ use crate::xml_text::place;
 use crate::{Content, FileLocation, Limits, Part, ReadError, ReadOutcome};
 use serde_json::Value;
 
-/// The data sets that are surfaces.
+/// The data sets that define surfaces.
 const SURFACES: &[DataSetKind] = &[DataSetKind::PolyData, DataSetKind::UnstructuredGrid];
 
 /// Reads the surface of a VTK XML file: PolyData (`.vtp`), or the surface cells of an UnstructuredGrid (`.vtu`).
 ///
-/// Each piece is a part. Triangles, quads, polygons, pixels and strips are faces; polygons are cut into triangles.
-/// Other cells (volumes, lines, points) are left out with a warning that counts them by name, and curved cells are
-/// taken as flat ones over their corners. Normals, texture coordinates and colours (three or four bytes) of points
-/// become attributes of vertices, and all other arrays of numbers [`chordal::explicit::Semantic::Custom`], those
-/// of cells for each triangle of the cell. Arrays are text, base64 or appended bytes, packed by zlib or LZ4 or not,
-/// in either byte order. Numbers in text are not rounded to the type that the array names.
+/// Each piece is a part. Triangles, quads, polygons, pixels and strips are faces; polygons are cut into
+/// triangles. Other cells (volumes, lines, points) are skipped with a warning that counts them by name, and
+/// curved cells are read as flat ones over their corners. Normals, texture coordinates and colours (three or
+/// four bytes) of points become attributes of vertices, and all other arrays of numbers
+/// [`chordal::explicit::Semantic::Custom`]; arrays of cells are copied to each triangle of the cell. Arrays
+/// are text, base64 or appended bytes, plain or packed by zlib or LZ4, in either byte order. Numbers in text
+/// are not rounded to the declared type of the array.
 ///
 /// # Errors
-/// [`ReadError`] at the line and column, the byte of the appended data, or the cell: also for other data sets, other
-/// compressors, and a file of which no cell is a surface.
+/// [`ReadError`] at the line and column, the byte of the appended data, or the cell; also for other data
+/// sets, other compressors, and a file without surface cells.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, vtk};
@@ -54,7 +55,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut parts: Vec<Part> = Vec::new();
     let mut n_empty = 0;
     for piece in &document.pieces {
-        // Pieces without points are what is left where a data set was divided among many.
+        // Empty pieces remain where a data set was divided among many processes.
         if piece.n_points == 0 && document.pieces.len() > 1 {
             n_empty += 1;
             continue;
@@ -77,7 +78,7 @@ struct XmlPieceReader<'d, 'a> {
     decoder: ArrayDecoder<'a>,
     limits: &'d Limits,
     warnings: Warnings,
-    /// The values that were spread over triangles.
+    /// The number of values that were copied to triangles.
     n_spread: u64,
 }
 
@@ -96,7 +97,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
         match self.document.kind {
             DataSetKind::PolyData => self.poly_data(piece, &mut surface, &mut scope)?,
             DataSetKind::UnstructuredGrid => self.cells(piece, &mut surface, &mut scope)?,
-            // Volumes are refused before.
+            // Volumes were refused before.
             DataSetKind::ImageData => {}
         }
         let n_cells = scope.cell as usize;
@@ -145,7 +146,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
             .read(at, &mut self.warnings)
     }
 
-    /// A list of cells, which is empty where there are none.
+    /// A list of cells, empty if there are none.
     fn list(
         &mut self,
         piece: &'d VtkPiece<'a>,
@@ -180,7 +181,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
         }
     }
 
-    /// Cells are numbered as VTK does: points, lines, polygons, strips.
+    /// VTK numbers cells in this order: points, lines, polygons, strips.
     fn poly_data(
         &mut self,
         piece: &'d VtkPiece<'a>,
@@ -219,7 +220,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
             let message = format!("{} types for {n} cells", types.len());
             return Err(ReadError::new("truncated", place(self.document.text, piece.at), message));
         }
-        // What is no byte is no known type.
+        // A number that does not fit a byte is an unknown type.
         let kinds = (0..n as usize).map(|i| types.integer(i).and_then(|kind| u8::try_from(kind).ok()));
         surface.read(&mut list, kinds.map(|kind| kind.unwrap_or(u8::MAX)), scope)?;
         count_left(&list, scope);
@@ -242,13 +243,13 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
         } else if is(ActiveArray::PointTexCoords) {
             ArrayRole::TexCoords
         } else if is_bytes && matches!(array.n_components, 3 | 4) {
-            // Viewers show three or four bytes as a colour, whatever their name.
+            // Viewers show three or four bytes as a colour, whatever the name of the array.
             ArrayRole::Colors
         } else {
             ArrayRole::Unknown
         };
         let at = ArrayPlace::Text(self.document.text, array.at);
-        // Bytes of colours are fractions of 255.
+        // Byte colours are fractions of 255.
         let divisor = if is_bytes { 255.0 } else { 1.0 };
         let (name, width) = (&*array.name, array.n_components);
         Ok(NamedArray {
@@ -264,7 +265,7 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
 
     /// The certificate among the arrays of the data set; others are counted.
     fn certificate(&mut self) -> Result<Option<Value>, ReadError> {
-        let mut found = None;
+        let mut certificate = None;
         for array in &self.document.fields {
             let at = ArrayPlace::Text(self.document.text, array.at);
             if array.name != CERTIFICATE {
@@ -276,19 +277,19 @@ impl<'d, 'a> XmlPieceReader<'d, 'a> {
                 _ => self.decoder.bytes(array)?.into_owned(),
             };
             let end = memchr::memchr(0, &bytes).unwrap_or(bytes.len());
-            found = crate::certificate::read(&bytes[..end], at.location(), &mut self.warnings);
+            certificate = crate::certificate::read(&bytes[..end], at.location(), &mut self.warnings);
         }
-        Ok(found)
+        Ok(certificate)
     }
 }
 
-/// The text of an array of characters by their numbers; what is no character ends it.
+/// The text of an array of characters by their codes; an invalid code ends it.
 fn characters(text: &str) -> Vec<u8> {
     let byte = |token: &[u8]| integer(token).ok().and_then(|value| u8::try_from(value).ok());
     LineTokens::new(text.as_bytes()).map_while(byte).collect()
 }
 
-/// Warns of points of cells beyond the last cell.
+/// Warns about points after the last cell.
 fn count_left(list: &CellList<'_>, scope: &mut CellScope<'_>) {
     scope.warnings.count_many("connectivity-left-over", list.n_left(), || {
         (FileLocation::File, "indices after the last cell were not used".to_owned())

@@ -1,32 +1,32 @@
-//! `ZipDirectory`: what a zip container says that it holds, with every name checked.
+//! `ZipDirectory`: the directory of a zip container, with every name checked.
 use crate::grow::push_large;
 use crate::text::{grouped, show};
 use crate::{FileLocation, ReadError};
 use std::collections::BTreeSet;
 
-/// The first bytes of a file in a container, and so of a container that is not empty.
+/// The signature of a file in a container, and so of a container that is not empty.
 pub(crate) const LOCAL: &[u8; 4] = b"PK\x03\x04";
-/// The first bytes of a row of the directory, and its bytes before the name.
+/// The signature of a row of the directory, and the bytes of a row before the name.
 pub(crate) const ROW: &[u8; 4] = b"PK\x01\x02";
 const ROW_BYTES: usize = 46;
-/// The first bytes of the end, and its bytes before the comment.
+/// The signature of the end record, and its bytes before the comment.
 pub(crate) const END: &[u8; 4] = b"PK\x05\x06";
 const END_BYTES: usize = 22;
-/// The same with numbers of 64 bits, and what says where that is.
+/// The signatures of the 64-bit end record, and of its locator.
 const END_64: &[u8; 4] = b"PK\x06\x06";
 const END_64_BYTES: usize = 56;
 const LOCATOR_64: &[u8; 4] = b"PK\x06\x07";
 const LOCATOR_64_BYTES: usize = 20;
-/// The extra field with numbers of 64 bits.
+/// The extra field with 64-bit numbers.
 const EXTRA_64: u16 = 1;
 
-/// The most entries. Chosen: honest packages have tens, those with a part for each of many bodies hundreds.
+/// The most entries. Chosen: real packages have tens, those with a part for each of many bodies hundreds.
 const MOST_ENTRIES: u64 = 10_000;
-/// The mode bits of Unix that say what an entry is, and those of a symbolic link.
+/// The mode bits of Unix for the kind of an entry, and their value for a symbolic link.
 const MODE_KIND: u32 = 0o170_000;
 const MODE_LINK: u32 = 0o120_000;
 
-/// A file in a container, as its directory has it.
+/// A file in a container, as its directory describes it.
 #[derive(Clone, Debug)]
 pub(crate) struct ZipEntry {
     pub name: String,
@@ -36,7 +36,7 @@ pub(crate) struct ZipEntry {
     pub crc: u32,
     pub n_packed: u64,
     pub n_unpacked: u64,
-    /// The byte of its local header.
+    /// The offset of its local header.
     pub at: u64,
 }
 
@@ -46,22 +46,22 @@ pub(crate) struct ZipDirectory {
     pub entries: Vec<ZipEntry>,
 }
 
-/// The little-endian number at a byte.
+/// The little-endian number at an offset.
 pub(crate) fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<u64> {
     let raw = bytes.get(at..at.checked_add(N)?)?;
     Some(raw.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte)))
 }
 
-/// Which names are the same.
+/// How names are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ZipNames {
-    /// Those that differ in case only, as in packages.
+    /// Ignoring case, as in packages.
     AnyCase,
-    /// Only those that are equal.
+    /// Exactly.
     Exact,
 }
 
-/// Where the rows are.
+/// The range of the rows.
 struct DirectoryRange {
     n_rows: u64,
     start: u64,
@@ -72,8 +72,8 @@ impl ZipDirectory {
     /// Reads the directory at the end of a file.
     ///
     /// # Errors
-    /// When there is none, it is cut off, it has too many rows, two names are the same, or one leads out of
-    /// the container.
+    /// If there is none, it is truncated, it has too many rows, two names are equal, or one leads out of the
+    /// container.
     pub(crate) fn read(bytes: &[u8], same: ZipNames) -> Result<Self, ReadError> {
         let range = directory_range(bytes)?;
         if range.n_rows > MOST_ENTRIES {
@@ -127,13 +127,13 @@ impl ZipDirectory {
         Ok(Self { entries })
     }
 
-    /// The entry of a name, whatever the case of its letters.
+    /// The entry with a name, ignoring case.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         self.entries.iter().position(|entry| entry.name.eq_ignore_ascii_case(name))
     }
 }
 
-/// Finds the end, and through it the rows.
+/// Finds the end record, and through it the rows.
 fn directory_range(bytes: &[u8]) -> Result<DirectoryRange, ReadError> {
     let cut =
         |what: &str| ReadError::new("truncated", FileLocation::Byte(bytes.len() as u64), what.to_owned());
@@ -156,17 +156,17 @@ fn directory_range(bytes: &[u8]) -> Result<DirectoryRange, ReadError> {
     let several = !is_64 && (disk != 0 || start_disk != 0 || n_here != n_rows);
     let fits = range.start.checked_add(range.n_bytes).is_some_and(|after| after <= end as u64);
     let holds = range.n_rows.saturating_mul(ROW_BYTES as u64) <= range.n_bytes;
-    // What is larger than the directory can hold is told by its own error.
+    // More rows than allowed have a separate error.
     if several || !fits || !(holds || range.n_rows > MOST_ENTRIES) {
         return Err(cut("the package's directory is damaged, or on several disks"));
     }
     Ok(range)
 }
 
-/// The byte of the end whose comment reaches to the end of the file.
+/// The offset of the end record whose comment extends to the end of the file.
 fn end_at(bytes: &[u8]) -> Option<usize> {
     let last = bytes.len().checked_sub(END_BYTES)?;
-    // A comment has 65,535 bytes at most.
+    // A comment has at most 65,535 bytes.
     let first = last.saturating_sub(0xFFFF);
     (first..=last)
         .rev()
@@ -179,13 +179,13 @@ fn range_64(bytes: &[u8], end: usize) -> Option<DirectoryRange> {
         return None;
     }
     let at = usize::try_from(number::<8>(bytes, locator + 8)?).ok()?;
-    let found = bytes.get(at..at.checked_add(END_64_BYTES)?)?;
-    let number = |at: usize| number::<8>(found, at);
-    (found.starts_with(END_64)).then_some(())?;
+    let record = bytes.get(at..at.checked_add(END_64_BYTES)?)?;
+    let number = |at: usize| number::<8>(record, at);
+    (record.starts_with(END_64)).then_some(())?;
     Some(DirectoryRange { n_rows: number(32)?, n_bytes: number(40)?, start: number(48)? })
 }
 
-/// A row with its mode bits, and the byte after it.
+/// A row with its mode bits, and the offset after it.
 fn row(bytes: &[u8], at: usize, end: usize) -> Option<((ZipEntry, u32), usize)> {
     let row = bytes.get(at..end)?;
     if !row.starts_with(ROW) {
@@ -200,7 +200,7 @@ fn row(bytes: &[u8], at: usize, end: usize) -> Option<((ZipEntry, u32), usize)> 
     let mut sizes = [number::<4>(row, 24)?, number::<4>(row, 20)?, number::<4>(row, 42)?];
     widen(&mut sizes, extra)?;
     let [n_unpacked, n_packed, local] = sizes;
-    // The upper byte says on which system the upper half of the attributes is a mode: 3 is Unix.
+    // The upper byte names the system; on Unix, 3, the upper half of the attributes is a mode.
     let is_unix = number::<2>(row, 4)? >> 8 == 3;
     let mode = if is_unix { (number::<4>(row, 38)? >> 16) as u32 } else { 0 };
     let entry = ZipEntry {
@@ -215,7 +215,7 @@ fn row(bytes: &[u8], at: usize, end: usize) -> Option<((ZipEntry, u32), usize)> 
     Some(((entry, mode), at + n_row))
 }
 
-/// Takes the numbers that do not fit 32 bits from the extra field that has them, in their order.
+/// Replaces the numbers that do not fit 32 bits by those of the extra field, which has them in order.
 fn widen(sizes: &mut [u64; 3], mut extra: &[u8]) -> Option<()> {
     while extra.len() >= 4 {
         let (id, n) = (number::<2>(extra, 0)?, number::<2>(extra, 2)? as usize);
@@ -233,8 +233,8 @@ fn widen(sizes: &mut [u64; 3], mut extra: &[u8]) -> Option<()> {
     Some(())
 }
 
-/// Why a name is refused, if it is: nothing is written to a disk, but a name that would lead out of a folder
-/// has no honest use.
+/// Why a name is refused, if it is. Nothing is written to a disk, but a name that would lead out of a folder
+/// has no legitimate use.
 pub(crate) fn unsafe_name(name: &str) -> Option<&'static str> {
     let path = name.strip_suffix('/').unwrap_or(name);
     if path.is_empty() || path.split('/').any(str::is_empty) {

@@ -1,4 +1,4 @@
-//! Zip containers, which 3MF packages and `.npz` files are: read within limits, written deterministically.
+//! Zip containers of 3MF packages and `.npz` files: read within limits, written deterministically.
 pub(crate) mod directory;
 mod stored;
 pub(crate) mod unpack;

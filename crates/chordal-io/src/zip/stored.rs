@@ -1,4 +1,4 @@
-//! `write_stored`: a zip container of entries that are not packed, each aligned, as packages of USD are.
+//! `write_stored`: a zip container of aligned, uncompressed entries, as USD packages are.
 use super::directory::{END, LOCAL, ROW};
 use super::writer::DATE;
 use crate::WriteError;
@@ -14,13 +14,13 @@ const ALIGNMENT: u64 = 64;
 const LOCAL_BYTES: u64 = 30;
 /// An extra field has a kind and a size, of two bytes each, before its own bytes.
 const EXTRA_HEAD: u64 = 4;
-/// The kind that USD's own writer gives the field that fills up to the alignment.
+/// The kind of the padding field in USD's own writer.
 const PADDING_KIND: u16 = 0x1986;
 
-/// Writes the entries, in their order, the same bytes for the same content.
+/// Writes the entries in order. The same content gives the same bytes.
 ///
 /// # Errors
-/// When the sink fails, or the container would have 4 GiB or more.
+/// If the sink fails, or the container would have 4 GiB or more.
 pub(crate) fn write_stored(entries: &[(&str, &[u8])], out: &mut dyn Write) -> Result<(), WriteError> {
     let too_large = |n: u64| {
         WriteError::Unsupported(format!("a package ends at 4 GiB, and {} bytes are there", grouped(n)))
@@ -36,7 +36,7 @@ pub(crate) fn write_stored(entries: &[(&str, &[u8])], out: &mut dyn Write) -> Re
         let mut header = Vec::new();
         let mut put = |bytes: &[u8]| header.extend_from_slice(bytes);
         put(&VERSION.to_le_bytes());
-        // No flags, no packing, no time of day.
+        // No flags, no compression, no time of day.
         put(&[0; 6]);
         put(&DATE.to_le_bytes());
         put(&crc.sum().to_le_bytes());
@@ -46,7 +46,7 @@ pub(crate) fn write_stored(entries: &[(&str, &[u8])], out: &mut dyn Write) -> Re
         directory.extend_from_slice(ROW);
         directory.extend_from_slice(&VERSION.to_le_bytes());
         directory.extend_from_slice(&header);
-        // No extra field, no comment, the first disk, no attributes of a file.
+        // No extra field, no comment, the first disk, no file attributes.
         directory.extend_from_slice(&[0; 12]);
         directory.extend_from_slice(&size(at)?.to_le_bytes());
         directory.extend_from_slice(name.as_bytes());
@@ -64,7 +64,7 @@ pub(crate) fn write_stored(entries: &[(&str, &[u8])], out: &mut dyn Write) -> Re
     let n = n.to_le_bytes();
     out.write_all(&directory)?;
     let n_directory = size(directory.len() as u64)?.to_le_bytes();
-    // The first disk, which is the last one, and no comment.
+    // The first disk, which is also the last, and no comment.
     for bytes in [&END[..], &[0; 4], &n, &n, &n_directory, &size(at)?.to_le_bytes(), &[0; 2]] {
         out.write_all(bytes)?;
     }

@@ -1,4 +1,4 @@
-//! `ZipUnpacker`: the bytes of an entry, unpacked within limits that are checked on the way.
+//! `ZipUnpacker`: the unpacked bytes of an entry; limits are checked during decompression.
 use super::directory::{LOCAL, ZipEntry, number};
 use crate::grow::push_many;
 use crate::text::{grouped, show};
@@ -10,13 +10,13 @@ use std::io::{ErrorKind, Read};
 
 /// The bytes of a local header before the name.
 const LOCAL_BYTES: usize = 30;
-/// The bytes that are unpacked between two looks at the limits.
+/// The bytes that are unpacked between two checks of the limits.
 const STEP: usize = 1 << 16;
 
-/// Unpacks entries of one file, and counts what they take together.
+/// Unpacks entries of one file, and counts their bytes.
 pub(crate) struct ZipUnpacker<'a> {
     bytes: &'a [u8],
-    /// What may still be unpacked.
+    /// The number of bytes that may still be unpacked.
     left: u64,
     most: u64,
     cap: UnpackCap,
@@ -27,7 +27,7 @@ impl<'a> ZipUnpacker<'a> {
         Self { bytes, left: cap.total.min(limits.bytes), most: cap.entry.min(limits.bytes), cap }
     }
 
-    /// Up to `most` bytes from the start of an entry, as far as they can be had.
+    /// Up to `most` bytes from the start of an entry, as far as they can be unpacked.
     pub(crate) fn head(&self, entry: &ZipEntry, most: usize) -> Vec<u8> {
         let Ok((packed, _)) = self.packed(entry) else { return Vec::new() };
         let source: Box<dyn Read> = match entry.method {
@@ -36,7 +36,7 @@ impl<'a> ZipUnpacker<'a> {
             _ => return Vec::new(),
         };
         let mut head = Vec::new();
-        // What comes before an error is a head too.
+        // The bytes before an error are also used.
         let _ = source.take(most as u64).read_to_end(&mut head);
         head
     }
@@ -44,8 +44,8 @@ impl<'a> ZipUnpacker<'a> {
     /// The content of an entry.
     ///
     /// # Errors
-    /// When it is cut off, damaged, encrypted or packed in another way than deflated; when it has another
-    /// size or checksum than the directory says; when it passes a limit.
+    /// If it is truncated, damaged, encrypted or compressed by another method than deflate; if its size or
+    /// checksum differs from the directory; if it exceeds a limit.
     pub(crate) fn unpack(&mut self, entry: &ZipEntry) -> Result<Vec<u8>, ReadError> {
         let (packed, at) = self.packed(entry)?;
         let refuse = |code, what: String| {
@@ -80,6 +80,7 @@ impl<'a> ZipUnpacker<'a> {
             }
             Ok(())
         };
+        // The declared size may be wrong, so it is checked here, and the real one at every step.
         check(entry.n_unpacked)?;
         let (mut content, mut crc) = (Vec::new(), Crc::new());
         let mut step = vec![0; STEP];
@@ -113,9 +114,9 @@ impl<'a> ZipUnpacker<'a> {
         Ok(content)
     }
 
-    /// The packed bytes, and the byte where they start.
+    /// The packed bytes, and the offset where they start.
     fn packed(&self, entry: &ZipEntry) -> Result<(&'a [u8], u64), ReadError> {
-        let found = || {
+        let locate = || {
             let local = usize::try_from(entry.at).ok()?;
             let header = self.bytes.get(local..local.checked_add(LOCAL_BYTES)?)?;
             let (n_name, n_extra) = (number::<2>(header, 26)? as usize, number::<2>(header, 28)? as usize);
@@ -125,7 +126,7 @@ impl<'a> ZipUnpacker<'a> {
             let end = start.checked_add(usize::try_from(entry.n_packed).ok()?)?;
             is_same.then_some((self.bytes.get(start..end)?, start as u64))
         };
-        found().ok_or_else(|| {
+        locate().ok_or_else(|| {
             let message = format!(
                 "the package's entry {} is cut off, or is not where the directory says",
                 show(entry.name.as_bytes())

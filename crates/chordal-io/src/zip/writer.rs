@@ -1,4 +1,4 @@
-//! `ZipWriter`: writes a zip container, the same bytes for the same content.
+//! `ZipWriter`: writes a zip container. The same content gives the same bytes.
 use super::directory::{END, LOCAL, ROW};
 use crate::WriteError;
 use crate::text::grouped;
@@ -8,11 +8,11 @@ use std::io::{BufWriter, Write};
 
 /// Zlib's own default, which its authors chose as the balance of size and time.
 const LEVEL: u32 = 6;
-/// Version 2.0 of the format, which brought the deflated entries.
+/// Version 2.0 of the format, the first with deflated entries.
 const VERSION: u16 = 20;
 /// The method of deflated entries.
 const DEFLATED: u16 = 8;
-/// The first day that the format can name, 1980-01-01: days from bit 0, months from bit 5, years from bit 9.
+/// The earliest date of the format, 1980-01-01: days from bit 0, months from bit 5, years from bit 9.
 pub(super) const DATE: u16 = 1 | 1 << 5;
 
 /// A container that is being written.
@@ -23,7 +23,7 @@ pub(crate) struct ZipWriter<'a> {
     n_entries: u16,
 }
 
-/// Packs bytes, and keeps their checksum and number.
+/// Compresses bytes, and counts them and computes their checksum.
 struct EntryPacker {
     encoder: DeflateEncoder<Vec<u8>>,
     crc: Crc,
@@ -39,7 +39,7 @@ impl Write for EntryPacker {
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
-        // A flush of the encoder would put a mark into the packed bytes.
+        // Flushing the encoder would add a marker to the packed bytes.
         Ok(())
     }
 }
@@ -49,10 +49,10 @@ impl<'a> ZipWriter<'a> {
         Self { out, at: 0, directory: Vec::new(), n_entries: 0 }
     }
 
-    /// Writes an entry, which is held packed until it is whole.
+    /// Writes an entry, whose packed bytes are held until it is complete.
     ///
     /// # Errors
-    /// When the sink fails, the content does, or either size does not fit 32 bits.
+    /// If the sink fails, writing the content fails, or either size does not fit 32 bits.
     pub(crate) fn entry(
         &mut self,
         name: &str,
@@ -91,7 +91,7 @@ impl<'a> ZipWriter<'a> {
         self.directory.extend_from_slice(ROW);
         self.directory.extend_from_slice(&VERSION.to_le_bytes());
         self.directory.extend_from_slice(&header);
-        // No comment, the first disk, no attributes of a file.
+        // No comment, the first disk, no file attributes.
         self.directory.extend_from_slice(&[0; 10]);
         self.directory.extend_from_slice(&at.to_le_bytes());
         self.directory.extend_from_slice(name.as_bytes());
@@ -102,7 +102,7 @@ impl<'a> ZipWriter<'a> {
     /// Writes the directory.
     ///
     /// # Errors
-    /// When the sink fails, or the file is too large.
+    /// If the sink fails, or the file is too large.
     pub(crate) fn finish(self) -> Result<(), WriteError> {
         let Ok(at) = u32::try_from(self.at) else {
             let message = format!("3MF ends at 4 GiB here, and the parts take {} bytes", grouped(self.at));
@@ -111,7 +111,7 @@ impl<'a> ZipWriter<'a> {
         let n = self.n_entries.to_le_bytes();
         let n_directory = (self.directory.len() as u32).to_le_bytes();
         self.out.write_all(&self.directory)?;
-        // The first disk, which is the last one, and no comment.
+        // The first disk, which is also the last, and no comment.
         for bytes in [&END[..], &[0; 4], &n, &n, &n_directory, &at.to_le_bytes(), &[0; 2]] {
             self.out.write_all(bytes)?;
         }

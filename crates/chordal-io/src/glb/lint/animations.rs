@@ -48,8 +48,8 @@ impl<'a> GltfLint<'a> {
     fn target(&mut self, map: &'a JsonValue) -> GltfChannelTarget<'a> {
         let node = self.index(map, "node", false);
         let path = self.text(map, "path", true);
-        let found = self.extensions(map, ExtensionHost::ChannelTarget);
-        self.each_extension(found, |lint, _, value| {
+        let extensions = self.extensions(map, ExtensionHost::ChannelTarget);
+        self.each_extension(extensions, |lint, _, value| {
             if let Some(text) = lint.text(value, "pointer", true)
                 && !is_pointer(text)
             {
@@ -229,7 +229,7 @@ fn n_targets(model: &GltfModel<'_>, node: &GltfNode<'_>) -> Option<usize> {
     Some(item(&model.meshes, node.mesh)?.primitives.first()?.targets.as_ref()?.len())
 }
 
-/// Whether values of this format may animate a property.
+/// Whether values of this format can animate a property.
 fn moves(path: &str, format: AccessorFormat) -> bool {
     let kind = match path {
         "rotation" => AccessorType::Vec4,

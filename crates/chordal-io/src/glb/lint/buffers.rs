@@ -26,7 +26,7 @@ pub(super) enum AccessorUse {
     InverseBindMatrices,
 }
 
-/// What the values of an accessor must be, because of a use.
+/// A constraint on the values of an accessor, imposed by a use.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum AccessorConstraint {
     UnitVectors,
@@ -35,7 +35,7 @@ pub(super) enum AccessorConstraint {
     /// Below the number of vertices.
     IndicesBelow(u64),
     Times,
-    /// Unit quaternions; only every third row if the splines are cubic.
+    /// Unit quaternions; in cubic splines only every third row.
     Quaternions {
         cubic: bool,
     },
@@ -46,7 +46,7 @@ pub(super) enum AccessorConstraint {
 pub(super) struct UseTable {
     views: Vec<Option<BufferViewUse>>,
     accessors: Vec<Option<AccessorUse>>,
-    /// For a view without stride the vertex attribute that reads it.
+    /// For a view without stride, the vertex attribute that reads it.
     sole_reader: Vec<Option<usize>>,
     /// Constraints on accessors, each with its pointer.
     pub demands: Vec<(usize, AccessorConstraint, String)>,
@@ -104,8 +104,8 @@ impl<'a> GltfLint<'a> {
         GltfBuffer { byte_length, uri, data, is_fallback }
     }
 
-    /// The first buffer of a GLB file is its BIN chunk, unless it has a URI. In a file of JSON it is one whose bytes
-    /// are not given, which is an error where something needs them.
+    /// The first buffer of a GLB file is its BIN chunk, unless it has a URI. In a JSON file such a buffer has
+    /// no bytes, which is an error if some are needed.
     pub(super) fn glb_buffer(&mut self, buffer: &mut GltfBuffer<'a>, container: GltfContainer<'a>) {
         if buffer.uri.is_some() || buffer.byte_length.is_none() {
             return;
@@ -200,7 +200,7 @@ impl<'a> GltfLint<'a> {
         self.link_packed_views(model);
     }
 
-    /// Records the use of a view, and reports a view with another use before.
+    /// Records the use of a view, and reports a view that already has another use.
     pub(super) fn use_view(
         &mut self,
         uses: &mut UseTable,
@@ -209,15 +209,18 @@ impl<'a> GltfLint<'a> {
         below: &'a str,
     ) {
         let Some(slot) = view.and_then(|v| uses.views.get_mut(v)) else { return };
-        let known = *slot.get_or_insert(kind);
-        if known != kind {
+        let first_use = *slot.get_or_insert(kind);
+        if first_use != kind {
             self.issue("BUFFER_VIEW_TARGET_OVERRIDE", Some(below.into()), || {
-                format!("bufferView {} is for {known:?} and cannot be for {kind:?}", view.unwrap_or_default())
+                format!(
+                    "bufferView {} is for {first_use:?} and cannot be for {kind:?}",
+                    view.unwrap_or_default()
+                )
             });
         }
     }
 
-    /// Records the use of an accessor, and reports an accessor with another use before.
+    /// Records the use of an accessor, and reports an accessor that already has another use.
     pub(super) fn use_accessor(
         &mut self,
         uses: &mut UseTable,
@@ -226,15 +229,15 @@ impl<'a> GltfLint<'a> {
         below: &'a str,
     ) {
         let Some(slot) = uses.accessors.get_mut(accessor) else { return };
-        let known = *slot.get_or_insert(role);
-        if known != role {
+        let first_use = *slot.get_or_insert(role);
+        if first_use != role {
             self.issue("ACCESSOR_USAGE_OVERRIDE", Some(below.into()), || {
-                format!("accessor {accessor} is for {known:?} and cannot be for {role:?}")
+                format!("accessor {accessor} is for {first_use:?} and cannot be for {role:?}")
             });
         }
     }
 
-    /// Checks that two accessors read vertices from one view only if it has a stride.
+    /// Checks that two vertex attributes share a view only if it has a stride.
     pub(super) fn read_vertices(
         &mut self,
         uses: &mut UseTable,

@@ -1,4 +1,4 @@
-//! Rules for cameras and texture samplers, which no other rule needs.
+//! Rules for cameras and texture samplers, which no other rules refer to.
 use super::extensions::ExtensionHost;
 use super::{GltfLint, IntegerRule, NumberRule};
 use crate::glb::json::JsonValue;
@@ -55,7 +55,7 @@ impl<'a> GltfLint<'a> {
     }
 
     pub(super) fn sampler(&mut self, sampler: &'a JsonValue) {
-        // For the validator, values outside the lists are no errors; wrong types are.
+        // The validator does not treat values outside the lists as errors, only wrong types.
         const NAMED: IntegerRule = IntegerRule { min: 0, max: None, list: &[0], required: false };
         for key in ["magFilter", "minFilter", "wrapS", "wrapT"] {
             self.integer(sampler, key, NAMED);

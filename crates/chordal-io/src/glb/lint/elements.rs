@@ -8,11 +8,11 @@ use crate::glb::model::{GltfAccessor, GltfModel, GltfPrimitive, item};
 use chordal::math::{greater, lesser};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far the length of a vector may be from one: the validator's constant, for vectors of bytes.
+/// How far the length of a vector may be from 1. Defined by the validator, for vectors of bytes.
 const UNIT_VECTOR: f64 = 0.00674;
 /// The same for quaternions.
 const UNIT_QUATERNION: f64 = 0.00769;
-/// How far the sum of weights may be from one, per weight: the validator's constant.
+/// How far the sum of weights may be from 1, per weight. Defined by the validator.
 const WEIGHT_STEP: f64 = 2e-7;
 
 impl<'a> GltfLint<'a> {
@@ -23,12 +23,12 @@ impl<'a> GltfLint<'a> {
         for (i, accessor) in model.accessors.iter().enumerate() {
             let Some(accessor) = accessor else { continue };
             let first = demands.partition_point(|(a, ..)| *a < i);
-            let own = &demands[first..demands.partition_point(|(a, ..)| *a <= i)];
+            let accessor_demands = &demands[first..demands.partition_point(|(a, ..)| *a <= i)];
             // Rows without data are zeros; the validator does not check them.
             if accessor.view.is_none() && accessor.sparse.is_none() {
                 continue;
             }
-            let asks = accessor.min.is_some() || accessor.max.is_some() || !own.is_empty();
+            let asks = accessor.min.is_some() || accessor.max.is_some() || !accessor_demands.is_empty();
             if !asks && accessor.component != Some(ComponentType::F32) && accessor.sparse.is_none() {
                 continue;
             }
@@ -43,7 +43,7 @@ impl<'a> GltfLint<'a> {
                 lint.check_numbers(accessor, &rows);
             });
             if is_seen {
-                self.check_constraints(own, &rows);
+                self.check_constraints(accessor_demands, &rows);
             }
         }
     }
@@ -75,8 +75,8 @@ impl<'a> GltfLint<'a> {
         rows.each_block(|first, numbers| {
             let are_finite = numbers.iter().fold(true, |all, x| all & x.is_finite());
             if !are_finite && not_finite.is_none() {
-                let found = numbers.iter().position(|x| !x.is_finite());
-                not_finite = found.map(|at| (first + (at / n) as u64, numbers[at]));
+                let position = numbers.iter().position(|x| !x.is_finite());
+                not_finite = position.map(|at| (first + (at / n) as u64, numbers[at]));
             }
             if !has_bounds {
                 return;
@@ -112,7 +112,7 @@ impl<'a> GltfLint<'a> {
         rows: &AccessorRows<'_>,
     ) {
         let mut seen: Vec<&AccessorConstraint> = Vec::new();
-        // Of several limits on indices the lowest applies.
+        // The lowest of several limits on indices applies.
         let lowest = demands
             .iter()
             .filter_map(|(_, demand, pointer)| match demand {
@@ -234,7 +234,7 @@ impl<'a> GltfLint<'a> {
         for (m, mesh) in model.meshes.iter().enumerate() {
             let (Some(mesh), Some(limit)) = (mesh, n_joints[m].filter(|n| *n > 0)) else { continue };
             for (p, primitive) in mesh.primitives.iter().enumerate() {
-                // Primitives may share their vertices; those are checked once.
+                // Vertices shared by several primitives are checked once.
                 let is_influence = |name: &str| name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
                 let key: Vec<_> =
                     primitive.attributes.iter().filter(|(name, _)| is_influence(name)).collect();

@@ -1,4 +1,4 @@
-//! Extensions that the validator knows, and where they are allowed.
+//! Extensions that the validator knows, and the objects that may have them.
 use super::{GltfLint, IntegerRule, NumberRule, PointerToken};
 use crate::glb::json::JsonValue;
 use std::collections::BTreeSet;
@@ -39,7 +39,7 @@ const KNOWN: [(&str, &[ExtensionHost]); 18] = [
     ("KHR_texture_transform", &[ExtensionHost::TextureInfo]),
 ];
 
-/// The only known extension without which a file has another meaning, so that it cannot be optional.
+/// The only known extension that must be required if it is used, since the file cannot be read without it.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 impl<'a> GltfLint<'a> {
@@ -71,7 +71,7 @@ impl<'a> GltfLint<'a> {
         self.declared.contains(name)
     }
 
-    /// The extensions of an object that are known and allowed there. Extras may be anything.
+    /// The extensions of an object that are known and allowed there. Extras are not checked.
     pub(super) fn extensions(
         &mut self,
         map: &'a JsonValue,
@@ -85,8 +85,8 @@ impl<'a> GltfLint<'a> {
                 if value.is_none() {
                     lint.mismatch(name, "object");
                 }
-                let known = KNOWN.iter().find(|(known, _)| **known == **name);
-                match known.filter(|_| lint.declares(name)) {
+                let entry = KNOWN.iter().find(|(entry, _)| **entry == **name);
+                match entry.filter(|_| lint.declares(name)) {
                     None if !lint.declares(name) => {
                         lint.issue_below(
                             "UNDECLARED_EXTENSION",
@@ -102,7 +102,7 @@ impl<'a> GltfLint<'a> {
                             "the extension has no place here",
                         );
                     }
-                    Some((known, _)) => out.extend(value.map(|value| (*known, value))),
+                    Some((entry, _)) => out.extend(value.map(|value| (*entry, value))),
                 }
             }
         });
@@ -112,11 +112,11 @@ impl<'a> GltfLint<'a> {
     /// Visits extensions, each with its own pointer.
     pub(super) fn each_extension(
         &mut self,
-        found: Vec<(&'static str, &'a JsonValue)>,
+        extensions: Vec<(&'static str, &'a JsonValue)>,
         mut look: impl FnMut(&mut Self, &'static str, &'a JsonValue),
     ) {
         self.within("extensions", |lint| {
-            for (name, value) in found {
+            for (name, value) in extensions {
                 lint.within(name, |lint| {
                     lint.extensions(value, ExtensionHost::Other);
                     look(lint, name, value);
@@ -125,10 +125,10 @@ impl<'a> GltfLint<'a> {
         });
     }
 
-    /// Checks lights and variants, which belong to the root.
+    /// Checks lights and variants, which are extensions of the root.
     pub(super) fn root_extensions(&mut self, root: &'a JsonValue) {
-        let found = self.extensions(root, ExtensionHost::Root);
-        self.each_extension(found, |lint, name, value| match name {
+        let extensions = self.extensions(root, ExtensionHost::Root);
+        self.each_extension(extensions, |lint, name, value| match name {
             "KHR_lights_punctual" => lint.items_of(value, "lights", Self::light),
             _ => lint.items_of(value, "variants", |lint, variant| {
                 lint.text(variant, "name", true);
@@ -187,7 +187,7 @@ impl<'a> GltfLint<'a> {
         below: PointerToken<'a>,
     ) {
         let [name, list] = path;
-        let extension = self.root_extensions.and_then(|all| all.get(name)).filter(|_| self.declares(name));
+        let extension = self.root_extensions.and_then(|map| map.get(name)).filter(|_| self.declares(name));
         let Some(extension) = extension else {
             self.issue("UNSATISFIED_DEPENDENCY", None, || format!("/extensions/{name} is missing"));
             return;
@@ -242,7 +242,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// The texture coordinate set that `KHR_texture_transform` chooses instead.
+    /// The texture coordinate set by which `KHR_texture_transform` overrides the texture's own.
     pub(super) fn texture_transform(&mut self, map: &'a JsonValue) -> Option<u64> {
         self.any_numbers::<2>(map, "offset");
         self.number(map, "rotation", NumberRule::ANY);

@@ -1,4 +1,4 @@
-//! Rules for images, of which only the first bytes are checked.
+//! Rules for images; only their first bytes are checked.
 use super::buffers::{BufferViewUse, UseTable};
 use super::extensions::ExtensionHost;
 use super::{GltfLint, uri};
@@ -10,16 +10,16 @@ use crate::side_file::picture_type;
 enum ImageError {
     /// The bytes end too early.
     End,
-    /// No known type of image.
+    /// Not a known type of image.
     Unknown,
     /// Bytes that are invalid for the type of the image.
     Invalid(&'static str),
 }
 
 impl<'a> GltfImage<'a> {
-    /// The type that the file declares, or else the one that the bytes have.
+    /// The declared type, or else the detected one.
     pub(super) fn mime(&self) -> Option<&'a str> {
-        self.mime.or(self.found)
+        self.mime.or(self.detected)
     }
 }
 
@@ -48,8 +48,8 @@ impl<'a> GltfLint<'a> {
         }
         self.name(map);
         self.extensions(map, ExtensionHost::Other);
-        let extended = map.get("extensions").is_some_and(|all| !all.entries().is_empty());
-        GltfImage { view, uri, mime, data, extended, found: None }
+        let extended = map.get("extensions").is_some_and(|extensions| !extensions.entries().is_empty());
+        GltfImage { view, uri, mime, data, extended, detected: None }
     }
 
     pub(super) fn link_images(&mut self, model: &GltfModel<'a>, uses: &mut UseTable) {
@@ -81,31 +81,31 @@ impl<'a> GltfLint<'a> {
             if !self.charge(bytes.len() as u64) {
                 continue;
             }
-            let (found, said, in_view) = (sniff_image(bytes), image.mime, image.data.is_none());
-            self.within_path(&["images".into(), i.into()], |lint| match &found {
+            let (detected, declared, in_view) = (sniff_image(bytes), image.mime, image.data.is_none());
+            self.within_path(&["images".into(), i.into()], |lint| match &detected {
                 Ok(mime) => {
                     if *mime == "image/webp" && !webp {
                         lint.issue_here("IMAGE_NON_ENABLED_MIME_TYPE", "WebP needs an extension");
                     }
-                    if let Some(said) = said.filter(|said| said != mime) {
+                    if let Some(declared) = declared.filter(|declared| declared != mime) {
                         let key = if in_view { "bufferView" } else { "uri" };
-                        let what = format!("the image is {mime} and not {said}");
+                        let what = format!("the image is {mime} and not {declared}");
                         lint.issue("IMAGE_MIME_TYPE_INVALID", Some(key.into()), || what);
                     }
                 }
                 Err(ImageError::End) => lint.issue_here("IMAGE_UNEXPECTED_EOS", "the image ends too early"),
                 Err(ImageError::Invalid(what)) => lint.issue_here("IMAGE_DATA_INVALID", what),
-                // For these the validator only warns.
+                // The validator only warns about these.
                 Err(ImageError::Unknown) => {}
             });
             if let Some(image) = &mut model.images[i] {
-                image.found = found.ok();
+                image.detected = detected.ok();
             }
         }
     }
 }
 
-/// The type by the first bytes, of which the shortest picture has this many.
+/// The type by the first bytes; the shortest picture has this many.
 fn type_of(bytes: &[u8]) -> Option<&'static str> {
     bytes.get(..14).and_then(picture_type)
 }
@@ -121,7 +121,7 @@ fn sniff_image(bytes: &[u8]) -> Result<&'static str, ImageError> {
     Ok(mime)
 }
 
-/// Follows the segments to the one with the size.
+/// Follows the segments to the one that holds the size.
 fn jpeg(bytes: &[u8]) -> Result<(), ImageError> {
     let mut rest = bytes;
     loop {
@@ -146,7 +146,7 @@ fn jpeg(bytes: &[u8]) -> Result<(), ImageError> {
     }
 }
 
-/// Whether a marker has no segment, or the byte fills the space before a marker.
+/// Whether a marker has no segment, or the byte is padding before a marker.
 fn is_padding(byte: u8) -> bool {
     matches!(byte, 0x01 | 0xD0..=0xD7 | 0xD8..=0xD9 | 0xFF)
 }

@@ -25,8 +25,8 @@ impl<'a> GltfLint<'a> {
         self.text(map, "alphaMode", false);
         self.number(map, "alphaCutoff", NumberRule::AT_LEAST_0);
         self.flag(map, "doubleSided");
-        let found = self.extensions(map, ExtensionHost::Material);
-        self.each_extension(found, |lint, name, value| {
+        let extensions = self.extensions(map, ExtensionHost::Material);
+        self.each_extension(extensions, |lint, name, value| {
             lint.material_extension(name, value);
             for texture in textures_of(name) {
                 let is_there = lint.texture_info(value, texture, &mut material);
@@ -54,8 +54,8 @@ impl<'a> GltfLint<'a> {
                 }
                 _ => {}
             }
-            let found = lint.extensions(info, ExtensionHost::TextureInfo);
-            lint.each_extension(found, |lint, _, value| sets.push(lint.texture_transform(value)));
+            let extensions = lint.extensions(info, ExtensionHost::TextureInfo);
+            lint.each_extension(extensions, |lint, _, value| sets.push(lint.texture_transform(value)));
             for set in sets.into_iter().flatten() {
                 if material.texcoord.as_ref().is_none_or(|(highest, _)| set > *highest) {
                     material.texcoord = Some((set, lint.pointer(None)));
@@ -70,12 +70,12 @@ impl<'a> GltfLint<'a> {
         let source = self.reference(map, "source", "images");
         self.name(map);
         let mut webp = None;
-        let found = self.extensions(map, ExtensionHost::Texture);
-        self.each_extension(found, |lint, _, value| webp = lint.reference(value, "source", "images"));
+        let extensions = self.extensions(map, ExtensionHost::Texture);
+        self.each_extension(extensions, |lint, _, value| webp = lint.reference(value, "source", "images"));
         GltfTexture { source, webp }
     }
 
-    /// Checks that the images of textures have types that every viewer reads.
+    /// Checks that the images of textures have types that all viewers support.
     pub(super) fn link_textures(&mut self, model: &GltfModel<'a>) {
         for (i, texture) in model.textures.iter().enumerate() {
             let Some(texture) = texture else { continue };

@@ -21,7 +21,7 @@ const INDICES: [AccessorFormat; 3] = [
     AccessorFormat::plain(Scalar, U32),
 ];
 
-/// The numbered attributes of a primitive: how many there are, and the highest number.
+/// The numbered attributes of a primitive: their count, and the highest number.
 #[derive(Default)]
 struct SetIndices {
     count: u64,
@@ -65,10 +65,10 @@ impl<'a> GltfLint<'a> {
         let attributes = self.attributes(map);
         let counts = self.within("attributes", |lint| lint.attribute_names(&attributes));
         let targets = self.targets(map);
-        let found = self.extensions(map, ExtensionHost::Primitive);
+        let extensions = self.extensions(map, ExtensionHost::Primitive);
         let mut variants = Vec::new();
-        self.each_extension(found, |lint, _, value| lint.variants(value, &mut variants));
-        let draco = map.get("extensions").and_then(|all| all.get(DRACO));
+        self.each_extension(extensions, |lint, _, value| lint.variants(value, &mut variants));
+        let draco = map.get("extensions").and_then(|extensions| extensions.get(DRACO));
         let draco =
             draco.map(|value| self.within("extensions", |lint| lint.within(DRACO, |lint| lint.draco(value))));
         let [n_joints, n_texcoords] = counts;
@@ -80,7 +80,7 @@ impl<'a> GltfLint<'a> {
         let view = self.index(map, "bufferView", true);
         let view = view.filter(|view| self.resolved("bufferViews", *view, "bufferView".into()));
         let named = self.object(map, "attributes", true);
-        let named = named.map(|all| self.within("attributes", |lint| lint.named_accessors(all)));
+        let named = named.map(|value| self.within("attributes", |lint| lint.named_accessors(value)));
         let id = |id: Option<usize>| id.and_then(|id| u32::try_from(id).ok());
         let attributes = named.unwrap_or_default().into_iter().map(|(name, value)| (name, id(value)));
         GltfDracoStream { view, attributes: attributes.collect() }
@@ -94,9 +94,9 @@ impl<'a> GltfLint<'a> {
         self.within("attributes", |lint| lint.named_accessors(all))
     }
 
-    fn named_accessors(&mut self, all: &'a JsonValue) -> GltfAttributes<'a> {
-        let mut out = Vec::with_capacity(all.entries().len());
-        for (name, value) in all.entries() {
+    fn named_accessors(&mut self, attributes: &'a JsonValue) -> GltfAttributes<'a> {
+        let mut out = Vec::with_capacity(attributes.entries().len());
+        for (name, value) in attributes.entries() {
             let index = value.integer().and_then(|i| usize::try_from(i).ok());
             if index.is_none() {
                 self.issue_below("INVALID_INDEX", &**name, "the value is no index");
@@ -106,7 +106,7 @@ impl<'a> GltfLint<'a> {
         out
     }
 
-    /// Checks names. Returns the numbers of joint sets and of texture coordinate sets.
+    /// Checks attribute names. Returns the numbers of joint sets and of texture coordinate sets.
     fn attribute_names(&mut self, attributes: &GltfAttributes<'a>) -> [u64; 2] {
         const FAMILIES: [&str; 4] = ["COLOR", "JOINTS", "TEXCOORD", "WEIGHTS"];
         let mut sets: [SetIndices; 4] = Default::default();
@@ -296,7 +296,7 @@ impl<'a> GltfLint<'a> {
                     format!("{name} cannot be {format}")
                 });
             }
-            // An unknown type is in no list.
+            // An unknown image type is not in any list.
             (Some(_), None) => {
                 self.issue_below(
                     "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT",
@@ -409,16 +409,16 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// What an attribute belongs to, which decides the allowed formats.
+/// The owner of an attribute, which decides the allowed formats.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum AttributeOwner {
     Base,
     Target,
 }
 
-/// The allowed formats of an attribute; `None` if any is.
+/// The allowed formats of an attribute; `None` if any is allowed.
 fn formats(family: &str, allowed: AttributeOwner, quantized: bool) -> Option<Vec<AccessorFormat>> {
-    let both = |kind, components: &[ComponentType], out: &mut Vec<AccessorFormat>| {
+    let plain_and_normalized = |kind, components: &[ComponentType], out: &mut Vec<AccessorFormat>| {
         for component in components {
             out.extend([
                 AccessorFormat::plain(kind, *component),
@@ -435,7 +435,7 @@ fn formats(family: &str, allowed: AttributeOwner, quantized: bool) -> Option<Vec
         "POSITION" => {
             out.push(FLOAT3);
             if quantized {
-                both(Vec3, if base { &[I8, U8, I16, U16] } else { &[I8, I16] }, &mut out);
+                plain_and_normalized(Vec3, if base { &[I8, U8, I16, U16] } else { &[I8, I16] }, &mut out);
             }
         }
         "NORMAL" => {

@@ -1,4 +1,4 @@
-//! `GltfLint`: finds what the Khronos validator calls an error, with the same code and JSON pointer.
+//! `GltfLint`: reports the errors of the Khronos validator, with the same codes and JSON pointers.
 //!
 //! The rules are those of gltf-validator 2.0.0-dev.3.10, one file for each kind of object. Parsing fills the
 //! [`GltfModel`](super::model::GltfModel), with `None` for invalid fields; then links and data are checked.
@@ -54,7 +54,7 @@ pub(super) struct GltfLint<'a> {
     lists: BTreeMap<&'a str, &'a [JsonValue]>,
     /// The extensions of the document itself.
     root_extensions: Option<&'a JsonValue>,
-    /// Bytes of data that may still be checked: many objects may refer to the same ones.
+    /// The number of bytes that may still be checked: many objects may refer to the same data.
     work: u64,
 }
 
@@ -63,7 +63,7 @@ pub(super) struct GltfLint<'a> {
 struct IntegerRule {
     min: u64,
     max: Option<u64>,
-    /// The allowed values; all when empty. Others are only warned about.
+    /// The allowed values; empty if all are. The validator only warns about others.
     list: &'static [u64],
     required: bool,
 }
@@ -119,7 +119,7 @@ impl<T> JsonMember<T> {
 }
 
 impl<'a> GltfLint<'a> {
-    /// Starts on a document; at most `work` bytes of its data are checked.
+    /// A linter for a document; at most `work` bytes of its data are checked.
     pub fn new(root: &'a JsonValue, work: u64) -> Self {
         let lists = root.entries().iter().filter_map(|(key, value)| Some((&**key, value.items()?))).collect();
         Self {
@@ -132,12 +132,12 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Allows for the data of another file of so many bytes, as for those of the first.
+    /// Extends the limit for another file of `bytes` bytes, as for the first.
     pub fn allow(&mut self, bytes: u64) {
         self.work = self.work.saturating_add(super::DECODED_PER_BYTE * bytes);
     }
 
-    /// Counts bytes that are about to be checked. Returns false when they exceed the limit.
+    /// Charges bytes that are about to be checked. Returns false if they exceed the limit.
     fn charge(&mut self, bytes: u64) -> bool {
         let left = self.work.checked_sub(bytes);
         self.work = left.unwrap_or(0);
@@ -171,7 +171,7 @@ impl<'a> GltfLint<'a> {
         }
     }
 
-    /// Counts an issue whose code was reported before. Returns whether it was.
+    /// Counts an issue whose code was reported before. Returns false for a new code.
     fn count_repeat(&mut self, code: &'static str) -> bool {
         let known = self.issues.iter_mut().find(|issue| issue.code == code);
         known.map(|issue| issue.count += 1).is_some()
@@ -210,7 +210,7 @@ impl<'a> GltfLint<'a> {
         matches!(self.lists.get(list).and_then(|items| items.get(index)), Some(JsonValue::Object(_)))
     }
 
-    /// A reference into a list; `None` when it is absent or no index.
+    /// A reference into a list; `None` if it is absent or not an index.
     fn reference(&mut self, map: &'a JsonValue, key: &'a str, list: &str) -> Option<usize> {
         let index = self.index(map, key, false)?;
         self.resolved(list, index, key.into());
@@ -219,11 +219,11 @@ impl<'a> GltfLint<'a> {
 
     /// Reports a reference that does not resolve.
     fn resolved(&mut self, list: &str, index: usize, below: PointerToken<'a>) -> bool {
-        let found = self.exists(list, index);
-        if !found {
+        let exists = self.exists(list, index);
+        if !exists {
             self.issue("UNRESOLVED_REFERENCE", Some(below), || format!("{list} has no object {index}"));
         }
-        found
+        exists
     }
 
     fn value(&mut self, map: &'a JsonValue, key: &'a str, expected: &str) -> Option<&'a JsonValue> {
@@ -276,12 +276,12 @@ impl<'a> GltfLint<'a> {
             self.mismatch(key, "integer");
             return JsonMember::Bad;
         };
-        let found = u64::try_from(i).ok();
+        let value = u64::try_from(i).ok();
         if !rule.list.is_empty() {
-            // The validator only warns of values outside a list, and continues without them.
-            return found.filter(|x| rule.list.contains(x)).map_or(JsonMember::Bad, JsonMember::Is);
+            // The validator only warns about values outside a list, and ignores them.
+            return value.filter(|x| rule.list.contains(x)).map_or(JsonMember::Bad, JsonMember::Is);
         }
-        match found.filter(|x| *x >= rule.min && rule.max.is_none_or(|max| *x <= max)) {
+        match value.filter(|x| *x >= rule.min && rule.max.is_none_or(|max| *x <= max)) {
             Some(x) => JsonMember::Is(x),
             None => {
                 self.issue("VALUE_NOT_IN_RANGE", Some(key.into()), || format!("{key} {i} is out of range"));
@@ -337,7 +337,7 @@ impl<'a> GltfLint<'a> {
         self.text(map, "name", false).unwrap_or_default()
     }
 
-    /// An object; `None` when it is absent or no object.
+    /// An object member; `None` if it is absent or not an object.
     fn object(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<&'a JsonValue> {
         let Some(value) = self.value(map, key, "object") else {
             if required {
@@ -352,7 +352,7 @@ impl<'a> GltfLint<'a> {
         Some(value)
     }
 
-    /// A list that is present, an array, and not empty.
+    /// A list member that is a non-empty array.
     fn list(&mut self, map: &'a JsonValue, key: &'a str) -> Option<&'a [JsonValue]> {
         let value = self.value(map, key, "array")?;
         match value.items() {
@@ -408,7 +408,7 @@ impl<'a> GltfLint<'a> {
         })
     }
 
-    /// A list of numbers within a range; of the given length unless that is 0.
+    /// A list of numbers within a range, and of the given length unless that is 0.
     fn numbers(
         &mut self,
         map: &'a JsonValue,
@@ -443,7 +443,7 @@ impl<'a> GltfLint<'a> {
         all_good.then_some(out)
     }
 
-    /// A list of `N` numbers without range.
+    /// A list of `N` numbers of any range.
     fn any_numbers<const N: usize>(&mut self, map: &'a JsonValue, key: &'a str) -> Option<[f64; N]> {
         self.numbers(map, key, N, ANY)?.try_into().ok()
     }

@@ -6,7 +6,7 @@ use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfAttributes, GltfModel, GltfNode, GltfNodeMore, GltfScene, item};
 use crate::glb::transform::{is_identity, is_trs};
 
-/// How far the length of a quaternion may be from one: the validator's constant, for quaternions of bytes.
+/// How far the length of a quaternion may be from 1. Defined by the validator, for quaternions of bytes.
 const UNIT_QUATERNION: f64 = 0.00769;
 
 impl<'a> GltfLint<'a> {
@@ -49,8 +49,8 @@ impl<'a> GltfLint<'a> {
             }
         }
         let name = self.name(map);
-        let found = self.extensions(map, ExtensionHost::Node);
-        self.each_extension(found, |lint, _, value| {
+        let extensions = self.extensions(map, ExtensionHost::Node);
+        self.each_extension(extensions, |lint, _, value| {
             let light = lint.index(value, "light", true);
             lint.extension_reference(["KHR_lights_punctual", "lights"], light, "light".into());
         });
@@ -70,10 +70,11 @@ impl<'a> GltfLint<'a> {
 
     /// The accessors of `EXT_mesh_gpu_instancing`, which the validator does not know.
     fn instances(&mut self, map: &'a JsonValue) -> Option<GltfAttributes<'a>> {
-        let found = map.get("extensions")?.get(INSTANCING).filter(|x| matches!(x, JsonValue::Object(_)))?;
+        let instancing =
+            map.get("extensions")?.get(INSTANCING).filter(|x| matches!(x, JsonValue::Object(_)))?;
         self.within("extensions", |lint| {
             lint.within(INSTANCING, |lint| {
-                let attributes = lint.object(found, "attributes", true)?;
+                let attributes = lint.object(instancing, "attributes", true)?;
                 lint.within("attributes", |lint| {
                     let names = attributes.entries().iter().map(|(name, _)| &**name);
                     Some(names.map(|name| (name, lint.reference(attributes, name, "accessors"))).collect())
@@ -149,16 +150,16 @@ pub(super) fn to_single(x: f64) -> f64 {
 /// Whether a vector is of unit length to a tolerance.
 pub(super) fn is_unit(vector: &[f64], tolerance: f64) -> bool {
     let square = vector.iter().map(|x| x * x).sum::<f64>();
-    // The root is nearer to 1 than its square.
+    // The length is nearer to 1 than its square.
     if (square - 1.0).abs() <= tolerance {
         return true;
     }
-    let off = (square.sqrt() - 1.0).abs();
-    // The validator has another issue for NaN.
-    off.is_nan() || off <= tolerance
+    let error = (square.sqrt() - 1.0).abs();
+    // The validator reports NaN as another issue.
+    error.is_nan() || error <= tolerance
 }
 
-/// Whether four numbers are a unit quaternion, as far as the validator asks.
+/// Whether four numbers are a unit quaternion, to the validator's tolerance.
 pub(in crate::glb) fn is_unit_quaternion(numbers: &[f64; 4]) -> bool {
     is_unit(numbers, UNIT_QUATERNION)
 }
@@ -166,7 +167,7 @@ pub(in crate::glb) fn is_unit_quaternion(numbers: &[f64; 4]) -> bool {
 /// The nodes that are their own ancestors. Each node has at most one parent, so walking up finds each cycle
 /// once.
 fn nodes_on_cycles(parent: &[Option<usize>]) -> Vec<usize> {
-    // The walk that visited the node first; 0 for none.
+    // The number of the walk that visited the node first; 0 for none.
     let mut walk = vec![0; parent.len()];
     let mut out = Vec::new();
     for start in 0..parent.len() {

@@ -1,47 +1,48 @@
-//! Rules for views that `EXT_meshopt_compression` or `KHR_meshopt_compression` compresses, and for buffers
-//! that stand in for them. The validator knows neither: these are the rules of the extensions themselves.
+//! Rules for views compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression`, and for their
+//! fallback buffers. The validator does not know these extensions: the rules are those of their
+//! specifications.
 use super::{GltfLint, IntegerRule};
 use crate::glb::json::JsonValue;
 use crate::glb::meshopt::{MeshoptFilter, MeshoptLayout, MeshoptMode, NAMES};
 use crate::glb::model::{GltfBufferView, GltfModel, GltfPackedView, item};
 
-/// A whole number that has to be there and be at least 1.
+/// A required whole number of at least 1.
 const COUNTED: IntegerRule = IntegerRule { min: 1, max: None, list: &[], required: true };
 
-/// The code of a view that has to be compressed, or must not be, because of its buffer.
+/// The code of a view that must, or must not, be compressed because of its buffer.
 const FALLBACK: &str = "meshopt-fallback";
 
 impl<'a> GltfLint<'a> {
-    /// Whether a buffer is only there for readers that cannot decode the compressed views on it.
+    /// Whether a buffer exists only for readers that cannot decode the compressed views on it.
     pub(super) fn is_fallback(&mut self, map: &'a JsonValue) -> bool {
         let extensions = map.get("extensions");
         self.within("extensions", |lint| {
             let mut marked = false;
             for name in NAMES {
-                if let Some(found) = extensions.and_then(|all| all.get(name)) {
-                    marked |= lint.within(name, |lint| lint.flag(found, "fallback"));
+                if let Some(value) = extensions.and_then(|map| map.get(name)) {
+                    marked |= lint.within(name, |lint| lint.flag(value, "fallback"));
                 }
             }
             marked
         })
     }
 
-    /// What compresses a view, if anything does.
+    /// The compression of a view, if it has any.
     pub(super) fn packed_view(
         &mut self,
         map: &'a JsonValue,
         view: &GltfBufferView,
     ) -> Option<Box<GltfPackedView>> {
         let extensions = map.get("extensions")?;
-        let mut found = NAMES.into_iter().filter_map(|name| Some((name, extensions.get(name)?)));
-        let (extension, value) = found.next()?;
+        let mut compressions = NAMES.into_iter().filter_map(|name| Some((name, extensions.get(name)?)));
+        let (extension, value) = compressions.next()?;
         self.within("extensions", |lint| {
-            if let Some((second, _)) = found.next() {
+            if let Some((second, _)) = compressions.next() {
                 let what = "a view is compressed by one extension and not by two";
                 lint.issue_below("UNEXPECTED_EXTENSION_OBJECT", second, what);
             }
             lint.within(extension, |lint| {
-                // That it is an object was checked with all extensions.
+                // All extensions were already checked to be objects.
                 let is_object = matches!(value, JsonValue::Object(_));
                 let layout = if is_object { lint.packed_layout(value) } else { None };
                 let layout = layout.filter(|layout| lint.packed_rules(extension, layout, view));
@@ -58,7 +59,7 @@ impl<'a> GltfLint<'a> {
         let count = self.integer(map, "count", COUNTED).value();
         let mode = self.text(map, "mode", true);
         let filter = match self.text(map, "filter", false) {
-            // Without a text it is none, unless something else is there.
+            // A missing member means none; a member that is not a string is an issue.
             None if map.get("filter").is_some() => None,
             filter => Some(filter.unwrap_or("NONE")),
         };
@@ -75,7 +76,7 @@ impl<'a> GltfLint<'a> {
         })
     }
 
-    /// The meaning of a word; one without meaning is an issue.
+    /// The value for a word in a list; an unknown word is an issue.
     fn one_of<T>(
         &mut self,
         key: &'a str,
@@ -83,14 +84,14 @@ impl<'a> GltfLint<'a> {
         meaning: impl Fn(&str) -> Option<T>,
     ) -> Option<T> {
         let word = word?;
-        let found = meaning(word);
-        if found.is_none() {
+        let value = meaning(word);
+        if value.is_none() {
             self.issue("VALUE_NOT_IN_LIST", Some(key.into()), || format!("{key} {word:?} is not known"));
         }
-        found
+        value
     }
 
-    /// Whether a layout keeps to the rules, and fits its view.
+    /// Whether a layout obeys the rules, and fits its view.
     fn packed_rules(&mut self, extension: &str, layout: &MeshoptLayout, view: &GltfBufferView) -> bool {
         let n_bytes = layout.n_bytes();
         let stride = view.stride.filter(|stride| extension == NAMES[0] && *stride != layout.stride);
@@ -105,7 +106,7 @@ impl<'a> GltfLint<'a> {
         false
     }
 
-    /// Checks that streams lie in their buffers, and that fallback buffers are used as such.
+    /// Checks that streams lie inside their buffers, and that fallback buffers are used as such.
     pub(super) fn link_packed_views(&mut self, model: &GltfModel<'_>) {
         let is_fallback = |buffer| item(&model.buffers, buffer).is_some_and(|buffer| buffer.is_fallback);
         for (i, view) in model.views.iter().enumerate() {

@@ -5,7 +5,7 @@ use crate::glb::container::GltfContainer;
 use crate::glb::json::JsonValue;
 use crate::glb::model::GltfModel;
 
-/// Parses a document. `None` when it is no glTF 2.x whose content can be checked.
+/// Parses a document. `None` if it is not a glTF 2.x whose content can be checked.
 pub(in crate::glb) fn parse<'a>(
     lint: &mut GltfLint<'a>,
     root: &'a JsonValue,
@@ -83,7 +83,7 @@ impl<'a> GltfLint<'a> {
     }
 }
 
-/// Checks the version, which must be 2.x and not below the file's own minimum version.
+/// Checks the version, which must be 2.x and at least the file's own minimum version.
 fn asset_version<'a>(lint: &mut GltfLint<'a>, asset: &'a JsonValue) -> Option<()> {
     lint.text(asset, "copyright", false);
     lint.text(asset, "generator", false);

@@ -7,19 +7,19 @@ use crate::glb::json::JsonValue;
 use crate::glb::model::{GltfModel, GltfNode, GltfSkin, item};
 use std::collections::BTreeSet;
 
-/// The forest of nodes, numbered so that one comparison decides ancestry.
+/// The forest of nodes, numbered so that ancestry takes one comparison.
 struct NodeForest {
     parent: Vec<Option<usize>>,
     root: Vec<usize>,
     /// The numbers of a node's first and last descendant, itself included.
     span: Vec<(usize, usize)>,
-    /// For each k the ancestor 2ᵏ levels up, or the root: long walks up take few steps, however deep the
-    /// tree.
+    /// For each k the ancestor 2ᵏ levels up, or the root (binary lifting): long walks up take few steps,
+    /// however deep the tree.
     up: Vec<Vec<usize>>,
 }
 
 impl NodeForest {
-    /// Builds the forest; `None` when nodes form cycles.
+    /// Builds the forest; `None` if nodes form cycles.
     fn from_model(model: &GltfModel<'_>) -> Option<Self> {
         let n = model.nodes.len();
         let mut parent = vec![None; n];
@@ -43,7 +43,7 @@ impl NodeForest {
             forest.span[i].0 = number;
             open.push((i, true));
             for &child in children(i).filter(|child| **child < n) {
-                // With two parents only the last one counts, as it does for the validator.
+                // If a node has two parents, the validator counts only the last.
                 if forest.parent[child] == Some(i) && forest.span[child].0 == 0 {
                     forest.root[child] = forest.root[i];
                     open.push((child, false));
@@ -66,7 +66,7 @@ impl NodeForest {
         (first..=last).contains(&self.span[below].0)
     }
 
-    /// The lowest node that is an ancestor of both, or one of them.
+    /// The lowest common ancestor of two nodes; it may be one of them.
     fn lowest_common_ancestor(&self, a: usize, b: usize) -> Option<usize> {
         if self.root[a] != self.root[b] {
             return None;
@@ -74,7 +74,7 @@ impl NodeForest {
         if self.is_ancestor(a, b) {
             return Some(a);
         }
-        // The highest ancestor that is not common has the lowest common one as its parent.
+        // The highest ancestor that is not common is a child of the lowest common one.
         let mut below = a;
         for step in self.up.iter().rev() {
             if !self.is_ancestor(step[below], b) {
@@ -119,11 +119,11 @@ impl<'a> GltfLint<'a> {
         let mut n_found = 0;
         for (k, joint) in skin.joints.iter().flatten().enumerate() {
             let Some(joint) = *joint else { continue };
-            let found = self.within("joints", |lint| lint.resolved("nodes", joint, k.into()));
-            let (Some(forest), true) = (forest, found) else { continue };
+            let exists = self.within("joints", |lint| lint.resolved("nodes", joint, k.into()));
+            let (Some(forest), true) = (forest, exists) else { continue };
             n_found += 1;
             // A joint of another tree resets the common root, and the next joint starts again. The validator
-            // does it this way, so the last joints decide.
+            // works this way, so the last joints decide.
             common = match common {
                 None => Some(joint),
                 Some(above) => forest.lowest_common_ancestor(above, joint),
@@ -182,12 +182,15 @@ impl<'a> GltfLint<'a> {
             }
         }
         // Caches compared pairs of roots, so that many nodes cost no more than one.
-        let mut known = std::collections::BTreeMap::new();
+        let mut cache = std::collections::BTreeMap::new();
         for (i, node) in model.nodes.iter().enumerate() {
             let skin = node.as_ref().and_then(GltfNode::skin);
             let Some(joint) = skin.and_then(|s| common.get(s).copied().flatten()) else { continue };
-            let (own, joints) = (forest.root[i], forest.root[joint]);
-            if !*known.entry((own, joints)).or_insert_with(|| shown[own].is_subset(&shown[joints])) {
+            let (node_root, joints) = (forest.root[i], forest.root[joint]);
+            if !*cache
+                .entry((node_root, joints))
+                .or_insert_with(|| shown[node_root].is_subset(&shown[joints]))
+            {
                 let what = "a scene shows the node and not its joints";
                 self.within("nodes", |lint| lint.issue_below("NODE_SKIN_NO_SCENE", i, what));
             }
@@ -201,7 +204,7 @@ mod tests {
 
     #[test]
     fn common_ancestors_are_those_that_walking_up_finds() {
-        // Two trees, with parents by a rule that makes long and bushy branches.
+        // Two trees; the parents form long and bushy branches.
         let n = 300;
         let parent = |i: usize| match i {
             0 | 150 => None,

@@ -1,4 +1,4 @@
-//! URIs: data in the file itself, and names of other files, which are never opened.
+//! URIs: embedded data, and references to other files, which are never opened.
 
 /// A decoded data URI.
 pub(super) struct DataUri {
@@ -7,9 +7,9 @@ pub(super) struct DataUri {
     pub bytes: Vec<u8>,
 }
 
-/// Decodes a data URI. `None` when the text is something else, an error when it is a broken data URI.
+/// Decodes a data URI. `None` if the text is another URI, an error if it is an invalid data URI.
 ///
-/// The text is in memory already, and the bytes take less than it does.
+/// The text is already in memory, and the decoded bytes take less.
 pub(super) fn data_uri(text: &str) -> Option<Result<DataUri, &'static str>> {
     let scheme = text.get(..5)?;
     if !scheme.eq_ignore_ascii_case("data:") {
@@ -60,7 +60,7 @@ fn percent_decoded(text: &str) -> Result<Vec<u8>, &'static str> {
     Ok(out)
 }
 
-/// Decodes both alphabets. Padding may be left out as a whole, and nothing else.
+/// Decodes both alphabets. All padding may be omitted, but not a part of it.
 fn base64(text: &[u8]) -> Result<Vec<u8>, &'static str> {
     let padding = text.iter().rev().take(2).take_while(|b| **b == b'=').count();
     let remainder = text.len() % 4;
@@ -89,7 +89,7 @@ fn base64(text: &[u8]) -> Result<Vec<u8>, &'static str> {
 }
 
 /// Whether the validator's parser rejects a text as a URI: it begins with the colon of an empty scheme, its
-/// host is a broken IPv6 address, or its port is no number.
+/// host is a broken IPv6 address, or its port is not a number.
 pub(super) fn is_invalid(text: &str) -> bool {
     if text.starts_with(':') {
         return true;

@@ -1,14 +1,14 @@
 //! The filters: unit vectors, quaternions, floats and colours from rows of integers, in place.
 //!
-//! The formulas are those of the specification, in double precision, with halves rounded away from zero.
+//! The formulas follow the specification, in double precision; halves are rounded away from zero.
 use chordal::math::greater;
 
-/// The numbers of a row of four, of one or two bytes each.
+/// A row of four numbers, of one or two bytes each.
 #[derive(Clone, Copy)]
 struct FilterRow {
-    /// As they are without sign.
+    /// The numbers as unsigned integers.
     unsigned: [u16; 4],
-    /// The same bits with sign.
+    /// The same bits as signed integers.
     signed: [i16; 4],
 }
 
@@ -23,7 +23,7 @@ impl FilterRow {
     }
 }
 
-/// Writes the numbers of a row; those that do not fit become the nearest that does.
+/// Writes the numbers of a row, clamped to the range of the type.
 fn put_signed(row: &mut [u8], values: &[f64]) {
     let size = row.len() / 4;
     for (place, x) in row.chunks_exact_mut(size).zip(values) {
@@ -34,7 +34,7 @@ fn put_signed(row: &mut [u8], values: &[f64]) {
     }
 }
 
-/// The same for numbers without sign.
+/// The same for unsigned numbers.
 fn put_unsigned(row: &mut [u8], values: &[f64]) {
     let size = row.len() / 4;
     for (place, x) in row.chunks_exact_mut(size).zip(values) {
@@ -45,12 +45,12 @@ fn put_unsigned(row: &mut [u8], values: &[f64]) {
     }
 }
 
-/// Whether a number is one less than a power of two, as what stands for 1 is.
+/// Whether a number is one less than a power of two, as the integer that represents 1 must be.
 fn is_one(x: i16) -> bool {
     x > 0 && (x & x.wrapping_add(1)) == 0
 }
 
-/// Unit vectors from the octahedron, in the first three numbers; the fourth stays.
+/// Unit vectors by octahedral decoding, in the first three numbers; the fourth is kept.
 pub(super) fn octahedral(rows: &mut [u8], stride: usize) -> Result<(), String> {
     let max = if stride == 4 { f64::from(i8::MAX) } else { f64::from(i16::MAX) };
     for (i, row) in rows.chunks_exact_mut(stride).enumerate() {
@@ -69,11 +69,11 @@ pub(super) fn octahedral(rows: &mut [u8], stride: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// Unit quaternions from three of their numbers; the largest, which is positive, was left out.
+/// Unit quaternions from three of their numbers; the largest one, which is positive, is not stored.
 pub(super) fn quaternion(rows: &mut [u8]) -> Result<(), String> {
     for (i, row) in rows.chunks_exact_mut(8).enumerate() {
         let [x, y, z, last] = FilterRow::new(row).signed;
-        // The lowest two bits tell which number is the largest.
+        // The lowest two bits are the index of the largest number.
         let (one, largest) = (last | 3, (last & 3) as usize);
         if !is_one(one) {
             return Err(format!("row {i} has {one} for 1, which is no 2^k - 1"));
@@ -90,7 +90,7 @@ pub(super) fn quaternion(rows: &mut [u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Floats from eight bits of a binary exponent above 24 bits of an integer, both with sign.
+/// Floats from a signed 8-bit binary exponent above a signed 24-bit integer.
 pub(super) fn exponential(rows: &mut [u8]) {
     for number in rows.chunks_exact_mut(4) {
         let bits = i32::from_le_bytes([number[0], number[1], number[2], number[3]]);
@@ -102,8 +102,8 @@ pub(super) fn exponential(rows: &mut [u8]) {
     }
 }
 
-/// Red, green, blue and alpha from brightness, two differences of colour, and alpha below the highest set
-/// bit, which tells how many bits the numbers have.
+/// Red, green, blue and alpha from luma, two chroma differences, and alpha below the highest set bit, which
+/// gives the number of bits per channel.
 pub(super) fn color(rows: &mut [u8], stride: usize) -> Result<(), String> {
     let max = if stride == 4 { f64::from(u8::MAX) } else { f64::from(u16::MAX) };
     for (i, row) in rows.chunks_exact_mut(stride).enumerate() {

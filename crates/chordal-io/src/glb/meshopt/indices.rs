@@ -1,8 +1,8 @@
-//! The index codecs: triangles by edges and vertices that came shortly before, and plain lists of indices.
+//! The index codecs: triangles by recent edges and vertices, and plain lists of indices.
 use super::packed_bytes::{PackedBytes, split};
 use super::recent_items::RecentItems;
 
-/// The length of the table of codes at the end of a list of triangles: defined by the format.
+/// The length of the code table at the end of a list of triangles: defined by the format.
 pub(super) const TABLE: usize = 16;
 /// The reserved bytes at the end of a list of indices: defined by the format.
 const SEQUENCE_TAIL: usize = 4;
@@ -32,7 +32,7 @@ impl<'a> IndexSink<'a> {
 /// The state of a decoder of triangles.
 struct TriangleDecoder<'a> {
     data: PackedBytes<'a>,
-    /// The lowest index that did not come yet.
+    /// The lowest index that has not occurred yet.
     next: u32,
     /// The last index that was stored in full.
     last: u32,
@@ -47,16 +47,16 @@ impl TriangleDecoder<'_> {
         next
     }
 
-    /// An index that is stored by its difference to the last such one.
+    /// An index stored as its difference to the last stored one.
     fn stored(&mut self) -> Result<u32, String> {
         self.last = self.last.wrapping_add(unzigzag(self.data.leb128()?));
         Ok(self.last)
     }
 
-    /// A triangle on a recent edge: `edge` is its age, `code` tells the third corner.
+    /// A triangle on a recent edge: `edge` is its age, `code` encodes the third corner.
     fn on_edge(&mut self, version: u8, edge: u8, code: u8) -> Result<[u32; 3], String> {
         let [a, b] = recent(self.edges.get(edge))?;
-        // Version 1 has two codes for the neighbours of the last stored index, which version 0 has not.
+        // Version 1 has two more codes, for the neighbours of the last stored index.
         let c = match code {
             0 => self.next(),
             15 => self.stored()?,
@@ -75,10 +75,10 @@ impl TriangleDecoder<'_> {
         Ok([a, b, c])
     }
 
-    /// A triangle without such an edge: `code` has four bits for each of the last two corners.
+    /// A triangle without a recent edge: `code` has four bits for each of the last two corners.
     fn alone(&mut self, a: u32, code: u8) -> Result<[u32; 3], String> {
         let mut corners = [a; 3];
-        // A corner is only found among vertices that came before the triangle.
+        // A corner refers only to vertices that occurred before this triangle.
         let mut is_new = [true; 3];
         for (k, kind) in [(1, code >> 4), (2, code & 15)] {
             corners[k] = match kind {
@@ -101,7 +101,7 @@ impl TriangleDecoder<'_> {
     }
 }
 
-/// What a triangle names, if it is there.
+/// The recent item that a triangle refers to; an error if it does not exist.
 fn recent<T>(item: Option<T>) -> Result<T, String> {
     item.ok_or_else(|| "a triangle names an edge or a vertex before the first".to_owned())
 }
@@ -132,7 +132,7 @@ pub(super) fn triangles(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<
             }
             _ => {
                 let code = decoder.data.byte()?;
-                // This starts a new mesh.
+                // Code 0 starts a new mesh.
                 if code == 0 {
                     decoder.next = 0;
                 }
@@ -145,7 +145,7 @@ pub(super) fn triangles(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<
     decoder.data.end()
 }
 
-/// Decodes a list of indices, each by its difference to one of two others.
+/// Decodes a list of indices, each stored as its difference to one of two previous ones.
 pub(super) fn sequence(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<(), String> {
     let (_, body, _) = split(stream, 0xD0, |_| SEQUENCE_TAIL)?;
     let mut data = PackedBytes(body);

@@ -1,15 +1,15 @@
-//! The codecs of `EXT_meshopt_compression` and `KHR_meshopt_compression`: a view's bytes from a stream.
+//! The codecs of `EXT_meshopt_compression` and `KHR_meshopt_compression`: the bytes of a view from a stream.
 //!
-//! Rows and triangles are also encoded, in the oldest version that every reader knows.
+//! Rows and triangles are also encoded, in the oldest version that every reader supports.
 //!
 //! There are three bitstreams: vertices of any stride, triangles by their indices, and other indices, each in
-//! versions 0 and 1. Vertices may pass a filter afterwards. The codecs are written in safe Rust after the
-//! descriptions of the formats, since the original library is C++, and since a file is hostile: a stream that
-//! ends too early, has bytes left over or asks for what it never wrote is an error, and only the caller
+//! versions 0 and 1. Vertices may pass a filter afterwards. The codecs are written in safe Rust from the
+//! descriptions of the formats, since the original library is C++ and files are untrusted: a stream that ends
+//! too early, has bytes left over or refers to data that it never wrote is an error, and only the caller
 //! allocates.
 //!
-//! Both names are read alike: version 1 of the vertex codec and the colour filter, which are defined by
-//! `KHR_meshopt_compression` alone, are also decoded where a file calls them `EXT_meshopt_compression`.
+//! Both names are read alike: version 1 of the vertex codec and the colour filter, which only
+//! `KHR_meshopt_compression` defines, are also decoded under the name `EXT_meshopt_compression`.
 //!
 //! Sources: A. Kapoulkine and J. St. Pierre, *EXT_meshopt_compression*, Khronos Group, 2021; A. Kapoulkine,
 //! J. St. Pierre, A. Knyazev and D. McCurdy, *KHR_meshopt_compression*, Khronos Group, 2025; version 0 of the
@@ -22,7 +22,7 @@ mod vertices;
 mod write_triangles;
 mod write_vertices;
 
-/// The names of the extension, in the order in which they are looked for.
+/// The names of the extension, in the order of the search.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// The code of a stream that cannot be decoded.
@@ -48,7 +48,7 @@ impl MeshoptMode {
     }
 }
 
-/// What is done with each row of attributes once it is decoded.
+/// The filter applied to each decoded row of attributes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshoptFilter {
     None,
@@ -71,7 +71,7 @@ impl MeshoptFilter {
         })
     }
 
-    /// Whether rows of that many bytes can pass it.
+    /// Whether the filter accepts rows of `stride` bytes.
     fn accepts(self, stride: u64) -> bool {
         match self {
             Self::None | Self::Exponential => true,
@@ -81,7 +81,7 @@ impl MeshoptFilter {
     }
 }
 
-/// Where the stream of a view is, and what it holds.
+/// The location of a view's stream, and the layout of its content.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshoptLayout {
     pub buffer: usize,
@@ -94,7 +94,7 @@ pub(super) struct MeshoptLayout {
 }
 
 impl MeshoptLayout {
-    /// The rule of the extension that a layout breaks: the member and what is wrong with it.
+    /// The rule of the extension that a layout breaks: the member and the error.
     pub fn broken_rule(&self) -> Option<(&'static str, String)> {
         let Self { stride, count, .. } = *self;
         if self.mode == MeshoptMode::Attributes {
@@ -118,30 +118,30 @@ impl MeshoptLayout {
         None
     }
 
-    /// The bytes that it decodes to.
+    /// The number of bytes that it decodes to.
     pub fn n_bytes(&self) -> u64 {
         self.count.saturating_mul(self.stride)
     }
 }
 
-/// Encodes rows of attributes of `stride` bytes, of which there is one at least: see [`MeshoptMode::Attributes`].
+/// Encodes at least one row of attributes of `stride` bytes: see [`MeshoptMode::Attributes`].
 pub(super) fn encode_rows(rows: &[u8], stride: usize) -> Vec<u8> {
     write_vertices::encode(rows, stride)
 }
 
-/// Encodes triangles, each of which may come out turned to another first corner: see [`MeshoptMode::Triangles`].
+/// Encodes triangles. The corners of a triangle may be rotated: see [`MeshoptMode::Triangles`].
 pub(super) fn encode_triangles(triangles: &[[u32; 3]]) -> Vec<u8> {
     write_triangles::encode(triangles)
 }
 
-/// Decodes a stream into as many zeros as its layout has bytes. The layout breaks no rule.
+/// Decodes a stream into `out`, which holds as many zeros as the layout has bytes. The layout must be valid.
 ///
-/// Linear in what is decoded, whatever the stream is.
+/// Linear in the decoded bytes, whatever the stream is.
 ///
 /// # Errors
-/// What is wrong with the stream, as the end of a sentence.
+/// The error in the stream, as the end of a sentence.
 pub(super) fn decode(layout: &MeshoptLayout, stream: &[u8], out: &mut [u8]) -> Result<(), String> {
-    // Strides are 256 at most.
+    // Strides are at most 256.
     let stride = layout.stride as usize;
     match layout.mode {
         MeshoptMode::Attributes => {

@@ -35,7 +35,7 @@ impl<'a> PackedBytes<'a> {
         Err("a number has more than 32 bits".to_owned())
     }
 
-    /// Checks that nothing is left.
+    /// Checks that no bytes are left.
     pub fn end(&self) -> Result<(), String> {
         if self.0.is_empty() { Ok(()) } else { Err(format!("{} bytes are left over", self.0.len())) }
     }

@@ -1,4 +1,4 @@
-//! `RecentItems`: the edges or vertices that triangles name by their age.
+//! `RecentItems`: the edges or vertices that triangles refer to by age.
 
 /// The last sixteen items.
 pub(super) struct RecentItems<T> {
@@ -16,7 +16,7 @@ impl<T: Copy + PartialEq> RecentItems<T> {
         self.n_pushed += 1;
     }
 
-    /// The item that came `age` pushes before the newest, if so many were pushed.
+    /// The item that was pushed `age` pushes before the newest, if there were so many.
     pub fn get(&self, age: u8) -> Option<T> {
         self.items[self.n_pushed.checked_sub(usize::from(age) + 1)? % 16]
     }

@@ -1,4 +1,4 @@
-//! The vertex codec: rows of bytes as differences to the row before, packed in groups of sixteen.
+//! The vertex codec: rows of bytes as differences to the previous row, packed in groups of sixteen.
 use super::packed_bytes::{PackedBytes, split};
 
 /// Rows in a group. This and the next two: defined by the format.
@@ -8,10 +8,11 @@ pub(super) const BLOCK_ROWS: usize = 256;
 /// The most bytes that the rows of a block have.
 pub(super) const BLOCK_BYTES: usize = 8192;
 
-/// The least length of the tail by version: its start is filled up with zeros.
+/// The least length of the tail by version; a shorter tail is padded with zeros at its start. Defined by the
+/// format.
 pub(super) const LEAST_TAIL: [usize; 2] = [32, 24];
 
-/// How many bits a difference has in a group, by the two bits of the group's header.
+/// The number of bits per difference in a group, by the two bits of the group's header.
 pub(super) const BITS_V0: [u8; 4] = [0, 2, 4, 8];
 /// The same in version 1, by the control mode of the byte.
 const BITS_V1: [[u8; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
@@ -19,14 +20,14 @@ const BITS_V1: [[u8; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
 /// The differences of one byte of each row in a block.
 type BlockDeltas = [u8; BLOCK_ROWS];
 
-/// How the four bytes of a channel follow from those of the row before.
+/// How the four bytes of a channel are computed from those of the previous row.
 #[derive(Clone, Copy)]
 enum ChannelMode {
     /// Each byte by its own difference.
     Bytes,
     /// Two numbers of 16 bits, each by its own difference.
     Words,
-    /// A number of 32 bits by the bits that change, rotated left by so many.
+    /// A number of 32 bits, by the exclusive or with the previous one, rotated left by this many bits.
     Xor(u32),
 }
 
@@ -61,8 +62,8 @@ impl ChannelMode {
     }
 }
 
-/// Differences are stored with the sign in the lowest bit. In 16 bits this holds for 8 bits too: what is cut
-/// off is the sign.
+/// Differences are stored with the sign in the lowest bit. Decoding in 16 bits is correct for 8 bits too,
+/// since only copies of the sign are cut off.
 fn unzigzag(x: u16) -> u16 {
     (x >> 1) ^ (x & 1).wrapping_neg()
 }
@@ -103,8 +104,8 @@ pub(super) fn decode(stream: &[u8], stride: usize, out: &mut [u8]) -> Result<(),
     packed.end()
 }
 
-/// Reads one byte's differences of a block of `n` rows, into zeros for whole groups. There is no control mode
-/// in version 0.
+/// Reads the differences of one byte position of a block of `n` rows into `deltas`, which holds zeros. There
+/// is no control mode in version 0.
 fn read_deltas(
     packed: &mut PackedBytes<'_>,
     control: Option<u8>,
@@ -132,15 +133,15 @@ fn read_deltas(
     Ok(())
 }
 
-/// Reads a group of sixteen differences of 1, 2 or 4 bits. Where all bits are set, a whole byte follows after
-/// the sixteen.
+/// Reads a group of sixteen differences of 1, 2 or 4 bits. A difference with all bits set is an escape: its
+/// byte follows after the sixteen.
 fn read_group(packed: &mut PackedBytes<'_>, bits: u8, group: &mut [u8]) -> Result<(), String> {
     let per_byte = 8 / bits;
     let all_set = (1 << bits) - 1;
     let short = packed.take(GROUP / usize::from(per_byte))?;
     for (i, delta) in group.iter_mut().enumerate() {
         let place = i as u8 % per_byte;
-        // Single bits come from the lowest up, others from the highest down.
+        // Single bits are stored from the lowest up, others from the highest down.
         let shift = if bits == 1 { place } else { 8 - bits * (place + 1) };
         *delta = short[i / usize::from(per_byte)] >> shift & all_set;
         if *delta == all_set {

@@ -1,17 +1,17 @@
-//! The encoder of triangles, in version 1 of the format, which every reader of glTF knows.
+//! The encoder of triangles, in version 1 of the format, which every reader of glTF supports.
 use super::indices::TABLE;
 use super::recent_items::RecentItems;
 
-/// The code of a corner that follows in full.
+/// The code of a corner whose index follows in full.
 const STORED: u8 = 15;
 
-/// What an encoder has written, and what its decoder will remember.
+/// The output of an encoder, and the state that its decoder will have.
 struct TriangleEncoder<'a> {
     codes: Vec<u8>,
     data: Vec<u8>,
-    /// The codes of two corners that take no byte.
+    /// The codes for two corners that take no extra byte.
     table: &'a [u8; TABLE],
-    /// How often each code of two corners came up.
+    /// The frequency of each code for two corners.
     counts: Vec<u32>,
     next: u32,
     last: u32,
@@ -19,15 +19,15 @@ struct TriangleEncoder<'a> {
     vertices: RecentItems<u32>,
 }
 
-/// Encodes triangles. They come out in the same order, each perhaps turned to another first corner. Linear in
-/// their number.
+/// Encodes triangles. Their order is kept, but each may be rotated to another first corner. Linear in their
+/// number.
 pub(super) fn encode(triangles: &[[u32; 3]]) -> Vec<u8> {
-    // Which codes are worth a place in the table is known after a first run.
+    // A first run counts which codes deserve an entry in the table.
     let counts = run(triangles, &[0; TABLE]).counts;
     let fits = |code: &usize| counts[*code] > 0 && code >> 4 < 15 && code & 15 < 15 && *code > 0;
     let mut common: Vec<usize> = (0..counts.len()).filter(fits).collect();
     common.sort_by_key(|code| (std::cmp::Reverse(counts[*code]), *code));
-    // Two places are reserved; the first stands for two corners that are new.
+    // Two entries are reserved; the first one is for two new corners.
     let mut table = [0; TABLE];
     table[1..TABLE - 2].iter_mut().zip(common).for_each(|(place, code)| *place = code as u8);
     let TriangleEncoder { codes, data, .. } = run(triangles, &table);
@@ -83,7 +83,7 @@ impl TriangleEncoder<'_> {
         code
     }
 
-    /// Writes a triangle that is on no recent edge.
+    /// Writes a triangle without a recent edge.
     fn alone(&mut self, corners: [u32; 3]) -> u8 {
         let [a, b, c] = corners;
         let follows = a == self.next;
@@ -101,7 +101,7 @@ impl TriangleEncoder<'_> {
         }
         let mut code = kinds[0] << 4 | kinds[1];
         if code == 0 && !follows {
-            // After a stored corner, two new ones would say that a new mesh begins.
+            // After a stored corner, the code for two new ones would mean the start of a new mesh.
             self.next = self.next.wrapping_sub(1);
             (kinds[1], code) = (STORED, STORED);
         }
@@ -126,7 +126,7 @@ impl TriangleEncoder<'_> {
         }
     }
 
-    /// Writes an index by its difference to the last one: the sign in the lowest bit, seven bits a byte.
+    /// Writes an index as its difference to the last one: the sign in the lowest bit, seven bits per byte.
     fn put_index(&mut self, index: u32) {
         let delta = index.wrapping_sub(self.last);
         self.last = index;

@@ -1,8 +1,8 @@
-//! The encoder of rows, in version 0 of the format, which every reader knows.
+//! The encoder of rows, in version 0 of the format, which every reader supports.
 use super::vertices::{BITS_V0, BLOCK_BYTES, BLOCK_ROWS, GROUP, LEAST_TAIL};
 
-/// Encodes rows of `stride` bytes, a multiple of 4 up to 256, of which there is one at least: the smallest stream
-/// of this version. Linear in the number of bytes.
+/// Encodes at least one row of `stride` bytes, a multiple of 4 up to 256, as the smallest stream of this
+/// version. Linear in the number of bytes.
 pub(super) fn encode(rows: &[u8], stride: usize) -> Vec<u8> {
     let first = &rows[..stride];
     let mut last = first.to_vec();
@@ -32,7 +32,7 @@ fn zigzag(delta: u8) -> u8 {
     (delta << 1) ^ (delta >> 7).wrapping_neg()
 }
 
-/// Writes the differences of one byte of each row in a block: two bits a group, then the groups.
+/// Writes the differences of one byte of each row in a block: two header bits per group, then the groups.
 fn put_column(deltas: &[u8], out: &mut Vec<u8>) {
     let at = out.len();
     out.resize(at + (deltas.len() / GROUP).div_ceil(4), 0);
@@ -53,12 +53,12 @@ fn put_column(deltas: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// The number of that many bits that says that a whole byte follows.
+/// The escape value with `bits` bits, after which a whole byte follows.
 fn all_set(bits: u8) -> u8 {
     (1 << bits) - 1
 }
 
-/// Writes a group of sixteen differences of 2 or 4 bits, the first in the highest ones.
+/// Writes a group of sixteen differences of 2 or 4 bits, the first in the highest bits.
 fn put_group(group: &[u8], bits: u8, out: &mut Vec<u8>) {
     let most = all_set(bits);
     let short = |byte: u8, delta: &u8| byte << bits | (*delta).min(most);

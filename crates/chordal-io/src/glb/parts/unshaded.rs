@@ -1,10 +1,11 @@
-//! Primitives without normals beside others that have some: glTF shades their faces flat, each with its own normal.
+//! Primitives without normals beside others with normals: glTF shades their faces flat, each with its own
+//! normal.
 use super::{NORMAL, PartDraft, StreamSource};
 use chordal::explicit::face_normal;
 use std::ops::Range;
 
 impl PartDraft<'_> {
-    /// The numbers of one vertex: its position and all attributes.
+    /// The count of numbers per vertex: its position and all attributes.
     pub(super) fn row_width(&self) -> usize {
         3 + self.plan.streams.iter().map(|planned| planned.width).sum::<usize>()
     }
@@ -20,8 +21,8 @@ impl PartDraft<'_> {
         self.plan.streams.iter().position(|planned| is_normal(&planned.source))
     }
 
-    /// Gives the faces in some ranges corners of their own, with the normal of their face. The vertices that they had
-    /// go, unless other faces have them too.
+    /// Gives the faces in these ranges separate corners with the normal of their face. Their old vertices are
+    /// removed, unless other faces use them too.
     pub(super) fn shade_flat(&mut self, unshaded: &[Range<usize>]) {
         let Some(normals) = self.normals() else { return };
         let mut is_flat = vec![false; self.faces.len()];
@@ -34,7 +35,7 @@ impl PartDraft<'_> {
         mark(true);
         mark(false);
         let rows: Vec<u32> = {
-            // Those that stay, and then three for each flat face.
+            // First the vertices that stay, then three for each flat face.
             let kept = (0..self.positions.len() as u32).filter(|row| stays[*row as usize]);
             let flat = self.faces.iter().zip(&is_flat).filter(|(_, is_flat)| **is_flat);
             kept.chain(flat.flat_map(|(face, _)| *face)).collect()
@@ -59,7 +60,7 @@ impl PartDraft<'_> {
             }
             *face = [n, n + 1, n + 2];
             n += 3;
-            // A face without area has none, and is not seen.
+            // A face without area has no normal, and is not visible.
             let corners = face.map(|row| self.positions[row as usize]);
             let normal = face_normal(corners).unwrap_or([0.0, 0.0, 1.0]);
             face.iter()

@@ -1,11 +1,11 @@
-//! The corners of faces: which rows their indices name, and what becomes of those that name a list that the file
-//! does not have.
+//! The corners of faces: the rows that their indices refer to, and the handling of indices into lists that
+//! the file does not have.
 use super::{ObjCorner, ObjReader};
 use crate::obj::index::index;
 use crate::text::{integer, show};
 use crate::{Conformance, FileLocation, ReadError};
 
-/// The lists without which a face is still a face.
+/// The lists that a face can do without.
 #[derive(Clone, Copy)]
 enum CornerList {
     Texcoords,
@@ -31,13 +31,13 @@ impl ObjReader<'_> {
         Ok(ObjCorner { position, texcoord, normal })
     }
 
-    /// The row from 1 that a field names; 0 where it is empty or names a list that is not there.
+    /// The row, from 1, of a field; 0 if it is empty or refers to a missing list.
     #[inline]
     fn optional(&mut self, line: u64, token: &[u8], list: CornerList) -> Result<u32, ReadError> {
         if token.is_empty() {
             return Ok(0);
         }
-        // An index of 0 is wrong whatever there is.
+        // An index of 0 is always wrong.
         if self.may_be_absent(list) && integer(token).is_ok_and(|index| index != 0) {
             self.count_absent(line, list);
             return Ok(0);
@@ -51,14 +51,14 @@ impl ObjReader<'_> {
         Ok(index(line, token, names, before, total)? + 1)
     }
 
-    /// The rows that indices name which are written, not 0; `None` where one is out of range.
+    /// The rows of the written indices, which are not 0; `None` if one is out of range.
     #[inline]
     pub(super) fn resolved(
         &mut self,
         line: u64,
         [position, texcoord, normal]: [i32; 3],
     ) -> Option<ObjCorner> {
-        // The row from 1.
+        // The row, counted from 1.
         let row = |index: i32, before: usize, total: usize| {
             let row = if index < 0 { before as i64 + 1 + i64::from(index) } else { i64::from(index) };
             (1..=total as i64).contains(&row).then_some(row as u32)
@@ -82,9 +82,8 @@ impl ObjReader<'_> {
         Some(ObjCorner { position, texcoord, normal })
     }
 
-    /// Whether indices to this list are a warning, as the file has nothing that they could name. A list that is
-    /// only too short is an error: which of its rows was meant, and whether positions are missing too, is not
-    /// known then.
+    /// Whether indices into this list are a warning, because the list is missing. A list that is only too
+    /// short is an error: it is unknown which of its rows was meant, and whether positions are missing too.
     #[inline]
     fn may_be_absent(&self, list: CornerList) -> bool {
         let total = match list {

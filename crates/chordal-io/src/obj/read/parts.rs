@@ -1,5 +1,5 @@
-//! Takes over the parts of an OBJ in the order of the file. What it makes of them is what reading statement by
-//! statement makes of the whole, to the last warning; that is kept as the oracle of the tests.
+//! Merges the parts of an OBJ in the order of the file. The result equals that of reading the whole file
+//! statement by statement, to the last warning; that reader remains as the oracle of the tests.
 use super::ObjReader;
 use crate::ReadError;
 use crate::grow::{extend, push, push_many};
@@ -10,7 +10,7 @@ use crate::text::LineTokens;
 use chordal::Job;
 use chordal::budget::par_map;
 
-/// The first `n` of a list, which begins after them from then on.
+/// Splits the first `n` items off a list.
 #[inline]
 fn take<'a, T>(list: &mut &'a [T], n: u32) -> &'a [T] {
     let (first, rest) = list.split_at(n as usize);
@@ -19,7 +19,7 @@ fn take<'a, T>(list: &mut &'a [T], n: u32) -> &'a [T] {
 }
 
 impl ObjReader<'_> {
-    /// Reads parts on the threads of a job, and takes them over.
+    /// Parses parts on the threads of a job, and merges them.
     pub(super) fn parts(&mut self, parts: &[&[u8]], job: &Job) -> Result<(), ReadError> {
         for wave in parts.chunks(parts_at_once(job.threads)) {
             for part in par_map(job, wave, |_, part| ObjPart::read(part)) {
@@ -29,7 +29,7 @@ impl ObjReader<'_> {
         Ok(())
     }
 
-    /// Takes over the next part of the file.
+    /// Merges the next part of the file.
     fn part(&mut self, part: &ObjPart) -> Result<(), ReadError> {
         let first_line = self.n_lines + 1;
         let (mut positions, mut texcoords, mut normals) =
@@ -57,14 +57,14 @@ impl ObjReader<'_> {
                 ObjRun::Faces(n) => {
                     self.n_known += u64::from(n);
                     for face in take(&mut faces, n) {
-                        let own = take(&mut corners, face.n_corners);
-                        self.part_face(part, face.line, own)?;
+                        let face_corners = take(&mut corners, face.n_corners);
+                        self.part_face(part, face.line, face_corners)?;
                     }
                 }
                 ObjRun::Other { line, start, end } => {
                     let mut statements = ObjStatements::new(&part.text[start as usize..end as usize]);
                     while let Some((number, statement)) = statements.next() {
-                        // Numbers of lines begin at 1.
+                        // Line numbers begin at 1.
                         self.statement(first_line + u64::from(line) + number - 1, statement)?;
                     }
                 }
@@ -74,7 +74,7 @@ impl ObjReader<'_> {
         Ok(())
     }
 
-    /// Takes over a face. One that is wrong is read again from its statement, which says how.
+    /// Merges a face. An invalid one is parsed again from its statement, which reports the error.
     #[inline]
     fn part_face(&mut self, part: &ObjPart, line: u32, written: &[[i32; 3]]) -> Result<(), ReadError> {
         let number = self.n_lines + 1 + u64::from(line);
@@ -107,7 +107,7 @@ mod tests {
     use crate::{Conformance, Limits, PolygonSurface};
     use chordal_testkit::Random;
 
-    /// Statement by statement, on one thread.
+    /// Reads statement by statement, on one thread.
     fn plain(text: &[u8], limits: &Limits) -> String {
         let read = || {
             let mut reader = ObjReader::new(ObjRowCounts::scan(text), limits)?;
@@ -186,9 +186,9 @@ mod tests {
 
     fn random_text(random: &mut Random, tags: bool) -> Vec<u8> {
         let mut text = Vec::new();
-        // Wrong lines end a file; most files have few kinds of lines, so that many are long.
+        // A wrong line ends a file. Most files use few kinds of lines, so that many files are long.
         let kinds: Vec<&str> = (0..1 + random.below(8)).map(|_| LINES[random.below(LINES.len())]).collect();
-        // Some files have no texture coordinates or no normals for their faces to name.
+        // Some files have no texture coordinates or no normals for their faces to refer to.
         let kinds_of_rows = ["v 0 1 2\nvt 0 1\nvn 0 0 1\n", "v 0 1 2\n", "v 0 1 2\nvn 0 0 1\n"];
         let rows = kinds_of_rows[random.below(4).saturating_sub(1)];
         for _ in 0..random.below(8) {
