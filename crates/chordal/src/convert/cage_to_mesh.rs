@@ -20,25 +20,25 @@ use crate::math::{Box3, flushes_subnormals, greater};
 /// the triangles. It is *proved*, rounding included, with creases, borders, darts, corners and vertices of
 /// any valence. (For the mathematics see `patches/derivative_bound.rs` and `patches/extraordinary_tile.rs`,
 /// for Loop's scheme `triangles/derivative_bound.rs` and `triangles/hull_distance.rs`, and
-/// `docs/cage_to_mesh.md`.) `at_least` is a distance that was found. With a budget of pixels the bound also
-/// says how many pixels that is at the view.
+/// `docs/cage_to_mesh.md`.) `at_least` is the distance at one point of the surface. With a budget of pixels the
+/// bound is also given in pixels at the view.
 ///
 /// **Mesh.** Faces share the vertices on their edges by index, so there are no cracks and no T-junctions at
-/// any budget. Every vertex lies on the limit surface (up to rounding) with the surface's own unit normal.
-/// Along infinitely sharp edges, where it has two, vertices are split and tied by [`Mesh::position_id`]. A
-/// closed manifold cage gives a closed manifold mesh; but by Loop's scheme, edges of two faces with the same
-/// three vertices may coincide in coarse meshes.
+/// any budget. Every vertex lies on the limit surface (up to rounding) and has the surface's own unit normal.
+/// Along infinitely sharp edges, where there are two normals, vertices are split and tied by
+/// [`Mesh::position_id`]. A closed manifold cage gives a closed manifold mesh; but with Loop's scheme, edges of
+/// two faces with the same three vertices may coincide in coarse meshes.
 ///
 /// **Budgets.** As for [`patches_to_mesh`](super::patches_to_mesh).
 ///
-/// **Cost.** O(triangles) time and about 200 bytes a triangle, by Loop's scheme some 50 µs and 700 bytes.
+/// **Cost.** O(triangles) time and about 200 bytes a triangle; with Loop's scheme some 50 µs and 700 bytes.
 /// Before that, some microseconds a regular face and about a millisecond for each face beside an
 /// extraordinary vertex of few edges. At a vertex of hundreds of edges each face has all others in its
 /// one-ring, so that the time grows with the square of their number (3.5 s for two of 360 at half a pixel).
 ///
 /// # Errors
 /// [`Failure::Refused`]: as for [`patches_to_mesh`](super::patches_to_mesh). [`Failure::Unmet`] with the best
-/// mesh: the length or pixels need more triangles than the budget has. [`Failure::Cancelled`].
+/// mesh: the length or pixels need more triangles than the budget allows. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert, explicit::Cage};
@@ -61,13 +61,13 @@ pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<M
 
 /// Meshes one cage repeatedly, within any budgets.
 ///
-/// It keeps what does not depend on the budget: the sheets of the limit surface and their subdivisions around
-/// extraordinary vertices so far. Every mesh is bit for bit that of [`cage_to_mesh()`]. For a camera that moves, a
-/// [`ViewDependentMesher`](super::batch::ViewDependentMesher) also keeps triangles.
+/// It keeps the data that do not depend on the budget: the sheets of the limit surface, and their subdivisions
+/// around extraordinary vertices so far. Every mesh is bit for bit that of [`cage_to_mesh()`]. For a moving
+/// camera, a [`ViewDependentMesher`](super::batch::ViewDependentMesher) also keeps triangles.
 ///
-/// *Cost.* The first mesh takes as long as with [`cage_to_mesh()`]; later ones spend no time on the limit
-/// surface where it is subdivided already. Some hundred bytes a regular face, and up to some hundred thousand
-/// for each beside an extraordinary vertex.
+/// *Cost.* The first mesh takes as long as with [`cage_to_mesh()`]; later ones reuse the subdivided parts of the
+/// limit surface. Memory: some hundred bytes a regular face, and up to some hundred thousand for each face beside
+/// an extraordinary vertex.
 ///
 /// ```
 /// use chordal::{Budget, Job, View, budget::Pixels, convert, explicit::Cage};
@@ -93,7 +93,7 @@ impl<'a> CageMesher<'a> {
     /// Prepares the limit surface of a cage for meshing.
     ///
     /// # Errors
-    /// [`Failure::Refused`], as far as the cage is the cause, and [`Failure::Cancelled`].
+    /// [`Failure::Refused`] for reasons that lie in the cage, and [`Failure::Cancelled`].
     pub fn new(cage: &'a Cage, job: &Job) -> Result<Self, TessellationFailure> {
         check_cage(cage)?;
         let limit =
@@ -131,7 +131,7 @@ impl<'a> CageMesher<'a> {
         self.limit.cage().scheme()
     }
 
-    /// The surface, unless its sheets are triangles.
+    /// The surface, if its sheets are quads: for schemes other than Loop's.
     pub(super) fn quad_sheets(&self) -> CageSheets<'_> {
         CageSheets { texcoords: self.texcoords(), ..CageSheets::new(&self.limit, &self.sheets) }
     }
@@ -174,7 +174,7 @@ pub(super) struct CageSheets<'a> {
     texcoords: Option<SheetTexcoords<'a>>,
     /// The boundary of each side of each sheet.
     seams: Vec<[SideBoundary; 4]>,
-    /// The uses of each edge, and the sheet corners at its ends where there are any.
+    /// The uses of each edge, and the sheet corners at its ends; `None` at the midpoint of a halved edge.
     edges: Vec<(Vec<PatchEdgeUse>, [Option<u32>; 2])>,
     /// Pairs of corners that are one vertex; a corner is 4 · sheet + corner.
     same: Vec<[u32; 2]>,
@@ -221,7 +221,7 @@ impl<'a> CageSheets<'a> {
                     return SideBoundary::Edge { edge, reversed: table.ends[edge as usize][0] != from };
                 }
                 let halves = [(half(edge, from), false), (half(edge, to), true)];
-                // By rising parameter; the last two sides run against it.
+                // In the order of the parameter; the last two sides run against it.
                 SideBoundary::Halves(if k < 2 { halves } else { [halves[1], halves[0]] })
             }));
         }
@@ -278,7 +278,7 @@ impl<'a> CageSheets<'a> {
         }
     }
 
-    /// Whether the sides along u, and those along v, are in two parts.
+    /// Whether one of the sides along u, and one of those along v, is halved.
     fn is_halved(&self, sheet: usize) -> [bool; 2] {
         let is_halved = |side: usize| matches!(self.seams[sheet][side], SideBoundary::Halves(_));
         [is_halved(0) || is_halved(2), is_halved(1) || is_halved(3)]
@@ -313,7 +313,13 @@ impl<'a> PatchSurface<'a> for CageSheets<'a> {
                         let whole = (piece.patch, on(piece.u, u), on(piece.v, v));
                         for (patch, u, v) in cut_in_middle(whole, halved) {
                             let shape = SubpatchShape::Bezier(Box::new(patch));
-                            subpatches.push(Subpatch { sheet: sheet as u32, u, v, shape, off: patches.off });
+                            subpatches.push(Subpatch {
+                                sheet: sheet as u32,
+                                u,
+                                v,
+                                shape,
+                                slack: patches.off,
+                            });
                         }
                     }
                 }
@@ -336,7 +342,7 @@ impl<'a> PatchSurface<'a> for CageSheets<'a> {
                             u,
                             v,
                             shape: SubpatchShape::Extraordinary(extraordinary),
-                            off: 0.0,
+                            slack: 0.0,
                         });
                         continue;
                     }
@@ -421,7 +427,7 @@ type SubpatchDomain = (Patch, [f64; 2], [f64; 2]);
 /// Cuts a patch that reaches over the middle of its sheet, in the directions that are halved.
 fn cut_in_middle(whole: SubpatchDomain, [in_u, in_v]: [bool; 2]) -> Vec<SubpatchDomain> {
     let reaches = |[from, to]: [f64; 2]| from < 0.5 && to > 0.5;
-    // The cut is the middle of the patch, except for strips beside creases, whose begin is dyadic.
+    // The cut is at the middle of the patch, except in strips beside creases, which begin at dyadic parameters.
     let share = |[from, to]: [f64; 2]| (0.5 - from) / (to - from);
     let mut parts = vec![whole];
     if in_u && reaches(whole.1) {

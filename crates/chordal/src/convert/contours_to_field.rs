@@ -1,8 +1,8 @@
-//! The arrow from closed contours of straight lines to a field of the plane, whatever they cross.
+//! The arrow from closed contours of straight lines, which may cross, to a field of the plane.
 //!
-//! Where contours cross, touch or overlap, edges run inside of what is filled, and no function of the edges has its zeros at
-//! the border alone. So what they fill is found first, on the grid that [`outlines_to_mesh`](super::outlines_to_mesh)
-//! uses, and its border are contours that meet nowhere.
+//! Where contours cross, touch or overlap, edges run inside of the filled area, and no function of the edges is zero at
+//! its border alone. So the area is filled first, on the grid that [`outlines_to_mesh`](super::outlines_to_mesh) uses;
+//! its border consists of contours that do not cross.
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode};
 use crate::explicit::FillRule;
 use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
@@ -14,18 +14,18 @@ use crate::implicit::{Distance, Field};
 use crate::math::{greater, lesser};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// What closed contours enclose, as a field of the plane, endless along z.
+/// The area that closed contours enclose, as a field of the plane, endless along z.
 ///
-/// **Bound.** 0 where contours meet nowhere but at corners that follow each other. Others are cut at their crossings,
-/// which are rounded to a grid of 2⁻³⁶ of their extent: the bound is how far that moves a point, at most, and the field
-/// says so as a promise (see [`Field::evidence`]).
+/// **Bound.** 0 if edges meet only at the corners between neighbours. Other contours are cut at their crossings, which
+/// are rounded to a grid of 2⁻³⁶ of their extent: the bound is the largest distance by which that moves a point, and
+/// the field states it as a condition (see [`Field::evidence`]).
 ///
-/// **Value.** The exact distance; where what is filled touches itself in a point, outside. **Cost.** O((n + k) log n) for n
-/// edges that cross k times.
+/// **Value.** The exact distance; if the filled area touches itself in a point, the exact distance outside of it.
+/// **Cost.** O((n + k) log n) for n edges that cross k times.
 ///
 /// # Errors
-/// [`Failure::Refused`]: a coordinate that is not finite or too large; contours that enclose nothing; so many edges on each
-/// other that their crossings cannot be counted. [`Failure::Cancelled`].
+/// [`Failure::Refused`]: a coordinate that is not finite or too large; contours that enclose nothing; so many overlapping
+/// edges that their crossings are not counted. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::explicit::FillRule;
@@ -46,9 +46,9 @@ pub fn contours_to_field(
         FillRule::EvenOdd => ContourFill::EvenOdd,
         FillRule::NonZero => ContourFill::NonZero,
     };
-    let plain = exact_contours(contours, by_rule)?;
-    if plain.distance() == Distance::EXACT {
-        return Ok(Bounded { shape: plain.into_field(), bound: Bound::exact(Reference::Curves) });
+    let exact = exact_contours(contours, by_rule)?;
+    if exact.distance() == Distance::EXACT {
+        return Ok(Bounded { shape: exact.into_field(), bound: Bound::exact(Reference::Curves) });
     }
     let grid = grid_of(contours);
     let snapped = |points: &Vec<[f64; 2]>| GridContour {
@@ -56,7 +56,7 @@ pub fn contours_to_field(
         kind: 0,
     };
     let on_grid: Vec<GridContour> = contours.iter().map(snapped).collect();
-    let edges = arrange(&on_grid, job).map_err(|stop| match stop {
+    let edges = arrange(&on_grid, job).map_err(|error| match error {
         ArrangeError::Cancelled => Failure::Cancelled,
         ArrangeError::TooManyPairs => Failure::refused(
             RefusalCode::TooManyTriangles,
@@ -67,11 +67,11 @@ pub fn contours_to_field(
     let filled = fill(&edges, InsideRule::Fill(rule)).filter(|filled| !filled.triangles.is_empty());
     let regions = FilledBorder::new(&filled.ok_or_else(nothing)?).regions(&grid);
     let shape = field_of(&regions)?;
-    let moved = grid.moved_at_most();
+    let snap_distance = grid.moved_at_most();
     let shape = shape.standing_for(format!(
-        "an outline that crosses itself is taken as cut at its crossings, which moved it by {moved:.1e} at most"
+        "an outline that crosses itself is taken as cut at its crossings, which moved it by {snap_distance:.1e} at most"
     ));
-    Ok(Bounded { shape, bound: Bound::proved(0.0, moved, Reference::Curves) })
+    Ok(Bounded { shape, bound: Bound::proved(0.0, snap_distance, Reference::Curves) })
 }
 
 fn exact_contours(contours: &[Vec<[f64; 2]>], rule: ContourFill) -> Result<Contours, Failure<Field>> {
@@ -89,9 +89,9 @@ fn grid_of(contours: &[Vec<[f64; 2]>]) -> SnapGrid {
     ])
 }
 
-/// Contours that bound an area in one piece: the outer one, and those of its holes.
+/// The contours of one connected area: its outer contour, and those of its holes.
 struct BorderRegion {
-    /// Those that share no corner, the outer one among them.
+    /// The outer contour, and the holes that share no corner with others.
     apart: Vec<Vec<[f64; 2]>>,
     /// Holes that share a corner with others.
     touching: Vec<Vec<[f64; 2]>>,
@@ -111,16 +111,16 @@ fn field_of(regions: &[BorderRegion]) -> Result<Field, Failure<Field>> {
     Ok(Field::union_of(&fields))
 }
 
-/// The border of triangles in the plane that meet along whole edges.
+/// The border of an area of triangles in the plane that meet along whole edges.
 struct FilledBorder<'a> {
     filled: &'a FillTriangles,
     /// The triangle of each directed edge. Only looked up.
     triangle_of: HashMap<[u32; 2], u32>, // No order depends on it.
 }
 
-/// A closed path along a border, what is filled to its left.
+/// A closed path along a border, with the filled area on its left.
 struct BorderLoop {
-    /// The area in one piece that it bounds.
+    /// The connected area that it bounds, by the area's first triangle.
     area: u32,
     corners: Vec<u32>,
 }
@@ -133,14 +133,14 @@ impl<'a> FilledBorder<'a> {
         Self { filled, triangle_of }
     }
 
-    /// The corner of a triangle after this one.
+    /// The corner that follows a corner of a triangle.
     fn after(&self, triangle: u32, corner: u32) -> u32 {
         let corners = self.filled.triangles[triangle as usize];
-        let at = corners.iter().position(|own| *own == corner).unwrap_or(0);
+        let at = corners.iter().position(|c| *c == corner).unwrap_or(0);
         corners[(at + 1) % 3]
     }
 
-    /// The edge of the border that follows one, around what is filled at its end.
+    /// The edge of the border after a given one: turns around its end through the filled triangles.
     fn next(&self, [from, to]: [u32; 2]) -> [u32; 2] {
         let mut triangle = self.triangle_of[&[from, to]];
         loop {
@@ -152,7 +152,7 @@ impl<'a> FilledBorder<'a> {
         }
     }
 
-    /// For each triangle the first of those that are joined to it along edges.
+    /// For each triangle, the first triangle of its connected area; areas are connected along edges.
     fn areas(&self) -> Vec<u32> {
         let n = self.filled.triangles.len();
         let mut area = vec![u32::MAX; n];
@@ -177,31 +177,31 @@ impl<'a> FilledBorder<'a> {
         area
     }
 
-    /// All loops, each without a corner twice.
+    /// All loops; none visits a corner twice.
     fn loops(&self) -> Vec<BorderLoop> {
         let areas = self.areas();
-        let mut seen: HashSet<[u32; 2]> = HashSet::new(); // No order depends on it.
-        let mut found = Vec::new();
+        let mut visited: HashSet<[u32; 2]> = HashSet::new(); // No order depends on it.
+        let mut loops = Vec::new();
         for (row, [a, b, c]) in self.filled.triangles.iter().enumerate() {
             for edge in [[*a, *b], [*b, *c], [*c, *a]] {
-                if self.triangle_of.contains_key(&[edge[1], edge[0]]) || seen.contains(&edge) {
+                if self.triangle_of.contains_key(&[edge[1], edge[0]]) || visited.contains(&edge) {
                     continue;
                 }
                 let mut path = Vec::new();
-                let mut at = edge;
-                while seen.insert(at) {
-                    path.push(at[0]);
-                    at = self.next(at);
+                let mut current = edge;
+                while visited.insert(current) {
+                    path.push(current[0]);
+                    current = self.next(current);
                 }
-                found.extend(
+                loops.extend(
                     simple_loops(&path).into_iter().map(|corners| BorderLoop { area: areas[row], corners }),
                 );
             }
         }
-        found
+        loops
     }
 
-    /// The contours of all areas. Where no loop touches another, they are those of one region.
+    /// The contours of all areas. If no loop touches another, one region has them all.
     fn regions(&self, grid: &SnapGrid) -> Vec<BorderRegion> {
         let loops = self.loops();
         let mut uses: HashMap<u32, u32> = HashMap::new(); // No order depends on it.
@@ -230,7 +230,7 @@ impl<'a> FilledBorder<'a> {
         (1..corners.len() - 1).fold(0, |sum: i128, k| sum + turn(first, point(k), point(k + 1))) > 0
     }
 
-    /// Its points, without corners that lie on a straight line and that no other loop has.
+    /// The points of a loop, without the corners that lie on a straight line and are not shared with other loops.
     fn straightened(
         &self,
         path: &BorderLoop,
@@ -245,22 +245,22 @@ impl<'a> FilledBorder<'a> {
     }
 }
 
-/// A closed path cut where it comes back to a corner.
+/// Cuts a closed path into loops wherever it comes back to a corner.
 fn simple_loops(path: &[u32]) -> Vec<Vec<u32>> {
-    let mut place: HashMap<u32, usize> = HashMap::new(); // No order depends on it.
-    let (mut way, mut loops): (Vec<u32>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
+    let mut row_of: HashMap<u32, usize> = HashMap::new(); // No order depends on it.
+    let (mut open_path, mut loops): (Vec<u32>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
     for corner in path {
-        if let Some(at) = place.get(corner).copied() {
-            let cut: Vec<u32> = way.drain(at..).collect();
-            cut.iter().for_each(|gone| {
-                place.remove(gone);
+        if let Some(first) = row_of.get(corner).copied() {
+            let cut: Vec<u32> = open_path.drain(first..).collect();
+            cut.iter().for_each(|visited| {
+                row_of.remove(visited);
             });
             loops.push(cut);
         }
-        place.insert(*corner, way.len());
-        way.push(*corner);
+        row_of.insert(*corner, open_path.len());
+        open_path.push(*corner);
     }
-    loops.push(way);
+    loops.push(open_path);
     loops.retain(|corners| corners.len() > 2);
     loops
 }

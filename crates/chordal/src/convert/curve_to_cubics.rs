@@ -1,4 +1,4 @@
-//! The arrow from curves to lines and cubic Bézier curves, for formats that hold nothing else.
+//! The arrow from curves to lines and cubic Bézier curves, for formats that have no other curves.
 use super::curves::flatten::refuse_extremes;
 use super::curves::piece::rounding;
 use super::fitting::{arc_cubics, rational_cubics};
@@ -7,21 +7,20 @@ use crate::explicit::{Curve, CurveSegment};
 use crate::math::{add_up, greater, sub_down};
 use rational_cubics::SpanFailure;
 
-/// Bytes of a cubic in space, twice.
+/// Bytes a piece, for the job's limit: twice those of a cubic in space.
 const BYTES_PER_PIECE: u64 = 256;
 
-/// Turns a path into lines and cubic Bézier curves within a distance, few of them.
+/// Turns a path into few lines and cubic Bézier curves within a distance.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the path, taken exactly as given, and the new one, *proved*, rounding
 /// and [`Curve::slack`] included. `at_least` is 0.
 ///
 /// **Path.** Lines and cubics stay as they are, bit for bit; a path without arcs and rational pieces comes back unchanged.
-/// Pieces meet where they did and in between, bit for bit, and corners stay. A cubic has the directions of the path at its
-/// ends, so that joins that were smooth (G1) still are, up to rounding; where a rational piece stops at a cusp, two cubics
-/// may meet there in a kink.
+/// The ends of the old pieces stay, bit for bit, and so do corners. A cubic has the directions of the path at its ends, so
+/// that smooth joins (G1) stay smooth, up to rounding; but at a cusp of a rational piece two cubics may meet in a kink.
 ///
-/// **Cost.** The error goes down with the sixth power of the number of pieces. A cubic of a rational piece takes a few
-/// fits and bounds, one of an arc a sine and a cosine.
+/// **Cost.** The error falls with the sixth power of the number of pieces. A cubic of a rational piece takes a few
+/// fits and bounds, a cubic of an arc a sine and a cosine.
 ///
 /// # Errors
 /// [`Failure::Refused`]: a number that is not finite, a coordinate beyond 1e150, a weight beyond 1e30 or its inverse, a
@@ -55,7 +54,7 @@ pub fn curve_to_cubics<const D: usize>(
             return Err(Failure::Cancelled);
         }
         let limit = job.triangle_limit.min(job.memory_limit / BYTES_PER_PIECE);
-        let left = limit.saturating_sub(pieces.len() as u64);
+        let remaining = limit.saturating_sub(pieces.len() as u64);
         let too_many = || {
             let message =
                 format!("piece {index} of the path would be the first beyond the limit of {limit} cubics");
@@ -68,12 +67,12 @@ pub fn curve_to_cubics<const D: usize>(
             );
             Failure::refused(RefusalCode::BelowPrecision, message)
         };
-        let before = match piece {
+        let spent = match piece {
             CurveSegment::Arc(arc) => add_up(curve.slack(), add_up(arc.slack(), rounding(piece))),
             _ => curve.slack(),
         };
-        // One step less, because the sum of this and the parts from before is rounded up again.
-        let allowed = sub_down(length.get().next_down(), before);
+        // One step less, because adding `spent` below rounds up again.
+        let allowed = sub_down(length.get().next_down(), spent);
         match piece {
             CurveSegment::Line(_) | CurveSegment::Cubic(_) => pieces.push(piece.clone()),
             CurveSegment::Rational(rational) if rational.degree() == 1 => {
@@ -83,37 +82,37 @@ pub fn curve_to_cubics<const D: usize>(
             }
             CurveSegment::Arc(arc) => {
                 if allowed <= 0.0 {
-                    return Err(below(before));
+                    return Err(below(spent));
                 }
-                let (n, off) = arc_cubics::count(arc, allowed);
-                if n > left as f64 {
+                let (n, distance) = arc_cubics::count(arc, allowed);
+                if n > remaining as f64 {
                     return Err(too_many());
                 }
                 pieces.extend(arc_cubics::cubics(arc, n as usize).into_iter().map(CurveSegment::Cubic));
-                at_most = greater(add_up(off, before), at_most);
+                at_most = greater(add_up(distance, spent), at_most);
             }
             CurveSegment::Rational(rational) => {
-                let made = if allowed > 0.0 {
-                    rational_cubics::cubics(rational, allowed, left, || job.is_cancelled())
+                let fitted = if allowed > 0.0 {
+                    rational_cubics::cubics(rational, allowed, remaining, || job.is_cancelled())
                 } else {
                     Err(SpanFailure::BelowPrecision)
                 };
-                let made = made.map_err(|why| match why {
+                let fitted = fitted.map_err(|error| match error {
                     SpanFailure::TooMany => too_many(),
-                    SpanFailure::BelowPrecision => below(add_up(before, rounding(piece))),
+                    SpanFailure::BelowPrecision => below(add_up(spent, rounding(piece))),
                     SpanFailure::Cancelled => Failure::Cancelled,
                 })?;
-                pieces.extend(made.cubics.into_iter().map(CurveSegment::Cubic));
-                at_most = greater(add_up(made.at_most, before), at_most);
+                pieces.extend(fitted.cubics.into_iter().map(CurveSegment::Cubic));
+                at_most = greater(add_up(fitted.at_most, spent), at_most);
             }
         }
     }
-    let made = if pieces.is_empty() {
+    let path = if pieces.is_empty() {
         Curve::point(curve.start())
     } else {
         Curve::new(pieces, curve.is_closed().into())
     };
-    match made {
+    match path {
         Ok(shape) if at_most <= length.get() => {
             Ok(Bounded { shape, bound: Bound::proved(0.0, at_most, Reference::Curves) })
         }
@@ -124,6 +123,6 @@ pub fn curve_to_cubics<const D: usize>(
             );
             Err(Failure::refused(RefusalCode::BelowPrecision, message))
         }
-        Err(why) => Err(Failure::refused(RefusalCode::NotFinite, why.to_string())),
+        Err(error) => Err(Failure::refused(RefusalCode::NotFinite, error.to_string())),
     }
 }

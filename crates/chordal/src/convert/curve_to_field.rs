@@ -7,21 +7,21 @@ use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, add_up, sub_down};
 use std::sync::Arc;
 
-/// Makes the tube of a radius around a curve: all points nearer to it than the radius. A plane curve gives a
-/// band of the plane, endless along z.
+/// Builds the tube of a radius around a curve: all points nearer to the curve than the radius. A plane curve gives
+/// a band of the plane, endless along z.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the curve and the polyline that replaces it, *proved*,
 /// rounding included. Tubes of one radius around both are no farther apart.
 ///
-/// **Value.** Outside, the exact distance to the polyline's tube; inside, a bound, since parts of a tube may
-/// cover each other. Off by a few roundings of the curve's extent.
+/// **Value.** Outside, the exact distance to the polyline's tube; inside, a bound of it, since parts of a tube may
+/// overlap. The error is a few roundings of the curve's extent.
 ///
-/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polyline and a tree of boxes
-/// over it; O(log n) a point.
+/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** That of the polyline and of a tree of
+/// boxes over it; O(log n) a point.
 ///
 /// # Errors
 /// [`Failure::Refused`]: a radius that is not a finite number above 0; as for [`curve_to_polyline`].
-/// [`Failure::Unmet`] with the best; [`Failure::Cancelled`].
+/// [`Failure::Unmet`] with the best field; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, Tolerance, convert::curve_to_field};
@@ -42,7 +42,7 @@ pub fn curve_to_field<const D: usize>(
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     match curve_to_polyline(curve, budget, job) {
-        Ok(made) => field(made, radius, job),
+        Ok(polyline) => field(polyline, radius, job),
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(field(*best, radius, job)?))),
         Err(Failure::Refused(refusal)) => Err(Failure::Refused(refusal)),
         Err(Failure::Cancelled) => Err(Failure::Cancelled),
@@ -50,13 +50,13 @@ pub fn curve_to_field<const D: usize>(
 }
 
 fn field<const D: usize>(
-    made: Bounded<Polyline<D>>,
+    flattened: Bounded<Polyline<D>>,
     radius: f64,
     job: &Job,
 ) -> Result<Bounded<Field>, Failure<Field>> {
-    let polyline = &made.shape;
-    let place = |p: &[f64; D]| std::array::from_fn(|k| if k < D { p[k] } else { 0.0 });
-    let positions: Vec<[f64; 3]> = polyline.points.iter().map(place).collect();
+    let polyline = &flattened.shape;
+    let embedded = |p: &[f64; D]| std::array::from_fn(|k| if k < D { p[k] } else { 0.0 });
+    let positions: Vec<[f64; 3]> = polyline.points.iter().map(embedded).collect();
     let n = positions.len() as u32;
     // A triangle with two equal corners is a segment, and one with three a point.
     let faces = if n == 1 {
@@ -66,19 +66,19 @@ fn field<const D: usize>(
     };
     let mesh = Mesh::new(positions, faces)
         .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
-    let leaf = MeshLeaf::unsigned(&mesh, job).map_err(|stopped| match stopped {
+    let leaf = MeshLeaf::unsigned(&mesh, job).map_err(|error| match error {
         JobError::Refused(refusal) => Failure::Refused(refusal),
         JobError::Cancelled => Failure::Cancelled,
     })?;
     let Box3 { min, max } = mesh.bounds();
     let mut bounds = Box3 { min: min.map(|x| sub_down(x, radius)), max: max.map(|x| add_up(x, radius)) };
-    let mut at = Expr::axes();
+    let mut coordinates = Expr::axes();
     if D < 3 {
-        at[2] = Expr::constant(0.0);
+        coordinates[2] = Expr::constant(0.0);
         (bounds.min[2], bounds.max[2]) = (f64::NEG_INFINITY, f64::INFINITY);
     }
-    let field = Field::new(Expr::leaf(Arc::new(leaf), at) - radius)
+    let field = Field::new(Expr::leaf(Arc::new(leaf), coordinates) - radius)
         .known_distance(Distance { outside: DistanceQuality::Exact, inside: DistanceQuality::Bound })
         .known_bounds(bounds);
-    Ok(made.map(|_| field))
+    Ok(flattened.map(|_| field))
 }

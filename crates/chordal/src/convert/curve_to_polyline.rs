@@ -6,24 +6,24 @@ use crate::explicit::{Curve, Polyline};
 /// Flattens a path to a polyline within a budget, with nearly as few segments as possible.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the path, taken exactly as given, and the polyline,
-/// *proved*, rounding and [`Curve::slack`] included. `at_least` is a distance that was found. With a budget
-/// of pixels the bound also says how many pixels that is at the view; a plane path lies in the plane z = 0.
+/// *proved*, rounding and [`Curve::slack`] included. `at_least` is the distance at one point of the path. With
+/// a budget of pixels the bound is also given in pixels at the view; a plane path lies in the plane z = 0.
 ///
-/// **Polyline.** Every vertex lies on the path, in order, and every end of a piece is a vertex. No two
+/// **Polyline.** Every vertex lies on the path, in the path's order, and every end of a piece is a vertex. No two
 /// consecutive points are equal; a closed path gives a closed polyline. A path that is one point gives one
 /// point.
 ///
-/// **Budgets.** A length, pixels at a view, a number of segments, or several. With a number of segments alone
-/// the polyline is the best of a ladder of lengths.
+/// **Budgets.** A length, pixels at a view, a number of segments, or several of these. If only a number of
+/// segments is given, a ladder of lengths is tried and the best polyline is returned.
 ///
-/// **Cost.** 50 to 300 ns a segment, more where they are few; 32 bytes a point.
+/// **Cost.** 50 to 300 ns a segment, more if there are few; 32 bytes a point.
 /// [`BezierCutter`](super::batch::BezierCutter) takes a quarter to a half of that.
 ///
 /// # Errors
 /// [`Failure::Refused`]: a budget that limits no polyline, a number that is not finite or beyond 1e150, more
-/// segments or bytes than the job allows (said before the work), a budget below rounding, an eye too close,
-/// an environment that flushes subnormals. [`Failure::Unmet`] with the best polyline: the length or the
-/// pixels need more segments than the budget has, or the path has more pieces. [`Failure::Cancelled`].
+/// segments or bytes than the job allows (refused before the work starts), a budget below rounding, an eye too
+/// close, an environment that flushes subnormals. [`Failure::Unmet`] with the best polyline: the length or the
+/// pixels need more segments than the budget allows, or the path has more pieces. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, Tolerance, convert};
@@ -49,7 +49,7 @@ pub fn curve_to_polyline<const D: usize>(
 
 /// Like [`curve_to_polyline`], with equal parameter steps in each piece: more segments, in less time.
 ///
-/// One piece and a budget of `n` segments alone give exactly `n` steps.
+/// A path of one piece and a budget of `n` segments alone give exactly `n` steps.
 ///
 /// # Errors
 /// As for [`curve_to_polyline`].
@@ -73,10 +73,10 @@ pub fn curve_to_polyline_evenly<const D: usize>(
 
 /// Flattens many paths at once, each into its own polyline, in their order, on all threads of the job.
 ///
-/// The bound holds for each path and its polyline; a number of segments is the total.
+/// The bound holds for each path and its polyline; a budget of segments limits their total.
 ///
 /// # Errors
-/// As for [`curve_to_polyline`]; no path at all gives no polyline and a bound of 0.
+/// As for [`curve_to_polyline`]. An empty list is no error: it gives no polyline and a bound of 0.
 pub fn curves_to_polylines<const D: usize>(
     curves: &[Curve<D>],
     budget: &Budget,
@@ -92,11 +92,11 @@ fn flatten_curve<const D: usize>(
     job: &Job,
     spacing: Spacing,
 ) -> Result<Bounded<Polyline<D>>, Failure<Polyline<D>>> {
-    let alone = |mut all: Vec<Polyline<D>>| all.pop().unwrap_or_default();
-    let made = Flattener::new(std::slice::from_ref(curve), job, spacing).and_then(|f| f.flatten(budget));
-    match made {
-        Ok(made) => Ok(made.map(alone)),
-        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(best.map(alone)))),
+    let only = |mut polylines: Vec<Polyline<D>>| polylines.pop().unwrap_or_default();
+    let flattened = Flattener::new(std::slice::from_ref(curve), job, spacing).and_then(|f| f.flatten(budget));
+    match flattened {
+        Ok(polylines) => Ok(polylines.map(only)),
+        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(best.map(only)))),
         Err(Failure::Refused(refusal)) => Err(Failure::Refused(refusal)),
         Err(Failure::Cancelled) => Err(Failure::Cancelled),
     }

@@ -6,35 +6,37 @@ use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolera
 use crate::explicit::nurbs::{EnclosedPiece, HEAVIEST, InvalidNurbs, NurbsCurve, NurbsSurface};
 use crate::math::{add_up, cross, difference, dot, flushes_subnormals, greater, length, mul_up, sub_down};
 
-/// A path, and how a profile stands on it.
+/// A path, and how a profile is placed on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepPath {
     /// The path.
     pub path: NurbsCurve<3>,
-    /// The direction up where the path starts, of which the part across the path counts; without one the z axis, or the y
-    /// axis where the path starts nearer to the z axis than 30°.
+    /// The up direction at the start of the path; its component across the path is used. By default the z axis, or the
+    /// y axis if the path starts within 30° of the z axis.
     pub up: Option<[f64; 3]>,
-    /// What the coordinates of the profile are.
+    /// How the coordinates of the profile are meant.
     pub place: ProfilePlace,
 }
 
-/// What the coordinates of a profile are.
+/// How the coordinates of a profile are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProfilePlace {
-    /// How far a point is to the right, up, and ahead, seen from ahead of the path: against it.
+    /// Relative to the path: how far a point is to the right, up, and ahead, for a viewer who looks back along the path.
     OnPath,
-    /// Those of space: the profile stands where it is when the path starts.
+    /// In space: the profile stays where it is at the start of the path.
     InSpace,
 }
 
-/// Coordinates beyond this, or a path that is shorter than its inverse, are refused: cubes of lengths stay in range. Chosen.
+/// Coordinates beyond this, and paths shorter than its inverse, are refused. Chosen: cubes of lengths stay in range.
 const LARGEST: f64 = 1e50;
-/// Frames that are meant to be exact are off by less than this, relative to the largest coordinate. Chosen: some hundred
-/// roundings.
+/// The largest error of frames that count as exact, relative to the largest coordinate. Chosen: far above the roundings of
+/// a frame; if it were smaller, exact frames would be refined for nothing.
 const ROUNDING: f64 = 1e-11;
-/// The parts of a piece of a path at first, and at most. Chosen: errors go down with the fifth power of their number.
+/// The parts of a piece of a path at first, and at most. Chosen: since errors fall with the fifth power of the number of
+/// parts, 4096 are enough for any length above rounding.
 const PARTS: [usize; 2] = [2, 4096];
-/// The part of the length that a jump of direction may cost: more is a kink. Chosen.
+/// The share of the length that a jump of direction may cost: a larger jump is a kink. Chosen: larger leaves less for
+/// the frames, smaller refuses paths whose joins are smooth up to rounding.
 const KINK: f64 = 1.0 / 16.0;
 /// Bytes of a piece with its proof.
 const BYTES_PER_PIECE: u64 = 4096;
@@ -43,23 +45,23 @@ const BYTES_PER_PIECE: u64 = 4096;
 ///
 /// **Surface.** With the path `P`, its unit tangent `T`, and the up vector `R` that starts as `up` says and does not rotate
 /// about the path, `R′ ∥ T` (a rotation-minimizing frame), it is `P + x·(R×T) + y·R + z·T` for each point `(x, y, z)` of the
-/// profile. `u` runs along the profile, `v` along the path, with the parameters of both. Of a path in a plane the frame
-/// stands still in the plane's normal. A profile that runs counter-clockwise, seen against the path, has its front outside.
-/// On a closed path, what the frame misses after a turn is spread over the length. Where the path bends more than the
-/// profile is wide, the surface folds over.
+/// profile. `u` runs along the profile, `v` along the path, with the parameters of both. Along a plane path, the frame does
+/// not turn about the plane's normal. A profile that runs counter-clockwise, seen against the path, has its front outside.
+/// On a closed path, the angle by which the frame misses its start is spread over the length. Where the path's radius of
+/// curvature is less than the profile's width, the surface folds over.
 ///
 /// **Exact.** Along a straight path, and along arcs of one circle with the knots and weights of the path: extrusions and
-/// surfaces of revolution, up to rounding.
+/// surfaces of revolution are exact up to rounding.
 ///
 /// **Bound.** Two-sided Hausdorff distance to that surface, *proved*, rounding included; of points with the same parameters
 /// (up to those of a fifth degree within the pieces of the path). It is also the [`NurbsSurface::slack`] of the surface. The
-/// rotation of the frame is bounded by the integral of its defect (`convert/sweep/frame_error.rs`); the twist of a closed
-/// path is known as well as that, and counts twice.
+/// rotation of the frame is bounded by the integral of its defect (`convert/sweep/frame_error.rs`); on a closed path this
+/// counts twice, since the angle that is spread has the same error.
 ///
-/// **Cost.** About 0.2 ms for each part of the path; their number goes like the fifth root of 1 over the length.
+/// **Cost.** About 0.2 ms for each part of the path; the number of parts grows like the fifth root of 1/length.
 ///
 /// # Errors
-/// [`Failure::Refused`]: a path with a kink, or one that stops on its way; an up vector along the path; coordinates beyond
+/// [`Failure::Refused`]: a path with a kink, or whose derivative vanishes inside; an up vector along the path; coordinates beyond
 /// 1e50, weights beyond 1e30 or its inverse, a length below rounding, an environment that flushes subnormals.
 /// [`Failure::Unmet`] with the nearest surface; [`Failure::Cancelled`].
 ///
@@ -100,19 +102,19 @@ fn swept(
     length: Tolerance,
     job: &Job,
 ) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
-    let wanted = length.get();
+    let tolerance = length.get();
     let proof = SweepProof::new(framed, profile, up_of(sweep, framed), job);
-    // 1. What may be exact: judged as all others.
+    // 1. Splines that may be exact; their error is computed like that of all others.
     let exact = [Some(framed.straight()), framed.circular()];
     for spline in exact.into_iter().flatten() {
         let spline = spline.map_err(refused)?;
-        if let Ok(found) = proof.of(&spline)
-            && found.at_most <= ROUNDING * profile.reach
+        if let Ok(error) = proof.error_of(&spline)
+            && error.at_most <= ROUNDING * profile.reach
         {
-            return finished(&proof, &spline, &found, length);
+            return finished(&proof, &spline, &error, length);
         }
     }
-    // 2. Splines of more and more parts.
+    // 2. Fitted splines, of more and more parts.
     let mut parts = vec![PARTS[0]; framed.pieces.len()];
     let mut best: Option<(FrameSpline, SweepError)> = None;
     let most = (job.memory_limit / BYTES_PER_PIECE) as usize;
@@ -120,15 +122,16 @@ fn swept(
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let made = framed.fitted(&parts).and_then(|spline| proof.of(&spline).map(|found| (spline, found)));
+        let fitted =
+            framed.fitted(&parts).and_then(|spline| proof.error_of(&spline).map(|error| (spline, error)));
         let mut more = parts.clone();
-        match made {
-            Ok((spline, found)) => {
-                let is_better = best.as_ref().is_none_or(|(_, before)| found.at_most < before.at_most);
-                let is_met = found.at_most <= wanted;
-                proof.refine(&spline, &found, wanted, &mut more);
+        match fitted {
+            Ok((spline, error)) => {
+                let is_better = best.as_ref().is_none_or(|(_, before)| error.at_most < before.at_most);
+                let is_met = error.at_most <= tolerance;
+                proof.refine(&spline, &error, tolerance, &mut more);
                 if is_better {
-                    best = Some((spline, found));
+                    best = Some((spline, error));
                 }
                 if is_met || !is_better {
                     break;
@@ -151,7 +154,7 @@ fn swept(
         parts = more;
     }
     match best {
-        Some((spline, found)) => finished(&proof, &spline, &found, length),
+        Some((spline, error)) => finished(&proof, &spline, &error, length),
         None => {
             Err(Failure::refused(RefusalCode::TooMuchMemory, "the path needs more parts than the job allows"))
         }
@@ -200,7 +203,7 @@ fn framed(sweep: &SweepPath) -> Result<FramedPath<'_>, Failure<NurbsSurface>> {
     }
     let up = sweep.up.unwrap_or_else(|| default_up(start));
     let across: [f64; 3] = std::array::from_fn(|k| up[k] - dot(up, start) * start[k]);
-    // Chosen: nearer to the path rounding would turn it.
+    // Chosen: for an up vector nearer to the path, rounding would turn its part across the path.
     let is_across = length(across) > 1e-6 * length(up);
     if up == [0.0; 3] {
         let message = "the up vector is zero, and must lie across the path";
@@ -221,7 +224,7 @@ fn refuse_kinks(framed: &FramedPath<'_>, most_rad: f64) -> Result<(), Failure<Nu
         let t = pair[1].knots().domain()[0];
         let [before, after] = [0, 1].map(|k| path_jet(&pair[k], t).tangent[0]);
         let angle = libm::atan2(length(cross(before, after)), dot(before, after));
-        // No number where the path stops, which is found later. Chosen: rounding turns a direction by less than a billionth.
+        // NaN if the path stops, which is refused later. Chosen: rounding turns a direction by less than a billionth.
         if angle > greater(most_rad, 1e-9) {
             let degrees = angle.to_degrees();
             let message = format!(
@@ -250,7 +253,7 @@ struct SweptProfile {
     far: [f64; 4],
     /// The largest coordinate of the surface, or nearly.
     reach: f64,
-    /// Whether its coordinates were taken in the frame where the path starts, as computed.
+    /// Whether the coordinates were given in space, and turned into those of the frame at the start of the path.
     is_in_space: bool,
 }
 
@@ -258,17 +261,17 @@ impl SweptProfile {
     fn new(profile: &NurbsCurve<3>, place: ProfilePlace, framed: &FramedPath<'_>) -> Self {
         let start = path_jet(&framed.pieces[0], framed.path.knots().domain()[0]);
         let frame = [cross(framed.up, start.tangent[0]), framed.up, start.tangent[0]];
-        let own = |p: &[f64; 3]| match place {
+        let in_frame = |p: &[f64; 3]| match place {
             ProfilePlace::OnPath => *p,
             ProfilePlace::InSpace => frame.map(|axis| dot(axis, difference(*p, start.point))),
         };
-        let control: Vec<[f64; 3]> = profile.control().iter().map(own).collect();
-        let most = |of: &dyn Fn(&[f64; 3]) -> f64| control.iter().map(of).fold(0.0, greater);
+        let control: Vec<[f64; 3]> = profile.control().iter().map(in_frame).collect();
+        let most = |coordinate: &dyn Fn(&[f64; 3]) -> f64| control.iter().map(coordinate).fold(0.0, greater);
         let far = [
             most(&|p| p[0].abs()),
             most(&|p| p[1].abs()),
             most(&|p| p[2].abs()),
-            // Up to the rounding of a length, which is added.
+            // Larger by the rounding of a length.
             most(&|p| length([p[0], p[1]])) * (1.0 + 4.0 * f64::EPSILON),
         ];
         let path =
@@ -276,7 +279,7 @@ impl SweptProfile {
         let given = profile.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         let reach = path + given + far[0] + far[1] + far[2];
         let curve = NurbsCurve::new(profile.knots().clone(), control, profile.weights().to_vec());
-        // Finite numbers below 1e50, rotated.
+        // Valid: the numbers are finite, below 1e50, and only rotated.
         Self {
             curve: curve.unwrap_or_else(|_| profile.clone()),
             far,
@@ -286,11 +289,11 @@ impl SweptProfile {
     }
 }
 
-/// What is known of a spline of frames.
+/// The error of a spline of frames.
 struct SweepError {
     pieces: Vec<FrameError>,
-    /// By piece: the bound of all but its twist.
-    off: Vec<f64>,
+    /// By piece: the bound of its error without twist.
+    without_twist: Vec<f64>,
     at_most: f64,
 }
 
@@ -313,12 +316,12 @@ impl<'a> SweepProof<'a> {
     /// The errors of one piece of a spline of frames.
     fn piece_error(&self, spline: &FrameSpline, index: usize) -> Option<FrameError> {
         let (piece, [a, b]) = spline.places[index];
-        let whole = &self.path[piece];
+        let path = &self.path[piece];
         let frames = self.frames(spline, index);
         if [a, b] == [0.0, 1.0] {
-            frame_error(whole, &frames, spline.spread)
+            frame_error(path, &frames, spline.spread)
         } else {
-            frame_error(&whole.part(a, b), &frames, spline.spread)
+            frame_error(&path.part(a, b), &frames, spline.spread)
         }
     }
 
@@ -328,89 +331,94 @@ impl<'a> SweepProof<'a> {
         EnclosedPiece::of_nurbs(&spline.curve, index, origin)
     }
 
-    /// The bound of a spline of frames, or the piece of the path where it is none.
-    fn of(&self, spline: &FrameSpline) -> Result<SweepError, usize> {
-        let found = par_map(self.job, &spline.places, |index, _| self.piece_error(spline, index));
+    /// The bound of a spline of frames, or the piece of the path without one.
+    fn error_of(&self, spline: &FrameSpline) -> Result<SweepError, usize> {
+        let errors = par_map(self.job, &spline.places, |index, _| self.piece_error(spline, index));
         let [side, up, ahead, both] = self.profile.far;
-        let (mut pieces, mut off) = (Vec::new(), Vec::new());
+        let (mut pieces, mut without_twist) = (Vec::new(), Vec::new());
         let (mut twist, mut worst, mut start) = (0.0, 0.0, 0.0);
         let mut before: Option<(usize, FrameError)> = None;
-        for ((piece, _), found) in spline.places.iter().zip(found) {
-            let found = found.ok_or(*piece)?;
+        for ((piece, _), error) in spline.places.iter().zip(errors) {
+            let error = error.ok_or(*piece)?;
             match before {
                 None => {
-                    start = start_turn(&self.frames(spline, 0), &found.directions[0], self.up);
+                    start = start_turn(&self.frames(spline, 0), &error.directions[0], self.up);
                     twist = start;
                 }
                 // Within a piece of the path the direction does not jump.
                 Some((of, before)) if of != *piece => {
-                    let jump = turn_between(&before.directions[1], &found.directions[0]);
+                    let jump = turn_between(&before.directions[1], &error.directions[0]);
                     twist = add_up(twist, mul_up(8.0, jump));
                 }
                 Some(_) => {}
             }
-            twist = add_up(twist, found.twist);
-            let vectors = found.vectors;
-            let own = [(1.0, found.position), (side, vectors[0]), (up, vectors[1]), (ahead, vectors[2])];
-            let own = own.iter().fold(0.0, |sum, (by, x)| add_up(sum, mul_up(*by, *x)));
+            twist = add_up(twist, error.twist);
+            let vectors = error.vectors;
+            let terms = [(1.0, error.position), (side, vectors[0]), (up, vectors[1]), (ahead, vectors[2])];
+            let without = terms.iter().fold(0.0, |sum, (factor, x)| add_up(sum, mul_up(*factor, *x)));
             // Twists of pieces after this one do not matter here, unless the path is closed.
             if !self.framed.is_closed {
-                worst = greater(add_up(own, mul_up(both, twist)), worst);
+                worst = greater(add_up(without, mul_up(both, twist)), worst);
             }
-            off.push(own);
-            before = Some((*piece, found));
-            pieces.push(found);
+            without_twist.push(without);
+            before = Some((*piece, error));
+            pieces.push(error);
         }
         if self.framed.is_closed
             && let (Some(first), Some(last)) = (pieces.first(), pieces.last())
         {
             let jump = turn_between(&last.directions[1], &first.directions[0]);
-            // What is spread is known as well as the frame itself.
+            // Twice: the angle that is spread over the path has the same error as the frame.
             let all = mul_up(2.0, add_up(twist, mul_up(8.0, jump)));
-            let most = off.iter().fold(0.0, |most: f64, x| greater(*x, most));
+            let most = without_twist.iter().fold(0.0, |most: f64, x| greater(*x, most));
             worst = add_up(most, mul_up(both, all));
         }
         if self.profile.is_in_space
             && let Some(first) = pieces.first()
         {
-            // The frame that the coordinates were taken in starts the spline, and is off as that is.
+            // The coordinates were taken in the first frame of the spline, and have its error.
             let [of_side, of_up, of_ahead] = first.vectors;
             let turned = [of_side, of_up, of_ahead, start, start].iter().fold(0.0, |sum, x| add_up(sum, *x));
             worst = add_up(worst, mul_up(turned, add_up(both, ahead)));
         }
         // Derived: a control point is a sum of four terms with two roundings each, its weight a product; a profile in space
-        // has taken three products and sums more, and the frame that it was taken in is off by some roundings.
+        // takes three more products and sums, and its frame has an error of some roundings.
         let rounding = 64.0 * f64::EPSILON * self.profile.reach;
         let at_most = add_up(worst, rounding);
-        if at_most.is_nan() { Err(spline.places[0].0) } else { Ok(SweepError { pieces, off, at_most }) }
+        if at_most.is_nan() {
+            Err(spline.places[0].0)
+        } else {
+            Ok(SweepError { pieces, without_twist, at_most })
+        }
     }
 
-    /// More parts for those pieces of the path whose errors are more than their share.
-    fn refine(&self, spline: &FrameSpline, found: &SweepError, wanted: f64, parts: &mut [usize]) {
-        // Without the rounding that `of` adds.
-        let left = greater(sub_down(wanted, 64.0 * f64::EPSILON * self.profile.reach), 0.0);
+    /// Gives more parts to the pieces of the path whose errors exceed their share.
+    fn refine(&self, spline: &FrameSpline, error: &SweepError, tolerance: f64, parts: &mut [usize]) {
+        // Without the rounding that `error_of` adds.
+        let remaining = greater(sub_down(tolerance, 64.0 * f64::EPSILON * self.profile.reach), 0.0);
         let closed = if self.framed.is_closed { 2.0 } else { 1.0 };
-        let share = 0.5 * left / parts.len() as f64;
+        let share = 0.5 * remaining / parts.len() as f64;
         let mut twists = vec![0.0; parts.len()];
-        let mut offs = vec![0.0; parts.len()];
+        let mut errors = vec![0.0; parts.len()];
         for (k, (piece, _)) in spline.places.iter().enumerate() {
-            twists[*piece] += closed * self.profile.far[3] * found.pieces[k].twist;
-            offs[*piece] = greater(found.off[k], offs[*piece]);
+            twists[*piece] += closed * self.profile.far[3] * error.pieces[k].twist;
+            errors[*piece] = greater(error.without_twist[k], errors[*piece]);
         }
         let mut is_more = false;
         for (piece, n) in parts.iter_mut().enumerate() {
-            if twists[piece] > share || offs[piece] > 0.5 * left {
+            if twists[piece] > share || errors[piece] > 0.5 * remaining {
                 *n = (2 * *n).min(PARTS[1]);
                 is_more = true;
             }
         }
-        // All together are too much, though none is more than its share.
+        // The sum is too much, though no piece exceeds its share.
         if !is_more {
             parts.iter_mut().for_each(|n| *n = (2 * *n).min(PARTS[1]));
         }
     }
 
-    /// The surface of a spline of frames: control points of the profile in the frames that its control points are.
+    /// The surface of a spline of frames: each of its control points is a frame, in which the profile's control points are
+    /// placed.
     fn surface(&self, spline: &FrameSpline) -> Result<NurbsSurface, InvalidNurbs> {
         let profile = &self.profile.curve;
         let (mut control, mut weights) = (Vec::new(), Vec::new());
@@ -429,13 +437,13 @@ impl<'a> SweepProof<'a> {
 fn finished(
     proof: &SweepProof<'_>,
     spline: &FrameSpline,
-    found: &SweepError,
-    wanted: Tolerance,
+    error: &SweepError,
+    tolerance: Tolerance,
 ) -> Result<Bounded<NurbsSurface>, Failure<NurbsSurface>> {
-    let surface = proof.surface(spline).map_err(refused)?.with_slack(found.at_most);
-    if !found.at_most.is_finite() {
+    let surface = proof.surface(spline).map_err(refused)?.with_slack(error.at_most);
+    if !error.at_most.is_finite() {
         return Err(Failure::refused(RefusalCode::NotFinite, "the surface leaves the range of numbers"));
     }
-    let made = Bounded { shape: surface, bound: Bound::proved(0.0, found.at_most, Reference::Curves) };
-    if found.at_most <= wanted.get() { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    let bounded = Bounded { shape: surface, bound: Bound::proved(0.0, error.at_most, Reference::Curves) };
+    if error.at_most <= tolerance.get() { Ok(bounded) } else { Err(Failure::Unmet(Box::new(bounded))) }
 }

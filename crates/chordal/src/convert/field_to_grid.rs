@@ -1,20 +1,21 @@
-//! The arrow from fields to grids of samples, by bricks that ranges prune.
+//! The arrow from fields to grids of samples, in bricks that interval evaluation prunes.
 use super::lattice::{BRICK, Lattice};
 use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map, par_map_owned};
 use crate::implicit::{BrickSlab, Field, Grid, LeafError, Samples, SparseGrid, Tape};
 use crate::math::{Box3, Interval};
 
-/// Samples a field on a lattice. With a `band`, values beyond it say only their side: ±band.
+/// Samples a field on a lattice. With a `band`, values beyond it are clamped to ±band.
 ///
 /// **Values.** Those of [`Tape::at`] at the points that [`Lattice::at`] computes. With a band, a brick of 8³
 /// samples whose range is beyond it is filled without evaluation. The range is proved, so no sample within
 /// the band is missed. (The field's [`Distance`](crate::implicit::Distance) says whether a value within the
 /// band is a distance.)
 ///
-/// **Cost.** Near the surface that of evaluation; elsewhere that of one range a brick. 8 bytes a sample.
+/// **Cost.** Near the surface, that of evaluating each sample; elsewhere, one interval evaluation a brick. 8 bytes a
+/// sample.
 ///
 /// # Errors
-/// [`JobError::Refused`] when a leaf fails ([`RefusalCode::LeafFailed`], with its sentence), the band is not
+/// [`JobError::Refused`] if a leaf fails ([`RefusalCode::LeafFailed`], with its message), the band is not
 /// a number above 0, or the samples are more than the job's memory holds; [`JobError::Cancelled`].
 ///
 /// ```
@@ -54,7 +55,7 @@ pub fn field_to_grid(
         .map_err(|error| refusal(RefusalCode::Empty, error.to_string()))
 }
 
-/// Like [`field_to_grid`], in bricks: those beyond the band, which has to be finite, are not stored.
+/// Like [`field_to_grid`], in bricks: bricks beyond the band, which has to be finite, are not stored.
 ///
 /// The samples are those of [`field_to_grid`], bit for bit. Memory: that of the bricks, and eight planes for
 /// each thread.
@@ -95,7 +96,7 @@ pub fn field_to_sparse_grid(
     sample_bricks(lattice, band, done, job)
 }
 
-/// Puts the layers into one grid, in order.
+/// Joins the layers to one grid, in order.
 fn sample_bricks(
     lattice: &Lattice,
     band: f64,
@@ -146,11 +147,11 @@ fn fill_layer(
     let mut points = Vec::new();
     for (brick, range) in bricks.iter().zip(&ranges) {
         let beyond = band.and_then(|band| {
-            // A range may leave out points without a value, which are outside; these are evaluated.
-            let known = range.is_defined() && !range.is_empty();
-            if known && range.lo() > band {
+            // A range may not cover points without a value, which are outside; such bricks are evaluated.
+            let is_total = range.is_defined() && !range.is_empty();
+            if is_total && range.lo() > band {
                 Some(band)
-            } else if known && range.hi() < -band {
+            } else if is_total && range.hi() < -band {
                 Some(-band)
             } else {
                 None

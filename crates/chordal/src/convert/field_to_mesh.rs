@@ -7,46 +7,49 @@ use crate::explicit::Mesh;
 use crate::implicit::Field;
 use crate::math::{flushes_subnormals, lesser};
 
-/// Meshes the surface of a field, the boundary of where it is negative, within a budget. Adaptive tetrahedra
-/// cut the primitives of the field's sign as linear functions. Newton's method moves vertices onto
-/// primitives, creases and corners. Edge splits, flips and collapses then leave few triangles.
+/// Meshes the surface of a field, the boundary of the region where it is negative, within a budget. In adaptive
+/// tetrahedra, the primitives of the field's sign are taken as linear functions, whose zero sets are cut along
+/// each other. Newton's method moves the vertices onto primitives, creases and corners. Edge splits, flips and
+/// collapses then leave few triangles.
 ///
 /// *What the bound covers.* The Hausdorff distance between all points of the triangles and all points of the
-/// field's surface, proved by [`crate::check::field_deviation`] for the exact numbers of the mesh. The rule
-/// is [`Field::sign`], and [`Field::bounds`] is taken at its word. Triangles that are not proved are split.
-/// Where a leaf of the field knows no ranges, and with [`RequiredEvidence::Measured`], the mesh is measured:
-/// points of the surface are searched for near the middles of triangles and of edges, and triangles that are too far from
-/// one are split; parts of the surface without triangles near them are missed. With [`RequiredEvidence::Proved`] such a
-/// mesh is returned as [`Failure::Unmet`].
+/// field's surface, proved by [`crate::check::field_deviation`] for the exact numbers of the mesh. Inside is
+/// decided by [`Field::sign`], and [`Field::bounds`] is trusted. Triangles that cannot be proved are split. If a
+/// leaf of the field has no interval evaluation, or with [`RequiredEvidence::Measured`], the mesh is measured:
+/// points of the surface are searched near the middles of triangles and edges, and triangles too far from one
+/// are split; parts of the surface without triangles near them are missed. With [`RequiredEvidence::Proved`]
+/// such a mesh is returned as [`Failure::Unmet`].
 ///
-/// With [`RequiredEvidence::ProvedOrMeasured`] a proof is tried after the mesh is there, with as many evaluations as
-/// that took and some seconds' worth at least ([`ProofEffort::Full`](crate::budget::proof::ProofEffort::Full): to its end).
-/// Where it does not end the mesh is measured as a whole, and [`Bound::open`](crate::Bound::open) lists the places that are
-/// left over. A [`Job::finish`] ends all of it soon with what there is.
+/// With [`RequiredEvidence::ProvedOrMeasured`] the finished mesh is proved if possible. The proof may take as many
+/// evaluations as meshing did, and at least some seconds' worth; with
+/// [`ProofEffort::Full`](crate::budget::proof::ProofEffort::Full) it has no limit. If it does not finish, the
+/// whole mesh is measured, and [`Bound::open`](crate::Bound::open) lists the places that are not proved. A
+/// [`Job::finish`] soon ends the work with the best result so far.
 ///
-/// With [`RequiredEvidence::Estimated`] it is a draft: cubes about as large as the length, at most 96 along the longest
-/// side, polygonized, and the vertices moved onto the surface. It takes a tenth of the time, has many triangles and rounds
-/// off edges; what is thinner than a cube is missed. Its bound says nothing. Such a draft, measured, is also what comes where
-/// memory or time ends before there is a mesh.
+/// With [`RequiredEvidence::Estimated`] the mesh is a draft: cubes about as large as the length, at most 96 along
+/// the longest side, are polygonized, and the vertices moved onto the surface. It takes a tenth of the time, has
+/// many triangles and rounds off edges; parts thinner than a cube are missed. Its bound has no upper limit. Such
+/// a draft, measured, is also the result if memory or time runs out before there is a mesh.
 ///
-/// *Fields with meshes* ([`has_meshes`](super::has_meshes)) take another way: a field that is one solid mesh,
-/// moved, turned or scaled, is its triangles, off by rounding. Of others the sign on a lattice of cubes is
-/// polygonized, and ranges prove where the surface may be: many small triangles, for
-/// [`lod::simplify`](crate::lod::simplify) to reduce. Booleans of closed meshes are better cut along each other
-/// ([`SolidTree`](super::solids::SolidTree), [`boolean`](crate::boolean)).
+/// *Fields with meshes* ([`has_meshes`](super::has_meshes)) are meshed in another way. A field that is one solid
+/// mesh, moved, turned or scaled, gives its own triangles, up to rounding. For other fields, the sign on a
+/// lattice of cubes is polygonized, and interval evaluation proves where the surface may be: many small
+/// triangles, which [`lod::simplify`](crate::lod::simplify) can reduce. For Booleans of closed meshes it is
+/// better to cut the meshes along each other ([`SolidTree`](super::solids::SolidTree),
+/// [`boolean`](crate::boolean)).
 ///
 /// The mesh is closed, manifold and oriented, and its triangles do not cross. Flat faces take as few
 /// triangles as their outlines need. [`with_gradient_normals`](super::with_gradient_normals) adds the normals
-/// of the surface. The budget is a length, pixels at a view, a number of triangles, or several of them.
+/// of the surface. The budget is a length, pixels at a view, a number of triangles, or several of these.
 ///
-/// *Cost.* The number of cells depends on the details of the shape, not on the length. Triangles grow like 1
-/// over the length where the surface is doubly curved, like its root where it is singly curved. The proof
-/// takes 30 to 200 interval evaluations of primitives a triangle.
+/// *Cost.* The number of cells depends on the details of the shape, not on the length. The number of triangles
+/// grows like 1/length where the surface is doubly curved, and like 1/√length where it is singly curved. The
+/// proof takes 30 to 200 interval evaluations of primitives a triangle.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best mesh; refusals with [`RefusalCode::Empty`] where the field is nowhere
+/// [`Failure::Unmet`] with the best mesh; refusals with [`RefusalCode::Empty`] if the field is nowhere
 /// negative, [`RefusalCode::Unsupported`] without finite bounds, [`RefusalCode::Budget`],
-/// [`RefusalCode::TooManyTriangles`] and [`RefusalCode::TooMuchMemory`] before the work,
+/// [`RefusalCode::TooManyTriangles`] and [`RefusalCode::TooMuchMemory`] before the work starts,
 /// [`RefusalCode::LeafFailed`]; [`Failure::Cancelled`].
 ///
 /// ```
@@ -89,11 +92,11 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
             "an angle is no budget for fields in this version",
         ));
     }
-    let seen = match &budget.pixels {
+    let from_pixels = match &budget.pixels {
         None => None,
         Some(px) => Some(length_from_pixels(&bounds, px)?),
     };
-    let length = match (budget.length.map(Tolerance::get), seen) {
+    let length = match (budget.length.map(Tolerance::get), from_pixels) {
         (Some(a), Some(b)) => Some(lesser(a, b)),
         (a, b) => a.or(b),
     };
@@ -104,31 +107,30 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
             return Err(Failure::refused(RefusalCode::Budget, "the budget in pixels leaves no length"));
         }
     };
-    let wanted = FieldMeshGoal { length, triangles: budget.triangles, require: budget.require };
-    let made = job.run(|| {
+    let goal = FieldMeshGoal { length, triangles: budget.triangles, require: budget.require };
+    let mut mesh = job.run(|| {
         if budget.require == RequiredEvidence::Estimated {
-            draft(field, &wanted, job)
+            draft(field, &goal, job)
         } else {
             let has_meshes = fields_with_meshes::has_meshes(field);
             let search = if has_meshes { fields_with_meshes::search } else { search };
-            search(field, &wanted, job).or_else(|failure| instead(failure, field, &wanted, job))
+            search(field, &goal, job).or_else(|failure| draft_instead(failure, field, &goal, job))
         }
-    });
-    let mut made = made?;
-    if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
-        made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
+    })?;
+    if let (Some(px), Some(most)) = (budget.pixels, mesh.bound.at_most()) {
+        mesh.bound.pixels = px.view.pixels_of(most, &mesh.shape.bounds().union(bounds));
     }
-    Ok(made)
+    Ok(mesh)
 }
 
-/// A measured draft where memory or time ended before there was a mesh, unless nothing but a proof will do.
-fn instead(
+/// A measured draft, if memory or time ran out before there was a mesh and the budget does not require a proof.
+fn draft_instead(
     failure: Failure<Mesh>,
     field: &Field,
-    wanted: &FieldMeshGoal,
+    goal: &FieldMeshGoal,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let is_short = match &failure {
+    let ran_out = match &failure {
         Failure::Refused(refusal) => match refusal.code {
             RefusalCode::TooMuchMemory => true,
             RefusalCode::Empty => job.is_finishing(),
@@ -136,12 +138,12 @@ fn instead(
         },
         _ => false,
     };
-    if !is_short || wanted.require == RequiredEvidence::Proved {
+    if !ran_out || goal.require == RequiredEvidence::Proved {
         return Err(failure);
     }
-    match measured_draft(field, wanted, job) {
-        // What stood in the way of the mesh says more than what stood in the way of its draft.
+    match measured_draft(field, goal, job) {
+        // The first refusal is about the mesh that was wanted, and says more than that of its draft.
         Err(Failure::Refused(_)) => Err(failure),
-        made => made,
+        result => result,
     }
 }

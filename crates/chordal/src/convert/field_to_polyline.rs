@@ -6,30 +6,30 @@ use crate::explicit::Polyline;
 use crate::implicit::Field;
 use crate::math::{Box3, flushes_subnormals, lesser};
 
-/// Traces the curve of a field in the plane z = 0, the boundary of where it is negative, within a budget. The
-/// polylines are closed, with inside on their left.
+/// Traces the curve of a field in the plane z = 0, the boundary of the region where it is negative, within a budget.
+/// The polylines are closed, with inside on their left.
 ///
-/// Where the curve consists of lines and circular arcs, as that of rectangles, polygons, discs and their unions,
-/// intersections and differences does, the lines are the outline itself: a segment for each side, with its corners up
-/// to rounding, and as many for an arc as its sagitta asks for. Everything else is found by marching squares on a
-/// lattice that is fine enough; what is straight up to the rest of the budget becomes one segment.
+/// If the curve consists of lines and circular arcs, as for rectangles, polygons, discs and their unions,
+/// intersections and differences, the polylines are the outline itself: a segment for each side, with corners exact up
+/// to rounding, and as many segments for an arc as its sagitta requires. All other curves are traced by marching
+/// squares on a lattice that is fine enough; runs that are straight within the rest of the budget become one segment.
 ///
 /// *What the bound covers.* The Hausdorff distance between all points of the lines and all points of the
-/// curve, both ways, proved by ranges for the exact numbers of the lines (`convert/contours/prove.rs`), and
-/// for lines and arcs by their crossings (`plane_outline.rs`; where two shapes meet along a line, nothing is
-/// left between them: [`Csg`](crate::implicit::csg::Csg)). The rule is [`Field::sign`], and [`Field::bounds`]
-/// is taken at its word. Where a leaf knows no ranges, the budget is aimed at and the result measured; that
-/// needs [`RequiredEvidence::Measured`].
+/// curve, both ways, proved by interval evaluation for the exact numbers of the lines (`convert/contours/prove.rs`),
+/// and for lines and arcs by their crossings (`plane_outline.rs`; if two shapes meet along a line, no gap is
+/// left between them: [`Csg`](crate::implicit::csg::Csg)). Inside is decided by [`Field::sign`], and
+/// [`Field::bounds`] is trusted. If a leaf has no interval evaluation, the budget is a target only, and the result is
+/// measured; that needs [`RequiredEvidence::Measured`].
 ///
-/// Lines never end: points outside of the field's bounds count as outside, so that the sides of a region
-/// close a shape that it cuts off. The budget is a length, pixels at a view, a number of segments, or several
-/// of them.
+/// Lines have no loose ends: points outside of the field's bounds count as outside, so that a shape that the bounds
+/// cut off is closed along their sides. The budget is a length, pixels at a view, a number of segments, or several
+/// of these.
 ///
-/// *Cost.* Proportional to the length of the curve over the size of squares, times the terms of the
-/// expression that matter there; of lines and arcs, to the cube of their number, which is 400 at most.
+/// *Cost.* Proportional to the length of the curve over the size of the squares, times the terms of the
+/// expression that are undecided there; for lines and arcs, to the cube of their number, which is 400 at most.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best lines; refusals with [`RefusalCode::Empty`] where the field is nowhere
+/// [`Failure::Unmet`] with the best lines; refusals with [`RefusalCode::Empty`] if the field is nowhere
 /// negative, [`RefusalCode::Unsupported`] without finite bounds along x and y or for an angle,
 /// [`RefusalCode::Budget`], [`RefusalCode::TooMuchMemory`], [`RefusalCode::LeafFailed`];
 /// [`Failure::Cancelled`].
@@ -77,8 +77,8 @@ pub fn field_to_polyline(
     if budget.angle_deg.is_some() {
         return refused(RefusalCode::Unsupported, "an angle is no budget for fields in this version");
     }
-    let seen = budget.pixels.as_ref().map(|px| length_from_pixels(&bounds, px)).transpose()?;
-    let length = match (budget.length.map(Tolerance::get), seen) {
+    let from_pixels = budget.pixels.as_ref().map(|px| length_from_pixels(&bounds, px)).transpose()?;
+    let length = match (budget.length.map(Tolerance::get), from_pixels) {
         (Some(a), Some(b)) => Some(lesser(a, b)),
         (a, b) => a.or(b),
     };
@@ -86,17 +86,17 @@ pub fn field_to_polyline(
     if length.is_none() && budget.segments.is_none() || !is_length {
         return refused(RefusalCode::Budget, "the budget leaves no length, and no number of segments");
     }
-    let wanted = ContourGoal {
+    let goal = ContourGoal {
         length,
         segments: budget.segments,
         measured: budget.require != RequiredEvidence::Proved,
     };
     let field = field.clone().known_bounds(bounds);
-    let mut made =
-        job.run(|| outline_lines(&field, &wanted, job).unwrap_or_else(|| search(&field, &wanted, job)))?;
-    if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
-        let about = Box3 { min: bounds.min.map(|x| x - most), max: bounds.max.map(|x| x + most) };
-        made.bound.pixels = px.view.pixels_of(most, &about);
+    let mut lines =
+        job.run(|| outline_lines(&field, &goal, job).unwrap_or_else(|| search(&field, &goal, job)))?;
+    if let (Some(px), Some(most)) = (budget.pixels, lines.bound.at_most()) {
+        let hull = Box3 { min: bounds.min.map(|x| x - most), max: bounds.max.map(|x| x + most) };
+        lines.bound.pixels = px.view.pixels_of(most, &hull);
     }
-    Ok(made)
+    Ok(lines)
 }

@@ -8,20 +8,20 @@ use crate::math::{dot, length};
 /// Two triangles that meet at a larger angle than this have a crease between them: 30°, the same as for plain
 /// meshes.
 const CREASE_RAD: f64 = std::f64::consts::FRAC_PI_6;
-/// At creases the gradient is sampled this fraction of the way into the triangles, where it is that of their
-/// side.
+/// At creases the gradient is sampled this fraction of the way into the triangles, where it is the gradient of their
+/// side of the crease.
 const INTO: f64 = 1.0 / 32.0;
 
 /// Gives a mesh normals from the gradient of a field's [`Field::sign`], which points outward. Vertices at
-/// creases of more than 30° are doubled, tied by [`Mesh::position_id`], with a normal for each side. The
-/// normal is that of the triangles around where the gradient has no direction (no value, or zero) or differs
-/// from it by more than 30°.
+/// creases of more than 30° are doubled, tied by [`Mesh::position_id`], with a normal for each side. If the
+/// gradient has no direction (no value, or zero), or differs by more than 30° from the normal of the triangles around
+/// the vertex, that normal is taken.
 ///
-/// On a mesh by [`field_to_mesh`](super::field_to_mesh()) these are the normals of the true surface, as the
+/// On a mesh by [`field_to_mesh`](super::field_to_mesh()) these are the normals of the true surface, since the
 /// vertices lie on it. No bound covers normals. Cost: one gradient a vertex.
 ///
 /// # Errors
-/// [`JobError::Refused`] with [`RefusalCode::LeafFailed`] when a leaf does; [`JobError::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::LeafFailed`] if a leaf fails; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::explicit::Semantic;
@@ -50,14 +50,14 @@ pub fn with_gradient_normals(mesh: &Mesh, field: &Field, job: &Job) -> Result<Me
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    let old = mesh.attribute(&Semantic::Normal).expect("it was given one");
+    let from_triangles = mesh.attribute(&Semantic::Normal).expect("it was given one");
     let mut normals: Vec<[f64; 3]> =
-        (0..points.len()).map(|row| std::array::from_fn(|k| old.row(row)[k])).collect();
+        (0..points.len()).map(|row| std::array::from_fn(|k| from_triangles.row(row)[k])).collect();
     for (normal, slope) in normals.iter_mut().zip(&slopes) {
-        let steep = length(slope.gradient);
-        let direction = slope.gradient.map(|d| d / steep);
+        let slope_length = length(slope.gradient);
+        let direction = slope.gradient.map(|d| d / slope_length);
         if dot(direction, *normal) > libm::cos(CREASE_RAD)
-            || *normal == [0.0; 3] && steep > 0.0 && steep.is_finite()
+            || *normal == [0.0; 3] && slope_length > 0.0 && slope_length.is_finite()
         {
             *normal = direction;
         }
@@ -65,7 +65,7 @@ pub fn with_gradient_normals(mesh: &Mesh, field: &Field, job: &Job) -> Result<Me
     Ok(with_vertex_normals(&mesh, normals).expect("one finite normal for each vertex"))
 }
 
-/// The sample points of the gradient: the vertex itself, or a little into its triangles where a position has
+/// The points at which the gradient is sampled: the vertices, but a little into the triangles for a position with
 /// several rows.
 fn gradient_points(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut points = mesh.positions().to_vec();

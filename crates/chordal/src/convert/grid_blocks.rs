@@ -1,4 +1,5 @@
-//! Blocks of a volume that are meshed one by one, and joined to the mesh of the whole: `grid_to_block`, `join_blocks`.
+//! Blocks of a volume that are meshed one by one, and joined to the mesh of the whole volume: `grid_to_block`,
+//! `join_blocks`.
 use super::cubes::bound::IsosurfaceProof;
 use super::cubes::case_table::TABLE;
 use super::cubes::marching_cubes::{Isosurface, MarchingPlan, march, refusal};
@@ -11,7 +12,7 @@ use crate::explicit::Mesh;
 use crate::implicit::{Grid, with_samples};
 use std::borrow::Borrow;
 
-/// The place of a triangle in the order of the whole: cells row by row, then the caps.
+/// The place of a triangle in the order of the whole volume's mesh: cells row by row, then the caps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceKey {
     /// Whether it closes the shape at the border of the lattice.
@@ -19,38 +20,39 @@ pub struct FaceKey {
     /// For a cell z, y and x of its lowest sample; for a cap the border (2 a + 1 for the high end of axis a), and the
     /// indices along the second and the first axis after it.
     pub place: [i64; 3],
-    /// Its number among those of this place.
+    /// Its number among the triangles of this place.
     pub number: u8,
 }
 
-/// The triangles of a block of a volume, with what joins them to those of other blocks.
+/// The triangles of a block of a volume, with the keys that join them to those of other blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridBlock {
     /// n × 3 coordinates.
     pub positions: Vec<[f64; 3]>,
     /// m × 3 indices into the positions.
     pub faces: Vec<[u32; 3]>,
-    /// A normal for each position, where somebody has put them there; otherwise none.
+    /// A normal for each position, if the caller has added them; otherwise empty.
     pub normals: Vec<[f64; 3]>,
     /// The key of each position.
     pub vertex_keys: Vec<VertexKey>,
     /// The key of each triangle.
     pub face_keys: Vec<FaceKey>,
-    /// The distance between the triangles and the surface of the interpolant in this block; `None` where it has none.
+    /// The distance between the triangles and the surface of the interpolant in this block; `None` for a block without
+    /// surface.
     pub bound: Option<Bound>,
 }
 
-/// Meshes a block of a volume: what [`grid_to_mesh`](super::grid_to_mesh()) makes of the whole without a budget, in the
-/// cells of this grid.
+/// Meshes a block of a volume: the part in the cells of this grid of the mesh that
+/// [`grid_to_mesh`](super::grid_to_mesh()) builds of the whole volume without a budget.
 ///
 /// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
-/// whole, and `rule.border` is [`Border::Open`](super::Border::Open) where another block goes on. A block without surface
-/// has no triangles. Normals take samples beyond its sides, so a rule with [`Normals::Gradient`] is refused, and
-/// [`block_normals`] has them.
+/// whole, and `rule.border` is [`Border::Open`](super::Border::Open) at sides shared with another block. A block without
+/// surface has no triangles. Normals need samples beyond the block's sides, so a rule with [`Normals::Gradient`] is
+/// refused; [`block_normals`] computes them.
 ///
-/// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole. Where a length is
-/// `wanted`, all cells are worked on that need it for a bound of that length; else no more than a share of them, so that
-/// noise has a bound of up to the diagonal of a cell.
+/// **Bound.** That of the cells of the block, proved; the largest of all blocks holds for the whole volume. With a length
+/// `wanted`, every cell whose bound would exceed it is examined; without one, only a share of the cells is, so that for
+/// noise the bound may be as large as the diagonal of a cell.
 ///
 /// # Errors
 /// As for [`grid_to_triangles`](super::lattices::grid_to_triangles).
@@ -87,10 +89,11 @@ pub fn grid_to_block(
     })
 }
 
-/// The normals along the gradient, by the keys of vertices, in the order of keys.
+/// The normals along the gradient with the keys of their vertices, in the order of keys.
 ///
-/// Those of a block, bit for bit those that the whole volume has, are among them where the grid has one sample more on each side
-/// of it that blocks share: central differences take the samples beside a vertex.
+/// For the normals of a block, pass a grid with one more sample beyond each side that the block shares: central
+/// differences need the samples beside a vertex. The block's normals are then among the result, bit for bit those of the
+/// whole volume.
 ///
 /// # Errors
 /// As for [`grid_to_block`].
@@ -106,9 +109,9 @@ pub fn block_normals(
             let source = DenseSamples { values, size, rule: *rule };
             let plan = MarchingPlan::new(&source, rule, job)?;
             let normals = gradient_normals(&source, affine, rule, &plan, job);
-            let mut found: Vec<_> = vertex_keys(&plan, rule, job).into_iter().zip(normals).collect();
-            found.sort_unstable_by_key(|(key, _)| *key);
-            if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(found) }
+            let mut keyed_normals: Vec<_> = vertex_keys(&plan, rule, job).into_iter().zip(normals).collect();
+            keyed_normals.sort_unstable_by_key(|(key, _)| *key);
+            if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(keyed_normals) }
         })
     })
 }
@@ -123,7 +126,7 @@ fn vertex_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<VertexK
 }
 
 fn face_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<FaceKey> {
-    let of_slabs = plan.for_each_slab(job, |_, walk| {
+    let slab_keys = plan.for_each_slab(job, |_, walk| {
         let mut keys = Vec::new();
         walk(&mut |[i, j, k], signs| {
             let place = [k, j, i];
@@ -133,7 +136,7 @@ fn face_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<FaceKey> 
         });
         keys
     });
-    let mut keys = of_slabs.concat();
+    let mut keys = slab_keys.concat();
     plan.for_each_cap_triangle(|axis, end, [p, q], number| {
         let along = |axis: usize, index: usize| rule.offset[axis % 3] + index as i64;
         let place = [2 * axis as i64 + end as i64, along(axis + 2, q), along(axis + 1, p)];
@@ -142,23 +145,23 @@ fn face_keys(plan: &MarchingPlan, rule: &Polygonize, job: &Job) -> Vec<FaceKey> 
     keys
 }
 
-/// Where a vertex is in the order of the whole.
+/// The sort key of a vertex in the order of the whole volume's mesh.
 fn order(key: &VertexKey) -> (i64, i64, u8, i64) {
     let [x, y, z] = key.lattice;
     (z, y, key.kind, x)
 }
 
-/// Joins blocks to the mesh of the whole: the same positions and triangles in the same order as
-/// [`grid_to_mesh`](super::grid_to_mesh()) has them, bit for bit, in whatever order the blocks come.
+/// Joins blocks to the mesh of the whole volume: the positions and triangles of [`grid_to_mesh`](super::grid_to_mesh()),
+/// bit for bit and in its order, whatever the order of the blocks.
 ///
 /// The bound is the largest of all blocks, proved.
 ///
-/// Cost: O(n log k) in the vertices and triangles of k blocks, since those of each are in order.
+/// Cost: O(n log k) in the vertices and triangles of k blocks, since each block's are sorted already.
 ///
 /// # Errors
-/// [`JobError::Refused`]: no block has triangles ([`RefusalCode::Empty`]); vertices of one key lie apart, or a triangle comes
-/// twice: these are no blocks of one volume ([`RefusalCode::Unsupported`]); more than a mesh
-/// or the job may have ([`RefusalCode::TooManyTriangles`]).
+/// [`JobError::Refused`]: no block has triangles ([`RefusalCode::Empty`]); vertices with one key have different positions,
+/// or a triangle occurs twice, so that these are not blocks of one volume ([`RefusalCode::Unsupported`]); more triangles
+/// than a mesh or the job may have ([`RefusalCode::TooManyTriangles`]).
 ///
 /// ```
 /// use chordal::Job;
@@ -195,13 +198,13 @@ pub fn join_blocks(
         let message = format!("the blocks have {triangles} triangles; the limit is {limit}");
         return Err(refusal(RefusalCode::TooManyTriangles, message));
     }
-    // Every vertex of every block, in the order of the whole.
+    // Every vertex of every block, in the order of the whole volume's mesh.
     let mut entries: Vec<(usize, u32)> = Vec::new();
     for (k, block) in blocks.iter().enumerate() {
         entries.extend((0..block.positions.len() as u32).map(|row| (k, row)));
     }
     let key_of = |(k, row): &(usize, u32)| &blocks[*k].vertex_keys[*row as usize];
-    // These stable sorts merge what is in order already.
+    // Each block's entries are sorted already, and the stable sort merges such runs.
     entries.sort_by_key(|entry| order(key_of(entry)));
     let mut numbers: Vec<Vec<u32>> = blocks.iter().map(|block| vec![0; block.positions.len()]).collect();
     let mut positions: Vec<[f64; 3]> = Vec::new();
@@ -218,7 +221,7 @@ pub fn join_blocks(
                 format!("vertices of one key lie apart: these are no blocks of one volume ({place:?})");
             return Err(refusal(RefusalCode::Unsupported, message));
         }
-        // Where these are more than an index can say, there is no mesh of them.
+        // If there are more vertices than an index can number, `Mesh::new` refuses them below.
         numbers[k][row as usize] = u32::try_from(positions.len() - 1).unwrap_or(u32::MAX);
     }
     let mut faces: Vec<(FaceKey, [u32; 3])> = Vec::with_capacity(triangles as usize);

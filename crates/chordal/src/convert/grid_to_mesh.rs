@@ -19,28 +19,28 @@ use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, greater, length,
 ///
 /// **Bound.** The two-sided Hausdorff distance between the mesh and the boundary of the interpolant's inside,
 /// within the lattice's box; *proved*, rounding included (`convert/cubes/bound.rs`). Where the interpolant is
-/// steadily monotone through a few cells, the bound falls with the square of the step. A cell where it is not
-/// (a thin wall, a saddle, noise) counts with its diagonal.
+/// steadily monotone through a few cells, the bound falls with the square of the step. For other cells (a thin
+/// wall, a saddle, noise) the bound is their diagonal.
 ///
 /// **Mesh.** Always closed and manifold, by combinatorics alone, except at an open border of the lattice.
 /// Each edge of the lattice whose samples are on different sides has one vertex, at least a margin away from
 /// both. Samples that equal the level are outside and make neither flat triangles nor coinciding ones. The
-/// margin, 2⁻²⁰ of an edge, is in the bound. On a mirrored lattice the triangles are turned around, so that
-/// the front is outside.
+/// bound includes the margin, 2⁻²⁰ of an edge. On a mirrored lattice the triangles are reversed, so that their
+/// front is outside.
 ///
-/// **Budgets.** Without one, the mesh is that of the lattice, with the bound that it has. With a length,
-/// cells whose own bound is beyond it are halved on the interpolant, and so are their parts, until the bound
-/// holds; other cells stay as they are (`convert/cubes/refinement.rs`). Where levels meet, the mesh is closed
-/// as elsewhere (`transition_cells.rs`). A number of triangles is a limit.
+/// **Budgets.** Without one, the mesh is that of the lattice, with whatever bound it has. With a length, cells
+/// whose own bound is larger are halved on the interpolant, and so are their parts, until the bound holds; other
+/// cells stay as they are (`convert/cubes/refinement.rs`). The mesh is closed between cells of different levels,
+/// too (`transition_cells.rs`). A number of triangles is a limit.
 ///
-/// **Cost.** O(samples) to compare them and O(triangles) for the rest; a bit a sample and a byte a passed
-/// cell beside input and output. Halving takes time and memory by the cells that are halved and those around
-/// them, in up to 12 rounds. It runs on all threads of the job, with the same bytes on any number.
+/// **Cost.** O(samples) to compare them and O(triangles) for the rest; a bit a sample and a byte for each cell
+/// with surface, beside input and output. Halving takes time and memory in proportion to the halved cells and
+/// those around them, in up to 12 rounds. It runs on all threads of the job, with the same bytes on any number.
 ///
 /// # Errors
 /// [`Failure::Refused`]: no surface, or an axis of one sample ([`RefusalCode::Empty`], with the reason); a
-/// level or transform that is not finite or beyond 1e150 ([`RefusalCode::NotFinite`]); steps that are lost
-/// beside the coordinates ([`RefusalCode::BelowPrecision`]); a margin outside of 2⁻³⁰ to ¼, or a budget in
+/// level or transform that is not finite or beyond 1e150 ([`RefusalCode::NotFinite`]); steps so small beside the
+/// coordinates that rounding loses them ([`RefusalCode::BelowPrecision`]); a margin outside of 2⁻³⁰ to ¼, or a budget in
 /// degrees ([`RefusalCode::Unsupported`]); a lattice too close to the eye for pixels
 /// ([`RefusalCode::TooClose`]); more triangles or bytes than the job allows; an environment that flushes
 /// subnormals. [`Failure::Unmet`] with the best mesh. [`Failure::Cancelled`].
@@ -73,7 +73,7 @@ pub fn grid_to_mesh(
     })
 }
 
-/// Like [`grid_to_mesh`], of samples in bricks: the mesh is the same, bit for bit, as from one array.
+/// Like [`grid_to_mesh`], for samples in bricks: the mesh is the same, bit for bit, as from one array.
 ///
 /// # Errors
 /// As for [`grid_to_mesh`].
@@ -104,12 +104,12 @@ fn mesh_source<S: SampleSource>(
     let bounds = bounds(source.size(), affine, rule);
     let length = allowed_length(budget, &bounds)?;
     let most = budget.and_then(|budget| budget.triangles).unwrap_or(u64::MAX);
-    let wanted = GridMeshGoal { length, most, sample_precision: numbers };
-    let mut made = job.run(|| refine_to_budget(source, affine, rule, &wanted, job))?;
-    if let (Some(px), Some(most)) = (budget.and_then(|budget| budget.pixels), made.bound.at_most()) {
-        made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
+    let goal = GridMeshGoal { length, most, sample_precision: numbers };
+    let mut mesh = job.run(|| refine_to_budget(source, affine, rule, &goal, job))?;
+    if let (Some(px), Some(most)) = (budget.and_then(|budget| budget.pixels), mesh.bound.at_most()) {
+        mesh.bound.pixels = px.view.pixels_of(most, &mesh.shape.bounds().union(bounds));
     }
-    Ok(made)
+    Ok(mesh)
 }
 
 /// The limits that the mesh is refined for.
@@ -128,67 +128,67 @@ fn bounds(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Box3 {
     })
 }
 
-/// Halves cells until the bound is within the budget's length: at the latest where their diagonal is. A halving may not
-/// improve a cell's bound, and the next one does all the same.
+/// Halves cells until the bound is within the budget's length, at the latest when their diagonal is. Even if one
+/// halving does not improve a cell's bound, the next one may.
 fn refine_to_budget<S: SampleSource>(
     source: &S,
     affine: &Affine3,
     rule: &Polygonize,
-    wanted: &GridMeshGoal,
+    goal: &GridMeshGoal,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let GridMeshGoal { length, most, .. } = *wanted;
+    let GridMeshGoal { length, most, .. } = *goal;
     let is_met =
-        |made: &Bounded<Mesh>| made.shape.faces().len() as u64 <= most && upper_bound(made) <= length;
-    let refined = if length.is_finite() { refined_mesh(source, affine, rule, wanted, job)? } else { None };
+        |mesh: &Bounded<Mesh>| mesh.shape.faces().len() as u64 <= most && upper_bound(mesh) <= length;
+    let refined = if length.is_finite() { refined_mesh(source, affine, rule, goal, job)? } else { None };
     let best = match refined {
-        Some(made) if is_met(&made) => made,
+        Some(mesh) if is_met(&mesh) => mesh,
         refined => {
             let coarse = mesh_isosurface(source, affine, rule, length, job)?;
-            refined.filter(|made| upper_bound(made) < upper_bound(&coarse)).unwrap_or(coarse)
+            refined.filter(|mesh| upper_bound(mesh) < upper_bound(&coarse)).unwrap_or(coarse)
         }
     };
     if is_met(&best) { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
 }
 
-/// The mesh with cells halved as far as that is needed and allowed; none where the lattice's own has too many triangles, or
-/// no cell with both sides.
+/// The mesh with cells halved as far as needed and allowed. `None` if the mesh of the lattice itself has too many
+/// triangles, or no cell has samples on both sides.
 fn refined_mesh<S: SampleSource>(
     source: &S,
     affine: &Affine3,
     rule: &Polygonize,
-    wanted: &GridMeshGoal,
+    goal: &GridMeshGoal,
     job: &Job,
 ) -> Result<Option<Bounded<Mesh>>, JobError> {
-    let GridMeshGoal { length, most, sample_precision } = *wanted;
+    let GridMeshGoal { length, most, sample_precision } = *goal;
     let levels = level_lattices(source.size(), affine, rule, length);
     if levels.is_empty() || MarchingPlan::new(source, rule, job)?.triangles as u64 > most {
         return Ok(None);
     }
     let triangles = lesser(most, job.triangle_limit);
-    let goal =
+    let refinement =
         RefinementGoal { levels: &levels, length, triangles, bytes: job.memory_limit, sample_precision };
-    let refined = refine(source, (affine, rule), &goal, job);
+    let refined = refine(source, (affine, rule), &refinement, job);
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
     let Some(refined) = refined else { return Ok(None) };
-    let made = match bounded_mesh(refined) {
-        (Some(mesh), bound) => Bounded { shape: mesh, bound },
+    let mesh = match bounded_mesh(refined) {
+        (Some(shape), bound) => Bounded { shape, bound },
         (None, bound) => {
             let Isosurface { positions, faces, plan } = march::<f64, S>(source, affine, rule, job)?;
-            let mesh = Mesh::by_construction(positions, faces);
-            Bounded { shape: with_normals(mesh, source, affine, rule, &plan, job), bound }
+            let shape = Mesh::by_construction(positions, faces);
+            Bounded { shape: with_normals(shape, source, affine, rule, &plan, job), bound }
         }
     };
     // Caps are counted only now, and numbers of half-edges have 31 bits.
-    let n_triangles = made.shape.faces().len() as u64;
+    let n_triangles = mesh.shape.faces().len() as u64;
     let is_allowed = n_triangles <= triangles && n_triangles <= u64::from(u32::MAX) / 6;
-    Ok(is_allowed.then_some(made))
+    Ok(is_allowed.then_some(mesh))
 }
 
-/// The lattice and those of its cells halved, until every cell is within the length by its diagonal, or as often as their
-/// steps are not lost beside the coordinates.
+/// The lattice and its halvings, until a cell's diagonal is within the length, or rounding would lose the steps
+/// beside the coordinates.
 fn level_lattices(size: [usize; 3], affine: &Affine3, rule: &Polygonize, length: f64) -> Vec<LevelLattice> {
     let mut levels = Vec::new();
     for level in 0..=MOST_HALVINGS as u32 {
@@ -211,8 +211,8 @@ fn level_lattices(size: [usize; 3], affine: &Affine3, rule: &Polygonize, length:
     levels
 }
 
-/// A refined mesh, if cells were halved, and the bound. Where values between samples are rounded, and one is so near to the
-/// level that its side is uncertain, the bound holds under the promise that they are taken as they are.
+/// A refined mesh, if cells were halved, and the bound. If a rounded value between samples is so near to the
+/// level that its side is uncertain, the bound holds on the condition that the rounded values are the interpolant.
 fn bounded_mesh(refined: RefinedIsosurface) -> (Option<Mesh>, Bound) {
     let evidence = if refined.is_sure {
         Evidence::Proved
@@ -233,16 +233,16 @@ fn bounded_mesh(refined: RefinedIsosurface) -> (Option<Mesh>, Bound) {
     (mesh, bound)
 }
 
-fn upper_bound(made: &Bounded<Mesh>) -> f64 {
-    made.bound.at_most().unwrap_or(f64::INFINITY)
+fn upper_bound(mesh: &Bounded<Mesh>) -> f64 {
+    mesh.bound.at_most().unwrap_or(f64::INFINITY)
 }
 
-/// The largest size of a sample, and the bits of integer samples.
+/// The largest magnitude of a sample, and the bits of integer samples.
 #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 fn sample_precision(samples: &Samples) -> (f64, Option<u32>) {
     let bits = match samples {
         Samples::F32(_) | Samples::F64(_) => None,
-        whole => Some(8 * whole.width() as u32),
+        integers => Some(8 * integers.width() as u32),
     };
     let largest = with_samples!(samples, values => {
         let finite = |v: f64| if v == f64::INFINITY { f64::MAX } else { v };
@@ -298,8 +298,7 @@ pub fn grid_to_triangles<P: Coordinate>(
     })
 }
 
-/// The keys of the vertices that [`grid_to_mesh`] (without a budget) and [`grid_to_triangles`] make, in their
-/// order.
+/// The keys of the vertices of [`grid_to_mesh`] (without a budget) and [`grid_to_triangles`], in their order.
 ///
 /// Cost: O(samples) to compare them, 40 bytes a vertex.
 ///
@@ -370,32 +369,33 @@ pub(super) fn bound(
     let most = add_up(farthest.most, vertex_displacement(affine, rule, size));
     let least = lesser(farthest.least, most);
     let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Trilinear);
-    let at = farthest.at.map(|i| i as f64 + 0.5);
-    let there = affine.at([0, 1, 2].map(|k| at[k] + rule.offset[k] as f64));
-    bound.at = Some(farthest.witness.unwrap_or(there));
+    let middle = farthest.at.map(|i| i as f64 + 0.5);
+    let cell_center = affine.at([0, 1, 2].map(|k| middle[k] + rule.offset[k] as f64));
+    bound.at = Some(farthest.witness.unwrap_or(cell_center));
     bound
 }
 
-/// How far the written vertices are from the interpolant's own zeros.
+/// An upper bound of the distance between the written vertices and the interpolant's own zeros.
 fn vertex_displacement(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let edge = affine.steps().map(length).into_iter().fold(0.0, |most, l| greater(l, most));
     // A position on an edge has three roundings and the margin; the rest are those of the transform.
-    let moved = mul_up(mul_up(edge, 1.0 + 8.0 * f64::EPSILON), add_up(rule.margin, 4.0 * f64::EPSILON));
-    add_up(moved, rounding_error(affine, rule, size))
+    let along_edge = mul_up(mul_up(edge, 1.0 + 8.0 * f64::EPSILON), add_up(rule.margin, 4.0 * f64::EPSILON));
+    add_up(along_edge, rounding_error(affine, rule, size))
 }
 
 pub(super) fn vertex_errors(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> (f64, f64) {
     (vertex_displacement(affine, rule, size), rounding_error(affine, rule, size))
 }
 
-/// The bound in exact coordinates that suffices for `length`; 0 where there is none.
+/// The bound in exact coordinates that suffices for `length`; 0 if none does.
 fn sufficient_length(length: f64, affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
-    let left = sub_down(length, vertex_displacement(affine, rule, size));
-    if left > 0.0 && length.is_finite() { left } else { 0.0 }
+    let remaining = sub_down(length, vertex_displacement(affine, rule, size));
+    if remaining > 0.0 && length.is_finite() { remaining } else { 0.0 }
 }
 
-/// How far rounding moves a vertex. Each coordinate is three products and three sums of a position that is
-/// rounded once: eight roundings of no more than the sum of their sizes; √3 of that is below twice.
+/// An upper bound of a vertex's move by rounding. Each coordinate is three products and three sums of a
+/// position that is rounded once: eight roundings of no more than the sum of their sizes; √3 times that is less
+/// than twice.
 fn rounding_error(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let far = [0, 1, 2].map(|k| {
         let (low, high) = (rule.offset[k] as f64, rule.offset[k] as f64 + size[k] as f64);
@@ -418,16 +418,16 @@ fn no_surface<S: SampleSource>(source: &S, rule: &Polygonize, plan: &MarchingPla
             rule.level
         );
     }
-    let (mut low, mut high, mut unknown) = (f64::INFINITY, f64::NEG_INFINITY, 0_u64);
-    for index in (0..nx * ny * nz).map(|at| [at % nx, at / nx % ny, at / (nx * ny)]) {
+    let (mut low, mut high, mut n_nan) = (f64::INFINITY, f64::NEG_INFINITY, 0_u64);
+    for index in (0..nx * ny * nz).map(|k| [k % nx, k / nx % ny, k / (nx * ny)]) {
         let sample = source.at(index);
-        unknown += u64::from(sample.is_nan());
+        n_nan += u64::from(sample.is_nan());
         low = lesser(sample, low);
         high = greater(sample, high);
     }
-    let no_numbers = if unknown > 0 { format!(", and {unknown} are no number") } else { String::new() };
+    let no_numbers = if n_nan > 0 { format!(", and {n_nan} are no number") } else { String::new() };
     if low > high {
-        return format!("none of the {unknown} samples is a number: there is no surface");
+        return format!("none of the {n_nan} samples is a number: there is no surface");
     }
     format!(
         "no sample is {side} the level {}: they lie between {low} and {high}{no_numbers}; there is no surface",
@@ -463,10 +463,9 @@ pub(super) fn check(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Re
     let volume = dot(a, cross(b, c)).abs();
     let widest =
         [cross(b, c), cross(c, a), cross(a, b)].map(length).into_iter().fold(0.0, |m, l| greater(l, m));
-    // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin
-    // times width.
-    let apart = 0.125 * rule.margin * (volume / widest);
-    if apart.is_nan() || rounding_error(affine, rule, size) > apart {
+    // Derived: with that margin, half of the flattest triangle is wider than an eighth of margin times width.
+    let narrowest = 0.125 * rule.margin * (volume / widest);
+    if narrowest.is_nan() || rounding_error(affine, rule, size) > narrowest {
         let message = "the lattice's steps are too small beside its coordinates: vertices would coincide";
         return Err(refusal(RefusalCode::BelowPrecision, message.into()));
     }
@@ -488,6 +487,6 @@ fn allowed_length(budget: Option<&Budget>, bounds: &Box3) -> Result<f64, Failure
     }
     let length = budget.length.map_or(f64::INFINITY, Tolerance::get);
     let Some(px) = &budget.pixels else { return Ok(length) };
-    let seen = length_from_pixels(bounds, px)?;
-    Ok(lesser(seen, length))
+    let from_pixels = length_from_pixels(bounds, px)?;
+    Ok(lesser(from_pixels, length))
 }

@@ -8,10 +8,10 @@ use crate::implicit::Grid;
 use crate::math::{add_up, greater, length, mul_up};
 
 /// Traces the level curves of a grid of one plane of samples. The polylines are closed or end at the border,
-/// with inside on the left where the lattice is not mirrored.
+/// with inside on the left unless the lattice is mirrored.
 ///
-/// Points are x and y in space; the caller has to know that z is constant in the plane. Of a [`Polygonize`],
-/// only the level, the inside, the offset and the margin count.
+/// Points are x and y in space; the caller has to make sure that z is constant in the plane. Of a [`Polygonize`],
+/// only the level, the inside, the offset and the margin are used.
 ///
 /// **Bound.** The two-sided Hausdorff distance to the boundary of the bilinear interpolant's inside within
 /// the lattice: the longest diagonal of a square, *proved* as for [`grid_to_mesh`](super::grid_to_mesh).
@@ -42,31 +42,33 @@ pub fn grid_to_polyline(
         let message = format!("level curves are of one plane of samples, and there are {nz}");
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
-    let place = LatticeTransform::new(grid.affine(), rule.offset);
-    let far = [[0.0, 0.0], [nx as f64, 0.0], [0.0, ny as f64], [nx as f64, ny as f64]].map(|[i, j]| {
-        let at = place.at([i + rule.offset[0] as f64, j + rule.offset[1] as f64, rule.offset[2] as f64]);
-        at[0].abs() + at[1].abs()
-    });
-    if !(rule.level.is_finite() && far.iter().all(|x| *x < LARGEST)) {
+    let transform = LatticeTransform::new(grid.affine(), rule.offset);
+    let corner_sizes =
+        [[0.0, 0.0], [nx as f64, 0.0], [0.0, ny as f64], [nx as f64, ny as f64]].map(|[i, j]| {
+            let at =
+                transform.at([i + rule.offset[0] as f64, j + rule.offset[1] as f64, rule.offset[2] as f64]);
+            at[0].abs() + at[1].abs()
+        });
+    if !(rule.level.is_finite() && corner_sizes.iter().all(|x| *x < LARGEST)) {
         return Err(Failure::refused(
             RefusalCode::NotFinite,
             format!("a level or a coordinate is beyond {LARGEST:e}"),
         ));
     }
-    let found = isolines([nx, ny], |[i, j]| rule.is_inside(grid.sample([i, j, 0])));
+    let lines = isolines([nx, ny], |[i, j]| rule.is_inside(grid.sample([i, j, 0])));
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    if found.is_empty() {
+    if lines.is_empty() {
         let message = format!("all samples are on one side of the level {}: there is no curve", rule.level);
         return Err(refusal(RefusalCode::Empty, message).into());
     }
-    let shape = found.into_iter().map(|(line, closed)| {
+    let shape = lines.into_iter().map(|(line, closed)| {
         let point = |(axis, [i, j]): (usize, [usize; 2])| {
             let ahead = [i + usize::from(axis == 0), j + usize::from(axis == 1), 0];
-            let mut at = [place.global(0, i), place.global(1, j), place.global(2, 0)];
-            at[axis] += rule.crossing(grid.sample([i, j, 0]), grid.sample(ahead));
-            let [x, y, _] = place.at(at);
+            let mut index = [transform.global(0, i), transform.global(1, j), transform.global(2, 0)];
+            index[axis] += rule.crossing(grid.sample([i, j, 0]), grid.sample(ahead));
+            let [x, y, _] = transform.at(index);
             [x, y]
         };
         Polyline { points: line.into_iter().map(point).collect(), places: Vec::new(), closed }
@@ -74,12 +76,13 @@ pub fn grid_to_polyline(
     let [a, b, _] = grid.affine().steps();
     let diagonal = |sign: f64| length([a[0] + sign * b[0], a[1] + sign * b[1]]);
     let longest = greater(diagonal(1.0), diagonal(-1.0));
-    let largest = far.into_iter().fold(0.0, |most, x| greater(x, most));
+    let largest = corner_sizes.into_iter().fold(0.0, |most, x| greater(x, most));
     // A point is moved by the margin, on an edge no longer than the diagonal, and by a few roundings of its
     // coordinates.
-    let moved = add_up(mul_up(longest, rule.margin), mul_up(16.0 * f64::EPSILON, add_up(largest, longest)));
+    let moved_by =
+        add_up(mul_up(longest, rule.margin), mul_up(16.0 * f64::EPSILON, add_up(largest, longest)));
     // The length itself is rounded six times.
-    let most = add_up(mul_up(longest, 1.0 + 4.0 * f64::EPSILON), moved);
+    let most = add_up(mul_up(longest, 1.0 + 4.0 * f64::EPSILON), moved_by);
     Ok(Bounded { shape: shape.collect(), bound: Bound::proved(0.0, most, Reference::Trilinear) })
 }
 

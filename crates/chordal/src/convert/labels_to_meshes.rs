@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// How labels become meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LabelOptions {
-    /// The label that gets no mesh.
+    /// The label without a mesh.
     pub background: Option<u32>,
     /// Whether the shape is open or capped at the border of the lattice.
     pub border: [[Border; 2]; 3],
@@ -31,22 +31,22 @@ impl Default for LabelOptions {
     }
 }
 
-/// Makes a mesh for each label of a volume, in the order of labels.
+/// Builds a mesh for each label of a volume, in the order of labels.
 ///
 /// A label's mesh is that of [`grid_to_mesh`](super::grid_to_mesh) for a mask of 1 at its samples and 0
 /// elsewhere, at level 0.5: each is closed and manifold, up to an open border. Every vertex is the midpoint
 /// of a lattice edge between two labels, with the same bits in the meshes of both. Where three or more labels
 /// meet in a cell, or two cross a face of a cell diagonally, their meshes leave a gap between them.
 ///
-/// **Bound.** As for `grid_to_mesh`: to the boundary of what the interpolant of that mask has above 0.5, in both
-/// directions; *proved*, once for each kind of cell that a label has (`convert/cubes/mask_cells.rs`). Measured on cubes: a
-/// tenth of a cell for one sample alone, and four fifths where corners of a label lie diagonally across cells.
+/// **Bound.** As for `grid_to_mesh`: to the boundary of the region where the interpolant of that mask is above 0.5, in
+/// both directions; *proved*, once for each kind of cell of a label (`convert/cubes/mask_cells.rs`). Measured on cubes: a
+/// tenth of a cell for one sample alone, and four fifths if corners of a label lie diagonally across cells.
 ///
 /// **Cost.** One pass plane by plane on one thread: a few numbers for each sample of two planes, beside the
 /// meshes. The kinds of cells are at most 1,785, less than a millisecond each, on all threads.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`RefusalCode::Empty`]); a
+/// [`Failure::Refused`]: only samples of the background, or an axis of one sample ([`RefusalCode::Empty`]); a
 /// sample that is no whole number from 0 to 2³² − 1 ([`RefusalCode::Unsupported`], with its index); a
 /// transform as for `grid_to_mesh`; more triangles or bytes than the job allows. [`Failure::Cancelled`].
 ///
@@ -64,8 +64,8 @@ pub fn labels_to_meshes(
     rule: &LabelOptions,
     job: &Job,
 ) -> Result<Vec<(u32, Bounded<Mesh>)>, Failure<Mesh>> {
-    let made = labelled(grid, rule, false, job)?;
-    if made.is_empty() {
+    let labelled_meshes = labelled(grid, rule, false, job)?;
+    if labelled_meshes.is_empty() {
         let only = rule.background.unwrap_or(0);
         return Err(Failure::refused(
             RefusalCode::Empty,
@@ -75,20 +75,21 @@ pub fn labels_to_meshes(
     let mesh = |(label, (LabelMesh { positions, faces, .. }, bound))| {
         (label, Bounded { shape: Mesh::by_construction(positions, faces), bound })
     };
-    Ok(made.into_iter().map(mesh).collect())
+    Ok(labelled_meshes.into_iter().map(mesh).collect())
 }
 
-/// Makes the triangles of each label in a block of a volume, in the order of labels: those of [`labels_to_meshes`] for the
-/// whole, in the cells of this grid, with the keys that join them to those of other blocks
+/// Builds the triangles of each label in a block of a volume, in the order of labels: those of [`labels_to_meshes`] for the
+/// whole volume, in the cells of this grid, with the keys that join them to those of other blocks
 /// ([`join_blocks`](super::lattices::join_blocks)).
 ///
 /// The grid shares its outer samples with the blocks beside it, `rule.offset` is the index of its first sample in the
-/// whole, and `rule.border` is [`Border::Open`] where another block goes on. A label without triangles here has no entry.
+/// whole volume, and `rule.border` is [`Border::Open`] at sides shared with another block. A label without triangles in
+/// this block has no entry.
 ///
-/// **Bound.** As for [`labels_to_meshes`]; the largest of all blocks of a label holds for it.
+/// **Bound.** As for [`labels_to_meshes`]; the largest of all blocks of a label holds for the label.
 ///
 /// # Errors
-/// As for [`labels_to_meshes`], but for a block of the background alone, which has no labels.
+/// As for [`labels_to_meshes`]; but a block of the background alone is no error and gives an empty list.
 ///
 /// ```
 /// use chordal::convert::lattices::{LabelOptions, labels_to_blocks};
@@ -104,13 +105,17 @@ pub fn labels_to_blocks(
     rule: &LabelOptions,
     job: &Job,
 ) -> Result<Vec<(u32, GridBlock)>, JobError> {
-    let made = labelled(grid, rule, true, job)?;
+    let labelled_meshes = labelled(grid, rule, true, job)?;
     let block = |(label, (mesh, bound))| {
         let LabelMesh { positions, faces, vertex_keys, face_keys, .. } = mesh;
         let bound = Some(bound).filter(|_| !faces.is_empty());
         (label, GridBlock { positions, faces, normals: Vec::new(), vertex_keys, face_keys, bound })
     };
-    Ok(made.into_iter().map(block).filter(|(_, block): &(u32, GridBlock)| !block.faces.is_empty()).collect())
+    Ok(labelled_meshes
+        .into_iter()
+        .map(block)
+        .filter(|(_, block): &(u32, GridBlock)| !block.faces.is_empty())
+        .collect())
 }
 
 /// The mesh of each label, and its bound.
@@ -121,29 +126,29 @@ fn labelled(
     has_keys: bool,
     job: &Job,
 ) -> Result<BTreeMap<u32, (LabelMesh, Bound)>, JobError> {
-    let shape = Polygonize { border: rule.border, offset: rule.offset, ..Polygonize::above(0.5) };
-    check(grid.size(), grid.affine(), &shape)?;
+    let mask_rule = Polygonize { border: rule.border, offset: rule.offset, ..Polygonize::above(0.5) };
+    check(grid.size(), grid.affine(), &mask_rule)?;
     let mut sheets = LabelMesher::new(grid, rule, has_keys);
     with_samples!(grid.samples(), values => sheets.build(|at| label(f64::from(values[at])), job))?;
     let meshes = std::mem::take(&mut sheets.meshes);
     let mut cells = MaskCells::default();
     meshes.values().for_each(|mesh| cells.add_all(&mesh.cells));
-    // The proof of a cell takes no notice of where it is.
+    // The proof of a cell does not depend on the cell's position.
     let rows = grid.affine().rows().map(|[a, b, c, _]| [a, b, c, 0.0]);
-    let place = Affine3::new(rows).unwrap_or(*grid.affine());
-    let errors = vertex_errors(&place, &Polygonize { offset: [0; 3], ..shape }, [2; 3]);
-    let bounds = job.run(|| MaskCellBounds::new(&cells, &place, (diagonal(&place), errors), job));
+    let linear = Affine3::new(rows).unwrap_or(*grid.affine());
+    let errors = vertex_errors(&linear, &Polygonize { offset: [0; 3], ..mask_rule }, [2; 3]);
+    let bounds = job.run(|| MaskCellBounds::new(&cells, &linear, (diagonal(&linear), errors), job));
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    let of = |mesh: LabelMesh| {
+    let with_bound = |mesh: LabelMesh| {
         let most = bounds.largest(&mesh.cells);
         let farthest = IsosurfaceDistance { most, at: [0; 3], least: 0.0, witness: None };
-        let mut bound = bound(farthest, Evidence::Proved, grid.affine(), &shape, grid.size());
+        let mut bound = bound(farthest, Evidence::Proved, grid.affine(), &mask_rule, grid.size());
         bound.at = None;
         (mesh, bound)
     };
-    Ok(meshes.into_iter().map(|(label, mesh)| (label, of(mesh))).collect())
+    Ok(meshes.into_iter().map(|(label, mesh)| (label, with_bound(mesh))).collect())
 }
 
 fn label(sample: f64) -> Option<u32> {
@@ -155,7 +160,7 @@ fn label(sample: f64) -> Option<u32> {
 struct LabelMesh {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    /// The keys of both, where they are asked for.
+    /// The keys of vertices and faces; empty unless requested.
     vertex_keys: Vec<VertexKey>,
     face_keys: Vec<FaceKey>,
     cells: MaskCells,
@@ -173,7 +178,7 @@ struct LabelPlane {
 struct LabelMesher<'a> {
     grid: &'a Grid,
     rule: &'a LabelOptions,
-    place: LatticeTransform,
+    transform: LatticeTransform,
     upright: bool,
     has_keys: bool,
     meshes: BTreeMap<u32, LabelMesh>,
@@ -191,9 +196,9 @@ const NONE: u32 = u32::MAX;
 
 impl<'a> LabelMesher<'a> {
     fn new(grid: &'a Grid, rule: &'a LabelOptions, has_keys: bool) -> Self {
-        let place = LatticeTransform::new(grid.affine(), rule.offset);
+        let transform = LatticeTransform::new(grid.affine(), rule.offset);
         let upright = grid.affine().orientation() > 0;
-        Self { grid, rule, place, upright, has_keys, meshes: BTreeMap::new(), vertices: 0, triangles: 0 }
+        Self { grid, rule, transform, upright, has_keys, meshes: BTreeMap::new(), vertices: 0, triangles: 0 }
     }
 
     fn build(&mut self, label_of: impl Fn(usize) -> Option<u32>, job: &Job) -> Result<(), JobError> {
@@ -252,7 +257,7 @@ impl<'a> LabelMesher<'a> {
         if self.rule.background == Some(label) {
             return NONE;
         }
-        let (has_keys, lattice) = (self.has_keys, self.in_whole(sample));
+        let (has_keys, lattice) = (self.has_keys, self.volume_index(sample));
         let LabelMesh { positions, vertex_keys, .. } = self.meshes.entry(label).or_default();
         self.vertices += 1;
         positions.push(at);
@@ -262,8 +267,8 @@ impl<'a> LabelMesher<'a> {
         positions.len() as u32 - 1
     }
 
-    /// A sample by its index in the whole volume.
-    fn in_whole(&self, sample: [usize; 3]) -> [i64; 3] {
+    /// The index of a sample in the whole volume.
+    fn volume_index(&self, sample: [usize; 3]) -> [i64; 3] {
         [0, 1, 2].map(|axis| self.rule.offset[axis] + sample[axis] as i64)
     }
 
@@ -282,9 +287,9 @@ impl<'a> LabelMesher<'a> {
         if low == high {
             return [NONE; 2];
         }
-        let mut at = [self.place.global(0, i), self.place.global(1, j), self.place.global(2, k)];
+        let mut at = [self.transform.global(0, i), self.transform.global(1, j), self.transform.global(2, k)];
         at[axis] += 0.5;
-        let at = self.place.at(at);
+        let at = self.transform.at(at);
         let edge = (axis as u8, [i, j, k]);
         [self.vertex(low, at, edge), self.vertex(high, at, edge)]
     }
@@ -310,8 +315,12 @@ impl<'a> LabelMesher<'a> {
                     (index == 0 && border[axis][0]) || (index + 1 == n && border[axis][1])
                 };
                 if ends(0, i, nx) || ends(1, j, ny) || ends(2, k, nz) {
-                    let place = [self.place.global(0, i), self.place.global(1, j), self.place.global(2, k)];
-                    plane.samples[at] = self.vertex(label, self.place.at(place), (SAMPLE, [i, j, k]));
+                    let index = [
+                        self.transform.global(0, i),
+                        self.transform.global(1, j),
+                        self.transform.global(2, k),
+                    ];
+                    plane.samples[at] = self.vertex(label, self.transform.at(index), (SAMPLE, [i, j, k]));
                 }
             }
         }
@@ -330,10 +339,10 @@ impl<'a> LabelMesher<'a> {
         for j in 0..ny - 1 {
             for i in 0..nx - 1 {
                 let at = i + nx * j;
-                let of = |plane: &LabelPlane| {
+                let corner_labels = |plane: &LabelPlane| {
                     [plane.labels[at], plane.labels[at + 1], plane.labels[at + nx], plane.labels[at + nx + 1]]
                 };
-                let (a, b) = (of(low), of(high));
+                let (a, b) = (corner_labels(low), corner_labels(high));
                 if a == [a[0]; 4] && b == a {
                     continue;
                 }
@@ -352,7 +361,7 @@ impl<'a> LabelMesher<'a> {
                     let ends = [0, 1, 2].map(|axis| [cell[axis] == 0, cell[axis] + 2 == size[axis]]);
                     self.meshes.entry(label).or_default().cells.add(signs, ends, self.rule.border);
                     let case = &TABLE.upright[usize::from(signs)];
-                    let [x, y, z] = self.in_whole(cell);
+                    let [x, y, z] = self.volume_index(cell);
                     for (number, triangle) in (0..).zip(&case.corners[..usize::from(case.triangles)]) {
                         let face = triangle.map(|edge| {
                             let end = usize::from(labels[usize::from(EDGES[usize::from(edge)][0])] != label);
@@ -375,8 +384,8 @@ impl<'a> LabelMesher<'a> {
                 let (step, start, count) = if axis == 0 { (nx, fixed, ny) } else { (1, nx * fixed, nx) };
                 for p in 0..count - 1 {
                     let (a, b) = (start + p * step, start + (p + 1) * step);
-                    // Along the other axis, then up: seen from outside of the low x and the high y this turns
-                    // left.
+                    // Along the other axis, then up: counter-clockwise as seen from outside at the low x and the
+                    // high y border.
                     let mut corners = [(0, a), (0, b), (1, b), (1, a)];
                     let mut sides =
                         [low.edges[1 - axis][a], low.edges[2][b], high.edges[1 - axis][a], low.edges[2][a]];
@@ -409,7 +418,7 @@ impl<'a> LabelMesher<'a> {
         }
     }
 
-    /// The place of a cap's triangles, at a border and so far along the two axes after its own.
+    /// The place of a cap's triangles: the border, and the indices along the two axes after its own.
     fn cap_place(&self, axis: usize, end: usize, [p, q]: [usize; 2]) -> [i64; 3] {
         let along = |axis: usize, index: usize| self.rule.offset[axis % 3] + index as i64;
         [2 * axis as i64 + end as i64, along(axis + 2, q), along(axis + 1, p)]
@@ -424,18 +433,18 @@ impl<'a> LabelMesher<'a> {
         sides: [[u32; 2]; 4],
         place: [i64; 3],
     ) {
-        let of = |(plane, at): (usize, usize)| planes[plane].labels[at];
-        let labels = corners.map(of);
+        let label_at = |(plane, at): (usize, usize)| planes[plane].labels[at];
+        let labels = corners.map(label_at);
         for (first, label) in labels.into_iter().enumerate() {
             if labels[..first].contains(&label) || self.rule.background == Some(label) {
                 continue;
             }
-            let row = |spot: CapVertex| match spot {
+            let row = |vertex: CapVertex| match vertex {
                 CapVertex::Corner(i) => planes[corners[i].0].samples[corners[i].1],
                 CapVertex::Side(i) => {
-                    let (here, there) = (corners[i], corners[(i + 1) % 4]);
-                    let lower = lesser(here, there);
-                    sides[i][usize::from(of(lower) != label)]
+                    let (corner, next) = (corners[i], corners[(i + 1) % 4]);
+                    let lower = lesser(corner, next);
+                    sides[i][usize::from(label_at(lower) != label)]
                 }
             };
             let mut number = 0;

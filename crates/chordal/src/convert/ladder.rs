@@ -1,4 +1,4 @@
-//! `LengthLadder`: the lengths that are tried for the best result with at most a number of triangles or segments.
+//! `LengthLadder`: the lengths that are tried when a budget limits only the number of triangles or segments.
 
 /// A geometric series of lengths from four times the size of a shape downwards.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +21,8 @@ impl LengthLadder {
         4.0 * self.size * step * libm::exp2(-f64::from(k / self.per_octave))
     }
 
-    /// The number of the finest length that fits, as if none below one that does not fit could: by octaves,
-    /// then by bisection. The first length fits.
+    /// The number of the finest length that fits: searched by octaves, then by bisection, on the assumption that no
+    /// length below one that does not fit does. The first length is assumed to fit.
     ///
     /// # Errors
     /// Those of `fits`.

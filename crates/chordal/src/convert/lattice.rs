@@ -1,4 +1,4 @@
-//! Lattices: where a field is sampled, and the bricks in which the samples are processed.
+//! Lattices: the points where a field is sampled, and the bricks in which the samples are processed.
 use crate::budget::{JobError, Refusal, RefusalCode};
 use crate::implicit::Affine3;
 use crate::math::{Box3, add_up, greater, lesser};
@@ -35,7 +35,7 @@ impl Lattice {
         if size.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).is_none_or(|n| n as u64 > 1 << 40) {
             return None;
         }
-        // Both ends share what the whole cells exceed the side by.
+        // The cells may exceed the side; both ends share the excess.
         let origin = std::array::from_fn(|k| {
             let slack = counts[k] as f64 * step - sides[k];
             bounds.min[k] - (margin as f64 * step + 0.5 * slack)
@@ -43,12 +43,12 @@ impl Lattice {
         Some(Self { size, affine: Affine3::cubes(origin, step).ok()? })
     }
 
-    /// Covers a box for distances to what is in it: with a margin of three cells, or of the `band`, a number of
+    /// Covers a box for the distances to a shape in it: with a margin of three cells, or of the `band`, a number of
     /// cells above 0.
     ///
     /// # Errors
-    /// [`JobError::Refused`] for a band that is not above 0 and at most a million, and where
-    /// [`Lattice::around`] is `None`.
+    /// [`JobError::Refused`] for a band that is not above 0 and at most a million, and if [`Lattice::around`] is
+    /// `None`.
     pub fn for_distances(bounds: &Box3, cells: usize, band: Option<f64>) -> Result<Self, JobError> {
         let refused = |code, message: String| JobError::Refused(Refusal::new(code, message));
         if let Some(width) = band.filter(|width| !(*width > 0.0 && *width <= 1e6)) {
@@ -62,7 +62,7 @@ impl Lattice {
         })
     }
 
-    /// The edge of its cells, where they are cubes.
+    /// The edge length of its cells, if they are cubes.
     #[must_use]
     pub fn spacing(&self) -> f64 {
         self.affine.rows()[0][0]
@@ -96,7 +96,7 @@ impl Lattice {
         self.size[2].div_ceil(BRICK)
     }
 
-    /// The bricks of a layer, each by its first sample and the one behind its last.
+    /// The bricks of a layer, each by the indices of its first sample and one past its last.
     pub fn bricks(&self, layer: usize) -> impl Iterator<Item = [[usize; 3]; 2]> + '_ {
         let counts = [self.size[0].div_ceil(BRICK), self.size[1].div_ceil(BRICK)];
         (0..counts[1]).flat_map(move |j| {
@@ -118,14 +118,14 @@ impl Lattice {
             let index = std::array::from_fn(|k| if corner >> k & 1 == 0 { first[k] } else { end[k] - 1 });
             hull = hull.with(self.at(index));
         }
-        // The rounded map is not quite linear between corners: off by 3 roundings of its terms.
+        // The rounded map is not quite linear between corners: it deviates by 3 roundings of its terms.
         let last = end.map(|n| n as f64);
-        let off = self.affine.rows().map(|[a, b, c, d]| {
+        let rounding = self.affine.rows().map(|[a, b, c, d]| {
             4.0 * f64::EPSILON * (a.abs() * last[0] + b.abs() * last[1] + c.abs() * last[2] + d.abs())
         });
         Box3 {
-            min: std::array::from_fn(|k| -add_up(-hull.min[k], off[k])),
-            max: std::array::from_fn(|k| add_up(hull.max[k], off[k])),
+            min: std::array::from_fn(|k| -add_up(-hull.min[k], rounding[k])),
+            max: std::array::from_fn(|k| add_up(hull.max[k], rounding[k])),
         }
     }
 }

@@ -1,8 +1,9 @@
-//! `length_from_pixels`: the length that a budget in pixels allows around a box; what is left of one after a step.
+//! `length_from_pixels`: the length that a budget in pixels allows around a box; `remaining_pixels`: the rest of such a
+//! budget after one step.
 use crate::budget::{Failure, PixelBudget, Pixels, RefusalCode};
 use crate::math::Box3;
 
-/// The length that a budget in pixels allows anywhere near the box; the mesh may stick out by as much.
+/// The length that a budget in pixels allows anywhere within that length of the box: a mesh may stick out so far.
 pub(super) fn length_from_pixels<T>(bounds: &Box3, px: &PixelBudget) -> Result<f64, Failure<T>> {
     let too_close = || {
         Failure::refused(
@@ -10,21 +11,21 @@ pub(super) fn length_from_pixels<T>(bounds: &Box3, px: &PixelBudget) -> Result<f
             "the shape comes so close to the eye that there is no bound in pixels",
         )
     };
-    let alone = px.view.length_of(px.pixels, bounds).ok_or_else(too_close)?;
-    let about = Box3 { min: bounds.min.map(|x| x - alone), max: bounds.max.map(|x| x + alone) };
-    px.view.length_of(px.pixels, &about).ok_or_else(too_close)
+    let in_box = px.view.length_of(px.pixels, bounds).ok_or_else(too_close)?;
+    let around = Box3 { min: bounds.min.map(|x| x - in_box), max: bounds.max.map(|x| x + in_box) };
+    px.view.length_of(px.pixels, &around).ok_or_else(too_close)
 }
 
 /// Halvings of an interval of pixels. Chosen: a millionth of it is left.
 const HALVINGS: usize = 20;
 
-/// What is left of a budget of pixels after a step of a length at a place.
-pub(super) fn remaining_pixels(px: &PixelBudget, lost: f64, place: &Box3) -> Option<PixelBudget> {
-    let wanted = px.pixels.get();
-    let lost = px.view.pixels_of(lost, place)?;
-    let fits = |left: f64| px.view.pixels_of_two_steps(left, lost).is_some_and(|both| both <= wanted);
-    // Both together are a little more than their sum.
-    let (mut fitting, mut beyond) = (0.0, wanted);
+/// The rest of a budget of pixels after a step that loses a length in a box.
+pub(super) fn remaining_pixels(px: &PixelBudget, lost: f64, bounds: &Box3) -> Option<PixelBudget> {
+    let allowed = px.pixels.get();
+    let spent = px.view.pixels_of(lost, bounds)?;
+    let fits = |rest: f64| px.view.pixels_of_two_steps(rest, spent).is_some_and(|total| total <= allowed);
+    // Bisection, because two steps together cost a little more than the sum of their pixels.
+    let (mut fitting, mut beyond) = (0.0, allowed);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (fitting + beyond);
         *(if fits(middle) { &mut fitting } else { &mut beyond }) = middle;

@@ -14,9 +14,9 @@ use crate::math::greater;
 pub struct SmoothedMask {
     /// The triangles.
     pub mesh: Mesh,
-    /// How many samples are inside before.
+    /// How many samples are inside before smoothing.
     pub inside: u64,
-    /// How many samples are on another side of the surface than before.
+    /// How many samples change sides.
     pub changed: u64,
 }
 
@@ -25,18 +25,19 @@ const LARGEST: f64 = 32.0;
 
 /// Polygonizes a mask after a Gaussian: the steps of voxels are rounded off, and so are edges and thin parts.
 ///
-/// Each sample counts as 1 inside and as 0 outside of `rule`, and becomes the mean of those around it, by a Gaussian
-/// of standard deviation `sigma` along each index, in samples; 0 leaves an index alone. Beyond the border the last
-/// sample goes on. The surface is where that is ½, between samples by linear interpolation.
+/// Each sample is 1 if it is inside by `rule` and 0 otherwise, and becomes the weighted mean of the samples around it, by a
+/// Gaussian of standard deviation `sigma` along each index, in samples; 0 leaves an index alone. Beyond the border the last
+/// sample is repeated. The surface is where the mean is ½, between samples by linear interpolation.
 ///
-/// **Bound.** The two-sided Hausdorff distance between the mesh and the boundary of what the interpolant of `grid` itself has
-/// inside: of the unsmoothed shape. *Proved*: as for [`grid_to_mesh`](super::grid_to_mesh()) for its mesh without a
-/// budget, and from that to this one as by [`check::deviation`](crate::check::deviation()). Where a part vanishes, it is as
-/// large as the way from there to what is left.
+/// **Bound.** The two-sided Hausdorff distance between the mesh and the surface of the unsmoothed shape, which is the inside
+/// of the interpolant of `grid` itself. *Proved* in two steps: to the unsmoothed mesh as for
+/// [`grid_to_mesh`](super::grid_to_mesh()) without a budget, and from that mesh to this one as by
+/// [`check::deviation`](crate::check::deviation()). If a part vanishes, the bound is as large as the distance from there to
+/// the nearest remaining part.
 ///
-/// **Mesh.** As for [`grid_to_mesh`](super::grid_to_mesh()): closed and manifold but for an open border.
+/// **Mesh.** As for [`grid_to_mesh`](super::grid_to_mesh()): closed and manifold except at an open border.
 ///
-/// **Cost.** 8σ + 1 products a sample and index, 8 bytes a sample; two polygonizations, and the distance of their
+/// **Cost.** 8σ + 1 products a sample and index, 8 bytes a sample; two polygonizations, and the distance between their
 /// triangles: 10 to 50 µs a triangle. It runs on all threads of the job, with the same bytes on any number.
 ///
 /// # Errors
@@ -71,13 +72,13 @@ pub fn mask_to_smooth_mesh(
         return Err(Failure::refused(RefusalCode::Budget, message));
     }
     let n = grid.samples().len() as u64;
-    // Two lattices of f32, and the sides once more.
+    // Two lattices of f32, and a byte for the sides.
     if 9 * n > job.memory_limit {
         let message =
             format!("{n} samples need {} bytes to be smoothed; the limit is {}", 9 * n, job.memory_limit);
         return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
     }
-    let before = grid_to_mesh(grid, rule, None, job)?;
+    let unsmoothed = grid_to_mesh(grid, rule, None, job)?;
     let (values, inside, changed) = job.run(|| smoothed_values(grid, rule, sigma, job))?;
     let smoothed = Grid::new(grid.size(), Samples::F32(values), *grid.affine());
     let smoothed = smoothed.map_err(|error| refusal(RefusalCode::Unsupported, error.to_string()))?;
@@ -87,21 +88,21 @@ pub fn mask_to_smooth_mesh(
         offset: rule.offset,
         ..Polygonize::above(0.5)
     };
-    let made = grid_to_triangles::<f64>(&smoothed, &smooth_rule, job)?;
-    if made.faces.is_empty() {
+    let triangles = grid_to_triangles::<f64>(&smoothed, &smooth_rule, job)?;
+    if triangles.faces.is_empty() {
         let message = format!(
             "smoothed by {} samples nothing is left of the {inside} samples inside: the shape is too thin for that",
             sigma.into_iter().fold(0.0, |most, sigma| greater(sigma, most))
         );
         return Err(Failure::refused(RefusalCode::Empty, message));
     }
-    let mesh = Mesh::by_construction(made.positions, made.faces);
-    let moved = deviation(&before.shape, &mesh, &Goal::default(), job)?;
-    let bound = before.bound.then(&moved.bound);
+    let mesh = Mesh::by_construction(triangles.positions, triangles.faces);
+    let moved = deviation(&unsmoothed.shape, &mesh, &Goal::default(), job)?;
+    let bound = unsmoothed.bound.then(&moved.bound);
     Ok(Bounded { shape: SmoothedMask { mesh, inside, changed }, bound })
 }
 
-/// The smoothed values, the number of samples that are inside, and of those that change sides.
+/// The smoothed values, the number of samples that are inside, and the number that change sides.
 #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 fn smoothed_values(
     grid: &Grid,
@@ -112,12 +113,12 @@ fn smoothed_values(
     let weights = sigma.map(weights);
     with_samples!(grid.samples(), values => {
         let is_inside = |at: usize| rule.is_inside(f64::from(values[at]));
-        let made = smoothed_sides(is_inside, grid.size(), &weights, job)?;
+        let smoothed = smoothed_sides(is_inside, grid.size(), &weights, job)?;
         let (mut inside, mut changed) = (0, 0);
-        for (at, value) in made.iter().enumerate() {
+        for (at, value) in smoothed.iter().enumerate() {
             inside += u64::from(is_inside(at));
             changed += u64::from(is_inside(at) != (*value > 0.5));
         }
-        Ok((made, inside, changed))
+        Ok((smoothed, inside, changed))
     })
 }

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 /// Points in a task: at a microsecond each, enough to repay its start, and few enough for an even balance.
 const TASK: usize = 1024;
-/// How exactly winding numbers are computed that may be near a half, one after the other, before they are
-/// summed triangle by triangle. Chosen: each costs several times as much as the one before.
+/// The errors within which a winding number near a half is computed, one after the other, before it is summed
+/// triangle by triangle. Chosen: each costs several times as much as the one before.
 const WITHIN: [f64; 3] = [1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0];
 
 /// A mesh with its bounding volume hierarchy and its winding moments.
@@ -19,51 +19,51 @@ const WITHIN: [f64; 3] = [1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0];
 pub(super) struct MeshLeaf {
     bvh: Bvh,
     /// `None` for wires, which have no inside.
-    sides: Option<WindingMoments>,
+    moments: Option<WindingMoments>,
     job: Job,
     /// The error of distances, proportional to the mesh's own size.
     rounding: f64,
-    /// Where sides change without a triangle.
+    /// The open edges, around which the side changes without a triangle.
     border: OpenBoundary,
-    /// Points of an open mesh whose sides are known.
+    /// Points around an open mesh with known sides.
     beacons: Option<Arc<Beacons>>,
-    /// The mesh, where it is kept.
+    /// The mesh, if it is kept.
     source: Option<Arc<MeshSource>>,
 }
 
-/// The mesh of a leaf, and what is known of it.
+/// The mesh of a leaf, with facts about it.
 #[derive(Clone, Debug)]
 pub(super) struct MeshSource {
     pub mesh: Mesh,
-    /// Whether its triangles are the boundary of what is inside it.
+    /// Whether its triangles are the boundary of its inside.
     pub is_solid: bool,
-    /// How far it is from the surface that it stands for, if it stands for another.
+    /// Its distance from the surface that it stands for, if it stands for another.
     pub lost: Option<Bound>,
 }
 
 /// A step away from the nearest triangle, as a fraction of its distance. Chosen: the next ball is then nearly twice
-/// as large, and holds the step with room for rounding.
+/// as large, and contains the step with a margin for rounding.
 const CLIMB: f64 = 0.9;
-/// The least growth of a ball that is worth a further step.
+/// The least growth of a ball for which a further step is tried. Chosen: each step costs a closest-point query.
 const GROWN: f64 = 1.25;
 /// The most steps. Chosen: then balls have grown by a thousand.
 const MOST_CLIMBS: usize = 12;
 
-/// Points on a lattice over the box of an open mesh, with their sides. They are the same for every question, so that
-/// no answer depends on those before.
+/// Points on a lattice over the box of an open mesh, with their sides. They are computed once, so that no query depends
+/// on earlier ones.
 #[derive(Clone, Debug)]
 struct Beacons {
     low: [f64; 3],
     step: f64,
     size: [usize; 3],
-    sides: Vec<Option<OpenSide>>,
+    moments: Vec<Option<OpenSide>>,
 }
 
 /// Beacons along the longest side. Chosen: all of them take as long as a hundredth of a mesh's lattice.
 const BEACONS: f64 = 24.0;
 
 impl Beacons {
-    /// Those at the corners of the cell around a point.
+    /// The beacons at the corners of the cell around a point.
     fn around(&self, p: [f64; 3]) -> impl Iterator<Item = &OpenSide> {
         let first: [usize; 3] = std::array::from_fn(|k| {
             let cell = ((p[k] - self.low[k]) / self.step).floor().clamp(0.0, self.size[k] as f64 - 1.0);
@@ -73,23 +73,23 @@ impl Beacons {
         (0..8_usize).filter_map(move |corner| {
             let at: [usize; 3] =
                 std::array::from_fn(|k| (first[k] + (corner >> k & 1)).min(self.size[k] - 1));
-            self.sides[at[0] + self.size[0] * (at[1] + self.size[1] * at[2])].as_ref()
+            self.moments[at[0] + self.size[0] * (at[1] + self.size[1] * at[2])].as_ref()
         })
     }
 }
 
-/// A point off the triangles of an open mesh, and its side.
+/// A point away from the triangles of an open mesh, and its side.
 #[derive(Clone, Copy, Debug)]
 struct OpenSide {
     point: [f64; 3],
     /// No triangle is nearer.
     distance: f64,
-    /// How far its winding number is from a half, at least.
+    /// A lower bound of the difference between its winding number and a half.
     margin: f64,
     is_inside: bool,
 }
 
-/// The result at the previous point, which speeds up the next.
+/// The result at the previous point, which speeds up the query at the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PreviousPoint {
     point: [f64; 3],
@@ -101,7 +101,7 @@ pub(super) struct PreviousPoint {
 impl MeshLeaf {
     pub(super) fn new(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let mut leaf = Self::unsigned(mesh, job)?;
-        leaf.sides = Some(WindingMoments::new(mesh, &leaf.bvh));
+        leaf.moments = Some(WindingMoments::new(mesh, &leaf.bvh));
         if !leaf.is_closed() {
             leaf.border = OpenBoundary::new(mesh);
             leaf.beacons = leaf.place_beacons().map(Arc::new);
@@ -109,49 +109,51 @@ impl MeshLeaf {
         Ok(leaf)
     }
 
-    /// The same, with its mesh.
+    /// The same leaf, with its mesh.
     pub(super) fn with_source(self, source: MeshSource) -> Self {
         Self { source: Some(Arc::new(source)), ..self }
     }
 
-    /// Its mesh, where it was kept.
+    /// Its mesh, if it was kept.
     pub(super) fn source(&self) -> Option<&MeshSource> {
         self.source.as_deref()
     }
 
     /// Whether it has an inside; wires have none.
     pub(super) fn has_sides(&self) -> bool {
-        self.sides.is_some()
+        self.moments.is_some()
     }
 
-    /// The distance alone; no point is inside.
+    /// A leaf of the unsigned distance: no point is inside.
     pub(super) fn unsigned(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let bvh = Bvh::build(mesh, job)?;
-        // The error is a few units in the last place of the extent; 64 are far more, and include the rounding
-        // of coordinates.
+        // The error is a few units in the last place of the extent; 64 are far more, and cover the rounding of
+        // coordinates.
         let bounds = bvh.bounds();
         let largest = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
         let rounding =
             if bounds.is_empty() { 0.0 } else { 64.0 * f64::EPSILON * (largest + bounds.diagonal()) };
         let border = OpenBoundary::default();
-        Ok(Self { bvh, sides: None, job: job.clone(), rounding, border, beacons: None, source: None })
+        Ok(Self { bvh, moments: None, job: job.clone(), rounding, border, beacons: None, source: None })
     }
 
-    /// Whether sides change at triangles only.
+    /// Whether the side changes at triangles only.
     pub(super) fn is_closed(&self) -> bool {
-        self.sides.as_ref().is_none_or(|sides| sides.enclosure(&self.bvh).is_closed())
+        self.moments.as_ref().is_none_or(|moments| moments.enclosure(&self.bvh).is_closed())
     }
 
     /// Whether `p` is inside; never beyond the box of the triangles.
     pub(super) fn is_inside(&self, p: [f64; 3]) -> bool {
-        let Some(sides) = self.sides.as_ref().filter(|_| self.bvh.bounds().contains(p)) else { return false };
-        let enclosure = sides.enclosure(&self.bvh);
-        let found = enclosure.inside(p);
-        match found.side {
+        let Some(moments) = self.moments.as_ref().filter(|_| self.bvh.bounds().contains(p)) else {
+            return false;
+        };
+        let enclosure = moments.enclosure(&self.bvh);
+        let located = enclosure.inside(p);
+        match located.side {
             PointLocation::Inside => true,
             PointLocation::Outside | PointLocation::On => false,
             PointLocation::Ambiguous => {
-                let mut winding = found.winding;
+                let mut winding = located.winding;
                 for within in [WITHIN[1], WITHIN[2], 0.0] {
                     if (winding.value - 0.5).abs() > winding.off_at_most {
                         break;
@@ -163,8 +165,8 @@ impl MeshLeaf {
         }
     }
 
-    /// The side of the whole ball around `p`, where it is certain: no triangle is nearer than `distance`, which
-    /// is more than the radius, and the winding number does not come to a half in it. `known` are points with
+    /// The side of all points of the ball around `p`, if it is certain: no triangle is nearer than `distance`, which
+    /// is more than the radius, and the winding number does not reach a half in the ball. `known` are earlier points with
     /// their sides, which often decide.
     fn side_of_ball(
         &self,
@@ -174,7 +176,7 @@ impl MeshLeaf {
     ) -> Option<bool> {
         let bounds = self.bvh.bounds();
         let gap = |k: usize| greater(sub_down(bounds.min[k], p[k]), sub_down(p[k], bounds.max[k]));
-        // Nothing beyond the box of the triangles is inside. A gap is off by less than four units in its last place.
+        // Nothing beyond the box of the triangles is inside. A gap has an error of less than four units in its last place.
         let beyond = (0..3).any(|k| gap(k) > radius);
         let within = (0..3).all(|k| gap(k) < -radius * (1.0 + 8.0 * f64::EPSILON));
         if beyond {
@@ -187,7 +189,8 @@ impl MeshLeaf {
         (!is_inside || within).then_some(is_inside)
     }
 
-    /// Beacons where the winding number is clear of a half. `None` for a mesh without extent.
+    /// The beacons: lattice points at which the winding number is proved to differ from a half. `None` for a mesh without
+    /// extent.
     fn place_beacons(&self) -> Option<Beacons> {
         let Box3 { min: low, max } = self.bvh.bounds();
         let longest = (0..3).fold(0.0, |most, k| greater(max[k] - low[k], most));
@@ -197,9 +200,9 @@ impl MeshLeaf {
         }
         let size: [usize; 3] = std::array::from_fn(|k| ((max[k] - low[k]) / step).ceil() as usize + 1);
         let n: usize = size.iter().product();
-        let enclosure = self.sides.as_ref()?.enclosure(&self.bvh);
+        let enclosure = self.moments.as_ref()?.enclosure(&self.bvh);
         let rows: Vec<usize> = (0..n).collect();
-        let sides = par_map(&self.job, &rows, |_, row| {
+        let moments = par_map(&self.job, &rows, |_, row| {
             let at = [row % size[0], row / size[0] % size[1], row / (size[0] * size[1])];
             let point: [f64; 3] = std::array::from_fn(|k| low[k] + step * at[k] as f64);
             let (distance, _) = self.bvh.distance_with_hint(point, 0)?;
@@ -208,14 +211,22 @@ impl MeshLeaf {
             let margin = sub_down((winding.value - 0.5).abs(), winding.off_at_most);
             (margin > 0.0).then_some(OpenSide { point, distance, margin, is_inside: winding.value > 0.5 })
         });
-        Some(Beacons { low, step, size, sides })
+        Some(Beacons { low, step, size, moments })
     }
 
     /// The side of all points within `radius` of `p`, all of them off the triangles, by the winding number.
     ///
-    /// Winding numbers cost far more than distances, and near triangles most. So the point climbs away from its
-    /// nearest triangle: empty balls that overlap hold no triangle, and along the way the number changes by no
-    /// more than the border lets it. Where the way meets the ball of a known point, that one decides.
+    /// Winding numbers cost far more than distances, most of all near triangles. So the point climbs away from its
+    /// nearest triangle, from one empty ball to the next: along the path the winding number changes by no more than
+    /// the open edges allow. If the path meets the ball of a point with a known side, that point decides.
+    ///
+    /// ```text
+    ///        . - ~ - .
+    ///     .      at     .     each ball is empty and overlaps the one before;
+    ///    .      /        .    path = radius + length of the steps so far
+    ///     . .  p  .  .  .
+    /// ________\_/____________ triangles
+    /// ```
     fn side_of_point(
         &self,
         (p, radius): ([f64; 3], f64),
@@ -224,35 +235,35 @@ impl MeshLeaf {
     ) -> Option<bool> {
         // A factor far above all roundings of the distances and of their sums.
         const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
-        let (mut at, mut empty, mut row, mut way) = (p, distance, row, radius);
+        let (mut at, mut empty, mut row, mut path) = (p, distance, row, radius);
         for _ in 0..MOST_CLIMBS {
             let beacons = self.beacons.iter().flat_map(|beacons| beacons.around(at));
-            let found = known.iter().flatten().chain(beacons).find(|side| {
-                let between = length(difference(at, side.point)) * SHARE;
-                between < side.distance + empty
-                    && self.border.most_change(side.point, (between + way) * SHARE) < side.margin
+            let decisive = known.iter().flatten().chain(beacons).find(|other| {
+                let between = length(difference(at, other.point)) * SHARE;
+                between < other.distance + empty
+                    && self.border.most_change(other.point, (between + path) * SHARE) < other.margin
             });
-            if let Some(side) = found {
-                return Some(side.is_inside);
+            if let Some(other) = decisive {
+                return Some(other.is_inside);
             }
             let offset = self.offset(at, row);
             let size = length(offset);
-            // Within the empty ball, whatever was rounded.
+            // CLIMB < 1 keeps the step within the empty ball in spite of rounding.
             let step = CLIMB * empty;
             let next: [f64; 3] = std::array::from_fn(|k| at[k] + step * (offset[k] / size));
-            let Some((away, nearest)) = self.bvh.distance_with_hint(next, row) else { break };
-            let away = sub_down(away, self.distance_error(next));
-            // On the way away from one triangle another one is near.
-            let is_larger = away > GROWN * empty;
+            let Some((next_distance, nearest)) = self.bvh.distance_with_hint(next, row) else { break };
+            let next_distance = sub_down(next_distance, self.distance_error(next));
+            // The ball stops growing as soon as another triangle is as near.
+            let is_larger = next_distance > GROWN * empty;
             if !is_larger {
                 break;
             }
-            way = (way + length(difference(next, at))) * SHARE;
-            (at, empty, row) = (next, away, nearest);
+            path = (path + length(difference(next, at))) * SHARE;
+            (at, empty, row) = (next, next_distance, nearest);
         }
-        let enclosure = self.sides.as_ref()?.enclosure(&self.bvh);
-        for (from, empty, way) in [(at, empty, way), (p, distance, radius)] {
-            let change = self.border.most_change(from, way);
+        let enclosure = self.moments.as_ref()?.enclosure(&self.bvh);
+        for (from, empty, path) in [(at, empty, path), (p, distance, radius)] {
+            let change = self.border.most_change(from, path);
             if change.is_nan() || change >= 1.0 {
                 continue;
             }
@@ -265,7 +276,7 @@ impl MeshLeaf {
                         Some(OpenSide { point: from, distance: empty, margin, is_inside });
                     return Some(is_inside);
                 }
-                // No more digits make it more than the whole.
+                // More digits cannot raise the margin above the change.
                 if (winding.value - 0.5).abs() + winding.off_at_most <= change {
                     break;
                 }
@@ -274,13 +285,13 @@ impl MeshLeaf {
         None
     }
 
-    /// The distance at `p`, and what speeds up the next point; `None` without triangles or for a point that
-    /// is not finite.
+    /// The distance and side at `p`, to be passed to the next query; `None` without triangles or for a point that is
+    /// not finite.
     pub(super) fn step(&self, p: [f64; 3], last: Option<PreviousPoint>) -> Option<PreviousPoint> {
         self.step_within(p, last, f64::INFINITY)
     }
 
-    /// [`MeshLeaf::step`], but where no triangle is within `reach`, the distance is `reach`, rounded.
+    /// [`MeshLeaf::step`], but if no triangle is within `reach`, the distance is `reach`, rounded.
     pub(super) fn step_within(
         &self,
         p: [f64; 3],
@@ -307,7 +318,7 @@ impl MeshLeaf {
     /// The largest error of the computed distance at `p`.
     fn distance_error(&self, p: [f64; 3]) -> f64 {
         let size = p.iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
-        // Far more than the roundings of a point and of its offsets.
+        // 64 units in the last place: far more than the roundings of a point and of its offsets.
         add_up(self.rounding, 64.0 * f64::EPSILON * size)
     }
 
@@ -351,32 +362,31 @@ impl MeshLeaf {
         (gradient, Some(here))
     }
 
-    /// A lower and an upper bound of the distance from `p`, whatever was rounded.
+    /// A proved lower and upper bound of the distance from `p`.
     fn distance_range(&self, p: [f64; 3], row: u32) -> Option<[f64; 2]> {
         Some([self.bvh.closest_distance_down(p)?, self.bvh.distance_bounds(p, row)?[1]])
     }
 
-    /// A range of the gradient in a box, from the triangles that may be nearest there.
+    /// A range of the gradient in a box, from the triangles that may be nearest to one of its points.
     ///
     /// The gradient is `±(p − q)/|p − q|` with the closest point `q` of some triangle, and the offset from
     /// the closest point of a convex set changes by no more than `p` moves. A triangle that is nearest for
     /// some point of the box is no farther from the middle than the nearest one there plus the box's
     /// diameter.
     ///
-    /// A computed closest point `q'` lies on the triangle, up to rounding, and not always near `q`: but the
-    /// angle at `q` is not acute, so `|q − q'|² ≤ |p − q'|² − |p − q|²`, of which the last is bounded from
-    /// below.
+    /// A computed closest point `q'` lies on the triangle, up to rounding, but not always near `q`. Since the angle
+    /// at `q` is not acute, `|q − q'|² ≤ |p − q'|² − |p − q|²`, where the last term is bounded from below.
     fn gradient_range(&self, bounds: &Box3) -> [Interval; 3] {
         let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
         let middle = bounds.centre();
-        let off = self.distance_error(middle);
-        let radius = add_up(0.5 * bounds.diagonal(), off);
+        let error = self.distance_error(middle);
+        let radius = add_up(0.5 * bounds.diagonal(), error);
         let Some(here) = self.step(middle, None).filter(|_| radius.is_finite()) else { return [unit; 3] };
         let Some([_, nearest]) = self.bvh.distance_bounds(middle, here.row) else { return [unit; 3] };
         let reach = add_up(nearest, 2.0 * radius);
         let mut hull: Option<[Interval; 3]> = None;
         let mut touched = false;
-        self.bvh.rows_near(middle, add_up(reach, off), |row| {
+        self.bvh.rows_near(middle, add_up(reach, error), |row| {
             let [down, _] = self.bvh.distance_bounds(middle, row).unwrap_or([0.0; 2]);
             if down > reach {
                 return;
@@ -384,18 +394,20 @@ impl MeshLeaf {
             touched |= down <= radius;
             let offset = self.offset(middle, row);
             let size = length(offset);
-            let most = add_up(size, off);
+            let most = add_up(size, error);
             let slack = sub_up(mul_up(most, most), mul_down(down, down));
-            let slide = sqrt_up(greater(slack, 0.0));
-            let play = add_up(radius, add_up(slide, off));
-            let around =
-                |x: f64| Interval::new(sub_down(x, play), add_up(x, play)).unwrap_or(Interval::ENTIRE);
+            let along_triangle = sqrt_up(greater(slack, 0.0));
+            let radius_of_offsets = add_up(radius, add_up(along_triangle, error));
+            let around = |x: f64| {
+                Interval::new(sub_down(x, radius_of_offsets), add_up(x, radius_of_offsets))
+                    .unwrap_or(Interval::ENTIRE)
+            };
             let sizes = around(size);
-            let part =
+            let directions =
                 offset.map(|x| if sizes.lo() > 0.0 { (around(x) / sizes).intersection(unit) } else { unit });
-            hull = Some(hull.map_or(part, |all| std::array::from_fn(|k| all[k].hull(part[k]))));
+            hull = Some(hull.map_or(directions, |all| std::array::from_fn(|k| all[k].hull(directions[k]))));
         });
-        // Where a triangle may be in the box, both sides may be too.
+        // If a triangle may be in the box, so may points of both sides.
         let hull = hull.filter(|_| !touched).unwrap_or([unit; 3]);
         if here.inside { hull.map(|x| -x) } else { hull }
     }
@@ -467,7 +479,7 @@ impl Leaf for MeshLeaf {
                 let Some(ends) = self.distance_range(middle, row) else { continue };
                 let size = around(ends);
                 *range = match self.side_of_ball((middle, radius), (ends[0], row), &mut known) {
-                    // Within the ball the side is the same, so the distance alone changes.
+                    // All points of the ball have this side, so only the distance varies.
                     Some(true) => -size,
                     Some(false) => size,
                     None => size.hull(-size).undefined(),
@@ -489,19 +501,19 @@ impl Leaf for MeshLeaf {
     }
 
     fn evidence(&self) -> Evidence {
-        let sides = if self.is_closed() {
+        let moments = if self.is_closed() {
             Evidence::Proved
         } else {
             let sentence =
                 "the mesh is not closed, and inside of it is where its winding number is above a half";
             Evidence::ProvedIf(vec![sentence.into()])
         };
-        let Some(lost) = self.source().and_then(|source| source.lost.as_ref()) else { return sides };
+        let Some(lost) = self.source().and_then(|source| source.lost.as_ref()) else { return moments };
         let most = lost.at_most().unwrap_or(f64::INFINITY);
         let sentence = format!(
             "a shape whose distance was made a true one is its triangles, which are up to {most:e} away from it"
         );
-        sides.weaker(&Evidence::ProvedIf(vec![sentence])).weaker(lost.evidence())
+        moments.weaker(&Evidence::ProvedIf(vec![sentence])).weaker(lost.evidence())
     }
 
     fn as_any(&self) -> Option<&dyn std::any::Any> {

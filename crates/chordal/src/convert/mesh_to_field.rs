@@ -7,7 +7,7 @@ use crate::implicit::{Distance, Expr, Field};
 use std::fmt;
 use std::sync::Arc;
 
-/// A mesh as a field, with a report whether it is a solid.
+/// A mesh as a field, with a report on whether it is a solid.
 #[derive(Clone, Debug)]
 pub struct MeshField {
     /// The distance to the triangles, negative inside.
@@ -19,8 +19,8 @@ pub struct MeshField {
 /// Whether a mesh bounds a solid, and the defects that keep it from doing so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidReport {
-    /// Whether along every edge, by position, as many triangles run one way as the other. Only then is a side
-    /// certain; otherwise inside is where the generalized winding number is above a half.
+    /// Whether along every edge, by position, as many triangles run one way as the other. Only then the inside is
+    /// certain; otherwise it is the region where the generalized winding number is above a half.
     pub closed: bool,
     /// Edges with only one triangle.
     pub boundary_edges: u64,
@@ -28,11 +28,11 @@ pub struct SolidReport {
     pub non_manifold_edges: u64,
     /// Edges whose two triangles run the same way.
     pub inconsistent_edges: u64,
-    /// Whether neighbours can be turned so that all agree; not so for a Möbius strip.
+    /// Whether triangles can be reversed so that all neighbours agree; impossible for a Möbius strip.
     pub orientable: bool,
     /// Pairs of triangles that intersect.
     pub self_intersections: u64,
-    /// Whether it is closed and its front is inside: then nothing is inside it.
+    /// Whether it is closed and its front faces inward: then no point is inside it.
     pub inside_out: bool,
     /// Whether it has no triangles.
     pub empty: bool,
@@ -44,14 +44,14 @@ impl SolidReport {
     /// # Errors
     /// As for [`self_intersections`].
     pub fn from_mesh(mesh: &Mesh, closed: bool, job: &Job) -> Result<Self, JobError> {
-        let found = validity(mesh, Topology::Positions);
+        let edges = validity(mesh, Topology::Positions);
         let count = |finding: &Finding| finding.count;
         Ok(Self {
             closed,
-            boundary_edges: count(&found.boundary_edges),
-            non_manifold_edges: count(&found.non_manifold_edges),
-            inconsistent_edges: count(&found.inconsistent_edges),
-            orientable: found.orientable,
+            boundary_edges: count(&edges.boundary_edges),
+            non_manifold_edges: count(&edges.non_manifold_edges),
+            inconsistent_edges: count(&edges.inconsistent_edges),
+            orientable: edges.orientable,
             self_intersections: count(&self_intersections(mesh, job)?),
             inside_out: closed && measure(mesh).signed_volume < 0.0,
             empty: mesh.faces().is_empty(),
@@ -72,9 +72,9 @@ impl fmt::Display for SolidReport {
             return f.write_str("the mesh is a solid");
         }
         let mut faults = Vec::new();
-        let mut add = |n: u64, what: &str| {
+        let mut add = |n: u64, fault: &str| {
             if n > 0 {
-                faults.push(format!("{n} {what}"));
+                faults.push(format!("{n} {fault}"));
             }
         };
         if !self.closed {
@@ -103,20 +103,19 @@ impl fmt::Display for SolidReport {
 
 /// Turns a mesh into a field: the distance to the nearest triangle, negative inside.
 ///
-/// **Value.** The distance is that of the nearest triangle, never scaled, and off by a few units in the last
+/// **Value.** The distance is that to the nearest triangle, never scaled, with an error of a few units in the last
 /// place of the distance and the mesh's extent. The side comes from the winding number. For closed meshes
 /// (see [`Enclosure`](crate::explicit::Enclosure)) it is a whole number, counted by exact predicates, and
-/// right even where the mesh intersects itself. For others it is the generalized winding number; inside is
-/// above a half within the box of the triangles. The distance is exact for solids. It is a bound for closed
-/// meshes that intersect themselves, whose inner walls are no surface. For meshes that are not closed only
-/// the sign counts, since sides change where there is no triangle.
+/// right even if the mesh intersects itself. For other meshes it is the generalized winding number; points in the
+/// box of the triangles where it is above a half are inside. The distance is exact for solids. It is a bound for
+/// closed meshes that intersect themselves, since their inner walls are not part of the surface. For meshes that
+/// are not closed only the sign is meaningful, since the side also changes away from triangles.
 ///
-/// **Ranges** are proved for closed meshes: they contain the true distances, whatever was rounded, and the
-/// rounding of computed ones. For others they hold under the promise that the mesh is meant as the winding
-/// number takes it, and never claim continuity.
+/// **Ranges** are proved for closed meshes: they contain the true distances and the computed ones. For other meshes
+/// they hold on the condition that the winding number defines the inside, and never claim continuity.
 ///
-/// **Cost.** A tree of boxes and moments, and the search for self-intersections; then about 1 µs a point near
-/// others.
+/// **Cost.** Building a tree of boxes and moments, and the search for self-intersections; then about 1 µs a point,
+/// if consecutive points are near each other.
 ///
 /// # Errors
 /// As for [`Bvh::build`](crate::explicit::Bvh::build).
@@ -136,12 +135,13 @@ impl fmt::Display for SolidReport {
 /// ```
 ///
 /// Sources: J. Bærentzen, H. Aanæs, *Signed distance computation using the angle weighted pseudonormal*,
-/// 2005, for what a side is; ours is by winding numbers, which need no normals: A. Jacobson et al., 2013.
+/// 2005, for the definition of sides; here they are computed by winding numbers, which need no normals:
+/// A. Jacobson et al., 2013.
 pub fn mesh_to_field(mesh: &Mesh, job: &Job) -> Result<MeshField, JobError> {
     mesh_standing_for(mesh, None, job)
 }
 
-/// As [`mesh_to_field`], of a mesh that stands for another surface and has lost something of it.
+/// As [`mesh_to_field`], for a mesh that approximates another surface; `lost` is its bound to that surface.
 pub(super) fn mesh_standing_for(mesh: &Mesh, lost: Option<Bound>, job: &Job) -> Result<MeshField, JobError> {
     let leaf = MeshLeaf::new(mesh, job)?;
     let solid = SolidReport::from_mesh(mesh, leaf.is_closed(), job)?;

@@ -7,7 +7,7 @@ use crate::math::{Box3, DoubleDouble, add_up, mul_up, sqrt_up};
 /// Vertex indices, of the smallest type that fits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum IndexBuffer {
-    /// Where [`IndexBuffer::fit_16_bits`] holds.
+    /// If [`IndexBuffer::fit_16_bits`].
     U16(Vec<[u16; 3]>),
     /// For any number of vertices.
     U32(Vec<[u32; 3]>),
@@ -15,7 +15,7 @@ pub enum IndexBuffer {
 
 impl IndexBuffer {
     /// Whether the indices of `n_vertices` fit 16 bits: up to 65,535 vertices, whose last index is 65,534.
-    /// The last 16-bit number means "restart" to a graphics processor.
+    /// Graphics processors take the last 16-bit number as "restart".
     #[must_use]
     pub fn fit_16_bits(n_vertices: usize) -> bool {
         n_vertices <= usize::from(u16::MAX)
@@ -41,7 +41,7 @@ impl IndexBuffer {
     /// One triangle.
     ///
     /// # Panics
-    /// When `index` is out of range.
+    /// If `index` is out of range.
     #[must_use]
     pub fn triangle(&self, index: usize) -> [u32; 3] {
         match self {
@@ -84,7 +84,8 @@ impl GpuBuffers {
         36 * self.indices.n_triangles() as u64
     }
 
-    /// Vertices computed for each triangle with a first-in, first-out cache of that size: [`acmr`].
+    /// The average number of vertices transformed for each triangle, with a first-in, first-out cache of the given
+    /// size: [`acmr`].
     #[must_use]
     pub fn acmr(&self, cache: u32) -> f64 {
         let faces: Vec<_> = (0..self.indices.n_triangles()).map(|i| self.indices.triangle(i)).collect();
@@ -97,10 +98,10 @@ impl GpuBuffers {
 /// vertices in that of [`fetch_order`].
 ///
 /// **Bound.** Two-sided Hausdorff distance between the mesh and `origin + positions`, taken exactly,
-/// *proved*: a point moves no farther than the corners of its triangle, and how far those were moved is
-/// computed exactly and rounded up. Unused vertices are left out. Attributes stay with the mesh;
-/// `source_vertex` gives their rows. No budget decides anything here: the bound is about 2⁻²⁵ of the size of
-/// the part.
+/// *proved*: a point moves no farther than the corners of its triangle, whose displacements are computed
+/// exactly and rounded up. Unused vertices are left out. Attributes stay with the mesh;
+/// `source_vertex` gives their rows. There is no budget: the bound is always about 2⁻²⁵ of the size of the
+/// part.
 ///
 /// **Cost.** O(n), about 0.3 µs a triangle.
 ///
@@ -130,25 +131,25 @@ pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>
     let mut renamed = vec![0_u32; mesh.positions().len()];
     source_vertex.iter().zip(0..).for_each(|(old, new)| renamed[*old as usize] = new);
     let faces: Vec<[u32; 3]> = drawn.into_iter().map(|face| face.map(|v| renamed[v as usize])).collect();
-    // 2. Positions about the middle, and how far that moves them.
+    // 2. Positions about the middle, and the largest displacement.
     let corner = |old: &u32| mesh.positions()[*old as usize];
     let bounds = source_vertex.iter().map(corner).fold(Box3::EMPTY, Box3::with);
     let origin = bounds.centre();
     let mut positions = Vec::with_capacity(source_vertex.len());
     let (mut most, mut at) = (0.0, None);
     for p in source_vertex.iter().map(corner) {
-        let about: [f32; 3] = std::array::from_fn(|k| (p[k] - origin[k]) as f32);
-        if !about.iter().all(|x| x.is_finite()) {
+        let offset: [f32; 3] = std::array::from_fn(|k| (p[k] - origin[k]) as f32);
+        if !offset.iter().all(|x| x.is_finite()) {
             return Err(Failure::refused(
                 RefusalCode::NotFinite,
                 format!("the corner {p:?} is beyond the range of single precision about {origin:?}"),
             ));
         }
-        let moved = displacement(p, origin, about);
+        let moved = displacement(p, origin, offset);
         if moved > most {
             (most, at) = (moved, Some(p));
         }
-        positions.push(about);
+        positions.push(offset);
     }
     let mut bound = Bound::proved(0.0, most, Reference::InputTriangles);
     bound.at = at;
@@ -156,18 +157,18 @@ pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>
     Ok(Bounded { shape: GpuBuffers { origin, positions, indices, source_vertex, source_face }, bound })
 }
 
-/// The distance of `origin + about` from `p`, rounded up; exactly 0 where nothing moved.
-fn displacement(p: [f64; 3], origin: [f64; 3], about: [f32; 3]) -> f64 {
+/// The distance of `origin + offset` from `p`, rounded up; exactly 0 if they are equal.
+fn displacement(p: [f64; 3], origin: [f64; 3], offset: [f32; 3]) -> f64 {
     // Adding zero rounds nothing.
     let sum = |a: f64, b: f64| if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) };
     let mut square = 0.0;
     for k in 0..3 {
         // The difference is exact as a sum of two numbers; its remainder is rounded once more.
         let d = DoubleDouble::two_sum(p[k], -origin[k]);
-        let rest = DoubleDouble::two_sum(d.hi, -f64::from(about[k]));
-        let off = sum(sum(rest.hi.abs(), rest.lo.abs()), d.lo.abs());
-        if off > 0.0 {
-            square = sum(square, mul_up(off, off));
+        let remainder = DoubleDouble::two_sum(d.hi, -f64::from(offset[k]));
+        let distance = sum(sum(remainder.hi.abs(), remainder.lo.abs()), d.lo.abs());
+        if distance > 0.0 {
+            square = sum(square, mul_up(distance, distance));
         }
     }
     if square > 0.0 { sqrt_up(square) } else { 0.0 }

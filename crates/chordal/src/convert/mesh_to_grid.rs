@@ -8,29 +8,29 @@ use crate::implicit::{BrickSlab, Grid, Samples, SparseGrid};
 use crate::math::Box3;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Distances to a mesh on a lattice, with a report whether the mesh is a solid.
+/// Distances to a mesh on a lattice, with a report on whether the mesh is a solid.
 #[derive(Clone, Debug)]
 pub struct DistanceGrid<G = Grid> {
     /// The samples, f64, negative inside.
     pub grid: G,
     /// Whether the mesh is a solid.
     pub solid: SolidReport,
-    /// The number of samples whose value is a distance; the others say only that they are beyond the band,
-    /// and on which side.
+    /// The number of samples whose value is a distance; the others are ±band: beyond the band, with the sign of
+    /// their side.
     pub n_within: u64,
-    /// The largest distance that samples hold; ∞ where all are distances.
+    /// The largest distance that samples hold; ∞ if all are distances.
     pub band: f64,
 }
 
 /// Samples the distance to a mesh on a lattice of cubes, `cells` along the longest side of its box with a
-/// margin around it. With a `band` of so many cells, only samples near the mesh are distances, and the others
+/// margin around it. With a `band`, a number of cells, only samples near the mesh are distances; the others are
 /// ±band.
 ///
-/// **Values.** As for [`mesh_to_field`](super::mesh_to_field()): the exact distance to the triangles but for
+/// **Values.** As for [`mesh_to_field`](super::mesh_to_field()): the exact distance to the triangles up to
 /// rounding (at most 1e-12 of the extent), never scaled, and a side that is exact for closed meshes. With a
 /// band, samples farther from the mesh hold the band's width, with the sign of their side.
 ///
-/// **Cost.** About 1 µs for each computed sample; a brick of 8³ samples beyond the band takes as long as one.
+/// **Cost.** About 1 µs for each computed sample; a brick of 8³ samples beyond the band costs as much as one sample.
 /// For meshes that are not closed, a winding number for every sample, 10 to 100 µs. 8 bytes a sample.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn mesh_to_grid(
     DistanceBaker::new(mesh, job)?.grid(cells, band, job)
 }
 
-/// Like [`mesh_to_grid`], in bricks: those beyond the band are not stored.
+/// Like [`mesh_to_grid`], in bricks: bricks beyond the band are not stored.
 ///
 /// The samples are those of [`mesh_to_grid`], bit for bit. Memory: that of the bricks, and eight planes for
 /// each thread.
@@ -85,8 +85,7 @@ pub fn mesh_to_sparse_grid(
     DistanceBaker::new(mesh, job)?.sparse_grid(cells, band, job)
 }
 
-/// A mesh that is made ready to be sampled on several lattices, as by [`mesh_to_grid`] and
-/// [`mesh_to_sparse_grid`].
+/// A mesh prepared for sampling on several lattices, as by [`mesh_to_grid`] and [`mesh_to_sparse_grid`].
 #[derive(Clone, Debug)]
 pub struct DistanceBaker {
     leaf: MeshLeaf,
@@ -95,7 +94,7 @@ pub struct DistanceBaker {
 }
 
 impl DistanceBaker {
-    /// Builds the trees, and looks whether the mesh is a solid.
+    /// Builds the trees, and checks whether the mesh is a solid.
     ///
     /// # Errors
     /// As for [`mesh_to_field`](super::mesh_to_field()).
@@ -111,7 +110,7 @@ impl DistanceBaker {
         &self.solid
     }
 
-    /// The samples, as [`mesh_to_grid`] takes them.
+    /// The samples, as by [`mesh_to_grid`].
     ///
     /// # Errors
     /// As for [`mesh_to_grid`].
@@ -132,7 +131,7 @@ impl DistanceBaker {
         Ok(DistanceGrid { grid, solid: self.solid.clone(), n_within: counts.into_iter().sum(), band })
     }
 
-    /// The samples in bricks, as [`mesh_to_sparse_grid`] takes them.
+    /// The samples in bricks, as by [`mesh_to_sparse_grid`].
     ///
     /// # Errors
     /// As for [`mesh_to_sparse_grid`].
@@ -174,7 +173,7 @@ impl DistanceBaker {
         Ok(DistanceGrid { grid, solid: self.solid.clone(), n_within, band })
     }
 
-    /// Fills one layer of bricks; returns how many of its samples are distances.
+    /// Fills one layer of bricks; returns the number of samples that are distances.
     fn fill_layer(&self, lattice: &Lattice, (layer, out): (usize, &mut [f64]), band: f64, job: &Job) -> u64 {
         let mut count = 0;
         let mut last = None;
@@ -208,21 +207,21 @@ struct BrickSampler<'a> {
 }
 
 impl BrickSampler<'_> {
-    /// Fills the samples of a brick; returns how many of them are distances.
+    /// Fills the samples of a brick; returns the number of samples that are distances.
     fn brick(&mut self, brick: [[usize; 3]; 2]) -> u64 {
         let [first, end] = brick;
         let hull = self.lattice.hull(brick);
         let radius = 0.5 * hull.diagonal();
         // A factor far above the rounding of distances and of the radius.
         const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
-        // Beyond these no triangle is looked for: that takes longer the farther the nearest one is.
-        let [reach, whole] = [self.band * SHARE, (self.band + radius) * SHARE];
-        let Some(middle) = self.leaf.step_within(hull.centre(), self.last, whole * SHARE) else {
+        // Triangles beyond these are not searched, since a search takes longer the farther the nearest one is.
+        let [reach, brick_reach] = [self.band * SHARE, (self.band + radius) * SHARE];
+        let Some(middle) = self.leaf.step_within(hull.centre(), self.last, brick_reach * SHARE) else {
             return 0;
         };
         self.last = Some(middle);
-        let is_far = middle.distance() > whole;
-        let one_side = self.leaf.is_closed();
+        let is_far = middle.distance() > brick_reach;
+        let is_closed = self.leaf.is_closed();
         let mut count = 0;
         for k in first[2]..end[2] {
             for j in first[1]..end[1] {
@@ -231,12 +230,12 @@ impl BrickSampler<'_> {
                 for i in first[0]..end[0] {
                     let i = if back { first[0] + end[0] - 1 - i } else { i };
                     let row = self.lattice.row([i, j, k % BRICK]);
-                    if is_far && one_side {
+                    if is_far && is_closed {
                         self.out[row] = if middle.value() < 0.0 { -self.band } else { self.band };
                         continue;
                     }
                     let p = self.lattice.at([i, j, k]);
-                    if let Some(last) = self.last.filter(|last| one_side && last.is_beyond(p, self.band)) {
+                    if let Some(last) = self.last.filter(|last| is_closed && last.is_beyond(p, self.band)) {
                         self.out[row] = if last.value() < 0.0 { -self.band } else { self.band };
                         continue;
                     }

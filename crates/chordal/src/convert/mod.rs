@@ -70,12 +70,12 @@ pub use patches_to_mesh::patches_to_mesh;
 pub use redistance::redistance;
 pub use trimmed_surfaces_to_mesh::trimmed_surfaces_to_mesh;
 
-/// What the edges of solids over outlines are cut off by.
+/// Bevels: chamfers and fillets along the edges of solids over outlines.
 pub mod bevels {
     pub use super::bevel::Bevel;
 }
 
-/// Meshers, a cutter and a sampler that are kept for many budgets, views or lattices, and many curves at once.
+/// Meshers, a cutter and a sampler that are reused for many budgets, views or lattices; and many curves at once.
 pub mod batch {
     pub use super::cage_to_mesh::CageMesher;
     pub use super::curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
@@ -83,14 +83,14 @@ pub mod batch {
     pub use super::view_dependent_mesher::{TileReuse, ViewDependentMesher};
 }
 
-/// Paths of few cubics near points and polylines.
+/// Fits paths of few cubics to points and polylines.
 pub mod splines {
     pub use super::fitting::spans::{Corners, SplineFit};
     pub use super::points_to_spline::points_to_spline;
     pub use super::polyline_to_spline::polyline_to_spline;
 }
 
-/// Paths that profiles are swept along.
+/// Paths along which profiles are swept.
 pub mod sweeps {
     pub use super::curve_to_swept_surface::{ProfilePlace, SweepPath};
 }

@@ -1,4 +1,4 @@
-//! The arrow from NURBS surfaces to triangles: through bicubic patches, proved.
+//! The arrow from NURBS surfaces to triangles: by way of bicubic patches, proved.
 use super::length_from_pixels::{length_from_pixels, remaining_pixels};
 use super::nurbs::fit::fit;
 use super::patches_to_mesh::patches_to_mesh;
@@ -7,12 +7,13 @@ use crate::explicit::nurbs::{HEAVIEST, NurbsSurface};
 use crate::explicit::{Mesh, Patch};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, sub_down};
 
-/// The part of an allowed length that patches may be off the surface. Chosen: the number of triangles goes like 1 over
-/// what is left.
+/// The share of an allowed length that the patches may use. Chosen: the number of triangles grows like 1 over the
+/// remaining length.
 const SHARE: f64 = 0.1;
-/// The first lengths for a number of triangles, relative to the diagonal: a coarser one where patches alone are too many.
+/// The first lengths for a number of triangles, relative to the diagonal; the next is taken if the patches alone have too
+/// many triangles. Chosen: one fine, one middling and one coarse length.
 const FIRST: [f64; 3] = [1e-3, 1e-2, 1e-1];
-/// Squares of differences of coordinates below this stay far from the end of numbers.
+/// Squares of differences of coordinates below this stay far from the largest number.
 const LARGEST: f64 = 1e150;
 
 /// Bicubic Bézier patches within a distance of NURBS surfaces.
@@ -22,9 +23,9 @@ const LARGEST: f64 = 1e150;
 /// polynomial surface of degree 3 at most is reproduced up to rounding.
 ///
 /// **Patches.** Row by row, surface after surface. Within a surface neighbours have equal sides, bit for bit, also across
-/// the seam of a closed one; a side that is one point stays one.
+/// the seam of a closed surface; a side that is one point stays one point.
 ///
-/// **Cost.** About 10 µs a patch for degree 2; errors go down with the fourth power of the number along a side.
+/// **Cost.** About 10 µs a patch for degree 2; errors fall with the fourth power of the number of patches along a side.
 ///
 /// # Errors
 /// [`Failure::Refused`]: no surface, a coordinate beyond 1e150, an environment that flushes subnormals.
@@ -47,44 +48,45 @@ pub fn nurbs_to_patches(
     job: &Job,
 ) -> Result<Bounded<Vec<Patch>>, Failure<Vec<Patch>>> {
     check_surfaces(surfaces.iter())?;
-    let made = job.run(|| {
-        let mut all = Bounded { shape: Vec::new(), bound: Bound::proved(0.0, 0.0, Reference::NurbsSurfaces) };
+    let bounded = job.run(|| {
+        let mut patches =
+            Bounded { shape: Vec::new(), bound: Bound::proved(0.0, 0.0, Reference::NurbsSurfaces) };
         let mut at_most = 0.0;
         for surface in surfaces {
-            // Where the surface's own slack takes all, patches are near what there is.
-            let left = greater(sub_down(length.get(), surface.slack()), SHARE * length.get());
-            let fitted = fit(surface, left, job);
+            // Even if the surface's own slack uses up the length, the patches are fitted to the surface as given.
+            let remaining = greater(sub_down(length.get(), surface.slack()), SHARE * length.get());
+            let fitted = fit(surface, remaining, job);
             if job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
             at_most = greater(with_slack(fitted.at_most, surface.slack()), at_most);
-            all.shape.extend(fitted.patches);
+            patches.shape.extend(fitted.patches);
         }
         if at_most >= LARGEST || at_most.is_nan() {
             let message =
                 "a patch near a surface would leave the range of numbers: the weights differ too much";
             return Err(Failure::refused(RefusalCode::NotFinite, message));
         }
-        all.bound = Bound::proved(0.0, at_most, Reference::NurbsSurfaces);
-        Ok(all)
+        patches.bound = Bound::proved(0.0, at_most, Reference::NurbsSurfaces);
+        Ok(patches)
     })?;
-    if made.bound.at_most().is_some_and(|most| most <= length.get()) {
-        Ok(made)
+    if bounded.bound.at_most().is_some_and(|most| most <= length.get()) {
+        Ok(bounded)
     } else {
-        Err(Failure::Unmet(Box::new(made)))
+        Err(Failure::Unmet(Box::new(bounded)))
     }
 }
 
 /// Meshes NURBS surfaces within a budget.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the union of the surfaces, taken exactly as given, and the triangles,
-/// *proved*, rounding included: that of [`nurbs_to_patches`] and that of [`patches_to_mesh`], added. With a budget of
-/// pixels the bound also says how many pixels that is at the view.
+/// *proved*, rounding included: the sum of the bounds of [`nurbs_to_patches`] and [`patches_to_mesh`]. With a budget of
+/// pixels the bound is also given in pixels at the view.
 ///
-/// **Mesh.** As from [`patches_to_mesh`]: without cracks within a surface, closed where the surface is. Surfaces that
+/// **Mesh.** As from [`patches_to_mesh`]: without cracks within a surface, and closed if the surface is. Surfaces that
 /// touch along a side share no vertices yet.
 ///
-/// **Budgets.** A length, pixels at a view, a number of triangles, or several.
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several of these.
 ///
 /// **Cost.** That of [`patches_to_mesh`] and about 10 µs a patch.
 ///
@@ -121,9 +123,9 @@ pub fn nurbs_to_mesh(
     match wanted {
         Some(wanted) => mesh_at(surfaces, budget, SHARE * wanted, job),
         None => {
-            let at = |part: f64| mesh_at(surfaces, budget, part * bounds.diagonal(), job);
-            let first = FIRST[1..].iter().fold(at(FIRST[0]), |made, part| match made {
-                Err(Failure::Unmet(_)) => at(*part),
+            let at = |share: f64| mesh_at(surfaces, budget, share * bounds.diagonal(), job);
+            let first = FIRST[1..].iter().fold(at(FIRST[0]), |mesh, share| match mesh {
+                Err(Failure::Unmet(_)) => at(*share),
                 other => other,
             })?;
             let Some(reached) = first.bound.at_most() else { return Ok(first) };
@@ -136,7 +138,7 @@ pub fn nurbs_to_mesh(
     }
 }
 
-/// The mesh within a budget, through patches within a length.
+/// The mesh within a budget, by way of patches within a length.
 fn mesh_at(
     surfaces: &[NurbsSurface],
     budget: &Budget,
@@ -149,48 +151,49 @@ fn mesh_at(
     };
     let length = Tolerance::new(length).map_err(|_| below_precision())?;
     let fitted = match nurbs_to_patches(surfaces, length, job) {
-        Ok(made) => made,
+        Ok(patches) => patches,
         Err(Failure::Unmet(best)) => *best,
         Err(Failure::Refused(refusal)) => return Err(Failure::Refused(refusal)),
         Err(Failure::Cancelled) => return Err(Failure::Cancelled),
     };
     let lost = fitted.bound.at_most().ok_or_else(below_precision)?;
-    let mut left = *budget;
-    if let Some(all) = budget.length {
-        left.length =
-            Some(Tolerance::new(sub_down(all.get(), lost).next_down()).map_err(|_| below_precision())?);
+    let mut remaining = *budget;
+    if let Some(total) = budget.length {
+        remaining.length =
+            Some(Tolerance::new(sub_down(total.get(), lost).next_down()).map_err(|_| below_precision())?);
     }
-    let place = around(&bounds_of(surfaces), lost);
+    let bounds = around(&bounds_of(surfaces), lost);
     if let Some(px) = budget.pixels {
-        left.pixels = Some(remaining_pixels(&px, lost, &place).ok_or_else(below_precision)?);
+        remaining.pixels = Some(remaining_pixels(&px, lost, &bounds).ok_or_else(below_precision)?);
     }
-    let join = |made: Bounded<Mesh>| {
-        let mut bound = fitted.bound.then(&made.bound);
-        bound.pixels = budget
-            .pixels
-            .and_then(|px| px.view.pixels_of_two_steps(made.bound.pixels?, px.view.pixels_of(lost, &place)?));
-        bound.at = made.bound.at;
-        Bounded { shape: made.shape, bound }
+    let join = |mesh: Bounded<Mesh>| {
+        let mut bound = fitted.bound.then(&mesh.bound);
+        bound.pixels = budget.pixels.and_then(|px| {
+            px.view.pixels_of_two_steps(mesh.bound.pixels?, px.view.pixels_of(lost, &bounds)?)
+        });
+        bound.at = mesh.bound.at;
+        Bounded { shape: mesh.shape, bound }
     };
-    match patches_to_mesh(&fitted.shape, &left, job) {
-        Ok(made) => {
-            let made = join(made);
-            // Both steps are rounded up, and their sum.
-            let is_met =
-                budget.length.is_none_or(|all| made.bound.at_most().is_some_and(|most| most <= all.get()));
-            if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    match patches_to_mesh(&fitted.shape, &remaining, job) {
+        Ok(mesh) => {
+            let mesh = join(mesh);
+            // The bounds of both steps, and their sum, are rounded up, so that the total may exceed the length.
+            let is_met = budget
+                .length
+                .is_none_or(|total| mesh.bound.at_most().is_some_and(|most| most <= total.get()));
+            if is_met { Ok(mesh) } else { Err(Failure::Unmet(Box::new(mesh))) }
         }
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(join(*best)))),
         other => other,
     }
 }
 
-/// A bound against the numbers of a surface as one against the exact surface. Adding 0 leaves it as it is.
+/// Turns a bound to a surface as given into one to the exact surface. Without slack it stays the same, bit for bit.
 pub(super) fn with_slack(at_most: f64, slack: f64) -> f64 {
     if slack == 0.0 { at_most } else { add_up(at_most, slack) }
 }
 
-/// Refuses a length that the slack of a surface takes all of.
+/// Refuses a length that the slack of a surface uses up.
 pub(super) fn refuse_slack(slack: f64, wanted: Option<f64>) -> Result<(), Failure<Mesh>> {
     match wanted.filter(|wanted| sub_down(*wanted, slack) <= 0.0) {
         None => Ok(()),
@@ -207,22 +210,22 @@ fn bounds_of(surfaces: &[NurbsSurface]) -> Box3 {
     surfaces.iter().map(NurbsSurface::bounds).reduce(|a, b| a.union(b)).unwrap_or(Box3::EMPTY)
 }
 
-fn around(bounds: &Box3, by: f64) -> Box3 {
-    Box3 { min: bounds.min.map(|x| sub_down(x, by)), max: bounds.max.map(|x| add_up(x, by)) }
+fn around(bounds: &Box3, margin: f64) -> Box3 {
+    Box3 { min: bounds.min.map(|x| sub_down(x, margin)), max: bounds.max.map(|x| add_up(x, margin)) }
 }
 
-/// Whether there are surfaces, and their numbers allow a proof.
+/// Refuses an empty list of surfaces, and numbers or environments that allow no proof.
 pub(super) fn check_surfaces<'a, T>(
     mut surfaces: impl ExactSizeIterator<Item = &'a NurbsSurface>,
 ) -> Result<(), Failure<T>> {
     if surfaces.len() == 0 {
         return Err(Failure::refused(RefusalCode::Empty, "there are no surfaces"));
     }
-    let sane = |surface: &NurbsSurface| {
+    let is_in_range = |surface: &NurbsSurface| {
         surface.control().as_flattened().iter().all(|x| x.abs() < LARGEST)
             && surface.weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
     };
-    if let Some(index) = surfaces.position(|surface| !sane(surface)) {
+    if let Some(index) = surfaces.position(|surface| !is_in_range(surface)) {
         let message = format!(
             "surface {index} has a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
         );
@@ -245,18 +248,18 @@ mod tests {
         for (surface, radius) in
             [(NurbsSurface::torus(2.0, 0.5).unwrap(), Some(2.0)), (NurbsSurface::sphere(1.5).unwrap(), None)]
         {
-            for wanted in [1e-1, 1e-3] {
-                let made = nurbs_to_mesh(
+            for length in [1e-1, 1e-3] {
+                let mesh = nurbs_to_mesh(
                     std::slice::from_ref(&surface),
-                    &Budget::length(Tolerance::new(wanted).unwrap()),
+                    &Budget::length(Tolerance::new(length).unwrap()),
                     &Job::default(),
                 )
                 .unwrap();
-                let bound = made.bound.at_most().unwrap();
-                assert!(bound <= wanted);
-                let valid = validity(&made.shape, crate::explicit::Topology::Positions);
+                let bound = mesh.bound.at_most().unwrap();
+                assert!(bound <= length);
+                let valid = validity(&mesh.shape, crate::explicit::Topology::Positions);
                 assert!(valid.closed && valid.edge_manifold && valid.oriented, "{valid:?}");
-                let off = |p: &[f64; 3]| match radius {
+                let distance = |p: &[f64; 3]| match radius {
                     Some(ring) => {
                         let r = (p[0] * p[0] + p[1] * p[1]).sqrt() - ring;
                         ((r * r + p[2] * p[2]).sqrt() - 0.5).abs()
@@ -264,12 +267,12 @@ mod tests {
                     None => (crate::math::length(*p) - 1.5).abs(),
                 };
                 let mut worst = 0.0;
-                for face in made.shape.faces() {
-                    let [a, b, c] = face.map(|v| made.shape.positions()[v as usize]);
+                for face in mesh.shape.faces() {
+                    let [a, b, c] = face.map(|v| mesh.shape.positions()[v as usize]);
                     let middle = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
-                    worst = greater(off(&middle), worst);
+                    worst = greater(distance(&middle), worst);
                 }
-                println!("{wanted} {bound} {worst} {}", made.shape.faces().len());
+                println!("{length} {bound} {worst} {}", mesh.shape.faces().len());
                 assert!(worst <= bound && worst > 0.3 * bound, "{worst} {bound}");
             }
         }

@@ -7,8 +7,8 @@
 use crate::explicit::{Mesh, OpenEdge, open_edges};
 use crate::math::{add_up, difference, greater, length};
 
-/// A ball of edges is opened where it is nearer than so many of its radii. Chosen: there its bound is off by
-/// a factor of two at most.
+/// A ball of edges is opened if it is nearer than this many of its radii. Chosen: there its bound is too large by a
+/// factor of two at most.
 const OPENED: f64 = 3.0;
 /// A factor above all roundings of a sum of 2²⁸ positive terms, with some dozen each. Derived: 2²⁸ · 2⁻⁵³ is
 /// far below it.
@@ -19,9 +19,9 @@ const ROUNDED: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 struct EdgeBall {
     centre: [f64; 3],
     radius: f64,
-    /// The length of all its edges, each as often as it is open.
+    /// The length of all its edges, each times its multiplicity.
     length: f64,
-    /// The second of its two children, which stand side by side, or 0 for one edge.
+    /// The index of the second of its two children, which are consecutive; 0 for a single edge.
     children: u32,
 }
 
@@ -34,19 +34,19 @@ pub(super) struct OpenBoundary {
 }
 
 impl OpenBoundary {
-    /// The edges that, by position, run one way more often than the other. O(n log n).
+    /// Of the edges that, by position, run one way more often than the other. O(n log n).
     pub(super) fn new(mesh: &Mesh) -> Self {
         let at = |row: u32| mesh.positions()[row as usize];
         let ball = |edge: &OpenEdge| EdgeBall::around(edge.rows.map(at), f64::from(edge.times));
         let mut edges: Vec<EdgeBall> = open_edges(mesh).iter().map(ball).collect();
-        let mut made = Self::default();
+        let mut border = Self::default();
         if !edges.is_empty() {
-            made.root = Some(made.add(&mut edges));
+            border.root = Some(border.add(&mut edges));
         }
-        made
+        border
     }
 
-    /// Adds the balls of some edges and returns the number of the one around all.
+    /// Adds the balls of some edges and returns the index of the ball around all of them.
     fn add(&mut self, edges: &mut [EdgeBall]) -> u32 {
         if let [edge] = edges {
             self.balls.push(*edge);
@@ -66,31 +66,31 @@ impl OpenBoundary {
         let left = self.add(first);
         let right = self.add(second);
         let both = [self.balls[left as usize], self.balls[right as usize]];
-        // Two children stand side by side behind everything below them.
+        // The two children are stored once more, side by side, after everything below them.
         let children = self.balls.len() as u32;
         self.balls.extend(both);
         self.balls.push(EdgeBall { children: children + 1, ..EdgeBall::around_both(both) });
         children + 2
     }
 
-    /// An upper bound for the change of the winding number between `p` and any point within `radius` of it
-    /// that is reached without crossing a triangle; infinite where an open edge may be so near.
+    /// An upper bound of the change of the winding number between `p` and any point within `radius` of it
+    /// that is reached without crossing a triangle; infinite if an open edge may be within `radius`.
     pub(super) fn most_change(&self, p: [f64; 3], radius: f64) -> f64 {
         let Some(root) = self.root else { return 0.0 };
-        let mut open = vec![root];
+        let mut pending = vec![root];
         let mut sum = 0.0;
-        while let Some(number) = open.pop() {
-            let ball = self.balls[number as usize];
-            let away =
+        while let Some(index) = pending.pop() {
+            let ball = self.balls[index as usize];
+            let distance =
                 length(difference(p, ball.centre)) / ROUNDED - ball.radius * ROUNDED - radius * ROUNDED;
-            if ball.children > 0 && away < (OPENED - 1.0) * ball.radius {
-                open.extend([ball.children - 1, ball.children]);
+            if ball.children > 0 && distance < (OPENED - 1.0) * ball.radius {
+                pending.extend([ball.children - 1, ball.children]);
                 continue;
             }
-            if away <= 0.0 {
+            if distance <= 0.0 {
                 return f64::INFINITY;
             }
-            sum += ball.length / (away * away);
+            sum += ball.length / (distance * distance);
         }
         let change = ROUNDED * sum * radius / (4.0 * std::f64::consts::PI);
         if change.is_finite() { change * ROUNDED } else { f64::INFINITY }
@@ -108,8 +108,13 @@ impl EdgeBall {
     fn around_both([a, b]: [Self; 2]) -> Self {
         let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * a.centre[k] + 0.5 * b.centre[k]);
         let reach = |ball: Self| ROUNDED * add_up(length(difference(centre, ball.centre)), ball.radius);
-        let (of_a, of_b) = (reach(a), reach(b));
-        Self { centre, radius: greater(of_a, of_b), length: ROUNDED * (a.length + b.length), children: 0 }
+        let (reach_a, reach_b) = (reach(a), reach(b));
+        Self {
+            centre,
+            radius: greater(reach_a, reach_b),
+            length: ROUNDED * (a.length + b.length),
+            children: 0,
+        }
     }
 }
 

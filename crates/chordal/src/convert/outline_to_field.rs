@@ -5,23 +5,23 @@ use crate::budget::{Bounded, Budget, Failure, Job};
 use crate::explicit::{Outline, Polyline};
 use crate::implicit::Field;
 
-/// Makes a field of the plane from what an outline encloses, endless along z: [`Field::extruded`] gives it a
-/// height, [`Field::revolved`] turns it.
+/// The area that an outline encloses, as a field of the plane, endless along z: [`Field::extruded`] gives it a
+/// height, [`Field::revolved`] turns it about an axis.
 ///
 /// **Bound.** Two-sided Hausdorff distance between each contour and the closed polygon that replaces it,
 /// *proved*, rounding included. So the field's shape and the outline's differ only at points no farther than
-/// the bound from a contour. Contours of straight lines alone have the bound 0.
+/// the bound from a contour. Contours that consist of straight lines have the bound 0.
 ///
-/// **Value.** The exact distance to the polygons; those that bound nothing (one in another of the same direction) are left
-/// out. Where polygons cross or overlap, what they fill is found first, and the bound counts what that costs: see
-/// [`contours_to_field`](super::contours_to_field).
+/// **Value.** The exact distance to the polygons; polygons that are no border (inside another of the same direction) are
+/// left out. If polygons cross or overlap, the filled area is computed first, and the bound includes the error of that:
+/// see [`contours_to_field`](super::contours_to_field).
 ///
-/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polylines, and O(n log n);
-/// O(log n) a point.
+/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** That of the polylines, and O(n log n);
+/// then O(log n) a point.
 ///
 /// # Errors
-/// [`Failure::Refused`]: as for [`curves_to_polylines`]; when the contours enclose nothing.
-/// [`Failure::Unmet`] with the best; [`Failure::Cancelled`].
+/// [`Failure::Refused`]: as for [`curves_to_polylines`]; if the contours enclose nothing.
+/// [`Failure::Unmet`] with the best field; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, Tolerance, convert::outline_to_field};
@@ -40,7 +40,7 @@ pub fn outline_to_field(
     job: &Job,
 ) -> Result<Bounded<Field>, Failure<Field>> {
     match curves_to_polylines(&outline.contours, budget, job, Spacing::Fewest) {
-        Ok(made) => field(made, outline, job),
+        Ok(polylines) => field(polylines, outline, job),
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(field(*best, outline, job)?))),
         Err(Failure::Refused(refusal)) => Err(Failure::Refused(refusal)),
         Err(Failure::Cancelled) => Err(Failure::Cancelled),
@@ -48,12 +48,12 @@ pub fn outline_to_field(
 }
 
 fn field(
-    made: Bounded<Vec<Polyline<2>>>,
+    polylines: Bounded<Vec<Polyline<2>>>,
     outline: &Outline,
     job: &Job,
 ) -> Result<Bounded<Field>, Failure<Field>> {
-    let points: Vec<Vec<[f64; 2]>> = made.shape.iter().map(|polyline| polyline.points.clone()).collect();
+    let points: Vec<Vec<[f64; 2]>> = polylines.shape.iter().map(|polyline| polyline.points.clone()).collect();
     let resolved = contours_to_field(&points, outline.rule, job)?;
-    let bound = made.bound.then(&resolved.bound);
+    let bound = polylines.bound.then(&resolved.bound);
     Ok(Bounded { shape: resolved.shape, bound })
 }

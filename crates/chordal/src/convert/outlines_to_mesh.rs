@@ -1,4 +1,4 @@
-//! The arrow from outlines to triangles: the areas that their fill rules enclose, in the plane z = 0.
+//! The arrow from outlines to triangles in the plane z = 0: the areas that are inside by the outlines' fill rules.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
 use super::length_from_pixels::remaining_pixels;
@@ -11,25 +11,25 @@ use crate::explicit::fill::{FillTriangles, fill};
 use crate::explicit::{Curve, CurveEnds, CurveSegment, FillRule, Mesh, Outline, Polyline};
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
-/// Turns outlines into triangles in the plane z = 0. Each outline encloses what its fill rule says, however
-/// its contours cross themselves and each other. Overlapping outlines stay separate, in their order.
+/// Turns outlines into triangles in the plane z = 0. The area of an outline is determined by its fill rule; its
+/// contours may cross themselves and each other. Overlapping outlines stay separate, in their order.
 ///
 /// **Bound.** Two-sided Hausdorff distance between each contour and the closed polyline that replaces it,
 /// *proved*, rounding included. So a point that is inside an outline and not under its triangles, or the
 /// other way round, is no farther than the bound from one of its contours.
 ///
 /// **Triangles.** Counter-clockwise, all with area; those of one outline do not overlap, share vertices, and
-/// have none inside an edge of another. Open contours are closed by a straight line. An outline thinner than
-/// the bound can vanish.
+/// have no T-junctions. Open contours are closed by a straight line. An outline thinner than the bound can
+/// vanish.
 ///
-/// **Budgets.** A length, pixels at a view, a number of triangles, or several.
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several of these.
 ///
-/// **Cost.** The polylines, and O((n + k) log n) for n segments that cross k times: about 1 µs a segment.
+/// **Cost.** That of the polylines, and O((n + k) log n) for n segments that cross k times: about 1 µs a segment.
 ///
 /// # Errors
-/// [`Failure::Refused`]: as for [`curves_to_polylines`]; a length below the grid that contours are rounded
-/// to, 2⁻³⁶ of the largest outline's extent or the spacing of numbers there; so many overlapping segments
-/// that their crossings cannot be counted. [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
+/// [`Failure::Refused`]: as for [`curves_to_polylines`]; a length below the grid to which contours are rounded,
+/// 2⁻³⁶ of the largest outline's extent or the spacing of numbers there; so many overlapping segments that their
+/// crossings are not counted. [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert};
@@ -60,7 +60,7 @@ pub(super) struct ClosedOutlines {
     /// For each outline the number of its contours, and its rule.
     outlines: Vec<(usize, FillRule)>,
     grids: Vec<SnapGrid>,
-    /// The height of a solid over them, if it is not the plane that is meshed.
+    /// The height of the solid over the outlines; `None` if the plane areas are meshed.
     height: Option<f64>,
     bounds: Box3,
 }
@@ -79,7 +79,7 @@ fn mesh_failure(failure: Failure<Vec<Polyline<2>>>) -> Failure<Mesh> {
 
 /// Beyond this, squares of differences leave the range of numbers; polylines refuse it too.
 const LARGEST: f64 = 1e150;
-/// The most segment counts that are tried for a number of triangles.
+/// The most segment counts that are tried for a number of triangles. Chosen: each costs a mesh.
 const TRIES: u32 = 32;
 
 impl ClosedOutlines {
@@ -118,7 +118,7 @@ impl ClosedOutlines {
         Ok(closed)
     }
 
-    /// A box that holds all of it.
+    /// A box around the outlines, or the solid over them.
     pub fn bounds(&self) -> &Box3 {
         &self.bounds
     }
@@ -132,12 +132,12 @@ impl ClosedOutlines {
             )),
             (true, None) => self.mesh_within(budget, job),
             (true, Some(most)) => {
-                let alone = Budget { triangles: None, ..*budget };
-                match self.mesh_within(&alone, job) {
-                    Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
+                let without_count = Budget { triangles: None, ..*budget };
+                match self.mesh_within(&without_count, job) {
+                    Ok(mesh) if mesh.shape.faces().len() as u64 <= most => Ok(mesh),
                     Ok(_) => {
                         let best = self.by_count(most, job)?;
-                        // Fewer segments than the length alone takes may still keep within it.
+                        // The finest mesh with so few triangles may still be within the length.
                         let is_within = |limit: f64| best.bound.at_most().is_some_and(|most| most <= limit);
                         let by_length = budget.length.is_none_or(|length| is_within(length.get()));
                         if by_length && budget.pixels.is_none() {
@@ -153,17 +153,18 @@ impl ClosedOutlines {
         })
     }
 
-    /// The most that rounding to the grids moves a point.
+    /// The largest distance by which rounding to the grids moves a point.
     fn snapping_error(&self) -> f64 {
-        let all = self.grids.iter().map(SnapGrid::moved_at_most);
-        all.fold(0.0, |most: f64, lost| greater(lost, most))
+        let errors = self.grids.iter().map(SnapGrid::moved_at_most);
+        errors.fold(0.0, |most: f64, lost| greater(lost, most))
     }
 
     fn mesh_within(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-        let lost = self.snapping_error();
-        let inner = self.polyline_budget(budget, lost)?;
-        let made = curves_to_polylines(&self.contours, &inner, job, Spacing::Fewest).map_err(mesh_failure)?;
-        self.fill(made, budget, job)
+        let snapping = self.snapping_error();
+        let polyline_budget = self.polyline_budget(budget, snapping)?;
+        let polylines = curves_to_polylines(&self.contours, &polyline_budget, job, Spacing::Fewest)
+            .map_err(mesh_failure)?;
+        self.fill(polylines, budget, job)
     }
 
     /// The budget of the polylines: the given one, less the error of rounding to the grid.
@@ -176,18 +177,18 @@ impl ClosedOutlines {
         };
         let mut inner = *budget;
         if let Some(length) = budget.length {
-            let left = Tolerance::new(sub_down(length.get(), lost));
-            inner.length = Some(left.map_err(|_| too_small(length.to_string()))?);
+            let remaining = Tolerance::new(sub_down(length.get(), lost));
+            inner.length = Some(remaining.map_err(|_| too_small(length.to_string()))?);
         }
         if let Some(px) = budget.pixels {
             px.view.pixels_of(lost, &self.bounds).ok_or_else(too_close)?;
-            let left = remaining_pixels(&px, lost, &self.bounds);
-            inner.pixels = Some(left.ok_or_else(|| too_small(px.pixels.to_string()))?);
+            let remaining = remaining_pixels(&px, lost, &self.bounds);
+            inner.pixels = Some(remaining.ok_or_else(|| too_small(px.pixels.to_string()))?);
         }
         Ok(inner)
     }
 
-    /// The finest polylines found whose triangles are no more than `most`.
+    /// The mesh of the finest polylines found that has at most `most` triangles.
     fn by_count(&self, most: u64, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
         let flatten = |segments: u64| match curves_to_polylines(
             &self.contours,
@@ -196,11 +197,11 @@ impl ClosedOutlines {
             Spacing::Fewest,
         ) {
             Err(Failure::Unmet(best)) => Ok((false, *best)),
-            Ok(made) => Ok((true, made)),
+            Ok(polylines) => Ok((true, polylines)),
             Err(other) => Err(mesh_failure(other)),
         };
-        // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: start with as many
-        // segments. A solid has these twice, and two for each side.
+        // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: start with that many
+        // segments. A solid has these triangles twice, and two more for each side.
         let each = if self.height.is_some() { 4 } else { 1 };
         let (mut fits, mut fails) = (None, None::<u64>);
         let mut segments = (most / each).saturating_add(2);
@@ -210,18 +211,18 @@ impl ClosedOutlines {
             let n = mesh.shape.faces().len() as u64;
             if n <= most {
                 // 2. Add segments while more triangles are allowed.
-                let room = (most - n) / each;
-                let stop = room == 0 || fails.is_some_and(|fails| fails <= segments + 1);
+                let spare = (most - n) / each;
+                let stop = spare == 0 || fails.is_some_and(|fails| fails <= segments + 1);
                 fits = Some((segments, mesh));
                 if stop {
                     break;
                 }
                 segments = match fails {
                     Some(fails) => segments + (fails - segments) / 2,
-                    None => segments.saturating_add(room),
+                    None => segments.saturating_add(spare),
                 };
             } else if !is_met {
-                // Even the fewest possible segments have more triangles than that.
+                // Even the fewest possible segments give too many triangles.
                 return match fits {
                     Some((_, best)) => Ok(best),
                     None => Err(Failure::Unmet(Box::new(mesh))),
@@ -246,21 +247,22 @@ impl ClosedOutlines {
     /// Triangulates polylines, and bounds the error of both steps.
     fn fill(
         &self,
-        made: Bounded<Vec<Polyline<2>>>,
+        polylines: Bounded<Vec<Polyline<2>>>,
         budget: &Budget,
         job: &Job,
     ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
         let lost = self.snapping_error();
         let (mut positions, mut faces) = (Vec::new(), Vec::new());
-        let mut rest = made.shape.as_slice();
+        let mut remaining = polylines.shape.as_slice();
         let total = self.outlines.len() as u64;
         for (index, ((n, rule), grid)) in self.outlines.iter().zip(&self.grids).enumerate() {
             if job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            let (own, others) = rest.split_at(*n);
-            rest = others;
-            let filled = fill_outline(own, *rule, grid, job).map_err(|stop| fill_failure(stop, index))?;
+            let (contours, after) = remaining.split_at(*n);
+            remaining = after;
+            let filled =
+                fill_outline(contours, *rule, grid, job).map_err(|error| fill_failure(error, index))?;
             append(&filled, grid, &mut positions, &mut faces)?;
             job.report(Progress { stage: "fill", done: index as u64 + 1, total });
         }
@@ -269,13 +271,13 @@ impl ClosedOutlines {
         }
         let mesh = Mesh::new(positions, faces)
             .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
-        let before = made.bound;
-        let at_most = add_up(before.at_most().unwrap_or(0.0), lost);
-        let at_least = sub_down(before.at_least(), lost);
+        let polyline_bound = polylines.bound;
+        let at_most = add_up(polyline_bound.at_most().unwrap_or(0.0), lost);
+        let at_least = sub_down(polyline_bound.at_least(), lost);
         let at_least = greater(at_least, 0.0);
-        let mut bound = Bound::proved(at_least, at_most, before.reference);
-        bound.at = before.at;
-        bound.pixels = match (budget.pixels, before.pixels) {
+        let mut bound = Bound::proved(at_least, at_most, polyline_bound.reference);
+        bound.at = polyline_bound.at;
+        bound.pixels = match (budget.pixels, polyline_bound.pixels) {
             (Some(px), Some(pixels)) => {
                 let lost_px = px.view.pixels_of(lost, &self.bounds);
                 lost_px.and_then(|lost_px| px.view.pixels_of_two_steps(pixels, lost_px))
@@ -293,7 +295,7 @@ fn too_close<T>() -> Failure<T> {
     )
 }
 
-/// Why an outline cannot be filled.
+/// The reason why an outline cannot be filled.
 enum OutlineFillError {
     Stop(ArrangeError),
     Areas,
@@ -314,8 +316,8 @@ fn fill_outline(
     fill(&edges, InsideRule::Fill(rule)).ok_or(OutlineFillError::Areas)
 }
 
-fn fill_failure(fault: OutlineFillError, index: usize) -> Failure<Mesh> {
-    match fault {
+fn fill_failure(error: OutlineFillError, index: usize) -> Failure<Mesh> {
+    match error {
         OutlineFillError::Stop(ArrangeError::Cancelled) => Failure::Cancelled,
         OutlineFillError::Stop(ArrangeError::TooManyPairs) => Failure::refused(
             RefusalCode::TooManyTriangles,
@@ -344,15 +346,15 @@ fn append(
     for triangle in &filled.triangles {
         let mut face = [0; 3];
         for (corner, i) in face.iter_mut().zip(triangle) {
-            let known = &mut number[*i as usize];
-            if *known == NONE {
-                *known = u32::try_from(positions.len()).ok().filter(|n| *n < NONE).ok_or_else(|| {
+            let row = &mut number[*i as usize];
+            if *row == NONE {
+                *row = u32::try_from(positions.len()).ok().filter(|n| *n < NONE).ok_or_else(|| {
                     Failure::refused(RefusalCode::TooManyTriangles, "more vertices than 2^32 - 1")
                 })?;
                 let [x, y] = grid.restore(filled.points[*i as usize]);
                 positions.push([x, y, 0.0]);
             }
-            *corner = *known;
+            *corner = *row;
         }
         faces.push(face);
     }
@@ -369,7 +371,7 @@ fn closed_contour(contour: &Curve<2>) -> Curve<2> {
     if end != start {
         pieces.push(CurveSegment::Line([end, start]));
     }
-    // The pieces join as before, and the new one by construction.
+    // The old pieces join as before, and the new piece by construction.
     Curve::new(pieces, CurveEnds::Closed)
         .map_or_else(|_| contour.clone(), |closed| closed.with_slack(contour.slack()))
 }

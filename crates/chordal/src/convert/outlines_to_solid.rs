@@ -1,4 +1,4 @@
-//! The arrow from outlines to solids: what their fill rules enclose, raised from the plane z = 0 to a height.
+//! The arrow from outlines to solids: the filled areas, extruded from the plane z = 0 to a height.
 use super::outlines_to_mesh::ClosedOutlines;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::{Mesh, Outline};
@@ -9,16 +9,17 @@ pub(super) const LARGEST: f64 = 1e150;
 /// Turns outlines into upright solids between the planes z = 0 and z = `height`: two caps with the triangles of
 /// [`outlines_to_mesh`](super::outlines_to_mesh), and walls of two triangles a side between their boundaries.
 ///
-/// **Bound.** Two-sided Hausdorff distance between the wall over each contour and that over the closed polyline
+/// **Bound.** Two-sided Hausdorff distance between the wall over each contour and the wall over the closed polyline
 /// that replaces it, *proved*, rounding included: it is the distance of the two in the plane, since both are
-/// raised to the same height, which is kept to the last bit. So a point that is inside one of the solids and not
-/// inside the other, that of the outline, is no farther than the bound from the wall over a contour.
+/// extruded to the same height, which is exact. So a point inside only one of the two solids, the mesh and the exact
+/// solid over the outline, is no farther than the bound from the wall over a contour.
 ///
 /// **Triangles.** Each edge has two triangles, which run along it in opposite directions, and all face outwards.
-/// Where a region touches itself in a point, the vertices there are doubled, so that each vertex has one fan of
+/// Where an area touches itself in a point, the vertices there are doubled, so that each vertex has one fan of
 /// triangles; by position four walls meet there. Solids of different outlines stay separate.
 ///
-/// **Budgets.** As for [`outlines_to_mesh`](super::outlines_to_mesh); pixels count anywhere between the planes.
+/// **Budgets.** As for [`outlines_to_mesh`](super::outlines_to_mesh); pixels are measured where the solid is nearest to
+/// the eye.
 ///
 /// # Errors
 /// [`Failure::Refused`]: as for [`outlines_to_mesh`](super::outlines_to_mesh); a height that is not above 0 or
@@ -48,21 +49,21 @@ pub fn outlines_to_solid(
         return Err(Failure::refused(RefusalCode::Budget, message));
     }
     let outlines = ClosedOutlines::new(outlines, Some(height))?;
-    let Some(asked) = budget.pixels else { return outlines.mesh(budget, job) };
-    // The walls come nearer to the eye than the plane in which curves are cut.
+    let Some(px) = budget.pixels else { return outlines.mesh(budget, job) };
+    // The walls may be nearer to the eye than the plane in which the curves are flattened.
     let too_close = || {
         let message = "the solid comes so close to the eye that there is no bound in pixels";
         Failure::refused(RefusalCode::TooClose, message)
     };
     let length = budget.length_in(outlines.bounds()).and_then(|length| Tolerance::new(length).ok());
     let by_length = Budget { length: Some(length.ok_or_else(too_close)?), pixels: None, ..*budget };
-    let in_pixels = |mut made: Bounded<Mesh>| {
-        let most = made.bound.at_most();
-        made.bound.pixels = most.and_then(|most| asked.view.pixels_of(most, outlines.bounds()));
-        made
+    let in_pixels = |mut mesh: Bounded<Mesh>| {
+        let most = mesh.bound.at_most();
+        mesh.bound.pixels = most.and_then(|most| px.view.pixels_of(most, outlines.bounds()));
+        mesh
     };
     match outlines.mesh(&by_length, job) {
-        Ok(made) => Ok(in_pixels(made)),
+        Ok(mesh) => Ok(in_pixels(mesh)),
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(in_pixels(*best)))),
         Err(other) => Err(other),
     }
@@ -74,7 +75,7 @@ pub(super) type SolidTriangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 /// The solid over counter-clockwise triangles in the plane z = 0 that meet along whole edges.
 ///
 /// # Errors
-/// When it has more vertices than there are indices.
+/// If it has more vertices than there are indices.
 pub(super) fn upright_solid(
     positions: &[[f64; 3]],
     faces: &[[u32; 3]],
@@ -101,18 +102,18 @@ pub(super) fn upright_solid(
     Ok((solid_positions, solid_faces))
 }
 
-/// Triangles whose vertices have one fan each: a vertex where regions only touch is one vertex a region.
+/// Triangles whose vertices have one fan each: a vertex at which regions only touch becomes one vertex for each fan.
 pub(super) struct FanFaces {
     pub faces: Vec<[u32; 3]>,
-    /// The vertex that each was before.
+    /// By vertex: its old index.
     pub origins: Vec<u32>,
-    /// The edges that one triangle has, in its direction.
+    /// The edges of a single triangle, in its direction.
     pub border: Vec<[u32; 2]>,
 }
 
 impl FanFaces {
     pub fn new(faces: &[[u32; 3]]) -> Self {
-        // 1. Each edge with the corner that it starts at, sorted by the edge whatever its direction.
+        // 1. Each edge with the corner at which it starts, sorted by the undirected edge.
         let corner = |face: usize, k: usize| 3 * face + k % 3;
         let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.len());
         for (index, face) in faces.iter().enumerate() {
@@ -122,7 +123,7 @@ impl FanFaces {
             }));
         }
         edges.sort_unstable();
-        // 2. Corners of triangles that share an edge are of one fan.
+        // 2. Triangles that share an edge have common fans at its ends.
         let next = |c: usize| corner(c / 3, c % 3 + 1);
         let mut fans = DisjointCorners((0..3 * faces.len()).collect());
         let mut open = Vec::new();
@@ -132,11 +133,11 @@ impl FanFaces {
                     fans.join(*a, next(*b));
                     fans.join(next(*a), *b);
                 }
-                // Triangles that do not overlap have an edge once or twice.
-                lone => open.extend(lone.iter().map(|(_, c)| *c)),
+                // An edge occurs once or twice, since the triangles do not overlap.
+                single => open.extend(single.iter().map(|(_, c)| *c)),
             }
         }
-        // 3. A number for each fan, in the order of the triangles.
+        // 3. Numbers the fans in the order of the triangles.
         const NONE: u32 = u32::MAX;
         let mut number = vec![NONE; 3 * faces.len()];
         let mut origins = Vec::new();
@@ -155,7 +156,7 @@ impl FanFaces {
     }
 }
 
-/// Disjoint sets of corners: each points to another one of its set, or to itself.
+/// Disjoint sets of corners: each corner points to another one of its set, or to itself.
 struct DisjointCorners(Vec<usize>);
 
 impl DisjointCorners {

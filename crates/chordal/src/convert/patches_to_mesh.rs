@@ -10,30 +10,30 @@ use crate::math::flushes_subnormals;
 ///
 /// **Bound.** Two-sided Hausdorff distance between the union of the patches, taken exactly as given, and the
 /// triangles, *proved*, rounding included (for the mathematics see `patches/derivative_bound.rs` and
-/// `docs/patches_to_mesh.md`). `at_least` is a distance that was found. With a budget of pixels the bound
-/// also says how many pixels that is at the view; only distances count, neither normals nor contours inside
-/// the shape.
+/// `docs/patches_to_mesh.md`). `at_least` is the distance at one point of the surface. With a budget of pixels
+/// the bound is also given in pixels at the view; it covers distances only, neither normals nor contours
+/// inside the shape.
 ///
 /// **Mesh.** Sides with equal control points (forwards or backwards) are one curve and share their vertices
 /// by index, so there are no cracks and no T-junctions at any budget. A side that is one point becomes one
-/// vertex and makes no degenerate triangle. Every vertex lies on the surface (up to rounding) with the
+/// vertex and makes no degenerate triangle. Every vertex lies on the surface (up to rounding) and has the
 /// surface's own unit normal. Where patches meet at an angle of 1° or more, vertices are split and tied by
 /// [`Mesh::position_id`].
 ///
-/// **Budgets.** A length, pixels at a view, a number of triangles, or several. With a number of triangles
-/// alone the mesh is the best on a ladder of lengths with 32 steps an octave; more triangles never give a
-/// larger bound.
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several of these. If only a number of
+/// triangles is given, lengths are tried on a ladder of 32 steps an octave and the best mesh is returned; more
+/// triangles never give a larger bound.
 ///
-/// **Cost.** O(triangles) time and about 100 bytes a triangle, on all threads of the job; the same bytes on
-/// any number of threads.
+/// **Cost.** O(triangles) time and about 100 bytes a triangle, on all threads of the job; the output is the same
+/// on any number of threads, byte for byte.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no limit in the budget or an angle ([`RefusalCode::Budget`],
+/// [`Failure::Refused`]: a budget without a limit, or with an angle ([`RefusalCode::Budget`],
 /// [`RefusalCode::Unsupported`]), no patches, control points that are not finite or beyond 1e150, more
-/// triangles or bytes than the job allows (said before the work), a budget below rounding
+/// triangles or bytes than the job allows (refused before the work starts), a budget below rounding
 /// ([`RefusalCode::BelowPrecision`]), an eye too close ([`RefusalCode::TooClose`]), an environment that
 /// flushes subnormals. [`Failure::Unmet`] with the best mesh: the length or pixels need more triangles than
-/// the budget has. [`Failure::Cancelled`].
+/// the budget allows. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Patch, Tolerance, convert};
@@ -58,7 +58,7 @@ pub fn patches_to_mesh(
     mesh_within(&checked_patches(patches)?, budget, job)
 }
 
-/// The patches as a surface, unless one of them is refused.
+/// The patches as a surface. Refuses empty input, extreme coordinates, and environments that flush subnormals.
 pub(super) fn checked_patches(patches: &[Patch]) -> Result<BezierPatches, TessellationFailure> {
     if patches.is_empty() {
         return Err(Failure::refused(RefusalCode::Empty, "there are no patches"));
@@ -85,7 +85,7 @@ pub(super) fn checked_patches(patches: &[Patch]) -> Result<BezierPatches, Tessel
 /// Derivatives multiply coordinates by less than 1e3, and squares of those must stay below 1e308.
 const LARGEST: f64 = 1e150;
 
-/// Turns −0 into 0, since curves with equal bits are equal.
+/// Turns −0 into 0, since sides are matched by the bits of their control points.
 fn positive_zeros(patch: &Patch) -> Patch {
     Patch { control: patch.control.map(|row| row.map(|p| p.map(|x| x + 0.0))) }
 }

@@ -1,4 +1,4 @@
-//! The arrow from points to a path of cubics that passes near them.
+//! The arrow from points to a path of cubics near them.
 use super::curves::chord::{coordinate_reach, rounding_at};
 use super::curves::flatten::refuse_flushing;
 use super::fitting::point_path::PointPath;
@@ -7,25 +7,24 @@ use crate::budget::{Bounded, Failure, Job, Metric, Reference};
 use crate::explicit::{Bezier, Curve, CurveEnds};
 use crate::math::{difference, greater, length};
 
-/// A path of few cubics within a distance of points in a row.
+/// A path of few cubics within a distance of a sequence of points.
 ///
 /// **Bound.** The largest distance from a point to the path, *proved*, rounding included: the metric is
 /// [`Metric::OneSided`]. Between two points the path may be farther from both. `at_least` is 0.
 ///
-/// **Path.** It starts and ends at the first and the last point (a closed one, at the first, or at a corner), and pieces
-/// meet at points. There they have the same direction (G1, up to rounding), but at corners. Of points in a row that are
-/// equal one counts; a single one gives a path that is a point. What two corners have between them is a line where one is
-/// near enough.
+/// **Path.** It starts at the first and ends at the last point (a closed path, at the first, or at a corner), and pieces
+/// meet at points. They have the same direction there (G1, up to rounding), except at corners. Repeated points are merged;
+/// a single point gives a path that is a point. Between two corners the path is a line if a line is near enough.
 ///
-/// **Method.** Directions where pieces meet come from the points about them, by a polynomial of degree 3 near them; each
-/// piece is the cubic with these that is nearest to its points, and goes as far as the length allows. With noise, give the
-/// corners by their indices: between noisy points every angle is large.
+/// **Method.** The direction at a joint comes from a polynomial of degree 3 fitted to the points around it; each
+/// piece is the cubic with these directions that is nearest to its points, and is as long as the tolerance allows. For
+/// noisy points, give the corners by their indices: between them every angle is large.
 ///
-/// **Cost.** In time n log n at most: each span is fitted a number of times that is the logarithm of its size.
+/// **Cost.** O(n log n) time at most: each span is fitted a number of times that is the logarithm of its size.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no point, a number that is not finite or beyond 1e150, a corner that is no point or an angle
-/// beyond 180 degrees, a length below rounding, more pieces or bytes than the job allows, an environment that flushes
+/// [`Failure::Refused`]: no points, a number that is not finite or beyond 1e150, a corner whose index is no point's or an
+/// angle beyond 180 degrees, a length below rounding, more pieces or bytes than the job allows, an environment that flushes
 /// subnormals. [`Failure::Cancelled`].
 ///
 /// ```
@@ -42,7 +41,7 @@ use crate::math::{difference, greater, length};
 /// ```
 ///
 /// Source: P. J. Schneider, *An algorithm for automatically fitting digitized curves*, 1990, with other directions, another
-/// solver, and long spans by search instead of halving.
+/// solver, and a search for the longest spans instead of halving.
 pub fn points_to_spline<const D: usize>(
     points: &[[f64; D]],
     ends: CurveEnds,
@@ -52,16 +51,16 @@ pub fn points_to_spline<const D: usize>(
     refuse_flushing()?;
     let path = PointPath::new(points, ends == CurveEnds::Closed, &fit.corners)?;
     let truth = SplineTruth { length: fit.length, reference: Reference::InputPoints, judge: &farthest_point };
-    let mut made = spline(&path, &truth, job)?;
-    made.bound.metric = Metric::OneSided;
-    Ok(made)
+    let mut path_of_cubics = spline(&path, &truth, job)?;
+    path_of_cubics.bound.metric = Metric::OneSided;
+    Ok(path_of_cubics)
 }
 
-/// The largest distance of a point from the place of the cubic that is its own.
-fn farthest_point<const D: usize>(points: &[[f64; D]], cubic: &Bezier<D>, places: &[f64]) -> f64 {
+/// The largest distance between a point and the point of the cubic at its parameter.
+fn farthest_point<const D: usize>(points: &[[f64; D]], cubic: &Bezier<D>, parameters: &[f64]) -> f64 {
     let reach = greater(coordinate_reach(points), coordinate_reach(&cubic.control));
-    let far = points.iter().zip(places).map(|(p, s)| length(difference(cubic.at(*s), *p)));
-    let more = |far: f64, one: f64| if one.is_nan() { f64::INFINITY } else { greater(one, far) };
-    // An evaluation loses a sixteenth of what is allowed for a chord, and the distance less.
-    (far.fold(0.0, more) + rounding_at(reach)).next_up()
+    let distances = points.iter().zip(parameters).map(|(p, t)| length(difference(cubic.at(*t), *p)));
+    let larger = |most: f64, d: f64| if d.is_nan() { f64::INFINITY } else { greater(d, most) };
+    // The rounding of an evaluation is a sixteenth of `rounding_at`, which is meant for chords; that of the distance is less.
+    (distances.fold(0.0, larger) + rounding_at(reach)).next_up()
 }

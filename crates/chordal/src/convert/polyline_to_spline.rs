@@ -1,10 +1,10 @@
 //! The arrow from polylines to paths of cubics.
 //!
-//! The vertices of a span have places on its cubic, from 0 for the first to 1 for the last, in order. So each segment has
-//! its own part of the cubic, and all parts are all of it. A part and its segment are compared in two ways: by the
-//! distances of the ends, to which the part's deviation from its own chord is added ([`super::curves::chord`]); and as
-//! polynomials with the same parameter, whose difference has the largest coefficient as a bound. Both hold in both
-//! directions, and the smaller one counts.
+//! The vertices of a span have increasing parameters on its cubic, from 0 for the first to 1 for the last. So each segment
+//! has its own part of the cubic, and the parts together are the cubic. A part and its segment are compared in two ways:
+//! by the distances of the ends plus the part's deviation from its own chord ([`super::curves::chord`]); and as
+//! polynomials with the same parameter, whose difference is bounded by its largest coefficient. Both bounds hold in both
+//! directions, and the smaller one is taken.
 use super::curves::chord::{CubicChords, coordinate_reach, rounding_at};
 use super::curves::flatten::refuse_flushing;
 use super::fitting::point_path::PointPath;
@@ -18,12 +18,11 @@ use crate::math::{greater, length, lesser};
 /// **Bound.** Two-sided Hausdorff distance between the polyline, as a set of points, and the path, *proved*, rounding
 /// included. `at_least` is 0.
 ///
-/// **Path.** Pieces meet at vertices, and have the same direction there (G1, up to rounding), but at corners. A single
-/// segment for which even this is too much is kept as a cubic with short handles. Lines stay lines where corners are at
-/// both of their ends. Vertices that repeat the one before do not count; a polyline that is one point gives a path that is
-/// a point.
+/// **Path.** Pieces meet at vertices, and have the same direction there (G1, up to rounding), except at corners. A single
+/// segment that no cubic with these directions fits becomes a cubic with short handles. Lines between two corners stay
+/// lines. Repeated vertices are merged; a polyline that is one point gives a path that is a point.
 ///
-/// **Cost.** In time n log n at most: each span is fitted a number of times that is the logarithm of its size.
+/// **Cost.** O(n log n) time at most: each span is fitted a number of times that is the logarithm of its size.
 ///
 /// # Errors
 /// As for [`points_to_spline`](super::splines::points_to_spline).
@@ -55,27 +54,27 @@ pub fn polyline_to_spline<const D: usize>(
     spline(&path, &truth, job)
 }
 
-/// The largest distance of a segment and its part of the cubic.
-fn farthest_part<const D: usize>(points: &[[f64; D]], cubic: &Bezier<D>, places: &[f64]) -> f64 {
+/// The largest distance between a segment and its part of the cubic.
+fn farthest_part<const D: usize>(points: &[[f64; D]], cubic: &Bezier<D>, parameters: &[f64]) -> f64 {
     let reach = greater(coordinate_reach(points), coordinate_reach(&cubic.control));
     let chords = CubicChords::new(cubic);
     let mut worst = 0.0;
-    for (ends, part) in points.windows(2).zip(places.windows(2)) {
+    for (ends, range) in points.windows(2).zip(parameters.windows(2)) {
         let (a, b) = (ends[0], ends[1]);
-        let own = cubic.part(part[0], part[1]).control;
-        let far = |i: usize| {
+        let control = cubic.part(range[0], range[1]).control;
+        let distance = |i: usize| {
             let t = i as f64 / 3.0;
-            length(std::array::from_fn::<f64, D, _>(|k| own[i][k] - ((1.0 - t) * a[k] + t * b[k])))
+            length(std::array::from_fn::<f64, D, _>(|k| control[i][k] - ((1.0 - t) * a[k] + t * b[k])))
         };
-        let at_ends = greater(far(0), far(3));
-        let inside = greater(far(1), far(2));
-        let by_chord = at_ends + chords.deviation(part[0], part[1]).at_most;
-        let one = lesser(by_chord, greater(at_ends, inside));
-        if one.is_nan() {
+        let at_ends = greater(distance(0), distance(3));
+        let inside = greater(distance(1), distance(2));
+        let by_chord = at_ends + chords.deviation(range[0], range[1]).at_most;
+        let deviation = lesser(by_chord, greater(at_ends, inside));
+        if deviation.is_nan() {
             return f64::INFINITY;
         }
-        worst = greater(one, worst);
+        worst = greater(deviation, worst);
     }
-    // Derived in `curves/chord.rs`; a part's control points and differences lose less than a chord's.
+    // Derived in `curves/chord.rs`: rounding of a part's control points and differences is less than that of a chord.
     (worst + rounding_at(reach)).next_up()
 }

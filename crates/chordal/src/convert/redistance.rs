@@ -1,22 +1,22 @@
-//! The arrow from a field to a field that is a true distance.
+//! The arrow from a field to a field whose value is a true distance.
 use super::field_to_mesh::field_to_mesh;
 use super::mesh_to_field::mesh_standing_for;
 use crate::budget::{Bounded, Budget, Failure, Job, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{DistanceQuality, Field};
 
-/// Makes the value of a field a true distance again. After a union the value inside is that to the nearest
-/// surface of any part, also where another part covers it; after an intersection or a difference the same
-/// holds outside, and after blends everywhere. Operations that need a distance ([`Field::offset`],
-/// [`Field::shell`]) then do less, or more, than they say.
+/// Makes the value of a field a true distance again. After a union, the value inside is the distance to the nearest
+/// surface of any part, even if another part covers it; after an intersection or a difference the value is wrong
+/// outside in the same way, and after blends everywhere. Operations that need a distance ([`Field::offset`],
+/// [`Field::shell`]) would then move the surface too little, or too much.
 ///
 /// **Value.** The surface is meshed within the tolerance, and the value is the distance to those triangles,
 /// negative inside. So it is within the bound of the distance to the field's own surface, plus rounding, and
 /// the side is the same at every point farther than the bound from that surface.
 ///
-/// **Bound.** That of the triangles ([`field_to_mesh`]). It stays with the field: what is made of it is
-/// [`ProvedIf`](crate::budget::Evidence::ProvedIf) the triangles are taken for the shape, with the length in
-/// the sentence; meshed by itself, moved, turned or scaled, the lengths add.
+/// **Bound.** That of the triangles ([`field_to_mesh`]). It stays with the field: shapes derived from it are
+/// [`ProvedIf`](crate::budget::Evidence::ProvedIf) the triangles are taken for the shape, and that condition names
+/// the bound. If the field is meshed by itself, moved, turned or scaled, the bounds add.
 ///
 /// **Cost.** That of the mesh; then about 1 µs a point, as for any mesh.
 ///
@@ -35,12 +35,12 @@ use crate::implicit::{DistanceQuality, Field};
 /// assert!(off <= 0.01 && (made.shape.expr().at([0.0; 3])? + 1.0).abs() <= off + 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn redistance(field: &Field, within: Tolerance, job: &Job) -> Result<Bounded<Field>, Failure<Mesh>> {
-    let made = field_to_mesh(field, &Budget::length(within), job)?;
-    let solid = mesh_standing_for(&made.shape, Some(made.bound.clone()), job)?;
-    // A mesh of a field is closed; where it touches itself its inner walls are thinner than rounding.
+pub fn redistance(field: &Field, tolerance: Tolerance, job: &Job) -> Result<Bounded<Field>, Failure<Mesh>> {
+    let mesh = field_to_mesh(field, &Budget::length(tolerance), job)?;
+    let solid = mesh_standing_for(&mesh.shape, Some(mesh.bound.clone()), job)?;
+    // A mesh of a field is closed; if it touches itself, its inner walls are thinner than rounding.
     debug_assert!(solid.field.distance().weakest() != DistanceQuality::Sign);
-    // The triangles are near the field, and that may be near another shape.
+    // The triangles approximate the field, which may itself approximate another shape.
     let shape = solid.field.with_slack(if field.slack() > 0.0 { f64::INFINITY } else { 0.0 });
-    Ok(Bounded { shape, bound: made.bound })
+    Ok(Bounded { shape, bound: mesh.bound })
 }

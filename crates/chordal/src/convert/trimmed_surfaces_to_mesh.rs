@@ -1,4 +1,4 @@
-//! The arrow from faces, which are trimmed NURBS surfaces, to triangles: sewn where they meet, proved.
+//! The arrow from faces, which are trimmed NURBS surfaces, to triangles: sewn where faces meet, proved.
 use super::length_from_pixels::length_from_pixels;
 use super::nurbs::trimmed_mesh::{TrimmedMesh, mesh_within};
 use super::nurbs_to_mesh::{check_surfaces, nurbs_to_mesh, refuse_slack, with_slack};
@@ -7,32 +7,33 @@ use crate::explicit::Mesh;
 use crate::explicit::nurbs::TrimmedSurface;
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
-/// The first length for a number of triangles, relative to the diagonal. Chosen.
+/// The first length for a number of triangles, relative to the diagonal. Chosen: later tries correct it by the ratio of
+/// the numbers.
 const FIRST: f64 = 1e-2;
-/// Tries until a number of triangles is met as nearly as it will be. Chosen: each costs a mesh.
+/// The most lengths that are tried for a number of triangles. Chosen: each costs a mesh.
 const TRIES: usize = 8;
-/// Used of a number of triangles, at least, to be content. Chosen.
+/// The search ends with a mesh that has this share of the allowed triangles. Chosen: a larger share costs more tries.
 const CLOSE: f64 = 0.9;
 
 /// Meshes trimmed NURBS surfaces within a budget, and sews them where they meet.
 ///
-/// **Bound.** Two-sided Hausdorff distance between the union of all that the loops enclose, the loops included, taken
-/// exactly as given, and the triangles, *proved*, rounding included: patches near the surfaces (as [`nurbs_to_patches`](super::nurbs_to_patches)),
-/// polygons near the loops (`convert/nurbs/trim_loops.rs`), triangles near the patches
-/// ([`patches_to_mesh`](super::patches_to_mesh)), and how far sewing moved vertices, added.
+/// **Bound.** Two-sided Hausdorff distance between the union of the regions that the loops enclose, the loops included,
+/// taken exactly as given, and the triangles, *proved*, rounding included. It is a sum: patches near the surfaces (as
+/// [`nurbs_to_patches`](super::nurbs_to_patches)), polygons near the loops (`convert/nurbs/trim_loops.rs`), triangles near
+/// the patches ([`patches_to_mesh`](super::patches_to_mesh)), and the distance by which sewing moves vertices.
 ///
-/// **Mesh.** Without cracks within a face. Faces whose borders are nearer than a quarter of the allowed length, and than a
-/// ten-thousandth of the diagonal, share their vertices there, whatever parameters they run through; so a solid's faces
-/// make a closed mesh. Borders farther apart stay apart. Vertices have the surface's normals, and are split where these
+/// **Mesh.** Without cracks within a face. Borders of faces that are nearer than a quarter of the allowed length, and than a
+/// ten-thousandth of the diagonal, share vertices, whatever their parameters; so a solid's faces give a closed mesh.
+/// Borders farther apart stay apart. Vertices have the surface's normals, and are split where these
 /// differ by 1° or more.
 ///
-/// **Budgets.** A length, pixels at a view, a number of triangles, or several. A single surface without loops goes to
-/// [`nurbs_to_mesh`].
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several of these. A single surface without loops is
+/// meshed by [`nurbs_to_mesh`].
 ///
-/// **Cost.** About 2 µs a triangle, and for each vertex of a loop that meets another some 50 evaluations.
+/// **Cost.** About 2 µs a triangle, and some 50 evaluations for each vertex of a loop that meets another.
 ///
 /// # Errors
-/// [`Failure::Refused`]: as [`nurbs_to_mesh`]; loops that cross, run backwards (outer loops run counter-clockwise) or
+/// [`Failure::Refused`]: as for [`nurbs_to_mesh`]; loops that cross, run backwards (outer loops run counter-clockwise) or
 /// enclose nothing. [`Failure::Unmet`] with the nearest mesh; [`Failure::Cancelled`].
 ///
 /// ```
@@ -72,75 +73,76 @@ pub fn trimmed_surfaces_to_mesh(
     let all = faces.iter().map(TrimmedSurface::bounds);
     let bounds = all.reduce(|a, b| a.union(b)).unwrap_or(Box3::EMPTY);
     let by_view = budget.pixels.map(|px| length_from_pixels(&bounds, &px)).transpose()?;
-    let wanted = match (by_view, budget.length.map(Tolerance::get)) {
+    let length = match (by_view, budget.length.map(Tolerance::get)) {
         (Some(a), Some(b)) => Some(lesser(a, b)),
         (one, other) => one.or(other),
     };
     let slack = faces.iter().fold(0.0, |most: f64, face| greater(face.surface().slack(), most));
-    // What is left for what is made here.
-    let left = wanted.map(|wanted| if slack == 0.0 { wanted } else { sub_down(wanted, slack) });
-    refuse_slack(slack, wanted)?;
+    // The length that remains for patches, polygons and triangles.
+    let remaining = length.map(|length| if slack == 0.0 { length } else { sub_down(length, slack) });
+    refuse_slack(slack, length)?;
     job.run(|| {
         let most = budget.triangles.map(|n| n as usize);
-        let mut made = match (left, most) {
-            (Some(wanted), None) => mesh_within(faces, wanted, &bounds, job)?,
-            (Some(wanted), Some(most)) => {
-                let made = mesh_within(faces, wanted, &bounds, job)?;
-                if made.mesh.faces().len() <= most { made } else { within_count(faces, most, &bounds, job)? }
+        let mut mesh = match (remaining, most) {
+            (Some(length), None) => mesh_within(faces, length, &bounds, job)?,
+            (Some(length), Some(most)) => {
+                let mesh = mesh_within(faces, length, &bounds, job)?;
+                if mesh.mesh.faces().len() <= most { mesh } else { within_count(faces, most, &bounds, job)? }
             }
             (None, Some(most)) => within_count(faces, most, &bounds, job)?,
             // A budget without a limit was refused.
             (None, None) => return Err(Failure::refused(RefusalCode::Budget, "a budget needs a limit")),
         };
-        let is_few = most.is_none_or(|most| made.mesh.faces().len() <= most);
-        made.at_most = with_slack(made.at_most, slack);
-        let is_near = wanted.is_none_or(|wanted| made.at_most <= wanted);
-        let made = with_bound(made, budget, &bounds);
-        if is_few && is_near { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        let is_few = most.is_none_or(|most| mesh.mesh.faces().len() <= most);
+        mesh.at_most = with_slack(mesh.at_most, slack);
+        let is_near = length.is_none_or(|length| mesh.at_most <= length);
+        let mesh = with_bound(mesh, budget, &bounds);
+        if is_few && is_near { Ok(mesh) } else { Err(Failure::Unmet(Box::new(mesh))) }
     })
 }
 
-fn with_bound(made: TrimmedMesh, budget: &Budget, bounds: &Box3) -> Bounded<Mesh> {
-    let mut bound = Bound::proved(0.0, made.at_most, Reference::NurbsSurfaces);
-    let about = Box3 {
-        min: bounds.min.map(|x| sub_down(x, made.at_most)),
-        max: bounds.max.map(|x| add_up(x, made.at_most)),
+fn with_bound(trimmed: TrimmedMesh, budget: &Budget, bounds: &Box3) -> Bounded<Mesh> {
+    let mut bound = Bound::proved(0.0, trimmed.at_most, Reference::NurbsSurfaces);
+    let hull = Box3 {
+        min: bounds.min.map(|x| sub_down(x, trimmed.at_most)),
+        max: bounds.max.map(|x| add_up(x, trimmed.at_most)),
     };
-    bound.pixels = budget.pixels.and_then(|px| px.view.pixels_of(made.at_most, &about));
-    bound.at = made.worst;
-    Bounded { shape: made.mesh, bound }
+    bound.pixels = budget.pixels.and_then(|px| px.view.pixels_of(trimmed.at_most, &hull));
+    bound.at = trimmed.worst;
+    Bounded { shape: trimmed.mesh, bound }
 }
 
-/// The nearest mesh with so many triangles at most that some lengths give; the one with the fewest where none has so few.
+/// The mesh with the smallest bound among several lengths that has at most `most` triangles; if none has, the mesh with
+/// the fewest.
 fn within_count(
     faces: &[TrimmedSurface],
     most: usize,
     bounds: &Box3,
     job: &Job,
 ) -> Result<TrimmedMesh, Failure<Mesh>> {
-    let mut wanted = FIRST * bounds.diagonal();
+    let mut length = FIRST * bounds.diagonal();
     let mut best: Option<TrimmedMesh> = None;
-    // Lengths that gave too many, and the shortest that did not.
+    // The longest length that gave too many triangles, and the shortest that did not.
     let (mut too_short, mut fits) = (0.0, f64::INFINITY);
     for _ in 0..TRIES {
-        let made = mesh_within(faces, wanted, bounds, job)?;
-        let n = made.mesh.faces().len();
+        let mesh = mesh_within(faces, length, bounds, job)?;
+        let n = mesh.mesh.faces().len();
         let is_few = n <= most;
-        *(if is_few { &mut fits } else { &mut too_short }) = wanted;
+        *(if is_few { &mut fits } else { &mut too_short }) = length;
         let is_better = best.as_ref().is_none_or(|best| {
             let before = best.mesh.faces().len();
-            if is_few && before <= most { made.at_most < best.at_most } else { n < before }
+            if is_few && before <= most { mesh.at_most < best.at_most } else { n < before }
         });
         if is_better {
-            best = Some(made);
+            best = Some(mesh);
         }
         if is_few && n as f64 >= CLOSE * most as f64 {
             break;
         }
-        // Their number goes like 1 over the length.
-        let next = wanted * n as f64 / (0.95 * most as f64);
+        // The number of triangles grows like 1/length.
+        let next = length * n as f64 / (0.95 * most as f64);
         let is_between = next > too_short && next < fits;
-        wanted = match (is_between, fits.is_finite()) {
+        length = match (is_between, fits.is_finite()) {
             (true, _) => next,
             (false, true) => 0.5 * (too_short + fits),
             (false, false) => 2.0 * too_short,

@@ -1,4 +1,4 @@
-//! `ViewDependentMesher`: meshes a surface for one view after another, and keeps the tiles that still hold.
+//! `ViewDependentMesher`: meshes a surface for one view after another, and reuses the tiles that still hold.
 use super::cage_to_mesh::CageMesher;
 use super::patches::adjacency::PatchAdjacency;
 use super::patches::allowance::{Allowance, TessellationFailure};
@@ -10,29 +10,29 @@ use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
 use crate::explicit::subdivision::Scheme;
 use crate::explicit::{Mesh, Patch};
 
-/// Meshes patches or a cage for one view after another: a camera that moves.
+/// Meshes patches or a cage for one view after another, as for a moving camera.
 ///
 /// It keeps the tiles of the last mesh: rectangles of the parameter plane, each with its triangles and the proof of its
 /// distance. At the next view
-/// - a tile *holds* when its distance is still within the pixels asked for,
-/// - a patch (of a cage, a face) is planned anew where one of its tiles does not hold, or where fewer than half of its
-///   triangles would do,
-/// - tiles beside one that changed are built and proved again when the vertices on their border change, and
-/// - all others are taken over.
+/// - a tile *holds* if its distance is still within the allowed pixels,
+/// - a patch (of a cage, a face) is planned anew if one of its tiles does not hold, or if fewer than half of its
+///   triangles would suffice,
+/// - tiles beside a changed tile are built and proved again if the vertices on their border change, and
+/// - all others are reused.
 ///
-/// Tiles are planned for three quarters of the length that is allowed, so that they hold while the eye comes nearer: a
+/// Tiles are planned for three quarters of the allowed length, so that they still hold while the eye comes nearer: a
 /// mesh has a third more triangles than one of [`patches_to_mesh`](super::patches_to_mesh()) or
-/// [`cage_to_mesh`](super::cage_to_mesh()), and up to twice as many after the eye went away.
+/// [`cage_to_mesh`](super::cage_to_mesh()), and up to twice as many after the eye has moved away.
 ///
 /// **Bound.** As for those, *proved* for the view of this mesh: lengths are proved once, and their pixels computed for
 /// every view. Every mesh is free of cracks.
 ///
-/// **Budgets.** Pixels at a view, a length, or both, which may change from mesh to mesh. Limits of a length are kept as
-/// those of a view are.
+/// **Budgets.** Pixels at a view, a length, or both, which may change from mesh to mesh. A length is met in the same way
+/// as pixels at a view.
 ///
-/// **Cost.** Beside what changes, one pass over all triangles for each mesh; tiles with their cells and borders are kept, and
-/// counted by the job's limits. The same sequence of budgets gives the same bytes, on any number of threads. Of limits of
-/// Loop's scheme no triangles are kept: those are meshed anew for each view.
+/// **Cost.** That of the tiles that change, and one pass over all triangles for each mesh. Tiles are kept with their cells
+/// and borders, which count towards the job's limits. The same sequence of budgets gives the same bytes, on any number of
+/// threads. Limit surfaces of Loop's scheme are meshed anew for each view; none of their triangles are kept.
 ///
 /// ```
 /// use chordal::{Budget, Job, Patch, View, budget::Pixels, convert::batch::ViewDependentMesher};
@@ -50,17 +50,17 @@ use crate::explicit::{Mesh, Patch};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Source: the reuse between frames is that of H. Hoppe, *View-dependent refinement of progressive meshes*, 1997; here of
-/// tiles with proofs.
+/// Source: the reuse between frames is that of H. Hoppe, *View-dependent refinement of progressive meshes*, 1997; here
+/// with proved tiles.
 pub struct ViewDependentMesher<'a> {
     surface: ViewedSurface<'a>,
     reuse: TileReuse,
 }
 
-/// How many tiles of a mesh were taken over from the one before, and how many were built and proved for it.
+/// How many tiles of a mesh were reused from the mesh before, and how many were built and proved for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TileReuse {
-    /// Tiles taken over.
+    /// Tiles reused.
     pub kept: u64,
     /// Tiles built and proved.
     pub made: u64,
@@ -74,7 +74,7 @@ enum ViewedSurface<'a> {
 struct ViewedSheets<'a> {
     sheets: Box<dyn PatchSurface<'a> + Send + 'a>,
     adjacency: PatchAdjacency,
-    /// Those of the last mesh.
+    /// The tiles of the last mesh.
     tiles: Option<CertifiedTiles<'a>>,
 }
 
@@ -82,7 +82,7 @@ impl ViewDependentMesher<'static> {
     /// Prepares patches, which are copied.
     ///
     /// # Errors
-    /// [`Failure::Refused`], as far as the patches are the cause: see [`patches_to_mesh`](super::patches_to_mesh()).
+    /// [`Failure::Refused`] for reasons that lie in the patches: see [`patches_to_mesh`](super::patches_to_mesh()).
     pub fn from_patches(patches: &[Patch]) -> Result<Self, TessellationFailure> {
         Ok(Self::from_sheets(Box::new(checked_patches(patches)?)))
     }
@@ -104,10 +104,10 @@ impl<'a> ViewDependentMesher<'a> {
         Self { surface, reuse: TileReuse::default() }
     }
 
-    /// The mesh within a budget. After an error nothing is kept, so the next mesh is as a first one.
+    /// The mesh within a budget. After an error no tiles are kept, so the next mesh is built like the first.
     ///
     /// # Errors
-    /// [`Failure::Refused`]: as for [`patches_to_mesh`](super::patches_to_mesh()), and where the budget has a number of
+    /// [`Failure::Refused`]: as for [`patches_to_mesh`](super::patches_to_mesh()), and if the budget has a number of
     /// triangles or an angle ([`RefusalCode::Unsupported`]). [`Failure::Cancelled`].
     pub fn mesh(&mut self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, TessellationFailure> {
         budget.check_for_surfaces().map_err(Failure::Refused)?;
@@ -126,20 +126,20 @@ impl<'a> ViewDependentMesher<'a> {
         };
         let allowance = Allowance {
             length: budget.length.map(Tolerance::get),
-            pixels: budget.pixels.map(|asked| (asked.pixels, asked.view.lens())),
+            pixels: budget.pixels.map(|px| (px.pixels, px.view.lens())),
             normal_deviation: None,
             share: 1.0,
         };
         let ViewedSheets { sheets, adjacency, tiles } = surface;
         let before = tiles.take();
-        let (mesh, made) =
+        let (mesh, built) =
             job.run(|| PatchMesher::new(&**sheets, adjacency, job).mesh_from(before, &allowance))?;
         if !meets(&mesh, budget) {
             return Err(Failure::Unmet(Box::new(mesh)));
         }
-        let kept = made.n_kept();
-        self.reuse = TileReuse { kept, made: made.n_tiles() - kept };
-        *tiles = Some(made);
+        let kept = built.n_kept();
+        self.reuse = TileReuse { kept, made: built.n_tiles() - kept };
+        *tiles = Some(built);
         Ok(mesh)
     }
 

@@ -1,10 +1,10 @@
-//! `BorderTree`: the edges of a region in the plane, and how far points are from them.
+//! `BorderTree`: the edges of a region in the plane, and the distance of points from them.
 use crate::math::{greater, length, lesser};
 
 /// Edges in a leaf. Chosen: boxes of fewer cost more than they save.
 const IN_LEAF: usize = 4;
 
-/// A box over a run of edges, and where its second child is; 0 for a leaf. The first child follows it.
+/// A box over a run of edges, and the index of its second child; 0 for a leaf. The first child follows the box.
 #[derive(Debug)]
 struct BorderNode {
     low: [f64; 2],
@@ -20,14 +20,14 @@ pub(super) struct BorderTree {
     nodes: Vec<BorderNode>,
 }
 
-/// The point of an edge that is nearest to another one, as computed: within rounding on the edge.
+/// The point of an edge nearest to another point, as computed: on the edge up to rounding.
 pub(super) fn nearest([a, b]: [[f64; 2]; 2], p: [f64; 2]) -> [f64; 2] {
     let d = [b[0] - a[0], b[1] - a[1]];
     let t = ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
     if t >= 1.0 {
         return b;
     }
-    // Not above 0 also where the edge has no length.
+    // NaN, for an edge without length, is not above 0 either.
     if t > 0.0 { [a[0] + t * d[0], a[1] + t * d[1]] } else { a }
 }
 

@@ -1,5 +1,5 @@
-//! The arrow from outlines to bevelled solids: what their fill rules enclose, raised to a height, with its upper and lower
-//! edges cut off at 45°.
+//! The arrow from outlines to bevelled solids: their filled regions, raised to a height, with the upper and lower edges cut
+//! off at 45°.
 mod border;
 mod plane;
 mod roof;
@@ -11,27 +11,27 @@ use crate::explicit::{Mesh, Outline};
 use crate::math::{Box3, add_up, greater, lesser, mul_up, sub_down};
 use roof::{Roof, RoofLimits};
 
-/// The share of the error for the polygons that replace contours; the rest is for the bevel over these. Chosen: of letters
-/// it takes about as few triangles as any.
+/// The share of the error for the polygons that replace contours; the rest is for the bevel over these. Chosen: with it,
+/// letters take about the fewest triangles.
 const FLAT_SHARE: f64 = 0.375;
 
-/// The height of a bevelled solid, and how wide its bevels are.
+/// The height of a bevelled solid, and the width of its bevels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bevel {
-    /// From z = 0 to this.
+    /// The solid is between z = 0 and this.
     pub height: f64,
-    /// How far the bevels reach into the region, and down and up the walls. Below half of the height.
+    /// The reach of the bevels into the region, and down and up the walls. Below half of the height.
     pub width: f64,
 }
 
 /// Turns outlines into solids between the planes z = 0 and z = `height`, as
 /// [`outlines_to_solid`](super::outlines_to_solid), whose edges at both planes are cut off at 45°: over a point of the
 /// region that is `d` from its border, the solid ends `width − d` below the upper plane, and above the lower one as
-/// much, where `d` is less than the width. Where the region is narrower than two widths, bevels meet in a ridge. Outer
-/// corners get flats that meet in an edge, inner ones a part of a cone.
+/// much, if `d` is less than the width. In a part narrower than two widths, bevels meet in a ridge. Outer corners get
+/// flats that meet in an edge, inner corners a part of a cone.
 ///
-/// **Bound.** Two-sided Hausdorff distance to the surface of that solid, rounding included: √2 times that of the polygons
-/// that replace the contours, and that of the triangles from the bevel over the polygons. *Proved* if no part of the
+/// **Bound.** Two-sided Hausdorff distance to the surface of that solid, rounding included: √2 times the distance of the
+/// polygons from the contours, and the distance of the triangles from the bevel over the polygons. *Proved* if no part of the
 /// region and no gap in it comes or goes with the polygons, that is, if their borders are as near to each other as the
 /// contours are.
 ///
@@ -140,8 +140,8 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     let share = Tolerance::new(FLAT_SHARE * length)
         .map_err(|error| Failure::refused(RefusalCode::BelowPrecision, error.to_string()))?;
     let flat = outlines_to_mesh(std::slice::from_ref(outline), &Budget::length(share), job)?;
-    // Derived: a point that both regions have is as far from both borders but for the distance of these, and one that
-    // only one of them has is within it of both, in the plane and in height: √2 of it.
+    // Derived: let d be the distance of the borders. The distances of a common point of both regions from the two borders
+    // differ by at most d, and a point of only one region is within d of both borders: at most √2·d in plane and height.
     let of_polygons = mul_up(std::f64::consts::SQRT_2.next_up(), flat.bound.at_most().unwrap_or(0.0));
     let fans = FanFaces::new(flat.shape.faces());
     let point = |i: &u32| {
@@ -150,12 +150,12 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     };
     let points: Vec<[f64; 2]> = fans.origins.iter().map(point).collect();
     let reach = points.as_flattened().iter().fold(height, |most, x| greater(most, x.abs()));
-    // Derived: distances and ways along directions take fewer than 40 roundings of at most four times the largest
-    // coordinate, and heights two; 2⁻⁵³ of it each.
+    // Derived: distances and lengths along directions take fewer than 40 roundings of at most four times the largest
+    // coordinate, and heights two; each is 2⁻⁵³ of it.
     // Squares below the least number vanish, and with them lengths below 2⁻⁵³⁶.
     let rounding = 128.0 * f64::EPSILON * reach + 1e-160;
     let allowed = sub_down(length, of_polygons);
-    // Chosen: what rounding takes a quarter of is within reach.
+    // Chosen: a budget is in reach if rounding takes at most a quarter of it.
     if allowed < 4.0 * rounding {
         let message =
             format!("{length:e} is less than what rounding may cost solids of this size, {rounding:.1e}");
@@ -169,7 +169,7 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     let of_roof = (0..n).fold(0.0, |most, t| greater(most, roof.error(t)));
     let points = roof.plane.points.iter().zip(&roof.heights);
     let lower = points.clone().map(|(p, h)| [p[0], p[1], width - h]);
-    // The same numbers at the top as the walls have: of the border the height is 0.
+    // The same numbers at the top as in the walls: the height of the border is 0.
     let upper = points.map(|(p, h)| [p[0], p[1], lesser(height, (height - width) + h)]);
     let n_points =
         u32::try_from(roof.plane.points.len()).ok().filter(|n| *n < u32::MAX / 2).ok_or_else(|| {
@@ -180,7 +180,7 @@ fn solid(outline: &Outline, bevel: Bevel, length: f64, job: &Job) -> Result<Beve
     faces.extend((0..n).map(|t| roof.plane.triangle(t)).map(|[a, b, c]| [a, c, b]));
     faces.extend((0..n).map(|t| roof.plane.triangle(t).map(top)));
     faces.extend(fans.border.iter().flat_map(|[a, b]| [[*a, *b, top(*b)], [*a, top(*b), top(*a)]]));
-    // Heights are rounded once more where they are put together.
+    // Sums of heights are rounded once more.
     let error = add_up(of_polygons, add_up(of_roof, rounding));
     Ok(BevelledSolid { positions: lower.chain(upper).collect(), faces, error })
 }

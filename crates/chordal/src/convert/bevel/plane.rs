@@ -1,10 +1,10 @@
-//! `PlaneTriangulation`: triangles of a region in the plane that take up points and edges, each as near to a Delaunay
-//! triangulation as its fixed edges allow.
+//! `PlaneTriangulation`: triangles of a region in the plane, with points and edges inserted one by one, as near to a
+//! Delaunay triangulation as the fixed edges allow.
 use crate::math::{Orientation, orient2d};
 
 const NONE: u32 = u32::MAX;
-/// Triangles that a walk to a point passes, and flips for a point or an edge. Chosen: honest ones take tens; what takes
-/// more is left as it is, which costs triangles and no proof.
+/// The most triangles of a walk to a point, and flips for a point or an edge. Chosen: most take tens; a longer walk is given
+/// up, which costs triangles and no proof.
 const MOST_STEPS: usize = 10_000;
 
 /// Triangles whose corner `3 t + k` starts the edge to the next corner of the triangle `t`.
@@ -12,13 +12,13 @@ const MOST_STEPS: usize = 10_000;
 pub(super) struct PlaneTriangulation {
     pub points: Vec<[f64; 2]>,
     pub corners: Vec<u32>,
-    /// The same edge in the other direction; none at the border.
+    /// The corner of the same edge in the other direction; none at the border.
     twins: Vec<u32>,
-    /// Whether the edge stays.
+    /// Whether the edge is fixed.
     fixed: Vec<bool>,
     /// A corner at each point.
     at: Vec<u32>,
-    /// Triangles that were changed and not looked at since.
+    /// Triangles that have changed since they were last looked at.
     pub changed: Vec<u32>,
 }
 
@@ -31,7 +31,7 @@ fn previous(c: u32) -> u32 {
 }
 
 impl PlaneTriangulation {
-    /// The triangulation with these triangles, counter-clockwise, of which each edge has one or two.
+    /// The triangulation with these counter-clockwise triangles; each edge has one or two of them.
     pub fn new(points: Vec<[f64; 2]>, faces: &[[u32; 3]]) -> Self {
         let corners: Vec<u32> = faces.iter().flatten().copied().collect();
         let n = corners.len();
@@ -124,14 +124,14 @@ impl PlaneTriangulation {
         orient2d(r, p, s) == Orientation::Front && orient2d(s, q, r) == Orientation::Front
     }
 
-    /// Turns edges from a list, and those around, until the circle of each triangle is empty as far as rounding tells.
+    /// Turns edges from a list, and edges around them, until the circle of each triangle is empty up to rounding.
     fn legalize(&mut self, list: &mut Vec<u32>) {
-        let mut left = MOST_STEPS + 8 * list.len(); // measured: letters take one flip for each edge and less
+        let mut steps_left = MOST_STEPS + 8 * list.len(); // measured: letters take one flip for each edge and less
         while let Some(c) = list.pop() {
-            if left == 0 || !self.can_flip(c) || !self.is_beyond_circle(c) {
+            if steps_left == 0 || !self.can_flip(c) || !self.is_beyond_circle(c) {
                 continue;
             }
-            left -= 1;
+            steps_left -= 1;
             let d = self.twins[c as usize];
             self.flip(c);
             let (first, second) = (3 * (c / 3), 3 * (d / 3));
@@ -151,11 +151,11 @@ impl PlaneTriangulation {
         let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
         let terms = [square(a) * cross(b, r), square(b) * cross(r, a), square(r) * cross(a, b)];
         let size: f64 = terms.iter().map(|x| x.abs()).sum();
-        // Chosen: far above the rounding, so that no pair of edges takes turns for ever.
+        // Chosen: far above the rounding, so that no edge is turned back and forth for ever.
         terms.iter().sum::<f64>() > 1e-9 * size
     }
 
-    /// The triangle that holds a point, reached from one nearby; none beyond the border or far away.
+    /// The triangle that contains a point, reached from a triangle nearby; none beyond the border or far away.
     fn locate(&self, mut t: u32, p: [f64; 2]) -> Option<u32> {
         for _ in 0..MOST_STEPS {
             let behind = (3 * t..3 * t + 3).find(|c| self.side(*c, p) == Orientation::Back);
@@ -168,7 +168,7 @@ impl PlaneTriangulation {
         None
     }
 
-    /// Takes up a point; none where it is a corner, on the border or beyond, or not reached from the triangle.
+    /// Inserts a point; none if it is a corner, on the border or beyond, or not reached from the triangle.
     pub fn insert(&mut self, near: u32, p: [f64; 2]) -> Option<u32> {
         let t = self.locate(near, p)?;
         let flat: Vec<u32> = (3 * t..3 * t + 3).filter(|c| self.side(*c, p) == Orientation::Flat).collect();
@@ -188,8 +188,7 @@ impl PlaneTriangulation {
         Some(new)
     }
 
-    /// Takes up a point on an edge, as near to it as rounding allows; none where a triangle would be turned over, or at
-    /// the border.
+    /// Inserts a point on an edge, as near to it as rounding allows; none if a triangle would be turned over, or at the border.
     pub fn split(&mut self, c: u32, p: [f64; 2]) -> Option<u32> {
         let d = self.twins[c as usize];
         if d == NONE {
@@ -212,7 +211,7 @@ impl PlaneTriangulation {
         self.at.push(NONE);
     }
 
-    /// A new triangle whose corners are to be linked.
+    /// A new triangle with corners that are not linked yet.
     fn grow(&mut self) -> u32 {
         let t = self.n_triangles() as u32;
         self.corners.extend([NONE; 3]);
@@ -230,7 +229,7 @@ impl PlaneTriangulation {
         self.link(3 * u, b, bc.0, bc.1);
         self.link(3 * v, c, ca.0, ca.1);
         for (this, after, end) in [(t, u, b), (u, v, c), (v, t, a)] {
-            // From the end of its old edge to the point, which the next triangle runs along the other way.
+            // From the end of its old edge to the point; the next triangle has the same edge in the other direction.
             self.link(3 * this + 1, end, 3 * after + 2, false);
             self.link(3 * after + 2, new, 3 * this + 1, false);
         }
@@ -251,7 +250,7 @@ impl PlaneTriangulation {
             self.corners[3 * t as usize + 1] = to;
             self.corners[3 * t as usize + 2] = new;
         }
-        // The spoke that ends each triangle's edge is the one with which the next but one starts its own.
+        // The spoke at the end of a triangle's edge is at the start of the edge of the next triangle but one.
         for (this, after, end, is_fixed) in
             [(t1, t4, p, fixed), (t4, t2, s, false), (t2, t3, q, fixed), (t3, t1, r, false)]
         {
@@ -262,7 +261,7 @@ impl PlaneTriangulation {
         vec![3 * t1, 3 * t2, 3 * t3, 3 * t4]
     }
 
-    /// The corner at a point in whose triangle a direction from it starts, or whose edge it runs along.
+    /// The corner at a point whose triangle contains the start of a direction, or whose edge runs along it.
     fn towards(&self, from: u32, to: [f64; 2]) -> Option<u32> {
         // 1. Back to the border, or once around.
         let first = self.at[from as usize];
@@ -292,7 +291,7 @@ impl PlaneTriangulation {
         }
     }
 
-    /// The triangle where a segment from a point ends; none where it leaves the region.
+    /// The triangle at the end of a segment from a point; none if the segment leaves the region.
     pub fn reached(&self, from: u32, to: [f64; 2]) -> Option<u32> {
         let start = self.towards(from, to)?;
         let o = self.points[from as usize];
@@ -305,15 +304,14 @@ impl PlaneTriangulation {
             if beyond == NONE {
                 return None;
             }
-            // Leaves by the edge that the segment crosses: left or right of the corner beyond.
+            // The segment leaves by the edge that it crosses: left or right of the corner beyond.
             let apex = self.point(previous(beyond));
             c = if orient2d(o, to, apex) == Orientation::Front { next(beyond) } else { previous(beyond) };
         }
         None
     }
 
-    /// Makes a segment between two points an edge that stays. Nothing changes for good where a fixed edge or a point
-    /// is in its way.
+    /// Makes a segment between two points a fixed edge. If a fixed edge or a point is in its way, no edge stays changed.
     pub fn fix(&mut self, from: u32, to: u32) {
         let (o, end) = (self.points[from as usize], self.points[to as usize]);
         for _ in 0..MOST_STEPS {
@@ -370,7 +368,7 @@ mod tests {
         0.5 * (0..made.n_triangles() as u32).map(twice).sum::<f64>()
     }
 
-    /// Every edge has its twin, which has it, with the same ends and the same mark.
+    /// Every edge is the twin of its twin, with the same ends and the same mark.
     fn check(made: &PlaneTriangulation) {
         for c in 0..made.corners.len() as u32 {
             let (twin, fixed) = made.edge(c);

@@ -1,22 +1,23 @@
-//! `Roof`: triangles under the height that a bevel has over a region, with the error of each proved.
+//! `Roof`: triangles for the height of a bevel over a region, with a proved error for each.
 //!
-//! The height at a point is its distance to the border, and no more than the bevel's width. It is a minimum of
-//! distances to edges, which are convex, and above linear functions: of each triangle that gives how far the height is
-//! below and above the plane through its corners at most.
+//! The height at a point is its distance to the border, and no more than the bevel's width. It is a minimum of distances
+//! to edges. These are convex functions, which bounds the height above the plane through a triangle's corners, and they
+//! are above linear functions, which bounds the height below it.
 use super::border::{BorderTree, distance, nearest};
 use super::plane::PlaneTriangulation;
 use crate::budget::{Failure, Job, RefusalCode};
 use crate::explicit::Mesh;
 use crate::math::{difference, dot, greater, length, lesser};
 
-/// A share of a length by which computed distances may miss. Chosen: far above rounding, far below what is seen; points
-/// that are placed by it are no part of the proof.
+/// The error, as a share of a length, that computed distances may have. Chosen: far above rounding, and too small to be
+/// seen; points that are placed by it are no part of the proof.
 const NEAR: f64 = 1e-9;
 /// Rounds of halving for a place on a ray or an edge. Chosen: 2⁻⁴⁰ of it is below `NEAR`.
 const ROUNDS: u32 = 40;
-/// Points within an edge at which a triangle is compared with the height. Chosen.
+/// Points within an edge at which a triangle is compared with the height. Chosen: only the place of new points depends on
+/// them.
 const SAMPLES: u32 = 7;
-/// Halvings of the turn at a corner. Chosen: 2⁸ pieces of half a turn are off by less than 10⁻⁵ of the width.
+/// Halvings of the turn at a corner. Chosen: the error of 2⁸ pieces of half a turn is below 2·10⁻⁵ of the width.
 const MOST_TURNS: u32 = 8;
 
 /// The triangles with the height at each point.
@@ -25,14 +26,14 @@ pub(super) struct Roof<'j> {
     pub heights: Vec<f64>,
     tree: BorderTree,
     width: f64,
-    /// What rounding may add to the error of a triangle.
+    /// The largest error that rounding may add to a triangle.
     pub rounding: f64,
-    /// The error that each triangle is to keep.
+    /// The allowed error of each triangle.
     allowed: f64,
     job: &'j Job,
 }
 
-/// What a bevel asks of its roof.
+/// The goal of a roof.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoofLimits {
     pub width: f64,
@@ -40,17 +41,17 @@ pub(super) struct RoofLimits {
     pub allowed: f64,
 }
 
-/// Where a ray from a corner ends.
+/// The end of a ray from a corner.
 #[derive(Clone, Copy, Debug)]
 struct RayEnd {
     point: u32,
-    /// Whether the height is that of the whole width there.
+    /// Whether the height there is the whole width.
     is_top: bool,
 }
 
-/// The direction of a vector; none where it is too short to have one.
+/// The direction of a vector; none if it is too short.
 fn unit(v: [f64; 2]) -> Option<[f64; 2]> {
-    // Derived: below it, squares lose digits that the proof counts on.
+    // Derived: below it, squares lose digits that the proof needs.
     const SHORTEST: f64 = 1e-150;
     let long = length(v);
     if long > SHORTEST && long.is_finite() { Some([v[0] / long, v[1] / long]) } else { None }
@@ -61,7 +62,7 @@ fn along(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
 }
 
 impl<'j> Roof<'j> {
-    /// The roof over triangles, whose border runs with the region on its left and meets no point twice.
+    /// The roof over triangles; their border has the region on its left and meets no point twice.
     pub fn new(
         points: Vec<[f64; 2]>,
         faces: &[[u32; 3]],
@@ -93,7 +94,7 @@ impl<'j> Roof<'j> {
         Some(new)
     }
 
-    /// Puts points where the roof bends: on the bisector of each corner, and around those that are turned inwards; and
+    /// Puts points at the bends of the roof: on the bisector of each corner, and around corners that are turned inwards; and
     /// edges along these bends and along the top.
     pub fn bend(&mut self, border: &[[u32; 2]]) -> Result<(), Failure<Mesh>> {
         let n = self.plane.points.len();
@@ -135,7 +136,7 @@ impl<'j> Roof<'j> {
         Ok(())
     }
 
-    /// The directions from a corner along which the roof bends, so long that the height grows by 1 along each.
+    /// The directions of the roof's bends from a corner, with lengths that raise the height by 1.
     fn rays(&self, [a, b, c]: [[f64; 2]; 3]) -> Vec<[f64; 2]> {
         let (Some(first), Some(second)) = (unit(difference(b, a)), unit(difference(c, b))) else {
             return Vec::new();
@@ -145,7 +146,7 @@ impl<'j> Roof<'j> {
         let cosine = dot(m, n);
         if !is_inward {
             let sum = [m[0] + n[0], m[1] + n[1]];
-            // A spike that is as thin as rounding has no bisector.
+            // A spike that is only a rounding wide has no bisector.
             return if 1.0 + cosine > NEAR { vec![sum.map(|x| x / (1.0 + cosine))] } else { Vec::new() };
         }
         let mut rays = vec![m];
@@ -156,7 +157,7 @@ impl<'j> Roof<'j> {
         rays
     }
 
-    /// Adds directions from the first of two to the second, so close that the arc between them is within the error.
+    /// Adds directions from the first of two to the second, so close that the arc between two is within the error.
     fn turn(&self, [m, n]: [[f64; 2]; 2], ahead: [f64; 2], left: u32, rays: &mut Vec<[f64; 2]>) {
         let middle = unit([m[0] + n[0], m[1] + n[1]]).unwrap_or(ahead);
         if left == 0 || self.width * (1.0 - dot(m, middle)) <= 0.5 * self.allowed {
@@ -169,8 +170,7 @@ impl<'j> Roof<'j> {
         self.turn([middle, n], ahead, left - 1, rays);
     }
 
-    /// Puts a point where a bend along a ray from a corner ends: at the top, or where another part of the border is as
-    /// near.
+    /// Puts a point at the end of a bend along a ray from a corner: at the top, or where another part of the border is as near.
     fn cast(&mut self, corner: u32, ray: [f64; 2]) -> Option<RayEnd> {
         let from = self.point(corner);
         let at = |t: f64| [from[0] + t * ray[0], from[1] + t * ray[1]];
@@ -195,7 +195,7 @@ impl<'j> Roof<'j> {
         Some(RayEnd { point, is_top })
     }
 
-    /// Adds points until each triangle is within the error, or has no place for one.
+    /// Adds points until each triangle is within the error, or has no room for a point.
     ///
     /// # Errors
     /// When there are more triangles than the job allows, or it is cancelled.
@@ -207,7 +207,7 @@ impl<'j> Roof<'j> {
             if self.job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            // The solid has each triangle above and below, and walls.
+            // The solid has each triangle at the top and at the bottom, and walls.
             let n = 2 * self.plane.n_triangles() as u64;
             if n > self.job.triangle_limit {
                 let message = format!(
@@ -216,7 +216,7 @@ impl<'j> Roof<'j> {
                 );
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
-            // Each changes the triangle, so that it comes again; rounding may be in the way of the first ones.
+            // A point changes the triangle, so that it comes again; rounding may forbid the first points.
             let _ = self.put(t, self.worst_place(t))
                 || self.put(t, self.longest_edge(t))
                 || self.put(t, (None, self.centre(t)));
@@ -224,8 +224,8 @@ impl<'j> Roof<'j> {
         Ok(())
     }
 
-    /// The place in a triangle, and its edge there if it is on one, where a point is of most use: where the height is
-    /// farthest from its plane, else in the middle of its longest edge.
+    /// The most useful place for a new point in a triangle, with its edge if it is on one: at the largest difference between
+    /// the height and the plane, otherwise in the middle of the longest edge.
     fn worst_place(&self, t: u32) -> (Option<u32>, [f64; 2]) {
         let corners = self.plane.triangle(t);
         let at = corners.map(|i| self.point(i));
@@ -242,7 +242,7 @@ impl<'j> Roof<'j> {
             for i in 1..=SAMPLES {
                 let s = f64::from(i) * step;
                 if off(s) > best.0 {
-                    // Bends are kinks: around the best sample the error falls on both sides.
+                    // At a bend the error has a kink: it falls on both sides of the best sample.
                     let (mut low, mut high) = (s - step, s + step);
                     for _ in 0..ROUNDS {
                         let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -267,7 +267,7 @@ impl<'j> Roof<'j> {
         [0, 1].map(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0)
     }
 
-    /// The middle of the longest edge that is none of the border; the centre where all are.
+    /// The middle of the longest edge that is not on the border; the centre if all are.
     fn longest_edge(&self, t: u32) -> (Option<u32>, [f64; 2]) {
         let mut best = (0.0, (None, self.centre(t)));
         for c in (3 * t..3 * t + 3).filter(|c| !self.plane.is_border(*c)) {
@@ -279,7 +279,7 @@ impl<'j> Roof<'j> {
         best.1
     }
 
-    /// Puts a point into a triangle, on its edge if there is one. Whether it could.
+    /// Puts a point into a triangle, on its edge if one is given. Returns whether that was possible.
     fn put(&mut self, t: u32, (edge, p): (Option<u32>, [f64; 2])) -> bool {
         match edge {
             Some(edge) if self.plane.split(edge, p).is_some() => {
@@ -291,7 +291,7 @@ impl<'j> Roof<'j> {
         }
     }
 
-    /// How far the height over a triangle is from its plane at most, rounding included.
+    /// A bound for the difference between the height over a triangle and its plane, rounding included.
     pub fn error(&self, t: u32) -> f64 {
         let corners = self.plane.triangle(t);
         let at = corners.map(|i| self.point(i));
@@ -303,12 +303,12 @@ impl<'j> Roof<'j> {
         let seen = [centre, at[0], at[1], at[2], middles[0], middles[1], middles[2]];
         let low = [0, 1].map(|k| lesser(lesser(at[0][k], at[1][k]), at[2][k]));
         let high = [0, 1].map(|k| greater(greater(at[0][k], at[1][k]), at[2][k]));
-        // 1. The height is no more than the width, and than the distance to any edge, which is convex: at the corners
-        // it is highest above a plane.
+        // 1. The height is no more than the width, nor than the distance to any edge. That is convex, so it is highest above
+        // the plane at a corner.
         let worst = |values: [f64; 3]| greater(greater(values[0], values[1]), values[2]);
         let mut above = worst(heights.map(|h| self.width - h));
-        // 2. The distance to an edge is no less than the way along any direction from the nearer of its ends: a linear
-        // function from each. The best of a few directions counts; edges farther than the plane is high do not.
+        // 2. The distance to an edge is no less than the length along any direction from the nearer of its ends: a linear
+        // function for each end. The best of a few directions counts; edges farther away than the plane is high do not.
         let mut below = 0.0;
         self.tree.each_near([low, high], most + self.rounding, |edge| {
             above =

@@ -1,5 +1,5 @@
-//! From a field of the plane to closed polylines: the outline itself where it consists of lines and arcs; else the
-//! squares that its curve may pass, the lines, and the proof.
+//! From a field of the plane to closed polylines: the outline itself if it consists of lines and arcs; otherwise the
+//! squares that its curve may pass, the lines in them, and the proof of their distance.
 mod near_stretches;
 mod outline_lines;
 mod plane_function;

@@ -1,12 +1,12 @@
-//! Where along a line or a circle another one is near.
+//! The stretches of a line or a circle near another line or circle.
 use super::plane_function::PlaneCurve;
 use crate::math::elementary::{atan2, cos, sin};
 use crate::math::{dot, greater, lesser};
 use std::f64::consts::{PI, TAU};
 
 impl PlaneCurve {
-    /// The point at a parameter: along a line the length from the point nearest to the origin, with what is negative on
-    /// the left; around a circle the angle. It grows with what is negative on the left.
+    /// The point at a parameter: along a line the length from the point nearest to the origin, around a circle the
+    /// angle. Both grow with the negative side on the left.
     pub fn at(&self, t: f64) -> [f64; 2] {
         match self {
             Self::Line { normal: [a, b], offset } => [a * offset - b * t, b * offset + a * t],
@@ -38,8 +38,8 @@ impl PlaneCurve {
         (half > 0.0).then_some([middle - half, middle + half])
     }
 
-    /// Intervals of the parameter outside of which `other` is farther than half of `slack`; `None` where they would be
-    /// the whole curve. The lengths of both are at most 2⁴⁴ times the slack, so that roundings are far below it.
+    /// Intervals of the parameter: outside of them `other` is farther than half of `slack`. `None` if they would be the
+    /// whole curve. The lengths of both are at most 2⁴⁴ times the slack, so that roundings are far below it.
     pub fn near(&self, other: &Self, slack: f64) -> Option<Vec<[f64; 2]>> {
         match (self, other) {
             (Self::Nowhere, _) | (_, Self::Nowhere) => Some(Vec::new()),
@@ -94,13 +94,13 @@ impl PlaneCurve {
     }
 }
 
-/// The angle whose half has a sine and a cosine with these squares, up to a factor; 0 or π where one is negative.
+/// The angle whose half has a sine and a cosine with these squares, up to a factor; 0 or π if a square is negative.
 fn half_angle_twice(sine_sq: f64, cosine_sq: f64) -> f64 {
     let (sine_sq, cosine_sq) = (greater(sine_sq, 0.0), greater(cosine_sq, 0.0));
     2.0 * atan2(sine_sq.sqrt(), cosine_sq.sqrt())
 }
 
-/// The angles that are between two from a direction, on both sides of it.
+/// The angles whose difference from a direction is between two limits, on both sides of it.
 fn around(direction: f64, [least, most]: [f64; 2]) -> Option<Vec<[f64; 2]>> {
     let (least, most) = (greater(least, 0.0), lesser(most, PI));
     match (least <= 0.0, most >= PI) {
@@ -121,7 +121,7 @@ mod tests {
     fn all_that_is_near_is_in_the_intervals_and_little_else() {
         let line = |angle: f64, offset: f64| PlaneCurve::Line { normal: [cos(angle), sin(angle)], offset };
         let circle = |x: f64, y: f64, radius: f64| PlaneCurve::Circle { centre: [x, y], radius };
-        let all = [
+        let curves = [
             line(0.0, 1.0),
             line(1.1, 0.5),
             line(2.0, -0.75),
@@ -131,19 +131,19 @@ mod tests {
             circle(0.1, 0.0, 0.3),
         ];
         let slack = 0.01;
-        for (i, own) in all.iter().enumerate() {
-            for (j, other) in all.iter().enumerate().filter(|(j, _)| *j != i) {
-                let stretches = own.near(other, slack).unwrap();
+        for (i, curve) in curves.iter().enumerate() {
+            for (j, other) in curves.iter().enumerate().filter(|(j, _)| *j != i) {
+                let stretches = curve.near(other, slack).unwrap();
                 for k in 0..4000 {
                     let t = TAU * f64::from(k) / 4000.0;
                     let holds = |[from, to]: &[f64; 2]| {
                         [-TAU, 0.0, TAU].iter().any(|turn| {
-                            let turn = if matches!(own, PlaneCurve::Circle { .. }) { *turn } else { 0.0 };
+                            let turn = if matches!(curve, PlaneCurve::Circle { .. }) { *turn } else { 0.0 };
                             *from <= t + turn && t + turn <= *to
                         })
                     };
                     let is_in = stretches.iter().any(holds);
-                    let far = other.distance(own.at(t)).abs();
+                    let far = other.distance(curve.at(t)).abs();
                     assert!(is_in || far > 0.5 * slack, "{i} {j} {t} {far}");
                     assert!(!is_in || far < 1.5 * slack, "{i} {j} {t} {far}");
                 }

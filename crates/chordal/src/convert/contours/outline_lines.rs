@@ -11,23 +11,24 @@ use std::f64::consts::PI;
 
 type PlaneLines = Vec<Polyline<2>>;
 
-/// The outline is taken if corners are certain to this part of the length, so that arcs have the rest.
+/// The outline is taken if its corners are certain to this part of the length. Chosen: arcs have the other three
+/// quarters.
 const PART: f64 = 0.25;
-/// And where only segments are counted, to this part of the extent. Defined: far below what is seen.
+/// If only segments are counted: to this part of the extent. Defined: too small to be seen.
 const FINE: f64 = 1.0 / (1_u64 << 20) as f64;
-/// Sagittas stay this much below what is left of the length. Derived: their computation is off by a dozen roundings.
-const ROOM: f64 = 1.0 - 1.0 / (1_u64 << 20) as f64;
-/// The most segments, as of those that are sampled.
-const MOST: f64 = (1_u64 << 24) as f64;
-/// What a segment takes. Defined: as where they are sampled; far more than its points.
+/// The fraction of the remaining length for sagittas. Derived: their computation takes a dozen roundings.
+const SAGITTA_SHARE: f64 = 1.0 - 1.0 / (1_u64 << 20) as f64;
+/// The most segments. Defined: as in `search.rs`.
+const MOST_SEGMENTS: f64 = (1_u64 << 24) as f64;
+/// The memory of a segment. Defined: as in `search.rs`; far more than its points.
 const BYTES: f64 = 256.0;
-/// Halvings of the exponent of a sagitta.
+/// Halvings of the interval of a sagitta's exponent.
 const HALVINGS: usize = 48;
 
-/// The outline of where a field is negative; `None` where it does not consist of lines and arcs.
+/// The outline of a field's negative set; `None` if it does not consist of lines and arcs.
 pub(in crate::convert) fn outline_lines(
     field: &Field,
-    wanted: &ContourGoal,
+    goal: &ContourGoal,
     job: &Job,
 ) -> Option<Result<Bounded<PlaneLines>, Failure<PlaneLines>>> {
     let evidence = field.evidence();
@@ -36,29 +37,30 @@ pub(in crate::convert) fn outline_lines(
     }
     let bounds = field.bounds();
     let extent = bounds.diagonal();
-    let certain = wanted.length.map_or(FINE * extent, |length| PART * length);
+    let certain = goal.length.map_or(FINE * extent, |length| PART * length);
     let outline = PlaneOutline::from_sign(field.sign(), &bounds, certain, job)?;
-    let sagitta = match (wanted.length, wanted.segments) {
-        (Some(length), _) => ROOM * (length - outline.off),
+    let sagitta = match (goal.length, goal.segments) {
+        (Some(length), _) => SAGITTA_SHARE * (length - outline.distance),
         (None, Some(most)) => least_sagitta(&outline, most as f64, extent)?,
         (None, None) => return None,
     };
     let n = n_segments(&outline, sagitta);
-    if n > MOST || BYTES * n > job.memory_limit as f64 {
+    if n > MOST_SEGMENTS || BYTES * n > job.memory_limit as f64 {
         return None;
     }
-    let (shape, far) = cut(&outline, sagitta);
+    let (shape, sagitta_bound) = cut(&outline, sagitta);
     let n: u64 = shape.iter().map(|line| line.n_segments() as u64).sum();
-    let bound = Bound::with_evidence(0.0, Some(add_up(far, outline.off)), evidence, Reference::Field);
-    let made = Bounded { shape, bound };
-    let fits = wanted.segments.is_none_or(|most| n <= most);
-    Some(if fits { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) })
+    let bound =
+        Bound::with_evidence(0.0, Some(add_up(sagitta_bound, outline.distance)), evidence, Reference::Field);
+    let outline_in_lines = Bounded { shape, bound };
+    let fits = goal.segments.is_none_or(|most| n <= most);
+    Some(if fits { Ok(outline_in_lines) } else { Err(Failure::Unmet(Box::new(outline_in_lines))) })
 }
 
 /// The segments of an edge of a loop.
 fn n_pieces(outline: &PlaneOutline, edge: &OutlineEdge, n_edges: usize, sagitta: f64) -> f64 {
     let PlaneCurve::Circle { radius, .. } = outline.curve(edge) else { return 1.0 };
-    // A loop has three segments; and none spans more than half of a circle.
+    // A loop has at least three segments, and none spans more than half of a circle.
     let least = match n_edges {
         1 => 3.0,
         2 => 2.0,
@@ -78,7 +80,7 @@ fn n_segments(outline: &PlaneOutline, sagitta: f64) -> f64 {
 
 /// The least sagitta for so many segments.
 fn least_sagitta(outline: &PlaneOutline, most: f64, extent: f64) -> Option<f64> {
-    // 2⁻⁴⁰ of the extent: nothing finer is of use beside rounding.
+    // 2⁻⁴⁰ of the extent: a smaller sagitta would be lost in rounding.
     let (mut low, mut high) = (extent / (1_u64 << 40) as f64, extent);
     if n_segments(outline, high) > most {
         return None;
@@ -94,7 +96,7 @@ fn least_sagitta(outline: &PlaneOutline, most: f64, extent: f64) -> Option<f64> 
     Some(high)
 }
 
-/// The lines, and the largest sagitta, rounded up.
+/// The polylines, and the largest sagitta, rounded up.
 fn cut(outline: &PlaneOutline, sagitta: f64) -> (PlaneLines, f64) {
     let (mut lines, mut far) = (Vec::with_capacity(outline.loops.len()), 0.0);
     for path in &outline.loops {
@@ -106,7 +108,7 @@ fn cut(outline: &PlaneOutline, sagitta: f64) -> (PlaneLines, f64) {
             points.extend((1..n as u64).map(|k| curve.at(edge.parameter(k as f64 / n))));
             if let PlaneCurve::Circle { radius, .. } = curve {
                 let half = sin(0.25 * edge.sweep() / n);
-                // A dozen roundings more.
+                // The product takes a dozen roundings.
                 let high = 2.0 * radius * half * half * (1.0 + 16.0 * f64::EPSILON);
                 far = greater(high, far);
             }

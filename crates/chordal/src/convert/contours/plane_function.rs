@@ -1,4 +1,5 @@
-//! Functions of the plane that vanish on a line or a circle, with how far from it they may vanish in truth.
+//! Functions of the plane that vanish on a line or a circle, with a bound for the distance of their exact zeros from
+//! it.
 use crate::implicit::evaluation::{Binary, Unary};
 use crate::implicit::{Primitive, Term};
 use crate::math::{Interval, dot, greater, length};
@@ -7,17 +8,17 @@ use crate::math::{Interval, dot, greater, length};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneFunction {
     pub curve: PlaneCurve,
-    /// Whether it is negative where the distance is positive.
+    /// Whether the function is negative if the distance is positive.
     pub is_opposite: bool,
     quadratic: PlaneQuadratic,
 }
 
-/// What has a signed distance in the plane.
+/// A curve with a signed distance in the plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum PlaneCurve {
-    /// The points `p` with `normal · p = offset`; negative where it is less.
+    /// The points `p` with `normal · p = offset`; negative if `normal · p` is less.
     Line { normal: [f64; 2], offset: f64 },
-    /// Negative within.
+    /// Negative inside.
     Circle { centre: [f64; 2], radius: f64 },
     /// No curve: positive everywhere.
     Nowhere,
@@ -34,14 +35,14 @@ impl PlaneCurve {
     }
 }
 
-/// Coefficients that should be equal or 0 are, up to this fraction. Defined: far above rounding; what they are off
-/// counts as distance.
+/// Coefficients count as equal, or as 0, up to this fraction. Defined: far above rounding; their error counts as
+/// distance.
 const NEAR: f64 = 1.0 / (1_u64 << 30) as f64;
-/// Derived: sixteen roundings, more than the constant of a circle is made of.
+/// Derived: sixteen roundings, more than the computation of a circle's constant takes.
 const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 
 impl PlaneFunction {
-    /// `None` where a function is not known to vanish on a line or a circle at most.
+    /// `None` unless the function is known to vanish on a line, on a circle or nowhere.
     pub fn from_primitive(primitive: &Primitive) -> Option<Self> {
         if !primitive.is_total() {
             return None;
@@ -52,7 +53,7 @@ impl PlaneFunction {
                 if scale.lo() <= 0.0 && scale.hi() >= 0.0 {
                     return None;
                 }
-                // It is `scale · (√square − level)`.
+                // The function is `scale · (√square − level)`.
                 let is_opposite = scale.hi() < 0.0;
                 let level = -offset / scale;
                 if level.hi() < 0.0 {
@@ -70,14 +71,14 @@ impl PlaneFunction {
         for (middle, range) in middles.iter_mut().zip(ranges) {
             *middle = range.midpoint().filter(|x| range.magnitude().is_finite() && x.is_finite())?;
         }
-        let [xx, xy, yy, x, y, one] = middles;
+        let [xx, xy, yy, x, y, constant] = middles;
         if quadratic.as_constant().is_some() {
             let is_clear = ranges[5].lo() > 0.0 || ranges[5].hi() < 0.0;
-            let is_opposite = is_opposite != (one < 0.0);
+            let is_opposite = is_opposite != (constant < 0.0);
             return is_clear.then_some(Self { curve: PlaneCurve::Nowhere, is_opposite, quadratic });
         }
         if quadratic.is_linear() {
-            // Along an axis nothing is rounded.
+            // A line along an axis needs no rounding.
             let size = if y == 0.0 {
                 x.abs()
             } else if x == 0.0 {
@@ -85,12 +86,12 @@ impl PlaneFunction {
             } else {
                 length([x, y])
             };
-            let curve = PlaneCurve::Line { normal: [x / size, y / size], offset: 0.0 - one / size };
+            let curve = PlaneCurve::Line { normal: [x / size, y / size], offset: 0.0 - constant / size };
             return size.is_normal().then_some(Self { curve, is_opposite, quadratic });
         }
         let is_round = (yy - xx).abs() <= NEAR * xx.abs() && xy.abs() <= NEAR * xx.abs();
         let centre = [x, y].map(|x| 0.0 - x / (2.0 * xx));
-        let square = dot(centre, centre) - one / xx;
+        let square = dot(centre, centre) - constant / xx;
         if !xx.is_normal() || !is_round || !square.is_normal() || square < 0.0 {
             return None;
         }
@@ -98,19 +99,19 @@ impl PlaneFunction {
         Some(Self { curve, is_opposite: is_opposite != (xx < 0.0), quadratic })
     }
 
-    /// Whether it is negative where the distance is below 0, or is not.
+    /// Whether the function is negative at a point whose distance is below 0, or is not, by `is_below`.
     pub fn is_negative(&self, is_below: bool) -> bool {
         is_below != self.is_opposite
     }
 
-    /// How far from the curve it vanishes at most, at points with coordinates up to `reach`, which the curve's centre
-    /// and radius do not exceed either.
+    /// The largest distance of a zero of the function from the curve, among points with coordinates up to `reach`; the
+    /// curve's centre and radius do not exceed it either.
     pub fn off_at_most(&self, reach: f64) -> f64 {
         let PlaneQuadratic(ranges) = self.quadratic;
         let middle = |k: usize| ranges[k].midpoint().unwrap_or(f64::NAN);
-        // The coefficients of the curve itself, what a difference of the constants is worth as a distance, and how far
-        // these are rounded.
-        let (own, steepness, rounding) = match self.curve {
+        // The coefficients of the curve itself, the change of the function for one unit of distance, and the scale of
+        // the rounding in the constants.
+        let (coefficients, steepness, rounding) = match self.curve {
             PlaneCurve::Nowhere => return 0.0,
             PlaneCurve::Line { normal, offset } => {
                 let size = length([middle(3), middle(4)]);
@@ -120,14 +121,14 @@ impl PlaneFunction {
                 let xx = middle(0);
                 let squares = (dot(centre, centre), radius * radius);
                 let [x, y] = centre.map(|x| 0.0 - 2.0 * xx * x);
-                let own = [xx, 0.0, xx, x, y, xx * (squares.0 - squares.1)];
+                let coefficients = [xx, 0.0, xx, x, y, xx * (squares.0 - squares.1)];
                 // `|p|² − r²` is at least `r (|p| − r)`.
-                (own, xx.abs() * radius, xx.abs() * (squares.0 + squares.1))
+                (coefficients, xx.abs() * radius, xx.abs() * (squares.0 + squares.1))
             }
         };
         let degrees = [reach * reach, reach * reach, reach * reach, reach, reach, 1.0];
-        let parts = ranges.iter().zip(own).zip(degrees).map(|((range, own), degree)| {
-            let (above, below) = ((range.hi() - own).abs(), (own - range.lo()).abs());
+        let parts = ranges.iter().zip(coefficients).zip(degrees).map(|((range, coefficient), degree)| {
+            let (above, below) = ((range.hi() - coefficient).abs(), (coefficient - range.lo()).abs());
             degree * greater(above, below)
         });
         (parts.fold(0.0, |sum, part| sum + part) + ROUNDINGS * rounding) / steepness
@@ -158,7 +159,7 @@ fn is_one(x: Interval) -> bool {
     x.lo() == 1.0 && x.hi() == 1.0
 }
 
-/// The sum; nothing is rounded where one is 0.
+/// The sum, without rounding if one term is 0.
 fn sum(a: Interval, b: Interval) -> Interval {
     if is_zero(a) {
         b
@@ -169,7 +170,7 @@ fn sum(a: Interval, b: Interval) -> Interval {
     }
 }
 
-/// The product; nothing is rounded where one is 0 or 1.
+/// The product, without rounding if one factor is 0 or 1.
 fn product(a: Interval, b: Interval) -> Interval {
     if is_zero(a) || is_one(b) {
         a
@@ -182,15 +183,15 @@ fn product(a: Interval, b: Interval) -> Interval {
 
 impl PlaneQuadratic {
     fn constant(value: Interval) -> Self {
-        let mut all = [Interval::point(0.0); 6];
-        all[5] = value;
-        Self(all)
+        let mut coefficients = [Interval::point(0.0); 6];
+        coefficients[5] = value;
+        Self(coefficients)
     }
 
     fn axis(k: usize) -> Self {
-        let mut all = [Interval::point(0.0); 6];
-        all[3 + k] = Interval::point(1.0);
-        Self(all)
+        let mut coefficients = [Interval::point(0.0); 6];
+        coefficients[3 + k] = Interval::point(1.0);
+        Self(coefficients)
     }
 
     fn as_constant(&self) -> Option<Interval> {
@@ -209,8 +210,8 @@ impl PlaneQuadratic {
         Self(std::array::from_fn(|k| sum(self.0[k], other.0[k])))
     }
 
-    fn scaled(&self, by: Interval) -> Self {
-        Self(self.0.map(|x| product(x, by)))
+    fn scaled(&self, factor: Interval) -> Self {
+        Self(self.0.map(|x| product(x, factor)))
     }
 
     fn times(&self, other: &Self) -> Option<Self> {
@@ -237,24 +238,24 @@ impl PlaneQuadratic {
 }
 
 impl PlaneTerm {
-    /// The last of some terms.
+    /// The plane term of the last of some terms.
     fn from_terms(terms: &[Term]) -> Option<Self> {
-        let mut all: Vec<Option<Self>> = Vec::with_capacity(terms.len());
+        let mut plane_terms: Vec<Option<Self>> = Vec::with_capacity(terms.len());
         for term in terms {
-            let of = |part: u32| all[part as usize];
-            let made = match *term {
+            let operand = |part: u32| plane_terms[part as usize];
+            let plane_term = match *term {
                 Term::Const(value) if value.is_finite() => {
                     Some(Self::Quadratic(PlaneQuadratic::constant(Interval::point(value))))
                 }
                 Term::Axis(k) if k < 2 => Some(Self::Quadratic(PlaneQuadratic::axis(usize::from(k)))),
                 Term::Axis(_) => Some(Self::Quadratic(PlaneQuadratic::constant(Interval::point(0.0)))),
-                Term::Unary(op, a) => of(a).and_then(|a| a.after(op)),
-                Term::Binary(op, a, b) => of(a).zip(of(b)).and_then(|(a, b)| a.with(op, b)),
+                Term::Unary(op, a) => operand(a).and_then(|a| a.after(op)),
+                Term::Binary(op, a, b) => operand(a).zip(operand(b)).and_then(|(a, b)| a.with(op, b)),
                 Term::Const(_) | Term::Leaf(..) => None,
             };
-            all.push(made);
+            plane_terms.push(plane_term);
         }
-        all.pop().flatten()
+        plane_terms.pop().flatten()
     }
 
     fn as_constant(&self) -> Option<Interval> {

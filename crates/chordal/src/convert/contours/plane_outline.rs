@@ -1,13 +1,21 @@
-//! The outline of unions and intersections of half-planes and discs, piece by piece, where its corners are certain.
+//! The outline of unions and intersections of half-planes and discs, piece by piece, if its corners are certain.
 //!
-//! Let S be the boundary of {F < 0}, with the regularization of [`Csg`], and w the most that a primitive vanishes off its
-//! line or circle. Along a curve C, every other one is near in a few intervals only; outside of them it is farther than
-//! 2w, so that its sign is that of its distance. **There** the tree with both signs of C's own primitive tells whether S
-//! passes: if so, a point of S is within w of every point of C, and if not, none is. **In the intervals** S may be
-//! anywhere. Those in which the tree decides nothing are gathered into corners: discs that overlap. Each corner has to be
-//! the end of some stretch where S passes, and stands for one vertex; so all of S and all of the loops through the
-//! vertices are within the size of the largest corner of each other. Where that is too large, or a curve is no line and
-//! no circle, or lies on another, there is no outline: the caller samples.
+//! Let S be the boundary of {F < 0}, with the regularization of [`Csg`], and w the largest distance of a primitive's
+//! zeros from its line or circle. Along a curve C, every other curve is near in a few intervals only.
+//!
+//! ```text
+//!              ╱                  C: the line from left to right; the others cross it
+//!   ──────[───╱───]─────────[──)──]──────
+//!   outside  corner  outside  corner      [ ]: an interval with another curve near
+//! ```
+//!
+//! **Outside of the intervals** every other curve is farther than 2w, so that its primitive has the sign of its
+//! distance. The tree is evaluated with both signs of C's own primitive. If the results differ, a point of S is
+//! within w of every point of C there; otherwise none is. **In the intervals** S may be anywhere. The undecided
+//! intervals are gathered into corners: boxes that overlap. Each corner has to be the end of some stretch of S, and
+//! stands for one vertex. So S and the loops through the vertices are within the size of the largest corner of each
+//! other. If that is too large, if a curve is neither a line nor a circle, or if it lies on another, there is no
+//! outline, and the caller samples the field.
 use super::plane_function::{PlaneCurve, PlaneFunction};
 use crate::budget::{Job, par_map};
 use crate::explicit::DisjointSets;
@@ -16,12 +24,12 @@ use crate::math::elementary::atan2;
 use crate::math::{Box3, greater, length, lesser};
 use std::f64::consts::TAU;
 
-/// Loops of stretches of lines and circles, with what is filled on the left.
+/// Loops of stretches of lines and circles, with the filled side on the left.
 pub(super) struct PlaneOutline {
     curves: Vec<PlaneCurve>,
     pub loops: Vec<Vec<OutlineEdge>>,
-    /// How far the loops and the true outline are apart at most.
-    pub off: f64,
+    /// The largest distance between the loops and the true outline.
+    pub distance: f64,
 }
 
 /// A stretch of a curve, from one parameter to another, which may be less.
@@ -34,39 +42,40 @@ pub(super) struct OutlineEdge {
 }
 
 /// The most primitives. Defined: each curve is cut by all others.
-const MOST: usize = 400;
-/// The most nodes of the tree times the square of the primitives: the tree is evaluated between any two cuts. Chosen: some
-/// 2 s, by 6.6 s that were measured for 745 million; a union of 400 lines or circles takes a quarter of it.
+const MOST_PRIMITIVES: usize = 400;
+/// The most nodes of the tree times the square of the number of primitives: the tree is evaluated between any two
+/// cuts. Chosen: about 2 s, since 745 million took 6.6 s; a union of 400 lines or circles takes a quarter of it.
 const MOST_WORK: usize = 1 << 28;
-/// Intervals are where curves are nearer than this fraction of the largest number. Derived: 256 roundings; coordinates,
-/// distances and parameters are off by a dozen.
+/// Curves nearer than this fraction of the largest number are near. Derived: 256 roundings; coordinates, distances
+/// and parameters take a dozen.
 const SLACK: f64 = 256.0 * f64::EPSILON;
-/// And at least so many times what primitives are off: twice of it is needed on both sides.
-const SLACK_OF_OFF: f64 = 8.0;
-/// Lengths between this and one over it have squares with all their digits, and so have their roundings. Defined: far
-/// from the least and the largest number.
+/// So are curves nearer than this many times the error of primitives. Derived: twice the error is needed on both
+/// sides, and the same again for roundings.
+const SLACK_OF_ERROR: f64 = 8.0;
+/// Lengths between this and its inverse have squares with all digits, and so have their roundings. Defined: far from
+/// the least and the largest number.
 const LEAST: f64 = 1e-100;
 /// Directions in a corner of several stretches differ by more than this angle. Defined: far above rounding.
 const DISTINCT: f64 = 1.0 / (1_u64 << 20) as f64;
-/// Curves with less than this sine between them are taken for tangent. Defined, as above.
+/// Curves with a smaller sine between them count as tangent. Defined, as above.
 const TANGENT: f64 = 1.0 / (1_u64 << 20) as f64;
-/// The most curves that may be undecided in an interval before it counts as open. Defined: both signs of each are tried.
+/// An interval with more undecided curves counts as open. Defined: both signs of each curve are tried.
 const MOST_UNDECIDED: usize = 8;
 
 impl PlaneOutline {
-    /// The outline of where an expression is negative, all of it within a box; `None` where it is not certain, or off
-    /// by more than `most`.
+    /// The outline of an expression's negative set, which lies in a box; `None` if it is not certain, or if its
+    /// distance is more than `most`.
     pub fn from_sign(sign: &Expr, bounds: &Box3, most: f64, job: &Job) -> Option<Self> {
         let csg = Csg::from_expr(sign);
         let (n, n_nodes) = (csg.primitives().len(), csg.tree().nodes().len());
-        if n > MOST || n * n > MOST_WORK / n_nodes {
+        if n > MOST_PRIMITIVES || n * n > MOST_WORK / n_nodes {
             return None;
         }
         let functions: Vec<PlaneFunction> =
             csg.primitives().iter().map(PlaneFunction::from_primitive).collect::<Option<_>>()?;
         let centre = [0, 1].map(|k| 0.5 * (bounds.min[k] + bounds.max[k]));
         let radius = bounds.diagonal();
-        let reach = functions.iter().fold(length(centre) + radius, |reach, one| match one.curve {
+        let reach = functions.iter().fold(length(centre) + radius, |reach, function| match function.curve {
             PlaneCurve::Circle { centre, radius } => greater(length(centre) + radius, reach),
             _ => reach,
         });
@@ -74,15 +83,15 @@ impl PlaneOutline {
         if !in_range {
             return None;
         }
-        let offs: Vec<f64> = functions.iter().map(|one| one.off_at_most(reach)).collect();
-        if !offs.iter().all(|off| off.is_finite()) {
+        let errors: Vec<f64> = functions.iter().map(|function| function.off_at_most(reach)).collect();
+        if !errors.iter().all(|error| error.is_finite()) {
             return None;
         }
-        let off = offs.into_iter().fold(0.0, |most: f64, x| greater(x, most));
+        let error = errors.into_iter().fold(0.0, |most: f64, x| greater(x, most));
         let by_rounding = SLACK * reach;
-        let by_off = SLACK_OF_OFF * (off + csg.weld());
-        let slack = greater(by_rounding, by_off);
-        let is_small = |one: &PlaneFunction| match one.curve {
+        let by_error = SLACK_OF_ERROR * (error + csg.weld());
+        let slack = greater(by_rounding, by_error);
+        let is_small = |function: &PlaneFunction| match function.curve {
             PlaneCurve::Circle { radius, .. } => radius < 16.0 * slack,
             _ => false,
         };
@@ -100,12 +109,12 @@ impl PlaneOutline {
                 .into_iter()
                 .collect::<Option<_>>()?;
         let corners = OutlineCorners::new(&arrangement, &cuts)?;
-        // The way from a vertex to the end of its stretch and back, and rounding.
-        let off = 2.0 * corners.size + 4.0 * slack;
+        // From a vertex to the end of its stretch and back, and rounding.
+        let distance = 2.0 * corners.size + 4.0 * slack;
         let loops = corners.loops()?;
-        let curves = arrangement.functions.iter().map(|one| one.curve).collect();
-        let made = Self { curves, loops, off };
-        (off < most && !made.loops.is_empty() && made.is_within(bounds)).then_some(made)
+        let curves = arrangement.functions.iter().map(|function| function.curve).collect();
+        let outline = Self { curves, loops, distance };
+        (distance < most && !outline.loops.is_empty() && outline.is_within(bounds)).then_some(outline)
     }
 
     /// The curve of an edge.
@@ -113,10 +122,10 @@ impl PlaneOutline {
         &self.curves[edge.curve as usize]
     }
 
-    /// Whether all of it is in a box, but for what it may be off.
+    /// Whether the outline is in a box, up to its distance.
     fn is_within(&self, bounds: &Box3) -> bool {
         let holds = |p: [f64; 2]| {
-            (0..2).all(|k| p[k] >= bounds.min[k] - self.off && p[k] <= bounds.max[k] + self.off)
+            (0..2).all(|k| p[k] >= bounds.min[k] - self.distance && p[k] <= bounds.max[k] + self.distance)
         };
         self.loops.iter().flatten().all(|edge| {
             let curve = self.curve(edge);
@@ -127,17 +136,17 @@ impl PlaneOutline {
 }
 
 impl OutlineEdge {
-    /// The angle that it runs around a circle.
+    /// The angle of the edge around a circle.
     pub fn sweep(&self) -> f64 {
         (self.to - self.from).abs()
     }
 
-    /// The parameter at a part of its way.
+    /// The parameter at a fraction of the edge.
     pub fn parameter(&self, part: f64) -> f64 {
         self.from + part * (self.to - self.from)
     }
 
-    /// The multiples of a right angle that it passes.
+    /// The multiples of a right angle along the edge.
     fn quarters(&self) -> Vec<f64> {
         let quarter = 0.25 * TAU;
         let (low, high) = (lesser(self.from, self.to), greater(self.from, self.to));
@@ -146,23 +155,23 @@ impl OutlineEdge {
     }
 }
 
-/// An interval of a curve's parameter where others are near.
+/// An interval of a curve's parameter with other curves near.
 struct NearStretch {
     ends: [f64; 2],
     others: Vec<u32>,
-    /// Whether the tree is not decided there.
+    /// Whether the tree is undecided in the interval.
     is_open: bool,
 }
 
-/// A stretch of a curve along which the outline runs, in its direction; and the intervals at both ends, none for a
-/// circle that no other curve comes near.
+/// A stretch of a curve with the outline along it, in the outline's direction; and the intervals at both ends, none for
+/// a circle without another curve near.
 struct OutlineStretch {
     from: f64,
     to: f64,
     ends: Option<[usize; 2]>,
 }
 
-/// A curve cut where others are near.
+/// A curve, cut at the intervals with others near.
 #[derive(Default)]
 struct CutCurve {
     near: Vec<NearStretch>,
@@ -173,18 +182,18 @@ struct PlaneArrangement<'a> {
     csg: &'a Csg,
     functions: Vec<PlaneFunction>,
     slack: f64,
-    /// The disc that is searched.
+    /// The disc to be searched.
     centre: [f64; 2],
     radius: f64,
 }
 
 impl PlaneArrangement<'_> {
-    /// Which primitives are negative at a point that is near no curve.
+    /// Whether each primitive is negative at a point that is near no curve.
     fn signs(&self, p: [f64; 2]) -> Vec<bool> {
-        self.functions.iter().map(|one| one.is_negative(one.curve.distance(p) < 0.0)).collect()
+        self.functions.iter().map(|function| function.is_negative(function.curve.distance(p) < 0.0)).collect()
     }
 
-    /// Whether the border of the disc is filled somewhere.
+    /// Whether one of eight points on the border of the disc is filled.
     fn is_filled_around(&self) -> bool {
         let rim = PlaneCurve::Circle { centre: self.centre, radius: self.radius };
         (0..8).any(|k| {
@@ -193,45 +202,45 @@ impl PlaneArrangement<'_> {
         })
     }
 
-    /// `None` where another curve is near all of it, or the outline leaves the disc.
+    /// `None` if another curve is near all of the curve, or if the outline leaves the disc.
     fn cut(&self, number: usize) -> Option<CutCurve> {
-        let own = &self.functions[number];
-        let window = match own.curve {
+        let function = &self.functions[number];
+        let window = match function.curve {
             PlaneCurve::Nowhere => return Some(CutCurve::default()),
-            PlaneCurve::Line { .. } => match own.curve.within_disc(self.centre, self.radius) {
+            PlaneCurve::Line { .. } => match function.curve.within_disc(self.centre, self.radius) {
                 Some(window) => Some(window),
                 None => return Some(CutCurve::default()),
             },
             PlaneCurve::Circle { .. } => None,
         };
         let mut near = self.near(number, window)?;
-        for one in &mut near {
-            one.is_open = self.is_open(number, one);
+        for interval in &mut near {
+            interval.is_open = self.is_open(number, interval);
         }
         let n = near.len();
-        // Each with the intervals before and after it.
-        let mut between: Vec<([f64; 2], [Option<usize>; 2])> = Vec::new();
+        // Each gap, with the intervals before and after it.
+        let mut gaps: Vec<([f64; 2], [Option<usize>; 2])> = Vec::new();
         if let Some([low, high]) = window {
             for k in 0..=n {
                 let from = if k == 0 { low } else { near[k - 1].ends[1] };
                 let to = if k == n { high } else { near[k].ends[0] };
-                between.push(([from, to], [k.checked_sub(1), (k < n).then_some(k)]));
+                gaps.push(([from, to], [k.checked_sub(1), (k < n).then_some(k)]));
             }
         } else if n == 0 {
-            between.push(([0.0, TAU], [None, None]));
+            gaps.push(([0.0, TAU], [None, None]));
         } else {
             for k in 0..n {
                 let next = (k + 1) % n;
                 let turn = if next <= k { TAU } else { 0.0 };
-                between.push(([near[k].ends[1], near[next].ends[0] + turn], [Some(k), Some(next)]));
+                gaps.push(([near[k].ends[1], near[next].ends[0] + turn], [Some(k), Some(next)]));
             }
         }
         let mut stretches = Vec::new();
-        for ([from, to], beside) in between.into_iter().filter(|([from, to], _)| from < to) {
-            let signs = self.signs(own.curve.at(0.5 * (from + to)));
+        for ([from, to], beside) in gaps.into_iter().filter(|([from, to], _)| from < to) {
+            let signs = self.signs(function.curve.at(0.5 * (from + to)));
             let holds = |is_below: bool| {
-                let own_sign = own.is_negative(is_below);
-                self.csg.tree().contains(|p| if p as usize == number { own_sign } else { signs[p as usize] })
+                let sign = function.is_negative(is_below);
+                self.csg.tree().contains(|p| if p as usize == number { sign } else { signs[p as usize] })
             };
             let (left, right) = (holds(true), holds(false));
             if left == right {
@@ -248,27 +257,27 @@ impl PlaneArrangement<'_> {
         Some(CutCurve { near, stretches })
     }
 
-    /// The intervals where others are near, in order, those that overlap as one.
+    /// The intervals with others near, in order; intervals that overlap are joined.
     fn near(&self, number: usize, window: Option<[f64; 2]>) -> Option<Vec<NearStretch>> {
-        let own = &self.functions[number].curve;
-        let mut all: Vec<([f64; 2], u32)> = Vec::new();
+        let curve = &self.functions[number].curve;
+        let mut intervals: Vec<([f64; 2], u32)> = Vec::new();
         for (j, other) in self.functions.iter().enumerate().filter(|(j, _)| *j != number) {
-            for [from, to] in own.near(&other.curve, self.slack)? {
+            for [from, to] in curve.near(&other.curve, self.slack)? {
                 let Some([low, high]) = window else {
                     let turns = TAU * (from / TAU).floor();
-                    all.push(([from - turns, to - turns], j as u32));
+                    intervals.push(([from - turns, to - turns], j as u32));
                     continue;
                 };
-                // Cut off at the window: whether it is open is told at its middle, and curves that cross it beyond the
-                // window are not among the others.
+                // Cut off at the window: the middle of the interval tells whether it is open, and curves that cross it
+                // beyond the window are not among the others.
                 if to >= low && from <= high {
-                    all.push(([greater(from, low), lesser(to, high)], j as u32));
+                    intervals.push(([greater(from, low), lesser(to, high)], j as u32));
                 }
             }
         }
-        all.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.1.cmp(&b.1)));
+        intervals.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.1.cmp(&b.1)));
         let mut near: Vec<NearStretch> = Vec::new();
-        for (ends, other) in all {
+        for (ends, other) in intervals {
             match near.last_mut() {
                 Some(last) if ends[0] <= last.ends[1] => {
                     last.ends[1] = greater(ends[1], last.ends[1]);
@@ -277,7 +286,7 @@ impl PlaneArrangement<'_> {
                 _ => near.push(NearStretch { ends, others: vec![other], is_open: false }),
             }
         }
-        // Around a circle the last may reach the first, and then those after it.
+        // Around a circle the last interval may reach the first, and then the next.
         while window.is_none() && near.len() > 1 && near[near.len() - 1].ends[1] - TAU >= near[0].ends[0] {
             let last = near.pop()?;
             let back = last.ends.map(|t| t - TAU);
@@ -289,11 +298,12 @@ impl PlaneArrangement<'_> {
                 near[0].others.extend(next.others);
             }
         }
-        let is_whole = |one: &NearStretch| window.is_none() && one.ends[1] - one.ends[0] >= TAU;
+        let is_whole =
+            |interval: &NearStretch| window.is_none() && interval.ends[1] - interval.ends[0] >= TAU;
         if near.iter().any(is_whole) { None } else { Some(near) }
     }
 
-    /// Whether the signs of the curves that are near make a difference.
+    /// Whether the signs of the near curves make a difference.
     fn is_open(&self, number: usize, stretch: &NearStretch) -> bool {
         let [from, to] = stretch.ends;
         let signs = self.signs(self.functions[number].curve.at(0.5 * (from + to)));
@@ -351,7 +361,7 @@ struct CornerBox {
 }
 
 impl<'a> OutlineCorners<'a> {
-    /// `None` where something open is at no end of a stretch.
+    /// `None` if a corner is the end of no stretch.
     fn new(arrangement: &'a PlaneArrangement<'a>, cuts: &[CutCurve]) -> Option<Self> {
         let mut boxes: Vec<CornerBox> = Vec::new();
         let mut box_of: Vec<Vec<Option<u32>>> = Vec::with_capacity(cuts.len());
@@ -409,7 +419,7 @@ impl<'a> OutlineCorners<'a> {
         Some(Self { arrangement, vertices, stretches, circles, size })
     }
 
-    /// The closed loops of all stretches; `None` where they cannot be joined.
+    /// The closed loops of all stretches; `None` if they cannot be joined.
     fn loops(&self) -> Option<Vec<Vec<OutlineEdge>>> {
         let next = self.next_stretches()?;
         let mut seen = vec![false; next.len()];
@@ -426,7 +436,7 @@ impl<'a> OutlineCorners<'a> {
             }
         }
         let is_line = |edge: &OutlineEdge| matches!(self.curve(edge.curve), PlaneCurve::Line { .. });
-        // Lines alone need three.
+        // A loop of lines alone needs three.
         let is_flat = |path: &Vec<OutlineEdge>| path.len() < 3 && path.iter().all(is_line);
         if loops.iter().any(is_flat) { None } else { Some(loops) }
     }
@@ -440,7 +450,7 @@ impl<'a> OutlineCorners<'a> {
         OutlineEdge { start: self.vertices[ends[0] as usize], curve, from, to }
     }
 
-    /// For each stretch the one after it.
+    /// For each stretch the number of the next.
     fn next_stretches(&self) -> Option<Vec<usize>> {
         let mut coming: Vec<Vec<usize>> = vec![Vec::new(); self.vertices.len()];
         let mut going = coming.clone();
@@ -463,8 +473,8 @@ impl<'a> OutlineCorners<'a> {
         Some(next)
     }
 
-    /// What is filled is on the left: seen from the corner, it lies clockwise of a stretch that comes, up to the next
-    /// one that goes.
+    /// The filled side is on the left: seen from the corner, it lies clockwise of a coming stretch, up to the next
+    /// going one.
     fn joined_by_angle(&self, coming: &[usize], going: &[usize]) -> Option<Vec<(usize, usize)>> {
         let outward = |number: usize, is_coming: bool| {
             let CornerStretch { curve, from, to, .. } = self.stretches[number];
@@ -480,7 +490,7 @@ impl<'a> OutlineCorners<'a> {
         for k in 0..n {
             let (ray, after) = (rays[k], rays[(k + 1) % n]);
             let turn = if k + 1 == n { TAU } else { 0.0 };
-            // Coming and going take turns.
+            // Coming and going stretches have to alternate.
             if after.0 + turn - ray.0 < DISTINCT || after.2 == ray.2 {
                 return None;
             }
@@ -491,14 +501,14 @@ impl<'a> OutlineCorners<'a> {
         Some(joined)
     }
 
-    /// A loop without the corners at which it stays on one curve; `None` where it is on one curve but not around it.
+    /// A loop without the corners between edges of the same curve; `None` if it is on one curve but not around it.
     fn without_flat_corners(&self, path: &[OutlineEdge]) -> Option<Vec<OutlineEdge>> {
         let goes_on =
             |a: &OutlineEdge, b: &OutlineEdge| a.curve == b.curve && (a.to > a.from) == (b.to > b.from);
         let n = path.len();
         let first = (0..n).find(|k| !goes_on(&path[(k + n - 1) % n], &path[*k]));
         let Some(first) = first else {
-            // All the way around, or a short arc whose ends are in one corner: what is in a corner is short.
+            // Either all the way around, or a short arc with both ends in one corner.
             let one = path[0];
             let turn = if one.to > one.from { TAU } else { -TAU };
             let turns = (0..n).fold(0.0, |turns: f64, k| {
@@ -526,7 +536,7 @@ impl<'a> OutlineCorners<'a> {
     }
 }
 
-/// For each box the corner of those that overlap, one by one; and the number of corners.
+/// The number of each box's corner, a set of boxes joined by overlaps; and the number of corners.
 fn joined_boxes(boxes: &[CornerBox]) -> (Vec<u32>, usize) {
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|a, b| boxes[*a].min[0].total_cmp(&boxes[*b].min[0]).then(a.cmp(b)));
@@ -544,7 +554,7 @@ fn joined_boxes(boxes: &[CornerBox]) -> (Vec<u32>, usize) {
 }
 
 impl PlaneArrangement<'_> {
-    /// The point near another where two of some curves cross most steeply; lines along an axis keep their coordinate.
+    /// The steepest crossing of two of some curves near a point; lines along an axis keep their coordinate.
     fn crossing(&self, curves: &[u32], near: [f64; 2]) -> Option<[f64; 2]> {
         let unit = |number: u32, p: [f64; 2]| match self.functions[number as usize].curve {
             PlaneCurve::Line { normal, .. } => normal,

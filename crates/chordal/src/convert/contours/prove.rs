@@ -1,17 +1,20 @@
 //! Bounds the distance between closed polylines and the curve of a field, both ways, by ranges.
 //!
-//! Let S be the boundary of {F < 0} in the plane. **From S:** a box over which the range of F is of one sign
-//! holds no point of S that a box beside it does not hold too. The points of any other box are within the
-//! distance of its middle to some segment plus half of its diagonal; boxes are quartered until that is small
-//! enough. **From the lines:** a piece of a segment is within half of its length of its middle q. Between a
-//! point that is certainly inside and one that is certainly outside, by the range of F at each, there is a
-//! point of S, no farther from q than the farther of the two. No property of F is used, not even continuity.
+//! Let S be the boundary of {F < 0} in the plane.
+//!
+//! **From S to the lines:** if the range of F over a box has one sign, the box has no point of S except those that a
+//! box beside it has too. The points of any other box are within the distance of its middle to some segment plus half
+//! of its diagonal; boxes are quartered until that is small enough.
+//!
+//! **From the lines to S:** the points of a piece of a segment are within half of its length of its middle q. Between
+//! a point that is certainly inside and a point that is certainly outside, by the range of F at each, there is a point
+//! of S, no farther from q than the farther of the two. No property of F is used, not even continuity.
 use super::trace::{ContourBlock, TracedContours};
 use crate::budget::{Job, par_map};
 use crate::implicit::LeafError;
 use crate::math::{Box3, Interval, add_up, div_up, greater, length, length_up, lesser, sub_down};
 
-/// The bounds of the distance, and where it is largest.
+/// The bounds of the distance, and the point of the upper bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContourDistance {
     pub most: f64,
@@ -19,7 +22,7 @@ pub(super) struct ContourDistance {
     /// A lower bound.
     pub least: f64,
     /// Whether some point is certainly inside.
-    pub met: bool,
+    pub has_inside: bool,
 }
 
 /// Boxes are quartered down to this fraction of the aim, but not below `ROUNDINGS` times the rounding error.
@@ -29,8 +32,8 @@ const ROUNDINGS: f64 = 4.0;
 const AT_ONCE: usize = 256;
 /// The most pieces of a segment.
 const PIECES: f64 = 4096.0;
-/// Rings of squares around a point's own in which segments are searched for, first and at most; each retry
-/// takes four times as many.
+/// Rings of squares around the square of a point, searched for segments: at first, and at most; each retry takes four
+/// times as many.
 const RINGS: i64 = 2;
 const MOST_RINGS: i64 = 512;
 
@@ -41,13 +44,13 @@ struct ContourProver<'a> {
     /// Segments by the square that contains them, row by row.
     segments: Vec<([i64; 2], ContourSegment)>,
     aim: f64,
-    /// The distance reported where nothing is known.
-    all: f64,
-    /// The most that rounding moves a point.
+    /// A length above any distance in the region.
+    largest: f64,
+    /// The largest move of a point by rounding.
     rounding: f64,
 }
 
-/// The distance between the lines and the curve; above `aim` where that is not proved.
+/// The distance between the lines and the curve; above `aim` if that is not proved.
 pub(super) fn prove(
     traced: &TracedContours,
     bounds: &Box3,
@@ -70,26 +73,26 @@ pub(super) fn prove(
     let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
     // A dozen roundings of coordinates up to four times the largest, and underflow.
     let rounding = 32.0 * f64::EPSILON * reach + f64::MIN_POSITIVE;
-    let all = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
-    let prover = ContourProver { traced, segments, aim, all, rounding };
-    let found = par_map(job, &traced.blocks, |_, block| prover.block(block, job));
-    let mut far = ContourDistance { most: 0.0, at: traced.points[0], least: 0.0, met: false };
-    for one in found {
-        let one = one?;
-        far.met |= one.met;
-        if one.most > far.most {
-            (far.most, far.at) = (one.most, one.at);
+    let largest = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
+    let prover = ContourProver { traced, segments, aim, largest, rounding };
+    let results = par_map(job, &traced.blocks, |_, block| prover.block(block, job));
+    let mut far = ContourDistance { most: 0.0, at: traced.points[0], least: 0.0, has_inside: false };
+    for result in results {
+        let result = result?;
+        far.has_inside |= result.has_inside;
+        if result.most > far.most {
+            (far.most, far.at) = (result.most, result.at);
         }
-        far.least = greater(one.least, far.least);
+        far.least = greater(result.least, far.least);
     }
-    // Where no point is certainly inside there may be no curve at all.
-    far.most = if far.met { far.most } else { f64::INFINITY };
+    // Without a point that is certainly inside there may be no curve at all.
+    far.most = if far.has_inside { far.most } else { f64::INFINITY };
     Ok(far)
 }
 
 impl ContourDistance {
-    fn include(&mut self, most: f64, at: [f64; 2], all: f64) {
-        let most = lesser(most, all);
+    fn include(&mut self, most: f64, at: [f64; 2], largest: f64) {
+        let most = lesser(most, largest);
         if most > self.most {
             (self.most, self.at) = (most, at);
         }
@@ -98,7 +101,7 @@ impl ContourDistance {
 
 impl ContourProver<'_> {
     fn block(&self, block: &ContourBlock, job: &Job) -> Result<ContourDistance, LeafError> {
-        let mut far = ContourDistance { most: 0.0, at: [0.0; 2], least: 0.0, met: false };
+        let mut far = ContourDistance { most: 0.0, at: [0.0; 2], least: 0.0, has_inside: false };
         self.curve_to_lines(block, &mut far, job)?;
         self.lines_to_curve(block, &mut far)?;
         Ok(far)
@@ -110,12 +113,13 @@ impl ContourProver<'_> {
         far: &mut ContourDistance,
         job: &Job,
     ) -> Result<(), LeafError> {
-        let whole = self.traced.lattice.bounds(block.place, 1, 0.0);
-        let centre = [0, 1].map(|k| 0.5 * (whole.min[k] + whole.max[k]));
-        let mut beside = None;
-        let mut open = vec![[[whole.min[0], whole.min[1]], [whole.max[0], whole.max[1]]]];
+        let block_bounds = self.traced.lattice.bounds(block.place, 1, 0.0);
+        let centre = [0, 1].map(|k| 0.5 * (block_bounds.min[k] + block_bounds.max[k]));
+        let mut from_block_centre = None;
+        let mut open =
+            vec![[[block_bounds.min[0], block_bounds.min[1]], [block_bounds.max[0], block_bounds.max[1]]]];
         let mut ranges = Vec::new();
-        // The smallest boxes first: a large distance is found soon, and the other boxes need less depth then.
+        // The smallest boxes first: a large distance is found soon, and then the other boxes need less depth.
         while !open.is_empty() && !job.is_cancelled() {
             let boxes = open.split_off(open.len().saturating_sub(AT_ONCE));
             let places: Vec<Box3> = boxes
@@ -146,12 +150,13 @@ impl ContourProver<'_> {
                     continue;
                 }
                 if most > enough {
-                    let from_centre = *beside.get_or_insert_with(|| self.distance_to_any_line(centre));
+                    let from_centre =
+                        *from_block_centre.get_or_insert_with(|| self.distance_to_any_line(centre));
                     let aside = length_up([middle[0] - centre[0], middle[1] - centre[1]]);
                     let by_centre = add_up(from_centre, add_up(aside, half));
-                    far.include(lesser(by_centre, most), middle, self.all);
+                    far.include(lesser(by_centre, most), middle, self.largest);
                 } else {
-                    far.include(most, middle, self.all);
+                    far.include(most, middle, self.largest);
                 }
             }
         }
@@ -159,21 +164,20 @@ impl ContourProver<'_> {
     }
 
     /// The distance of a point to the nearest segment, rounded up, if it is within the aim; otherwise an
-    /// upper bound, infinite where no segment is near.
+    /// upper bound, infinite without a segment near.
     fn distance_to_lines(&self, p: [f64; 2]) -> f64 {
         let near = self.distance_in_rings(p, RINGS);
         // Enough squares to hold all segments within the aim.
-        let all = (self.aim / self.traced.lattice.step).ceil() as i64 + 1;
-        let far = if near > self.aim && all > RINGS {
-            self.distance_in_rings(p, all.min(MOST_RINGS))
+        let enough_rings = (self.aim / self.traced.lattice.step).ceil() as i64 + 1;
+        let far = if near > self.aim && enough_rings > RINGS {
+            self.distance_in_rings(p, enough_rings.min(MOST_RINGS))
         } else {
             near
         };
         add_up(far, self.rounding)
     }
 
-    /// The distance of a point to some segment, rounded up: the nearest, unless the search by squares misses
-    /// it.
+    /// The distance of a point to some segment, rounded up; the nearest one, unless the search by squares misses it.
     fn distance_to_any_line(&self, p: [f64; 2]) -> f64 {
         let mut rings = RINGS;
         let mut near = self.distance_in_rings(p, rings);
@@ -205,7 +209,7 @@ impl ContourProver<'_> {
     }
 
     fn lines_to_curve(&self, block: &ContourBlock, far: &mut ContourDistance) -> Result<(), LeafError> {
-        // Each piece: its middle, its normal, and half of its length.
+        // The middle, the normal, and half of the length of each piece.
         let mut pieces: Vec<([f64; 2], [f64; 2], f64)> = Vec::new();
         for [a, b] in block.segments.iter().map(|ends| ends.map(|row| self.traced.points[row as usize])) {
             let d = [b[0] - a[0], b[1] - a[1]];
@@ -222,38 +226,40 @@ impl ContourProver<'_> {
                 ));
             }
         }
-        let mut sure = vec![[f64::INFINITY; 2]; pieces.len()];
+        let mut distances = vec![[f64::INFINITY; 2]; pieces.len()];
         let mut ranges = vec![Interval::UNKNOWN; pieces.len()];
-        // Inside is on the left. Steps are fractions of the aim; the last ones are fractions of the piece
+        // Inside is on the left. Steps are fractions of the aim; the last four are fractions of the piece
         // itself, for details so small or thin that the others pass over them.
-        let of_aim = [(0.125, 0), (0.5, 0), (0.96875, 0), (0.5, 1), (0.96875, 1), (0.5, 2), (0.96875, 2)];
-        let of_piece = [(1.0, 0), (0.25, 0), (0.0625, 0), (0.015_625, 0)];
-        let steps = of_aim.map(|step| (step, false)).into_iter().chain(of_piece.map(|step| (step, true)));
+        let steps_of_aim =
+            [(0.125, 0), (0.5, 0), (0.96875, 0), (0.5, 1), (0.96875, 1), (0.5, 2), (0.96875, 2)];
+        let steps_of_piece = [(1.0, 0), (0.25, 0), (0.0625, 0), (0.015_625, 0)];
+        let steps =
+            steps_of_aim.map(|step| (step, false)).into_iter().chain(steps_of_piece.map(|step| (step, true)));
         for ((part, turn), is_of_piece) in steps {
-            if sure.iter().all(|s| s[0] < f64::INFINITY && s[1] < f64::INFINITY) {
+            if distances.iter().all(|s| s[0] < f64::INFINITY && s[1] < f64::INFINITY) {
                 break;
             }
             for side in 0..2 {
                 let points: Vec<Box3> = pieces
                     .iter()
                     .map(|(q, across, half)| {
-                        let whole = if is_of_piece { *half } else { sub_down(self.aim, *half) };
-                        // Farther away than the aim the tape of the block may be wrong.
-                        let whole = lesser(whole, self.aim);
-                        let whole = greater(whole, 0.0);
-                        let reach = part * whole * if side == 0 { 1.0 } else { -1.0 };
+                        let longest_step = if is_of_piece { *half } else { sub_down(self.aim, *half) };
+                        // Beyond the aim the tape of the block may be wrong.
+                        let longest_step = lesser(longest_step, self.aim);
+                        let longest_step = greater(longest_step, 0.0);
+                        let reach = part * longest_step * if side == 0 { 1.0 } else { -1.0 };
                         let [x, y] = *across;
-                        // Across, along, and between the two.
+                        // The direction across the piece, along it, or between the two.
                         let d = [[x, y], [y, -x], [0.7 * (x + y), 0.7 * (y - x)]][turn];
                         let p = [q[0] + reach * d[0], q[1] + reach * d[1], 0.0];
                         Box3 { min: p, max: p }
                     })
                     .collect();
                 block.tape.over(&points, &mut ranges)?;
-                for (((q, _, half), p), (sure, range)) in
-                    pieces.iter().zip(&points).zip(sure.iter_mut().zip(&ranges))
+                for (((q, _, half), p), (distances, range)) in
+                    pieces.iter().zip(&points).zip(distances.iter_mut().zip(&ranges))
                 {
-                    let which = if range.is_empty() || !range.is_defined() {
+                    let side_of_point = if range.is_empty() || !range.is_defined() {
                         continue;
                     } else if range.hi() < 0.0 {
                         0
@@ -264,18 +270,18 @@ impl ContourProver<'_> {
                     };
                     let apart = length_up([p.min[0] - q[0], p.min[1] - q[1]]);
                     let apart = add_up(add_up(apart, self.rounding), *half);
-                    far.met |= which == 0;
-                    sure[which] = lesser(apart, sure[which]);
+                    far.has_inside |= side_of_point == 0;
+                    distances[side_of_point] = lesser(apart, distances[side_of_point]);
                 }
             }
         }
-        for ((q, _, _), sure) in pieces.iter().zip(&sure) {
-            far.include(greater(sure[0], sure[1]), *q, self.all);
+        for ((q, _, _), distances) in pieces.iter().zip(&distances) {
+            far.include(greater(distances[0], distances[1]), *q, self.largest);
         }
         self.lower_bound(block, &pieces, far)
     }
 
-    /// Raises the lower bound: boxes around middles of segments that lie on one side.
+    /// Raises the lower bound by boxes around middles of segments with one sign throughout.
     fn lower_bound(
         &self,
         block: &ContourBlock,
@@ -313,10 +319,10 @@ pub(super) fn count_segments(traced: &TracedContours) -> u64 {
     traced.lines.iter().map(|line| line.len() as u64).sum()
 }
 
-/// Estimates how far the middles of segments are from the curve.
+/// Estimates the largest distance of a segment's middle from the curve.
 pub(super) fn estimate(traced: &TracedContours, job: &Job) -> Result<f64, LeafError> {
     use crate::implicit::Dual;
-    let found = par_map(job, &traced.blocks, |_, block| -> Result<f64, LeafError> {
+    let distances = par_map(job, &traced.blocks, |_, block| -> Result<f64, LeafError> {
         let points: Vec<[f64; 3]> = block
             .segments
             .iter()
@@ -332,5 +338,5 @@ pub(super) fn estimate(traced: &TracedContours, job: &Job) -> Result<f64, LeafEr
             if far.is_finite() && far > most { far } else { most }
         }))
     });
-    found.into_iter().try_fold(0.0, |most, one| one.map(|one| greater(one, most)))
+    distances.into_iter().try_fold(0.0, |most, one| one.map(|one| greater(one, most)))
 }

@@ -12,40 +12,40 @@ use crate::math::{Box3, greater};
 pub(in crate::convert) struct ContourGoal {
     pub length: Option<f64>,
     pub segments: Option<u64>,
-    /// Whether a measured result is accepted where nothing can be proved.
+    /// Whether a measured result is accepted if no bound can be proved.
     pub measured: bool,
 }
 
 type ContourPolylines = Vec<Polyline<2>>;
 
-/// Squares along the longest side: at first, and at most where none is crossed.
+/// Squares along the longest side: at first, and at most if none is crossed.
 const FIRST: f64 = 64.0;
 const MOST_EMPTY: f64 = 2048.0;
-/// The most lattices that are tried.
+/// The most lattices.
 const TRIALS: usize = 16;
 /// The search ends after `STUCK` lattices whose bound is above this fraction of the last one, once there are
 /// `STUCK_SEGMENTS`. With fewer segments, smaller squares cost little and may catch details between corners.
 const STUCK_SHARE: f64 = 0.8;
 const STUCK: usize = 2;
 const STUCK_SEGMENTS: u64 = 1 << 14;
-/// The most segments: each takes some hundred bytes.
+/// The most segments: each takes a few hundred bytes.
 const MOST: u64 = 1 << 24;
 
 /// Finds lines within the limits, or the best.
 pub(in crate::convert) fn search(
     field: &Field,
-    wanted: &ContourGoal,
+    goal: &ContourGoal,
     job: &Job,
 ) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
     let tape = Tape::new(field.sign());
     let bounds = field.bounds();
     let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
     let longest = greater(sides[0], sides[1]);
-    let search = ContourSearch { tape, evidence: field.evidence(), bounds, wanted, job };
+    let search = ContourSearch { tape, evidence: field.evidence(), bounds, goal, job };
     let mut step = longest / FIRST;
     let mut best: Option<Bounded<ContourPolylines>> = None;
-    // With a count alone, lines are as fine as it allows, and their bound is found afterwards.
-    let Some(length) = wanted.length else { return search.by_count(step) };
+    // With a count alone, lines are as fine as it allows, and their bound is computed afterwards.
+    let Some(length) = goal.length else { return search.by_count(step) };
     let (mut stuck, mut last) = (0, f64::INFINITY);
     for round in 0..TRIALS {
         job.report(Progress { stage: "contours", done: round as u64, total: TRIALS as u64 });
@@ -61,35 +61,35 @@ pub(in crate::convert) fn search(
             }
             continue;
         }
-        let seen = estimate(&traced, job).map_err(leaf_failure)?;
-        if seen > 0.9 * length {
-            let part = (0.7 * length / seen).sqrt();
+        let estimated = estimate(&traced, job).map_err(leaf_failure)?;
+        if estimated > 0.9 * length {
+            let part = (0.7 * length / estimated).sqrt();
             step *= greater(0.25, part);
             continue;
         }
         if !search.evidence.bounds_above() {
-            let made = search.polylines(&traced, None, seen);
-            return if wanted.measured {
-                search.check_segments(made)
+            let lines = search.polylines(&traced, None, estimated);
+            return if goal.measured {
+                search.check_segments(lines)
             } else {
-                Err(Failure::Unmet(Box::new(made)))
+                Err(Failure::Unmet(Box::new(lines)))
             };
         }
-        let far = prove(&traced, &bounds, length, job).map_err(leaf_failure)?;
+        let distance = prove(&traced, &bounds, length, job).map_err(leaf_failure)?;
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let made = search.polylines(&traced, Some(far.most), far.least);
-        if far.most <= length {
-            let made = without_straight_runs(made, length);
-            return search.check_segments(with_place(made, far.at));
+        let lines = search.polylines(&traced, Some(distance.most), distance.least);
+        if distance.most <= length {
+            let lines = without_straight_runs(lines, length);
+            return search.check_segments(with_place(lines, distance.at));
         }
-        if best.as_ref().and_then(|best| best.bound.at_most()).is_none_or(|most| far.most < most) {
-            best = Some(with_place(made, far.at));
+        if best.as_ref().and_then(|best| best.bound.at_most()).is_none_or(|most| distance.most < most) {
+            best = Some(with_place(lines, distance.at));
         }
-        // Stops where smaller squares do not help.
-        stuck += usize::from(far.most > STUCK_SHARE * last);
-        last = far.most;
+        // Stops if smaller squares do not help.
+        stuck += usize::from(distance.most > STUCK_SHARE * last);
+        last = distance.most;
         if count_segments(&traced) > MOST / 4 || stuck >= STUCK && count_segments(&traced) > STUCK_SEGMENTS {
             break;
         }
@@ -104,9 +104,9 @@ pub(in crate::convert) fn search(
     }
 }
 
-fn with_place(mut made: Bounded<ContourPolylines>, at: [f64; 2]) -> Bounded<ContourPolylines> {
-    made.bound.at = Some([at[0], at[1], 0.0]);
-    made
+fn with_place(mut lines: Bounded<ContourPolylines>, at: [f64; 2]) -> Bounded<ContourPolylines> {
+    lines.bound.at = Some([at[0], at[1], 0.0]);
+    lines
 }
 
 fn leaf_failure(error: crate::implicit::LeafError) -> Failure<ContourPolylines> {
@@ -117,7 +117,7 @@ struct ContourSearch<'a> {
     tape: Tape,
     evidence: Evidence,
     bounds: Box3,
-    wanted: &'a ContourGoal,
+    goal: &'a ContourGoal,
     job: &'a Job,
 }
 
@@ -171,16 +171,16 @@ impl ContourSearch<'_> {
 
     fn check_segments(
         &self,
-        made: Bounded<ContourPolylines>,
+        lines: Bounded<ContourPolylines>,
     ) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
-        let n: u64 = made.shape.iter().map(|line| line.n_segments() as u64).sum();
-        let fits = self.wanted.segments.is_none_or(|most| n <= most);
-        if fits { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        let n: u64 = lines.shape.iter().map(|line| line.n_segments() as u64).sum();
+        let fits = self.goal.segments.is_none_or(|most| n <= most);
+        if fits { Ok(lines) } else { Err(Failure::Unmet(Box::new(lines))) }
     }
 
-    /// The finest lattice found whose segments are within the wanted number.
+    /// The lines of the finest lattice found with no more segments than the goal allows.
     fn by_count(&self, first: f64) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
-        let most = self.wanted.segments.unwrap_or(0);
+        let most = self.goal.segments.unwrap_or(0);
         let mut step = first;
         let mut fits: Option<f64> = None;
         for _ in 0..TRIALS {
@@ -204,18 +204,23 @@ impl ContourSearch<'_> {
         let mut aim = 0.25 * step;
         loop {
             let traced = self.trace_at_step(step, aim)?;
-            let seen = estimate(&traced, self.job).map_err(leaf_failure)?;
+            let estimated = estimate(&traced, self.job).map_err(leaf_failure)?;
             if !self.evidence.bounds_above() {
-                return Ok(self.polylines(&traced, None, seen));
+                return Ok(self.polylines(&traced, None, estimated));
             }
-            let far = prove(&traced, &self.bounds, aim, self.job).map_err(leaf_failure)?;
+            let distance = prove(&traced, &self.bounds, aim, self.job).map_err(leaf_failure)?;
             if self.job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            if far.most <= aim || aim > 4.0 * step || !far.met {
-                let made = with_place(self.polylines(&traced, Some(far.most), far.least), far.at);
-                let known = far.met || self.wanted.measured;
-                return if known { self.check_segments(made) } else { Err(Failure::Unmet(Box::new(made))) };
+            if distance.most <= aim || aim > 4.0 * step || !distance.has_inside {
+                let lines =
+                    with_place(self.polylines(&traced, Some(distance.most), distance.least), distance.at);
+                let is_accepted = distance.has_inside || self.goal.measured;
+                return if is_accepted {
+                    self.check_segments(lines)
+                } else {
+                    Err(Failure::Unmet(Box::new(lines)))
+                };
             }
             aim *= 2.0;
         }

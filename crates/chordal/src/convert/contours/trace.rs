@@ -13,7 +13,7 @@ const POINTS: usize = BLOCK as usize + 1;
 const MOST: f64 = 65_536.0;
 /// Crossings stay this fraction of an edge, exactly 2⁻²⁰, away from its ends, so that no two coincide.
 const MARGIN: f64 = 1.0 / 1_048_576.0;
-/// Bisections of an edge: its crossing is known to 2⁻³² of it.
+/// Bisections of an edge: its crossing is known to 2⁻³² of the edge.
 const HALVINGS: usize = 32;
 
 /// Squares of one size over a rectangle of the plane z = 0.
@@ -26,7 +26,7 @@ pub(super) struct ContourLattice {
 }
 
 impl ContourLattice {
-    /// Squares of side `step` that cover a box with one more all around; `None` where they are too many, or
+    /// Squares of side `step` that cover a box with one more all around; `None` if they are too many, or if
     /// coordinates cannot distinguish them.
     pub fn covering(bounds: &Box3, step: f64) -> Option<Self> {
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| greater(x.abs(), m));
@@ -34,7 +34,7 @@ impl ContourLattice {
         if step < 4096.0 * f64::EPSILON * reach {
             return None;
         }
-        // The origin avoids round numbers: lines there would cross edges exactly at their ends.
+        // The origin avoids round numbers: a curve with such coordinates would cross edges exactly at their ends.
         let aside = [1.618_034, 1.381_966];
         let origin = [0, 1].map(|k| bounds.min[k] - step * aside[k]);
         let mut blocks = [0; 2];
@@ -118,14 +118,14 @@ pub(super) fn trace(
         });
         blocks = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
     }
-    let made = par_map(job, &blocks, |_, (place, tape)| {
+    let sampled = par_map(job, &blocks, |_, (place, tape)| {
         if job.is_cancelled() { Ok(None) } else { sample_block(*place, tape, &lattice).map(Some) }
     });
     if job.is_cancelled() {
         return Ok(None);
     }
     let mut blocks: Vec<ContourBlock> =
-        made.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        sampled.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let mut crossings: Vec<(u64, [f64; 2])> =
         blocks.iter_mut().flat_map(|block| std::mem::take(&mut block.crossings)).collect();
     crossings.sort_unstable_by_key(|crossing| crossing.0);
@@ -179,22 +179,22 @@ fn subdivide_blocks(
     size: u32,
     pad: f64,
 ) -> Result<Vec<BlockTape>, LeafError> {
-    let mut found = Vec::new();
+    let mut quarters = Vec::new();
     for n in 0..4 {
         let quarter = [place[0] + (n & 1) * size, place[1] + (n >> 1) * size];
         if (0..2).any(|k| quarter[k] >= lattice.blocks[k]) {
             continue;
         }
-        let (range, short) = tape.prune(&lattice.bounds(quarter, size, pad))?;
+        let (range, pruned) = tape.prune(&lattice.bounds(quarter, size, pad))?;
         let at_border = (0..2).any(|k| quarter[k] == 0 || quarter[k] + size >= lattice.blocks[k]);
-        // Where a part of the expression has no value, the range says nothing. The border of the lattice is
+        // If a part of the expression has no value, the range says nothing. The border of the lattice is
         // outside.
         if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0 && !at_border) {
             continue;
         }
-        found.push((quarter, short.map_or_else(|| Arc::clone(tape), Arc::new)));
+        quarters.push((quarter, pruned.map_or_else(|| Arc::clone(tape), Arc::new)));
     }
-    Ok(found)
+    Ok(quarters)
 }
 
 /// Finds the signs of a block, and its crossed edges.

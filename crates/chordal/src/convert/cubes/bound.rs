@@ -1,15 +1,15 @@
 //! Bounds the distance between a marching cubes mesh and the trilinear isosurface, proved cell by cell.
 //!
-//! Let g be the interpolant minus the level, negated where high is inside, so that the shape is {g < 0}, and
+//! Let g be the interpolant minus the level, negated if high is inside, so that the shape is {g < 0}, and
 //! S its boundary in the lattice's box (a tie is outside). Coordinates of a cell are indices, from 0 to 1.
 //! `mesh` is the mesh with its vertices at the exact zeros of g on the edges; the written mesh differs from
 //! it by rounding and by the margin, which are added at the end.
 //!
 //! **Every cell by its diagonal.** In a cell g is a convex combination of the corners. So a cell without
-//! inside corners holds no point with g < 0, and one without outside corners only such points: a point of S
-//! lies in a cell with both (one that has points with g < 0 arbitrarily close to it). Triangles lie in such
-//! cells too. And such a cell has an edge with ends on both sides, which has a vertex of the mesh and a point
-//! of S. So a point of either is within the longest diagonal of its cell of the other.
+//! inside corners has no point with g < 0, and a cell without outside corners has only such points. So a point
+//! of S lies in a cell with both kinds of corners, and so do triangles. Such a cell has an edge with ends on
+//! both sides, and on it a vertex of the mesh and a point of S. So a point of the mesh or of S is within the
+//! longest diagonal of its cell of the other.
 //!
 //! **g on a triangle.** Along each axis g is linear, so its Hessian H has no diagonal. Let q = Σ λᵢ Vᵢ be on
 //! a triangle of the cell, with g(Vᵢ) = 0. Taylor's formula about q gives 0 = Σ λᵢ g(Vᵢ) = g(q) + ½ Σ λᵢ
@@ -22,29 +22,29 @@
 //! **A point far from 0 is on its side of the mesh.** Let g(x) > e at a point x of a cell. Along x's line in
 //! the first axis g is linear, so it does not fall in one of the two directions. Go there to the cell's side,
 //! then likewise along the second and third axis: a path to a corner on which g > e. It meets no triangle of
-//! the cell, for there |g| ≤ e, and the corner is outside. The mesh separates outside corners from inside
-//! ones in every cell, so x is outside of the mesh. Likewise x with g(x) < −e is inside of it.
+//! the cell, since |g| ≤ e on these, and the corner is outside. The mesh separates outside corners from inside
+//! corners in every cell, so x is outside of the mesh. Likewise x with g(x) < −e is inside of it.
 //!
-//! **Three cells in a row.** For a cell and an axis take the cell before and the one behind it. Suppose that
-//! all 12 differences along the axis have one sign and are at least m > 0 in size; e is the largest of the
-//! three. If r = e/m ≤ 1, points of the cell on the mesh or on S are within r of the other:
+//! **Three cells in a row.** Take a cell and the two cells beside it along an axis. Suppose that all 12
+//! differences along the axis have one sign and are at least m > 0 in size; e is the largest of the three
+//! cells. If r = e/m ≤ 1, points of the cell on the mesh or on S are within r of the other:
 //! - From a point of S go along the axis by a little more than r both ways. That stays in the three cells,
 //!   along it g changes by at least m a unit, so it ends at g > e and at g < −e: on different sides of the
 //!   mesh, which therefore crosses the line between.
-//! - From a point of the mesh, where |g| ≤ e, go by r to where g falls to 0, or rises to it: S is on the way.
-//! - A point of S in a capped border across which the axis does not run has g ≤ 0. Where g < −e it is inside
-//!   of the mesh and in the border, hence in a cap. Else go along the axis, in the border, to where g < −e:
-//!   there are caps on the way, or it is on one. A point of a cap of the mesh has g ≤ e, by the same formula
-//!   with g ≤ 0 at its corners; where g > 0, go to where it is 0.
+//! - From a point of the mesh, with |g| ≤ e, go along the axis by r, in the direction in which g falls or rises
+//!   to 0: S is on the way.
+//! - A point of S in a capped border that contains the axis has g ≤ 0. If g < −e, the point is inside of the
+//!   mesh and in the border, hence in a cap. Otherwise go along the axis, in the border, to a point with
+//!   g < −e: there are caps on the way, or the point is on one. A point of a cap of the mesh has g ≤ e, by the
+//!   same formula with g ≤ 0 at its corners; if g > 0, go to a point with g = 0.
 //!
-//! Rows that would leave the lattice are not taken; then, and where the bound is large, another axis is
-//! tried.
+//! A row that would leave the lattice is not used; then, and if the bound is large, another axis is tried.
 //!
-//! **The rest**, cells where no row works and those with the largest bounds, are cut up (`cell_prover.rs`),
-//! aiming at an eighth more than the lower bound of the distance. So the result depends on the actual shape,
-//! not on the worst case of a formula.
+//! **The other cells**, those without such a row and those with the largest bounds, are cut up
+//! (`cell_prover.rs`), aiming at an eighth more than the lower bound of the distance. So the result depends on
+//! the actual shape, not on the worst case of a formula.
 //!
-//! Where cells are halved and several levels meet, see `octree_bound.rs`.
+//! For halved cells of several levels see `octree_bound.rs`.
 use super::cell_prover::CellProver;
 use super::marching_cubes::MarchingPlan;
 use super::rule::{Border, Polygonize};
@@ -58,7 +58,7 @@ use std::collections::BTreeMap;
 /// Half a unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// An upper bound of the distance and where it is largest; a lower bound and where it is attained.
+/// An upper bound of the distance with its cell, and a lower bound with a point that attains it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IsosurfaceDistance {
     pub most: f64,
@@ -67,47 +67,50 @@ pub(crate) struct IsosurfaceDistance {
     pub witness: Option<[f64; 3]>,
 }
 
-/// The proof, with what it needs of the lattice.
+/// The proof, with the numbers of the lattice that it needs.
 pub(crate) struct IsosurfaceProof<'a> {
     local: CellProver<'a>,
     size: [usize; 3],
     /// The lengths of the three steps in space, rounded up.
     lengths: [f64; 3],
-    /// A bound of this suffices.
+    /// A bound of this length suffices.
     enough: f64,
-    /// So many cells more than their share may be cut up.
+    /// The number of cells that may be cut up in addition to their share.
     some: usize,
-    /// A fraction of the diagonal that suffices, too.
+    /// A bound of this fraction of the diagonal suffices, too.
     fine: f64,
-    /// Whether it goes on where a bound of `enough` is out of reach.
+    /// Whether the proof goes on if a bound of `enough` is out of reach.
     goes_on: bool,
 }
 
-/// Cells in each slab that are searched for a lower bound: those with the largest bounds, and some of those
-/// without a bound.
+/// Cells in each slab that are searched for a lower bound: cells with the largest bounds, and some cells without
+/// a bound.
 const WITNESSES: usize = 4;
 /// The aim is the lower bound times this.
 const AIM: f64 = 1.125;
-/// A fraction of a cell's diagonal: below it cutting up costs more than it brings (measured on a gyroid).
+/// A fraction of a cell's diagonal. Measured on a gyroid: below it, cutting up costs more than it improves.
 const FINE: f64 = 1.0 / 32.0;
-/// The same for a block: measured on waves in 64 blocks, a quarter of the time of the above, and the bound of the whole.
+/// The same for a block. Measured on waves in 64 blocks: a quarter of the time with the fraction above, and the same
+/// bound for the whole.
 const FINE_OF_BLOCK: f64 = 1.0 / 16.0;
 /// Bounds are stored in f32, rounded up: the aim is less by two such roundings, so that the stored bound is
 /// within the request.
 const STORED: f64 = 1.0 - f32::EPSILON as f64;
 /// The aim falls by this factor from one round to the next.
 const FALL: f64 = 0.6;
-/// Cells with the same corners are proved once where there are at most so many kinds, and at least so many cells for each.
-/// Chosen: a mask has 254 kinds, and eight times as many halved once.
+/// Cells with the same corners are proved once if there are at most so many kinds, and at least so many cells of each.
+/// Chosen: a mask has 254 kinds, and eight times as many once it is halved.
 const MOST_KINDS: usize = 4096;
 const SHARED: usize = 4;
-/// An aim that is out of reach grows by this factor for a kind. Chosen.
+/// An aim that is out of reach for a kind grows by this factor. Chosen: the bound is at most that much too large, and
+/// four steps double the aim.
 const NEXT_AIM: f64 = 1.1875;
-/// At most one in so many cells is cut up, plus this many.
+/// At most one in `SHARE` cells is cut up, plus `SOME` cells.
 const SHARE: usize = 8;
 const SOME: usize = 4096;
 
-/// The values at the corners of a cell, less the level, as bits; and of six borders those that are capped there.
+/// The values at the corners of a cell, less the level, as bits; and the capped borders of the cell, one bit for each of
+/// six.
 type CellKind = ([u64; 8], u8);
 
 /// A cell with its bound, as a fraction of the diagonal.
@@ -115,7 +118,7 @@ type CellKind = ([u64; 8], u8);
 struct CellBound {
     most: f32,
     at: [u32; 3],
-    /// Where the bound is stored.
+    /// The slab that stores the bound, and the number of the bound in it.
     slab: u32,
     number: u32,
 }
@@ -143,13 +146,13 @@ impl<'a> IsosurfaceProof<'a> {
         Self { local, size: source.size(), lengths, enough: 0.0, some: SOME, fine: FINE, goes_on: false }
     }
 
-    /// The same proof, where a bound of `enough` suffices.
+    /// The same proof, with a bound of `enough` as its goal.
     pub fn with_enough(self, enough: f64) -> Self {
         Self { enough, ..self }
     }
 
-    /// The same proof for one of many blocks. Without a length that suffices no more than their share of its cells are cut
-    /// up, and less, since every block has a worst cell; with one, all that need it are.
+    /// The same proof for one of many blocks. With a length as the goal, all cells that need it are cut up. Without one, only
+    /// a share of the cells is, down to larger parts, since every block has a worst cell.
     pub fn of_block(self, enough: f64) -> Self {
         let some = if enough > 0.0 { usize::MAX / 2 } else { 0 };
         Self { enough, some, fine: FINE_OF_BLOCK, goes_on: true, ..self }
@@ -167,11 +170,11 @@ impl<'a> IsosurfaceProof<'a> {
             });
             rows.finish()
         });
-        let all = slabs.iter().map(Vec::len).sum::<usize>();
+        let n_cells = slabs.iter().map(Vec::len).sum::<usize>();
         self.share_equal_cells(plan, &mut slabs, job);
         let top = self.length_of(largest_bound(&slabs));
         let none = IsosurfaceDistance { most: top, at: [0; 3], least: 0.0, witness: None };
-        if job.is_cancelled() || all == 0 {
+        if job.is_cancelled() || n_cells == 0 {
             return none;
         }
         // 2. The lower bound.
@@ -194,8 +197,8 @@ impl<'a> IsosurfaceProof<'a> {
             seen
         });
         let mut seen = farther(None, candidates);
-        // 3. Cells with the largest bounds get better ones, in rounds, until the lower bound is near or they
-        // are too many.
+        // 3. Cells with the largest bounds get better bounds, in rounds, until the lower bound is near or the
+        // cells are too many.
         let mut worst = none;
         for round in 0.. {
             let least = seen.map_or(0.0, |s| s.0);
@@ -206,9 +209,9 @@ impl<'a> IsosurfaceProof<'a> {
             }
             let goal = STORED * greater(FALL * worst.most, aim);
             let mut cells = cells_above(plan, &slabs, self.to_diagonals(goal), job);
-            // Cells without a bound yet get one, however many they are.
+            // Cells that have no bound yet get one, however many they are.
             let is_open = round == 0 && worst.most >= 0.75 * self.local.diagonal;
-            if cells.len() > all / SHARE + self.some && !is_open {
+            if cells.len() > n_cells / SHARE + self.some && !is_open {
                 break;
             }
             let better =
@@ -236,11 +239,11 @@ impl<'a> IsosurfaceProof<'a> {
         IsosurfaceDistance { least: seen.map_or(0.0, |s| s.0), witness: seen.map(|s| s.1), ..worst }
     }
 
-    /// Gives all cells with the same corners and the same capped borders one bound, where there are few of these.
+    /// Gives all cells with the same corners and the same capped borders one bound, if there are few such kinds.
     fn share_equal_cells(&self, plan: &MarchingPlan, slabs: &mut [Vec<f32>], job: &Job) {
-        let all = slabs.iter().map(Vec::len).sum::<usize>();
-        let most = MOST_KINDS.min(all / SHARED);
-        // A slab with too many has none.
+        let n_cells = slabs.iter().map(Vec::len).sum::<usize>();
+        let most = MOST_KINDS.min(n_cells / SHARED);
+        // A slab with too many kinds stops early.
         let kinds = plan.for_each_slab(job, |_, walk| {
             let mut kinds = BTreeMap::new();
             let mut last = None;
@@ -265,20 +268,22 @@ impl<'a> IsosurfaceProof<'a> {
         let kinds: Vec<CellKind> = shared.into_keys().collect();
         let bounds =
             par_map(job, &kinds, |_, kind| if job.is_cancelled() { 1.0 } else { self.bound_of_kind(kind) });
-        let known: BTreeMap<CellKind, f32> = kinds.into_iter().zip(bounds).collect();
+        let bound_of: BTreeMap<CellKind, f32> = kinds.into_iter().zip(bounds).collect();
         let better = plan.for_each_slab(job, |number, walk| {
             let mut bounds = slabs[number].iter();
             let mut better = Vec::with_capacity(slabs[number].len());
             walk(&mut |at, _| {
-                let own = bounds.next().copied().unwrap_or(1.0);
-                better.push(known.get(&self.kind(at)).map_or(own, |bound| lesser(*bound, own)));
+                let bound_by_rows = bounds.next().copied().unwrap_or(1.0);
+                better.push(
+                    bound_of.get(&self.kind(at)).map_or(bound_by_rows, |bound| lesser(*bound, bound_by_rows)),
+                );
             });
             better
         });
         slabs.iter_mut().zip(better).for_each(|(slab, better)| *slab = better);
     }
 
-    /// All that a cell's triangles and the interpolant in it depend on, but for its place.
+    /// The kind of a cell: its triangles and the interpolant in it depend on this alone, except for their position.
     fn kind(&self, at: [usize; 3]) -> CellKind {
         let mut capped = 0;
         for (k, border) in self.local.rule.border.iter().enumerate() {
@@ -290,8 +295,8 @@ impl<'a> IsosurfaceProof<'a> {
         (self.corners(at).map(f64::to_bits), capped)
     }
 
-    /// The bound of a cell in a lattice of its own around the origin, open where the cell has neighbours: what is shown there
-    /// of its triangles and its part of S holds in the whole lattice.
+    /// The bound of a cell in a separate lattice around the origin, with open borders except for capped ones: the proof for
+    /// its triangles and its part of S holds in the whole lattice.
     fn bound_of_kind(&self, (corners, capped): &CellKind) -> f32 {
         let rule = self.local.rule;
         let border = [0, 1, 2].map(|k| {
@@ -321,7 +326,7 @@ impl<'a> IsosurfaceProof<'a> {
             most = lesser(prover.cell_distance([0; 3], aim), most);
             aim *= NEXT_AIM;
         }
-        // The lattice's own place moves its triangles by other roundings than this one's does.
+        // The roundings of triangles in the whole lattice differ from those in this one.
         self.to_diagonals(add_up(most, mul_up(2.0, rounding)))
     }
 
@@ -336,7 +341,7 @@ impl<'a> IsosurfaceProof<'a> {
                 most = lesser(mul_up(shift(&planes, [0.0; 2], self.local.slack), self.lengths[axis]), most);
             }
         }
-        // The aim may be out of reach: then it grows by a quarter.
+        // If the aim is out of reach, it grows.
         let mut goal = aim;
         while most > goal {
             most = lesser(self.local.cell_distance(at, goal), most);
@@ -364,7 +369,7 @@ impl<'a> IsosurfaceProof<'a> {
         std::array::from_fn(|c| self.sample([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]))
     }
 
-    /// The four planes of three cells in a row, the middle one of which has these corners.
+    /// The values on the four planes of three cells in a row; the middle cell has these corners.
     fn planes(&self, at: [usize; 3], axis: usize, corners: &[f64; 8]) -> [[f64; 4]; 4] {
         let beside = |c: usize, behind: bool| {
             let mut there = [at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)];
@@ -420,7 +425,7 @@ impl<'a> CellBatch<'a> {
         run(MinSlopeKernel { corners: &self.corners, out: &mut slowest });
         let mut axes = [3; LANES];
         for (lane, at) in self.at.iter().enumerate() {
-            // The axis with the steepest slowest edge; preferably one with three cells.
+            // The axis with the largest slope of its slowest edge; preferably an axis with three cells.
             let mut best = (false, 0.0);
             for axis in 0..3 {
                 let slope = slowest[axis][lane];
@@ -464,7 +469,7 @@ fn f32_up(x: f64) -> f32 {
     if f64::from(near) < x { near.next_up() } else { near }
 }
 
-/// The farther of all, the first of equals.
+/// The farthest of all; the first of equals.
 fn farther(first: Option<(f64, [f64; 3])>, rest: Vec<Option<(f64, [f64; 3])>>) -> Option<(f64, [f64; 3])> {
     rest.into_iter()
         .flatten()
@@ -477,18 +482,18 @@ fn select_cells(bounds: &[f32]) -> Vec<usize> {
     let equal: Vec<usize> = (0..bounds.len()).filter(|i| bounds[*i] == top).collect();
     let mut picked: Vec<usize> =
         equal.iter().step_by(equal.len().div_ceil(WITNESSES).max(1)).copied().collect();
-    let mut rest: Vec<usize> =
+    let mut others: Vec<usize> =
         (0..bounds.len()).filter(|i| bounds[*i] < top && bounds[*i] > 0.5 * top).collect();
-    if rest.len() > WITNESSES {
-        rest.select_nth_unstable_by(WITNESSES, |a, b| bounds[*b].total_cmp(&bounds[*a]).then(a.cmp(b)));
-        rest.truncate(WITNESSES);
+    if others.len() > WITNESSES {
+        others.select_nth_unstable_by(WITNESSES, |a, b| bounds[*b].total_cmp(&bounds[*a]).then(a.cmp(b)));
+        others.truncate(WITNESSES);
     }
-    picked.extend(rest);
+    picked.extend(others);
     picked.sort_unstable();
     picked
 }
 
-/// Cells whose bounds are above `aim`.
+/// Cells with bounds above `aim`.
 fn cells_above(plan: &MarchingPlan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> Vec<CellBound> {
     let cells = plan.for_each_slab(job, |slab, walk| {
         let bounds = &slabs[slab];

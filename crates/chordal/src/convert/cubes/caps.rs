@@ -2,11 +2,11 @@
 //!
 //! Each square of a capped border gets the polygon of its inside: its inside corners, which are vertices of a
 //! separate kind, and the crossings of its sides. It is cut like the faces of cells, every run of inside
-//! corners by itself. The sides between crossings are the segments where cells end, each used once from
-//! either side. A side from a corner is shared by the two squares at it, around the edges of the lattice too.
+//! corners by itself. The sides between crossings are the segments at which cells end, each used once from
+//! either side. A side from a corner is shared by its two squares, also around the edges of the lattice.
 //! Around a corner the squares make a disc: four in a face of the lattice, four along an edge of it, three at
-//! its corner. No polygon has a diagonal between two crossings, so none of its inner edges is one of a cell.
-//! Hence the whole stays a closed manifold.
+//! its corner. No polygon has a diagonal between two crossings, so none of its inner edges is an edge of a cell.
+//! Hence the mesh stays a closed manifold.
 use super::marching_cubes::MarchingPlan;
 use super::rule::Border;
 use super::sign_bits::SignBits;
@@ -46,7 +46,7 @@ fn polygons(inside: [bool; 4]) -> Vec<Vec<CapVertex>> {
     if inside == [true; 4] {
         return vec![(0..4).map(CapVertex::Corner).collect()];
     }
-    // A run of inside corners begins where the corner before is outside.
+    // A run of inside corners begins after an outside corner.
     let firsts = (0..4).filter(|&i| inside[i] && !inside[(i + 3) % 4]);
     let polygon = |first: usize| {
         let run = (1..4).find(|n| !inside[(first + n) % 4]).unwrap_or(1);
@@ -108,7 +108,7 @@ pub(super) fn for_each_triangle(bits: &SignBits, mut each: impl FnMut(usize, usi
     });
 }
 
-/// The axis whose border a square is in, and which end of it.
+/// The axis of a square's border, and its end of that axis.
 fn border_of(square: &CapSquare, size: [usize; 3]) -> (usize, usize) {
     let axis = (0..3).find(|&k| square.iter().all(|at| at[k] == square[0][k])).unwrap_or(0);
     (axis, usize::from(square[0][axis] + 1 == size[axis]))

@@ -7,15 +7,15 @@
 //! segments, and each segment ends on two crossed edges. So
 //! 1. in a cell each crossed edge belongs to two faces with one segment each: segments form closed loops, and
 //!    every crossed edge is in exactly one loop;
-//! 2. a loop is filled by triangles whose diagonals have no face in common. There are such for all loops of
-//!    all cells (found by search when the table is made, which panics if there were none). So a diagonal lies
-//!    in the inside of the cell, belongs to one loop, and no other cell makes the same edge;
-//! 3. hence every edge has two triangles, except segments on faces that only one cell has; and around the
-//!    vertex of a lattice edge each of its cells adds one fan, from one of its faces to the next: a disc, or
-//!    a half disc at the border.
+//! 2. a loop is filled by triangles whose diagonals join edges without a common face. There are such triangles
+//!    for all loops of all cells: a search finds them when the table is made, and would panic otherwise. So a
+//!    diagonal lies in the inside of the cell, belongs to one loop, and no other cell has the same edge;
+//! 3. hence every edge has two triangles, except segments on faces of only one cell. Around the vertex of a
+//!    lattice edge each of its cells adds one fan, from one of its faces to the next: a disc, or a half disc at
+//!    the border.
 //!
-//! That is: a closed manifold up to the border of the lattice, from combinatorics alone. Positions play no
-//! part in it.
+//! So the mesh is a closed manifold up to the border of the lattice, from combinatorics alone, whatever the
+//! positions.
 use std::sync::LazyLock;
 
 /// The two corners of each edge, the lower one first.
@@ -36,8 +36,8 @@ pub(in crate::convert) struct CubeCase {
     pub triangles: u8,
     /// Their edges; counter-clockwise seen from outside of the shape, in a space that is not mirrored.
     pub corners: [[u8; 3]; MOST],
-    /// For each edge the offset of its vertex from the cell's running counter: the edges along y and z at x +
-    /// 1 come after those at x where these are crossed too.
+    /// For each edge the offset of its vertex from the cell's running counter: the edges along y and z at x + 1
+    /// come after those at x, if these are crossed too.
     pub ahead: [u32; 12],
     /// The increments of the running counters after the cell.
     pub grows: [u32; 12],
@@ -87,8 +87,8 @@ fn case(signs: u8) -> CubeCase {
 }
 
 fn edge_between(a: u8, b: u8) -> u8 {
-    let wanted = if a < b { [a, b] } else { [b, a] };
-    EDGES.iter().position(|edge| *edge == wanted).map_or(u8::MAX, |edge| edge as u8)
+    let ends = if a < b { [a, b] } else { [b, a] };
+    EDGES.iter().position(|edge| *edge == ends).map_or(u8::MAX, |edge| edge as u8)
 }
 
 /// The closed loops of crossed edges on the faces of a cell.
@@ -98,12 +98,12 @@ fn loops(signs: u8) -> Vec<Vec<u8>> {
         let inside = |i: usize| signs >> face[i % 4] & 1 == 1;
         let edge = |i: usize| edge_between(face[i % 4], face[(i + 1) % 4]);
         for out in (0..4).filter(|&i| inside(i) && !inside(i + 1)) {
-            // Back along the run of inside corners to its begin.
+            // Back along the run of inside corners to its start.
             let run = (1..4).find(|back| !inside(out + 4 - back)).unwrap_or(1);
             next[usize::from(edge(out))] = edge(out + 4 - run);
         }
     }
-    let mut found = Vec::new();
+    let mut loops = Vec::new();
     let mut seen = [false; 12];
     for start in 0..12_u8 {
         let mut ring = Vec::new();
@@ -114,10 +114,10 @@ fn loops(signs: u8) -> Vec<Vec<u8>> {
             at = next[usize::from(at)];
         }
         if !ring.is_empty() {
-            found.push(ring);
+            loops.push(ring);
         }
     }
-    found
+    loops
 }
 
 /// Whether two edges lie on one face.
@@ -128,7 +128,7 @@ fn share_a_face(a: u8, b: u8) -> bool {
     })
 }
 
-/// Fills a loop with triangles whose diagonals join edges that share no face.
+/// Fills a loop with triangles; their diagonals join edges that share no face.
 fn fill(ring: &[u8]) -> Option<Vec<[u8; 3]>> {
     if ring.len() < 3 {
         return Some(Vec::new());

@@ -2,21 +2,21 @@
 //! both up.
 //!
 //! As in `bound.rs`, g is the interpolant minus the level, negative inside, and S the boundary of {g < 0} in
-//! the box of the lattice: where g is 0 in the box's inside, and where it is negative in a capped border.
-//! Beyond a capped border all is outside.
+//! the box of the lattice: the zeros of g in the box's inside, and its negative points in a capped border.
+//! Beyond a capped border all points are outside.
 //!
-//! **From S.** A box in a cell holds points of S only if the values of g at its corners are not all on one
-//! side, for g is a mean of them. The distance from such a box to the mesh is no more than that of its middle
-//! to some triangles plus half of its diagonal. Boxes are halved until that is within the aim. Squares in
-//! capped borders likewise.
+//! **From S.** A box in a cell has points of S only if the values of g at its corners are not all on one side,
+//! since g is a mean of them. The distance from such a box to the mesh is no more than the distance of its
+//! middle to some triangles plus half of its diagonal. Boxes are halved until that is within the aim. So are
+//! squares in capped borders.
 //!
-//! **From the mesh.** A piece of a triangle is within its radius of its middle q. Vertices are points of S,
-//! but for their margin and rounding. A point q' whose side is certain and other than that of q has a point
-//! of S between q and itself. Pieces are quartered until one is found that is near enough.
+//! **From the mesh.** A piece of a triangle is within its radius of its middle q. Vertices are points of S, up
+//! to their margin and rounding. If the side of a point q' is certain and differs from the side of q, there is
+//! a point of S between q and q'. Pieces are quartered until such a point is near enough.
 //!
-//! **Lower bound.** Two points whose sides are certain and different have a point of S between them; the
-//! distance of one of them to the triangles around, less that between the two, is a lower bound of the
-//! Hausdorff distance. Triangles of other cells than the 27 around are farther away than the width of a cell.
+//! **Lower bound.** Between two points with certain and different sides there is a point of S. The distance of
+//! one of the two to the triangles around, less the distance between the two, is a lower bound of the Hausdorff
+//! distance. Triangles of other cells than the 27 around are farther away than the width of a cell.
 //!
 //! A value of g is a mean of eight corners with at most a dozen roundings, each of at most half a unit in the
 //! last place of the largest corner: beyond 64 of those units its side is certain.
@@ -44,13 +44,13 @@ pub(super) struct CellProver<'a> {
     pub diagonal: f64,
     /// The largest distance of vertices from the interpolant's own zeros.
     pub moved: f64,
-    /// The most that rounding moves a point of space.
+    /// The largest move of a point in space by rounding.
     pub rounding: f64,
     /// The largest error of a value.
     pub slack: f64,
     /// Whether a bound above the target is of no use.
     pub gives_up: bool,
-    /// The mesh, where it is not that of the lattice alone but of an octree, whose cells of one level are those of `source`.
+    /// The mesh, if it is of an octree and not of the lattice alone; the octree's cells of one level are those of `source`.
     pub octree: Option<OctreeLevel<'a>>,
 }
 
@@ -61,7 +61,7 @@ pub(super) struct OctreeLevel<'a> {
     pub level: u8,
 }
 
-/// g at the corners of a cell, and the size beyond which a value in it has a certain side.
+/// g at the corners of a cell, and the size above which a value in it has a certain side.
 struct CellInterpolant {
     g: [f64; 8],
     off: f64,
@@ -71,13 +71,13 @@ struct CellInterpolant {
 struct CellTriangle {
     index: TriangleCoords,
     space: TriangleCoords,
-    /// Which corners are points of S, but for their margin and rounding.
+    /// Whether each corner is a point of S, up to its margin and rounding.
     is_zero: [bool; 3],
 }
 
 /// The most boxes or pieces examined in one cell.
 const MOST: usize = 4096;
-/// A factor for a length rounded down or up: far more than its dozen roundings.
+/// A factor that rounds a length down or up: far more than its dozen roundings.
 const ABOVE: f64 = 1.0 + 64.0 * f64::EPSILON;
 
 impl CellInterpolant {
@@ -132,7 +132,7 @@ impl CellProver<'_> {
         (cell, [0, 1, 2].map(|k| p[k] - cell[k] as f64))
     }
 
-    /// Whether a point is inside, where that is certain.
+    /// Whether a point is inside, if that is certain.
     fn sure_side(&self, p: [f64; 3]) -> Option<bool> {
         let size = self.source.size();
         let mut beyond = false;
@@ -172,7 +172,7 @@ impl CellProver<'_> {
         let along = [0, 1, 2].map(|k| steps[0][k] * d[0] + steps[1][k] * d[1] + steps[2][k] * d[2]);
         let size =
             |k: usize| (steps[0][k] * d[0]).abs() + (steps[1][k] * d[1]).abs() + (steps[2][k] * d[2]).abs();
-        // Five roundings a coordinate, of no more than the sum of sizes.
+        // Five roundings for each coordinate, relative to the sum of sizes.
         let off = 8.0 * f64::EPSILON * (size(0) + size(1) + size(2));
         (length(along) + off) * ABOVE
     }
@@ -249,41 +249,40 @@ impl CellProver<'_> {
     fn neighbour_triangles(&self, cell: [usize; 3]) -> Vec<TriangleCoords> {
         let size = self.source.size();
         let span = |k: usize| cell[k].saturating_sub(1)..(cell[k] + 2).min(size[k] - 1);
-        let mut all = Vec::new();
+        let mut triangles = Vec::new();
         if let Some(OctreeLevel { surface, level }) = self.octree {
             for leaf in surface.leaves_around(OctreeCell { level, at: cell.map(|i| i as u32) }) {
-                surface.for_each_piece(leaf, |triangle| all.push(self.piece(surface, triangle).space));
+                surface.for_each_piece(leaf, |triangle| triangles.push(self.piece(surface, triangle).space));
             }
-            return all;
+            return triangles;
         }
         for k in span(2) {
             for j in span(1) {
-                all.extend(
+                triangles.extend(
                     span(0).flat_map(|i| self.triangles([i, j, k]).into_iter().map(|piece| piece.space)),
                 );
             }
         }
-        all
+        triangles
     }
 
     /// The distance between the mesh and S in a cell, rounding included: at most `target` if that can be
-    /// proved, else the bound that was reached, and never more than the diagonal.
+    /// proved, otherwise the best bound so far, and never more than the diagonal.
     pub fn cell_distance(&self, cell: [usize; 3], target: f64) -> f64 {
-        let own = self.triangles(cell);
+        let triangles = self.triangles(cell);
         let target = sub_down(target, mul_up(4.0, self.rounding));
-        let there = self.surface_to_mesh(cell, &own, target);
-        // Derived: points of a triangle are within 1/√3 of its longest side of a corner (Jung), which is a
-        // point of S.
-        // A triangle at a vertex inside the cell has none there.
-        let has_zeros = own.iter().all(|piece| piece.is_zero == [true; 3]);
-        let always =
+        let surface_to_mesh = self.surface_to_mesh(cell, &triangles, target);
+        // Derived: each point of a triangle is within its longest side over √3 of a corner (Jung), and corners
+        // are points of S, except for vertices inside the cell.
+        let has_zeros = triangles.iter().all(|piece| piece.is_zero == [true; 3]);
+        let by_corners =
             if has_zeros { add_up(mul_up(0.577_351, self.diagonal), self.moved) } else { f64::INFINITY };
-        let back = if always <= target || there >= self.diagonal {
-            always
+        let mesh_to_surface = if by_corners <= target || surface_to_mesh >= self.diagonal {
+            by_corners
         } else {
-            self.mesh_to_surface(cell, &own, target)
+            self.mesh_to_surface(cell, &triangles, target)
         };
-        let most = add_up(greater(there, back), mul_up(4.0, self.rounding));
+        let most = add_up(greater(surface_to_mesh, mesh_to_surface), mul_up(4.0, self.rounding));
         lesser(most, self.diagonal)
     }
 
@@ -365,12 +364,12 @@ impl CellProver<'_> {
                 .map(|v| self.space_length([0, 1, 2].map(|k| v[k] - middle[k])))
                 .fold(f64::INFINITY, least);
             let nearest = add_up(nearest, self.moved);
-            let found = match reach > 0.0 {
+            let distance = match reach > 0.0 {
                 true if nearest <= reach => Some(nearest),
                 true => self.distance_within(cell, middle, reach),
                 false => None,
             };
-            if let Some(far) = found {
+            if let Some(far) = distance {
                 let far = add_up(far, radius);
                 most = greater(far, most);
             } else if depth < 5 {
@@ -386,7 +385,7 @@ impl CellProver<'_> {
         most
     }
 
-    /// The distance of S from a point, if it is found within `reach`.
+    /// The distance of S from a point, if a point of S is found within `reach`.
     fn distance_within(&self, cell: [usize; 3], from: [f64; 3], reach: f64) -> Option<f64> {
         let here = self.sure_side(from);
         let mut most = 0.0;
@@ -397,7 +396,7 @@ impl CellProver<'_> {
         Some(most)
     }
 
-    /// The distance from a point to one on the given side, if it is within `reach`.
+    /// The distance from a point to a point on the given side, if one is found within `reach`.
     fn distance_to_side(&self, cell: [usize; 3], from: [f64; 3], inside: bool, reach: f64) -> Option<f64> {
         let corners = self.corners(cell);
         let t = [0, 1, 2].map(|k| from[k] - cell[k] as f64);
@@ -443,15 +442,15 @@ impl CellProver<'_> {
     pub fn witness(&self, cell: [usize; 3], known: f64) -> Option<(f64, [f64; 3])> {
         const PARTS: usize = 4;
         let corners = self.corners(cell);
-        let own = self.triangles(cell);
-        let mut found: Vec<(f64, [f64; 3])> = Vec::new();
+        let triangles = self.triangles(cell);
+        let mut candidates: Vec<(f64, [f64; 3])> = Vec::new();
         for n in 0..PARTS * PARTS * PARTS {
             let part = [n % PARTS, n / PARTS % PARTS, n / (PARTS * PARTS)];
             let mut t = part.map(|i| (i as f64 + 0.5) / PARTS as f64);
             for _ in 0..3 {
                 let (g, slope) = (corners.at(t), corners.gradient(t));
                 let step = g / dot(slope, slope);
-                // Leaves the part by no more than half of its size: the same point is found from elsewhere.
+                // The step leaves the part by at most half of its size: farther points are found from other parts.
                 t = [0, 1, 2].map(|k| {
                     let (low, high) = (part[k] as f64 - 0.5, part[k] as f64 + 1.5);
                     let x = t[k] - step * slope[k];
@@ -461,22 +460,22 @@ impl CellProver<'_> {
                 });
             }
             let slope = corners.gradient(t);
-            // Not a root, measured: a millionth of what the slope would make of a cell.
+            // Measured: a root has a value of at most a millionth of the change over a cell.
             let is_root = corners.at(t).abs() <= 1e-6 * dot(slope, slope).sqrt();
             if !is_root {
                 continue;
             }
             let at = [0, 1, 2].map(|k| cell[k] as f64 + t[k]);
             let p = self.point(at);
-            let far = own.iter().map(|piece| distance_up(p, &piece.space)).fold(f64::INFINITY, least);
+            let far = triangles.iter().map(|piece| distance_up(p, &piece.space)).fold(f64::INFINITY, least);
             if far > known {
-                found.push((far, at));
+                candidates.push((far, at));
             }
         }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut best: Option<(f64, [f64; 3])> = None;
         let mut around: Option<Vec<TriangleCoords>> = None;
-        for (far, at) in found.into_iter().take(8) {
+        for (far, at) in candidates.into_iter().take(8) {
             let known = best.map_or(known, |best| best.0);
             if far <= known {
                 break;
@@ -493,8 +492,7 @@ impl CellProver<'_> {
         best
     }
 
-    /// How far from a point there is a point of S, by two points on different sides; for points that are
-    /// almost on S.
+    /// A bound for the distance of a point to S, by two points on different sides; for points that are almost on S.
     fn bracket(&self, cell: [usize; 3], at: [f64; 3]) -> Option<f64> {
         let slope = self.corners(cell).gradient([0, 1, 2].map(|k| at[k] - cell[k] as f64));
         let size = self.source.size();
@@ -522,7 +520,7 @@ impl CellProver<'_> {
         let volume = dot(a, cross(b, c)).abs();
         let widest =
             [cross(b, c), cross(c, a), cross(a, b)].map(length).into_iter().fold(0.0, |m, l| greater(l, m));
-        // A determinant loses digits by cancellation: relative to the size of all its products.
+        // A determinant loses digits by cancellation, so its rounding is relative to the size of all its products.
         let size = length(a) * length(b) * length(c);
         let width = (volume - 32.0 * f64::EPSILON * size) / (widest * ABOVE);
         greater(width, 0.0)

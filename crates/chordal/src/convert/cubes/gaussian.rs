@@ -1,11 +1,11 @@
-//! A Gaussian over the sides of the samples of a lattice: the share of what is inside around each.
+//! A Gaussian over the sides of the samples of a lattice: the share of inside samples around each.
 use crate::budget::{Job, JobError, par_map};
 use crate::math::elementary::exp;
 
-/// The weights of a Gaussian end at this many standard deviations. Chosen: 6e-5 of the weight is beyond.
+/// The weights of a Gaussian end at this many standard deviations. Chosen: 6e-5 of the weight is farther away.
 const REACH: f64 = 4.0;
 
-/// The weights of a sample and of those at each distance from it, so that all together are 1.
+/// The weights of a sample and of the samples at each distance from it; their sum is 1.
 pub(in crate::convert) fn weights(sigma: f64) -> Vec<f64> {
     let reach = (REACH * sigma).ceil() as usize;
     let weight = |distance: usize| match distance {
@@ -17,7 +17,7 @@ pub(in crate::convert) fn weights(sigma: f64) -> Vec<f64> {
     all.iter().map(|weight| weight / sum).collect()
 }
 
-/// One sample after another along an axis of `n`, weighed; beyond the ends the last sample goes on.
+/// The weighted means of `n` samples along an axis; the last sample is repeated beyond each end.
 fn filtered(weights: &[f64], n: usize, value: impl Fn(usize) -> f32, mut out: impl FnMut(usize, f32)) {
     for at in 0..n {
         // Sums of f64 in one order, so that the result is the same everywhere.
@@ -30,7 +30,7 @@ fn filtered(weights: &[f64], n: usize, value: impl Fn(usize) -> f32, mut out: im
     }
 }
 
-/// The means of 1 for samples inside and 0 for others, by weights along each index; the first index runs fastest.
+/// The means of 1 for samples inside and 0 for others, by the weights along each index; the first index runs fastest.
 pub(in crate::convert) fn smoothed_sides(
     is_inside: impl Fn(usize) -> bool + Sync,
     [nx, ny, nz]: [usize; 3],
@@ -58,7 +58,7 @@ pub(in crate::convert) fn smoothed_sides(
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    // 2. Along the last one.
+    // 2. Along the last index.
     let made = par_map(job, &planes, |_, k| {
         let mut sums: Vec<f64> = across[*k].iter().map(|value| weights[2][0] * f64::from(*value)).collect();
         for (distance, weight) in weights[2].iter().enumerate().skip(1) {

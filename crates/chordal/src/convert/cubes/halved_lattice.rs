@@ -1,22 +1,21 @@
 //! `HalvedLattice`: a lattice whose cells are halved several times, with the values of its trilinear interpolant.
 //!
-//! The value in the middle of an edge is the mean of its ends; that in the middle of a square, of two such means; that in
-//! the middle of a cell, of two of these: along x first, then y, then z. So
-//! 1. a value on an edge or a square follows from the ends or corners of that alone: cells that share it agree in every
-//!    bit, whatever they are halved for;
-//! 2. a mean lies between its two, rounding included: where the corners of an edge, a square or a cell of any level are on
-//!    one side, so is every value in it. An edge with ends on different sides has exactly one half with such ends.
+//! The value in the middle of an edge is the mean of its ends, in the middle of a square it is the mean of two such means,
+//! and in the middle of a cell the mean of two of these: along x first, then y, then z. So
+//! 1. a value on an edge or a square follows from its ends or corners alone: cells that share it agree in every bit;
+//! 2. a mean lies between its two numbers, rounding included: if the corners of an edge, a square or a cell of any level
+//!    are on one side, so is every value in it. An edge with ends on different sides has exactly one half with such ends.
 use super::rule::Polygonize;
 use super::source::SampleSource;
 use crate::math::{add_up, greater, lesser, mul_up};
 
-/// The values at the corners of a cell, as finite numbers, and which of them are exactly the interpolant's.
+/// The values at the corners of a cell, as finite numbers, and whether each of them is exactly the interpolant's.
 pub(super) struct CellCorners {
     pub values: [f64; 8],
     pub exact: [bool; 8],
 }
 
-/// A source whose cells are halved `level` times along each index.
+/// A source with each cell halved `level` times along each index.
 pub(super) struct HalvedLattice<'a> {
     pub coarse: &'a dyn SampleSource,
     pub rule: &'a Polygonize,
@@ -45,21 +44,21 @@ impl HalvedLattice<'_> {
         CellCorners { values, exact }
     }
 
-    /// The largest error of a value at this level, given the largest size of a sample and the bits of integer samples; 0
-    /// where all are exact.
+    /// The largest error of a value at this level, given the largest size of a sample and the bits of integer samples; 0 if
+    /// all values are exact.
     pub fn slack(level: u32, (largest, bits): (f64, Option<u32>)) -> f64 {
-        // Each halving takes three means, each of which adds a bit.
+        // Each halving takes three means, and each mean adds a bit.
         if level == 0 || bits.is_some_and(|bits| bits + 3 * level < 53) {
             return 0.0;
         }
-        // A mean has one rounding, of half a unit in the last place of the largest sample, and passes on the errors of its
-        // two: three of them for each halving, and what is lost below the smallest normal number.
+        // A mean has one rounding, of half a unit in the last place of the largest sample, and keeps the errors of its
+        // two numbers: three means for each halving, and the losses below the smallest normal number.
         let halvings = f64::from(level);
         add_up(mul_up(2.0 * halvings * f64::EPSILON, largest), halvings * f64::MIN_POSITIVE)
     }
 }
 
-/// The mean of two numbers: between them, also where halves are rounded below the smallest normal number.
+/// The mean of two numbers: between them, even if halves are rounded below the smallest normal number.
 #[inline(always)]
 pub(super) fn mean(a: f64, b: f64) -> f64 {
     let mean = 0.5 * a + 0.5 * b;
@@ -68,7 +67,7 @@ pub(super) fn mean(a: f64, b: f64) -> f64 {
 }
 
 /// The mean of two numbers, and whether it is exact: whether the error of the sum (T. J. Dekker, 1971; D. E. Knuth) and
-/// those of the halves are 0.
+/// the errors of the halves are 0.
 #[inline(always)]
 fn exact_mean(a: f64, b: f64) -> (f64, bool) {
     let (x, y) = (0.5 * a, 0.5 * b);
@@ -103,7 +102,7 @@ impl SampleSource for HalvedLattice<'_> {
 }
 
 /// An upper bound of |g| on every triangle of a cell with these corners, from `bound.rs`: a quarter of the sum of the
-/// largest mixed differences, with corners that are up to `slack` off, as is g at the vertices.
+/// largest mixed differences, with errors up to `slack` at the corners and of g at the vertices.
 pub(super) fn largest_on_triangles(v: &[f64; 8], slack: f64) -> f64 {
     let low = v.iter().fold(f64::INFINITY, |least, x| lesser(*x, least));
     let range = v.iter().fold(f64::NEG_INFINITY, |most, x| greater(*x, most)) - low;
@@ -114,8 +113,8 @@ pub(super) fn largest_on_triangles(v: &[f64; 8], slack: f64) -> f64 {
     let xy = greater(mixed(3, 2, 1, 0), mixed(7, 6, 5, 4));
     let yz = greater(mixed(6, 4, 2, 0), mixed(7, 5, 3, 1));
     let xz = greater(mixed(5, 4, 1, 0), mixed(7, 6, 3, 2));
-    // Corners are rounded once when the level is taken off, each mixed difference three times, and the sum twice, by no
-    // more than half a unit in the last place of four times the range: see `shift`.
-    let off = add_up(mul_up(32.0 * f64::EPSILON, range), mul_up(4.0, slack));
-    add_up(mul_up(0.25, (xy + yz) + xz), off)
+    // Corners are rounded once when the level is subtracted, each mixed difference three times, and the sum twice, by
+    // at most half a unit in the last place of four times the range: see `shift`.
+    let rounding = add_up(mul_up(32.0 * f64::EPSILON, range), mul_up(4.0, slack));
+    add_up(mul_up(0.25, (xy + yz) + xz), rounding)
 }

@@ -2,7 +2,7 @@
 //!
 //! A row of samples owns the vertices on the lattice edges that begin at its samples. Its counts give every
 //! vertex a number before any is computed. So slabs of the lattice are written on any thread without locks,
-//! into parts of one array, and come out the same on any number of threads.
+//! into parts of one array, with the same result on any number of threads.
 //!
 //! Source: W. Schroeder, R. Maynard, B. Geveci, *Flying Edges: a high-performance scalable isocontouring
 //! algorithm*, 2015.
@@ -55,9 +55,9 @@ pub(crate) struct MarchingPlan {
     cap_triangles: usize,
 }
 
-/// What a few planes of samples, and the cells above them, add to the mesh.
+/// The vertices and triangles that a few planes of samples, and the cells above them, add to the mesh.
 struct LatticeSlab {
-    /// Its first plane, and the one behind its last.
+    /// Its first plane, and the plane after its last.
     planes: [usize; 2],
     /// Vertices of each kind in each row.
     rows: Vec<[u32; KINDS]>,

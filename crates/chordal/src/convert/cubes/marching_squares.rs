@@ -1,6 +1,6 @@
 //! Marching squares: the lines between inside and outside samples of a plane lattice.
 
-/// A crossed edge of the lattice: the axis along which it runs and its lower sample.
+/// A crossed edge of the lattice: its axis and its lower sample.
 pub(in crate::convert) type CrossedEdge = (usize, [usize; 2]);
 
 /// A line through crossed edges, and whether it is closed.
@@ -27,9 +27,9 @@ pub(in crate::convert) fn isolines(size: [usize; 2], inside: impl Fn([usize; 2])
             });
         }
     }
-    let mut found = Vec::new();
+    let mut lines = Vec::new();
     let mut seen = vec![false; next.len()];
-    // Lines that begin at the border, then those that are closed.
+    // Lines that begin at the border, then closed lines.
     for closed in [false, true] {
         for start in 0..next.len() {
             if next[start] == none || seen[start] || has_before[start] != closed {
@@ -42,10 +42,10 @@ pub(in crate::convert) fn isolines(size: [usize; 2], inside: impl Fn([usize; 2])
                 line.push(edge(at));
                 at = next[at];
             }
-            found.push((line, closed));
+            lines.push((line, closed));
         }
     }
-    found
+    lines
 }
 
 /// The segments of a square with these corners inside, counter-clockwise, from side to side: side c follows

@@ -1,15 +1,16 @@
-//! `MaskCells`: how far the triangles of the cells of a mask are from the interpolant's surface.
+//! `MaskCells`: bounds for the distance of the triangles of a mask's cells from the interpolant's surface.
 //!
 //! Samples of a mask are 0 or 1, and its level is ½. So the interpolant of a cell and its triangles follow from the sides
 //! of its corners alone: there are 254 kinds with both sides, and as many again at each of six capped borders. Each kind
-//! that occurs is proved once (`cell_prover.rs`), in a lattice of that one cell, open but for the one border.
+//! that occurs is proved once (`cell_prover.rs`), in a lattice of that one cell, open except for that one border.
 //!
-//! **Why that holds for every cell.** A point of S in a cell, or in one of its squares in capped borders, is within the
-//! kind's bound of triangles of the cell and of that square; the whole mesh has them. A point of these triangles is within
-//! it of a point of the one cell's S: a vertex, or a point between two of the cell, or one of it and one beyond the capped
-//! border, that are on different sides for certain. That is a point of the whole S. A cell at several capped borders has
-//! for each the bound of the kind with that border, and its other triangles and points have any of them. A cell that is
-//! all inside has only whole squares of capped borders, which both have.
+//! **Proof for every cell.** A point of S in a cell, or in one of its squares in capped borders, is within the kind's
+//! bound of triangles of the cell and of that square, and the whole mesh has these. A point of these triangles is within
+//! the bound of a point of the single cell's S. This is a vertex, or a point between two points that are on different
+//! sides for certain, both in the cell, or one in the cell and one beyond the capped border. So it is a point of the
+//! whole S. A cell at several capped borders has the bound of the kind for each border; for its other triangles and
+//! points any of these bounds holds. A cell with all corners inside has only whole squares of capped borders, which are
+//! in both the mesh and S.
 use super::cell_prover::CellProver;
 use super::rule::{Border, Polygonize};
 use super::source::DenseSamples;
@@ -17,14 +18,13 @@ use crate::budget::{Job, par_map};
 use crate::implicit::Affine3;
 use crate::math::{add_up, greater, lesser};
 
-/// Kinds of cells: a bit for each of 256 sets of corners that are inside; of cells at no capped border, then of those at
-/// the low and the high one of each index.
+/// Kinds of cells: a bit for each of 256 sets of inside corners; for cells at no capped border, then for cells at the low
+/// and the high border of each index.
 #[derive(Clone, Debug, Default)]
 pub(in crate::convert) struct MaskCells([[u64; 4]; 7]);
 
 impl MaskCells {
-    /// Adds a cell with these corners inside that is at these ends of the lattice, low and high by index, if they are
-    /// capped.
+    /// Adds a cell with these corners inside, at these ends of the lattice, low and high by index, as far as they are capped.
     pub fn add(&mut self, inside: u8, ends: [[bool; 2]; 3], border: [[Border; 2]; 3]) {
         let (word, bit) = (usize::from(inside / 64), 1 << (inside % 64));
         let mut is_capped = false;
@@ -54,17 +54,17 @@ impl MaskCells {
     }
 }
 
-/// The bound of each kind of cell; 0 for kinds that were not asked for.
+/// The bound of each kind of cell; 0 for kinds that do not occur.
 pub(in crate::convert) struct MaskCellBounds([[f64; 256]; 7]);
 
-/// The first aim, as a fraction of the diagonal, and the factor by which it grows where it is out of reach. Chosen: one
-/// corner alone is 1/25 of the diagonal off.
+/// The first aim, as a fraction of the diagonal, and the factor by which it grows if it is out of reach. Chosen: the error
+/// of one corner alone is 1/25 of the diagonal.
 const FIRST_AIM: f64 = 1.0 / 24.0;
 const NEXT_AIM: f64 = 1.1875;
 
 impl MaskCellBounds {
-    /// Proves the bounds of these kinds, of which `errors` are the farthest that vertices are from their exact places, and
-    /// of that what is rounding, in a lattice of one cell around the origin.
+    /// Proves the bounds of these kinds in a lattice of one cell around the origin; `errors` are the largest distance of
+    /// vertices from their exact places, and the part of it that is rounding.
     pub fn new(
         cells: &MaskCells,
         affine: &Affine3,
@@ -97,7 +97,7 @@ impl MaskCellBounds {
                 most = lesser(prover.cell_distance([0; 3], aim), most);
                 aim *= NEXT_AIM;
             }
-            // From the triangles as they are in that lattice to the exact ones.
+            // From the rounded triangles of that lattice to the exact ones.
             lesser(add_up(most, moved), diagonal)
         });
         let mut bounds = [[0.0; 256]; 7];

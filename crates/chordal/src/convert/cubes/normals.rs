@@ -18,7 +18,7 @@ pub(super) struct SampleGradient<'a> {
 impl<'a> SampleGradient<'a> {
     pub fn new(source: &'a dyn SampleSource, affine: &Affine3, rule: &'a Polygonize) -> Self {
         let [a, b, c] = affine.steps();
-        // Rows of the inverse transpose, up to a factor whose sign is that of the determinant.
+        // Rows of the inverse transpose, up to a factor with the sign of the determinant.
         let turn = f64::from(affine.orientation()) * if rule.inside == Inside::High { -1.0 } else { 1.0 };
         let columns = [cross(b, c), cross(c, a), cross(a, b)].map(|column| column.map(|x| turn * x));
         Self { source, rule, size: source.size(), columns }
@@ -45,7 +45,7 @@ impl<'a> SampleGradient<'a> {
     }
 
     /// The outward unit normal at a point between samples, by its indices: the gradients of the samples around it are
-    /// interpolated. Where they vanish, that of the interpolant is taken.
+    /// interpolated. If they vanish, the gradient of the interpolant is taken.
     pub fn normal_at(&self, index: [f64; 3]) -> [f64; 3] {
         let cell: [usize; 3] = std::array::from_fn(|k| (index[k] as usize).min(self.size[k] - 2));
         let part: [f64; 3] = std::array::from_fn(|k| index[k] - cell[k] as f64);
@@ -68,7 +68,7 @@ impl<'a> SampleGradient<'a> {
 }
 
 /// Outward unit normals. Central differences of the samples (one-sided at the border) are interpolated along
-/// the vertex's edge and mapped to space. Where they vanish, the normal is along the edge.
+/// the vertex's edge and mapped to space. If they vanish, the normal is along the edge.
 pub(crate) fn gradient_normals<S: SampleSource>(
     source: &S,
     affine: &Affine3,

@@ -1,5 +1,5 @@
-//! `HalvedCells`: which cells of a lattice are halved along each index, which of their eight parts are halved again, and so
-//! on: an octree in each cell.
+//! `HalvedCells`: the cells of a lattice that are halved along each index, the parts among their eight that are halved
+//! again, and so on: an octree in each cell.
 use std::collections::BTreeMap;
 
 /// The most halvings of a cell: 4,096 parts along each edge.
@@ -8,7 +8,7 @@ pub(in crate::convert) const MOST_HALVINGS: usize = 12;
 /// The bits of an index of a cell: three indices fit in one key.
 const INDEX_BITS: u32 = 21;
 
-/// A cell of a level: one of 2^level parts of a cell of the lattice along each index.
+/// A cell of a level: a cell of the lattice has 2^level of them along each index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct OctreeCell {
     pub level: u8,
@@ -25,7 +25,7 @@ impl OctreeCell {
         })
     }
 
-    /// The cell of the lattice that it is a part of.
+    /// The cell of the lattice that contains it.
     pub fn root(self) -> [usize; 3] {
         self.at.map(|i| (i >> self.level) as usize)
     }
@@ -53,12 +53,12 @@ pub(super) struct HalvedCells {
     size: [usize; 3],
     /// One bit for each cell of the lattice.
     roots: Vec<u64>,
-    /// For each further level the sorted keys of those that are halved.
+    /// For each further level the sorted keys of its halved cells.
     deeper: Vec<Vec<u64>>,
 }
 
 impl HalvedCells {
-    /// None of a lattice with so many samples.
+    /// No halved cells, for a lattice with so many samples.
     pub fn none(samples: [usize; 3]) -> Self {
         let size = samples.map(|n| n - 1);
         let words = (size[0] * size[1] * size[2]).div_ceil(64);
@@ -88,7 +88,7 @@ impl HalvedCells {
         }
     }
 
-    /// Whether the cell of a level at these indices is halved; one outside of the lattice is not.
+    /// Whether the cell of a level at these indices is halved; a cell outside of the lattice is not.
     pub fn is_halved(&self, level: u8, at: [i64; 3]) -> bool {
         if (0..3).any(|k| at[k] < 0 || at[k] >= (self.size[k] as i64) << level) {
             return false;
@@ -106,7 +106,7 @@ impl HalvedCells {
         keys.is_some_and(|keys| keys.binary_search(&cell.key()).is_ok())
     }
 
-    /// The cell that is not halved and holds this one, or this one itself where that is halved or no larger.
+    /// The leaf that contains this cell; this cell itself if it is halved or a leaf.
     pub fn leaf_around(&self, cell: OctreeCell) -> OctreeCell {
         for level in 0..cell.level {
             let around = OctreeCell { level, at: cell.at.map(|i| i >> (cell.level - level)) };
@@ -117,7 +117,7 @@ impl HalvedCells {
         cell
     }
 
-    /// Whether any of the four cells of a level around an edge is halved: then the edge is, too.
+    /// Whether any of the four cells of a level around an edge is halved: then the edge is halved, too.
     pub fn is_edge_halved(&self, level: u8, axis: usize, low: [u32; 3]) -> bool {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         (0..4).any(|c| {
@@ -128,7 +128,7 @@ impl HalvedCells {
         })
     }
 
-    /// Bytes that the set takes.
+    /// The bytes of the set.
     pub fn bytes(&self) -> u64 {
         8 * (self.roots.len() + self.deeper.iter().map(Vec::len).sum::<usize>()) as u64
     }

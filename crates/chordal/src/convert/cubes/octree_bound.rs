@@ -1,25 +1,25 @@
 //! Bounds the distance between the mesh of an octree and the trilinear isosurface, cell by cell: the proof of `bound.rs`
-//! where cells of several levels meet.
+//! for cells of several levels.
 //!
-//! g is trilinear in each cell of each level. Vertices on edges are zeros of it, or off by no more than the error δ of
-//! rounded values; those inside a cell are means of such, hence in its convex hull.
+//! g is trilinear in each cell of each level. Vertices on edges are zeros of g, up to the error δ of rounded values;
+//! vertices inside a cell are means of such vertices, hence in their convex hull. A *leaf* is a cell that is not halved.
 //!
-//! **g on a triangle.** The formula of `bound.rs` asks for no more than that: on all triangles of a cell that is not halved
-//! |g| ≤ e + δ, with e from the mixed differences of its own corners, and a part of it has no larger e.
+//! **g on a triangle.** The formula of `bound.rs` needs no more than that: on all triangles of a leaf |g| ≤ e + δ, with e
+//! from the mixed differences of its own corners, and a part of the leaf has no larger e.
 //!
-//! **A point far from 0 is on its side of the mesh.** From x with g(x) > e + δ in a cell that is not halved the path along
-//! the axes ends at a corner of that cell on which g > e + δ, so that it counts as outside, and meets no triangle of it. The
-//! loops of a cell part the corners on its surface by their sides, and the triangles that fill them part it inside: x is
-//! outside of the mesh.
+//! **A point far from 0 is on its side of the mesh.** From x with g(x) > e + δ in a leaf the path along the axes ends at a
+//! corner of that leaf with g > e + δ, which counts as outside, and meets no triangle of the leaf. The loops of a cell
+//! separate the corners on its surface by their sides, and the triangles that fill them separate its inside: x is outside
+//! of the mesh.
 //!
-//! **Three cells in a row** of one level, the middle one of which is not halved, and any of the others a part of a larger
-//! one, the size of a leaf, or halved. Slopes are those of the three alone, since the path stays in them; for each e is
-//! that of the cell, not halved, that the end of the path may be in: that of the larger one where it is a part, else no
-//! more than its own. The rest is as in `bound.rs`. This does not look at triangles: it holds whatever is halved later,
-//! which only makes e smaller.
+//! **Three cells in a row** are of one level. The middle one is a leaf; each of the other two is a leaf, a part of a larger
+//! leaf, or halved. The slopes are of these three cells alone, since the path stays in them. For each cell, e is that of
+//! the leaf at the end of the path: of the larger leaf if the cell is a part of it, otherwise no more than the cell's own.
+//! Then the proof is as in `bound.rs`. It does not use triangles, so it holds if cells are halved later, which only makes
+//! e smaller.
 //!
-//! **The rest** is cut up by `cell_prover.rs` with the triangles that are there. When cells near it are halved, that is done
-//! again.
+//! **The other cells** are cut up by `cell_prover.rs` with the triangles of the current mesh, and again after cells near
+//! them are halved.
 use super::bound::diagonal;
 use super::cell_prover::{CellProver, OctreeLevel};
 use super::halved_lattice::{HalvedLattice, largest_on_triangles};
@@ -31,13 +31,13 @@ use super::transition_cells::OctreeSurface;
 use crate::implicit::Affine3;
 use crate::math::{Box3, add_up, greater, lesser, mul_up, sub_down};
 
-/// The lattice whose cells are those of one level.
+/// The lattice of one level's cells.
 pub(in crate::convert) struct LevelLattice {
     pub affine: Affine3,
     pub rule: Polygonize,
-    /// The farthest that written vertices are from zeros of the interpolant on the edges, or from their means.
+    /// The largest distance of written vertices from zeros of the interpolant on the edges, or from their means.
     moved: f64,
-    /// What of that is rounding.
+    /// The part of that by rounding.
     rounding: f64,
     diagonal: f64,
     /// The lengths of the three steps in space, rounded up.
@@ -47,15 +47,15 @@ pub(in crate::convert) struct LevelLattice {
 }
 
 impl LevelLattice {
-    /// The lattice of a level with this transform, whose vertices on edges are off by `moved`, and of that `rounding`; the
-    /// wanted length.
+    /// The lattice of a level with this transform; its vertices on edges have the error `moved`, of which `rounding` is by
+    /// rounding. The last argument is the goal, a length.
     pub fn new(affine: Affine3, rule: Polygonize, (moved, rounding): (f64, f64), length: f64) -> Self {
         let lengths = affine.steps().map(|step| Box3 { min: [0.0; 3], max: step.map(f64::abs) }.diagonal());
         let longest = lengths.into_iter().fold(0.0, |most, side| greater(side, most));
         // A mean of up to 2²⁰ vertices in coordinates of the cell, with a rounding of 2⁻⁵³ for each: 2⁻³⁰ of an edge along
         // each axis is far more.
         let moved = add_up(moved, mul_up(longest, 4.0 / 1_073_741_824.0));
-        // Less than what is left by a few roundings, so that the sum is within the length.
+        // Less than the rest of the length by a few roundings, so that the sum is within the length.
         let enough = sub_down(length, moved) * (1.0 - 4.0 * f64::EPSILON);
         Self { diagonal: diagonal(&affine), affine, rule, moved, rounding, lengths, enough }
     }
@@ -68,12 +68,12 @@ impl LevelLattice {
     }
 }
 
-/// How the bound of a cell is known.
+/// The validity of a cell's bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CellEvidence {
-    /// It holds whatever is halved.
+    /// It holds whatever cells are halved.
     Lasting,
-    /// It holds for the triangles that are there.
+    /// It holds for the current triangles.
     OfTriangles,
 }
 
@@ -81,15 +81,16 @@ pub(super) enum CellEvidence {
 pub(super) struct OctreeProof<'a> {
     pub surface: &'a OctreeSurface<'a>,
     pub levels: &'a [LevelLattice],
-    /// The bound that is wanted.
+    /// The goal for the bound.
     pub length: f64,
 }
 
-/// All that the triangles of a cell beside cells of its size and the interpolant in it depend on, but for its place: its
-/// level, the values at its corners, less the surface's level, as bits; and of six borders those that are capped there.
+/// The kind of a cell beside cells of its size: its triangles and the interpolant in it depend on this alone, except for
+/// their position. It is its level, the values at its corners, less the surface's level, as bits, and its capped borders,
+/// one bit for each of six.
 pub(super) type OctreeCellKind = (u8, [u64; 8], u8);
 
-/// Below this fraction of the diagonal nothing is cut up: `CellProver` does not go further.
+/// Below this fraction of the diagonal no cell is cut up: `CellProver` does not go further.
 const FINE: f64 = 1.0 / 32.0;
 
 impl OctreeProof<'_> {
@@ -97,7 +98,7 @@ impl OctreeProof<'_> {
         &self.levels[usize::from(cell.level)]
     }
 
-    /// A bound by rows of cells, and else by the diagonal, for vertices as written.
+    /// A bound by rows of cells, or else by the diagonal, for vertices as written.
     pub fn lasting_bound(&self, cell: OctreeCell, values: &[f64; 8]) -> f64 {
         let lattice = self.lattice(cell);
         let mut most = add_up(lattice.diagonal, lattice.moved);
@@ -141,13 +142,13 @@ impl OctreeProof<'_> {
         lattice.enough >= FINE * lattice.diagonal
     }
 
-    /// A bound by the triangles of a cell and of those around it, where one is found that is near enough.
+    /// A bound by the triangles of a cell and of the cells around it, if it is near enough.
     pub fn bound_if_near(&self, cell: OctreeCell) -> Option<f64> {
         let lattice = self.lattice(cell);
         self.bound_within(cell, lattice.enough).filter(|most| *most <= self.length)
     }
 
-    /// A bound by the triangles of a cell and of those around it, aiming at one in exact coordinates; for written ones.
+    /// A bound by the triangles of a cell and of the cells around it, for vertices as written; the aim is in exact coordinates.
     pub fn bound_within(&self, cell: OctreeCell, aim: f64) -> Option<f64> {
         let lattice = self.lattice(cell);
         self.with_prover(cell, |prover| {
@@ -197,7 +198,7 @@ impl OctreeProof<'_> {
         Some((cell.level, values, capped))
     }
 
-    /// The bound of all cells of a kind, by one in a lattice of its own, where it is near enough: see `bound.rs`.
+    /// The bound of all cells of a kind, by one cell in a separate lattice, if it is near enough: see `bound.rs`.
     pub fn bound_of_kind(&self, (level, corners, capped): &OctreeCellKind) -> Option<f64> {
         let lattice = &self.levels[usize::from(*level)];
         let border = [0, 1, 2].map(|k| {
@@ -218,7 +219,7 @@ impl OctreeProof<'_> {
             gives_up: true,
             octree: None,
         };
-        // The lattice's own place moves its triangles by other roundings than this one's does.
+        // The roundings of triangles in the whole lattice differ from those in this one.
         let others = mul_up(2.0, lattice.rounding);
         let far = add_up(prover.cell_distance([0; 3], sub_down(lattice.enough, others)), others);
         Some(add_up(far, lattice.moved)).filter(|most| *most <= self.length)

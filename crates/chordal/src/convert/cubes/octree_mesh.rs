@@ -1,8 +1,8 @@
 //! `OctreeMesh`: the triangles of the cells of an octree, with shared vertices.
 //!
-//! Cells are meshed in groups, each with vertices of its own; then the vertices of all groups are sorted by their places,
-//! so that a place has one number. The order of vertices is that of their places, and that of triangles that of cells: the
-//! same on any number of threads.
+//! Cells are meshed in groups with separate vertices; then the vertices of all groups are sorted by their places, so that
+//! a place has one number. Vertices are in the order of their places, and triangles in the order of their cells, on any
+//! number of threads.
 use super::normals::SampleGradient;
 use super::octree::OctreeCell;
 use super::rule::{Border, Normals};
@@ -28,7 +28,7 @@ struct CellGroup {
 const GROUP: usize = 1024;
 
 impl OctreeMesh {
-    /// The triangles of the cells that the surface passes, in their order, and then those of all caps.
+    /// The triangles of the cells that the surface passes, in the order of the cells, and then the triangles of all caps.
     pub(super) fn new(surface: &OctreeSurface<'_>, leaves: &[OctreeCell], job: &Job) -> Self {
         let capped = capped_leaves(surface);
         let cells: Vec<&[OctreeCell]> = leaves.chunks(GROUP).collect();
@@ -56,22 +56,22 @@ impl OctreeMesh {
             all.extend(vertices.iter().enumerate().map(|(at, vertex)| (vertex.0, group as u32, at as u32)));
         }
         all.sort_unstable();
-        let mut made = Self { positions: Vec::new(), faces: Vec::new(), normals: Vec::new() };
+        let mut octree_mesh = Self { positions: Vec::new(), faces: Vec::new(), normals: Vec::new() };
         let mut numbers: Vec<Vec<u32>> = groups.iter().map(|group| vec![0; group.vertices.len()]).collect();
         let mut last = None;
         for (order, group, at) in all {
             let (group, at) = (group as usize, at as usize);
             if last != Some(order) {
                 last = Some(order);
-                made.positions.push(groups[group].vertices[at].1);
-                made.normals.extend(groups[group].normals.get(at));
+                octree_mesh.positions.push(groups[group].vertices[at].1);
+                octree_mesh.normals.extend(groups[group].normals.get(at));
             }
-            numbers[group][at] = made.positions.len() as u32 - 1;
+            numbers[group][at] = octree_mesh.positions.len() as u32 - 1;
         }
         for (group, numbers) in groups.iter().zip(&numbers) {
-            made.faces.extend(group.faces.iter().map(|face| face.map(|v| numbers[v as usize])));
+            octree_mesh.faces.extend(group.faces.iter().map(|face| face.map(|v| numbers[v as usize])));
         }
-        made
+        octree_mesh
     }
 }
 
@@ -84,26 +84,26 @@ impl CellGroup {
         order.sort_unstable();
         let place = surface.place();
         let gradient = SampleGradient::new(surface.source, surface.affine, surface.rule);
-        let mut made = Self { vertices: Vec::new(), normals: Vec::new(), faces: Vec::new() };
+        let mut octree_mesh = Self { vertices: Vec::new(), normals: Vec::new(), faces: Vec::new() };
         let mut numbers = vec![0_u32; corners.len()];
         for (order, at) in order {
-            if made.vertices.last().is_none_or(|last| last.0 != order) {
+            if octree_mesh.vertices.last().is_none_or(|last| last.0 != order) {
                 let vertex = &corners[at as usize];
-                made.vertices.push((order, vertex.point(&place, surface.rule.offset)));
+                octree_mesh.vertices.push((order, vertex.point(&place, surface.rule.offset)));
                 if surface.rule.normals == Normals::Gradient {
-                    made.normals.push(gradient.normal_at(vertex.index()));
+                    octree_mesh.normals.push(gradient.normal_at(vertex.index()));
                 }
             }
-            numbers[at as usize] = made.vertices.len() as u32 - 1;
+            numbers[at as usize] = octree_mesh.vertices.len() as u32 - 1;
         }
         let is_upright = surface.affine.orientation() > 0;
         let turned = |face: &[u32; 3]| if is_upright { *face } else { [face[0], face[2], face[1]] };
-        made.faces = numbers.as_chunks::<3>().0.iter().map(turned).collect();
-        made
+        octree_mesh.faces = numbers.as_chunks::<3>().0.iter().map(turned).collect();
+        octree_mesh
     }
 }
 
-/// The cells that are not halved with a side in a capped border and a corner there that is inside.
+/// The leaves with a side in a capped border that has an inside corner.
 fn capped_leaves(surface: &OctreeSurface<'_>) -> Vec<OctreeCell> {
     let border = &surface.rule.border;
     let size = surface.source.size();
@@ -123,7 +123,7 @@ fn capped_leaves(surface: &OctreeSurface<'_>) -> Vec<OctreeCell> {
     let mut open = Vec::new();
     for k in 0..nz {
         for j in 0..ny {
-            // Between its ends a row has no side in a border unless all of it has.
+            // Between its ends a row has a side in a border only if all of the row has one.
             let is_row = [j, k].contains(&0) || j + 1 == ny || k + 1 == nz;
             let step = if is_row || nx == 1 { 1 } else { nx as usize - 1 };
             for i in (0..nx).step_by(step) {

@@ -1,9 +1,9 @@
 //! Halving of the cells that need it: an octree in each cell of a lattice, until the bound of every cell is within a length.
 //!
-//! In rounds: every cell that the surface passes gets a bound (`octree_bound.rs`), those beyond the length are halved along
-//! each index, and the parts that the surface passes are cells of the next round. A cell whose bound follows from its
-//! triangles gets a new one where a cell near it was halved. It ends when all bounds are within the length, or before the
-//! triangles would be more than is allowed.
+//! In each round every cell that the surface passes gets a bound (`octree_bound.rs`), cells with bounds above the length
+//! are halved along each index, and their parts that the surface passes are cells of the next round. A bound by triangles
+//! is renewed after a cell near it was halved. The rounds end when all bounds are within the length, or before the
+//! triangles exceed their limit.
 use super::halved_lattice::HalvedLattice;
 use super::octree::{HalvedCells, OctreeCell};
 pub(in crate::convert) use super::octree::{MOST_HALVINGS, has_keys};
@@ -19,9 +19,9 @@ use crate::implicit::Affine3;
 use crate::math::{greater, lesser};
 use std::collections::BTreeMap;
 
-/// What is asked of a refinement.
+/// The goal of a refinement and its limits.
 pub(in crate::convert) struct RefinementGoal<'a> {
-    /// The lattice itself, and those of as many halvings as there may be.
+    /// The lattice, and the lattices of one halving after another, up to the limit.
     pub levels: &'a [LevelLattice],
     pub length: f64,
     /// The most triangles and bytes.
@@ -33,17 +33,17 @@ pub(in crate::convert) struct RefinementGoal<'a> {
 
 /// A mesh with its bound, for vertices as written.
 pub(in crate::convert) struct RefinedIsosurface {
-    /// None where no cell was halved: then the bound is one for the mesh of the lattice.
+    /// None if no cell was halved: then the bound is for the mesh of the lattice.
     pub mesh: Option<OctreeMesh>,
     pub most: f64,
     pub least: f64,
-    /// Where the lower bound is attained, or the middle of the cell with the largest bound.
+    /// The point that attains the lower bound, or the middle of the cell with the largest bound.
     pub at: [f64; 3],
     /// Whether the side of every value is certain.
     pub is_sure: bool,
 }
 
-/// A cell that is not halved and that the surface passes.
+/// A leaf that the surface passes.
 #[derive(Clone)]
 struct BoundedCell {
     cell: OctreeCell,
@@ -53,30 +53,30 @@ struct BoundedCell {
     triangles: u32,
 }
 
-/// What a triangle takes while its mesh is made: 12 bytes of indices, twice, and half a vertex, of 56 bytes with its order
-/// and as many while they are sorted. Derived, and rounded up to a power of two.
+/// The memory of a triangle while its mesh is made. Derived, and rounded up to a power of two: 12 bytes of indices, twice,
+/// and half a vertex, of 56 bytes with its order, and as many while they are sorted.
 const BYTES_OF_TRIANGLE: u64 = 128;
 /// Triangles that a halved cell has for each that it had.
 const GROWTH: u64 = 4;
-/// A bound by rows beyond so many times the length is not tried to be improved by cutting up. Measured: it is up to 12 times
+/// A bound by rows above so many times the length is not improved by cutting up. Measured: such a bound is up to 12 times
 /// the distance on smooth shapes.
 const HOPELESS: f64 = 16.0;
-/// Cells of one kind share their bound where there are at most so many kinds, and at least so many cells for each: as in
+/// Cells of one kind share their bound if there are at most so many kinds, and at least so many cells of each: as in
 /// `bound.rs`.
 const MOST_KINDS: usize = 4096;
 const SHARED: usize = 4;
-/// Where the length is out of reach, the aim falls by this factor from one round to the next, and one in so many cells and
+/// If the length is out of reach, the aim falls by this factor from one round to the next, and one in so many cells and
 /// some more may be cut up: as in `bound.rs`.
 const FALL: f64 = 0.6;
 const SHARE: usize = 8;
 const SOME: usize = 4096;
-/// An aim that is out of reach grows by this factor. Chosen.
+/// An aim that is out of reach grows by this factor. Chosen: the bound is at most that much too large.
 const NEXT_AIM: f64 = 1.25;
-/// Cells in which a lower bound is looked for: those with the largest bounds. Chosen: as in `bound.rs`.
+/// The number of cells, with the largest bounds, that are searched for a lower bound. Chosen: as in `bound.rs`.
 const WITNESSES: usize = 64;
 
-/// Halves cells of a source until the bound is within the goal's length, or as far as the goal allows; `None` when the job is
-/// cancelled, and where no cell has corners on both sides.
+/// Halves cells of a source until the bound is within the goal's length, or as far as the goal allows; `None` if the job
+/// is cancelled, or if no cell has corners on both sides.
 pub(in crate::convert) fn refine(
     source: &dyn SampleSource,
     (affine, rule): (&Affine3, &Polygonize),
@@ -116,7 +116,7 @@ struct OctreeRefinement<'a> {
     slack: f64,
     job: &'a Job,
     halved: HalvedCells,
-    /// In the order of cells of the lattice, and of parts in each.
+    /// In the order of the lattice's cells, and of the parts in each.
     leaves: Vec<BoundedCell>,
     is_sure: bool,
 }
@@ -142,7 +142,7 @@ impl CellFlags {
         self.words[number / 64] >> (number % 64) & 1 == 1
     }
 
-    /// Sets those of a cell and of all around it.
+    /// Sets the bits of a cell and of all cells around it.
     fn set_around(&mut self, cell: [usize; 3]) {
         let span = |k: usize| cell[k].saturating_sub(1)..(cell[k] + 2).min(self.size[k]);
         let (x, y, z) = (span(0), span(1), span(2));
@@ -236,7 +236,7 @@ impl OctreeRefinement<'_> {
         leaf.most > self.goal.length && usize::from(leaf.cell.level) + 1 < self.goal.levels.len()
     }
 
-    /// Bounds the cells that have no bound, or one by triangles in the cells that are `changed`.
+    /// Bounds the cells without a bound, and the `changed` cells with a bound by triangles.
     fn bound_cells(&mut self, changed: Option<&CellFlags>) {
         let surface = self.surface();
         let proof = OctreeProof { surface: &surface, levels: self.goal.levels, length: self.goal.length };
@@ -245,7 +245,7 @@ impl OctreeRefinement<'_> {
         };
         let todo: Vec<usize> = (0..self.leaves.len()).filter(|at| is_changed(&self.leaves[*at])).collect();
         // 1. By rows of cells.
-        let made = par_map(self.job, &todo, |_, at| {
+        let bounds = par_map(self.job, &todo, |_, at| {
             let mut leaf = self.leaves[*at].clone();
             if self.job.is_cancelled() {
                 return leaf;
@@ -265,10 +265,11 @@ impl OctreeRefinement<'_> {
                 leaf.most > HOPELESS * self.goal.length && leaf.most < proof.diagonal_bound(leaf.cell);
             leaf.most > self.goal.length && !is_hopeless && proof.may_cut(leaf.cell)
         };
-        let open: Vec<OctreeCell> = made.iter().filter(|leaf| is_open(leaf)).map(|leaf| leaf.cell).collect();
+        let open: Vec<OctreeCell> =
+            bounds.iter().filter(|leaf| is_open(leaf)).map(|leaf| leaf.cell).collect();
         let near = self.bounds_by_triangles(&proof, &open);
         let mut near = near.into_iter();
-        let mut better = made;
+        let mut better = bounds;
         for leaf in better.iter_mut().filter(|leaf| is_open(leaf)) {
             if let Some(most) = near.next().flatten() {
                 (leaf.most, leaf.evidence) = (most, CellEvidence::OfTriangles);
@@ -279,39 +280,39 @@ impl OctreeRefinement<'_> {
         }
     }
 
-    /// The bounds of cells by their triangles, where these are near enough: one for each kind where there are few.
+    /// The bounds of cells by their triangles, if these are near enough: one for each kind if there are few kinds.
     fn bounds_by_triangles(&self, proof: &OctreeProof<'_>, cells: &[OctreeCell]) -> Vec<Option<f64>> {
         let job = self.job;
         let kinds = par_map(job, cells, |_, cell| proof.kind(*cell));
-        let mut all: BTreeMap<OctreeCellKind, Option<f64>> = BTreeMap::new();
+        let mut bound_of_kind: BTreeMap<OctreeCellKind, Option<f64>> = BTreeMap::new();
         let most = MOST_KINDS.min(cells.len() / SHARED);
         for kind in kinds.iter().flatten() {
-            if all.len() <= most {
-                all.insert(*kind, None);
+            if bound_of_kind.len() <= most {
+                bound_of_kind.insert(*kind, None);
             }
         }
-        let is_shared = all.len() <= most;
+        let is_shared = bound_of_kind.len() <= most;
         if is_shared {
-            let known: Vec<OctreeCellKind> = all.keys().copied().collect();
+            let kinds: Vec<OctreeCellKind> = bound_of_kind.keys().copied().collect();
             let bounds =
                 par_map(
                     job,
-                    &known,
+                    &kinds,
                     |_, kind| {
                         if job.is_cancelled() { None } else { proof.bound_of_kind(kind) }
                     },
                 );
-            all = known.into_iter().zip(bounds).collect();
+            bound_of_kind = kinds.into_iter().zip(bounds).collect();
         }
         let work: Vec<(OctreeCell, Option<OctreeCellKind>)> = cells.iter().copied().zip(kinds).collect();
         par_map(job, &work, |_, (cell, kind)| match kind {
             _ if job.is_cancelled() => None,
-            Some(kind) if is_shared => all.get(kind).copied().flatten(),
+            Some(kind) if is_shared => bound_of_kind.get(kind).copied().flatten(),
             _ => proof.bound_if_near(*cell),
         })
     }
 
-    /// Halves the cells beyond the length; returns the cells of the lattice around those.
+    /// Halves the cells with bounds above the length; returns the cells of the lattice around them.
     fn halve_cells(&mut self) -> CellFlags {
         let halved: Vec<OctreeCell> =
             self.leaves.iter().filter(|leaf| self.is_to_be_halved(leaf)).map(|leaf| leaf.cell).collect();
@@ -351,7 +352,7 @@ impl OctreeRefinement<'_> {
         (passed, is_sure)
     }
 
-    /// Where the length is out of reach: improves the largest bounds, in rounds, as long as these are few and fall.
+    /// If the length is out of reach: improves the largest bounds, in rounds, as long as these are few and fall.
     fn improve_largest_bounds(&mut self) {
         let surface = self.surface();
         let proof = OctreeProof { surface: &surface, levels: self.goal.levels, length: self.goal.length };
@@ -385,7 +386,7 @@ impl OctreeRefinement<'_> {
         self.leaves = leaves;
     }
 
-    /// The mesh, where cells were halved, and its bound.
+    /// The mesh, if cells were halved, and its bound.
     fn finish(self, is_halved: bool) -> Option<RefinedIsosurface> {
         let surface = self.surface();
         let proof = OctreeProof { surface: &surface, levels: self.goal.levels, length: self.goal.length };
@@ -394,11 +395,11 @@ impl OctreeRefinement<'_> {
             self.leaves[*b].most.total_cmp(&self.leaves[*a].most).then_with(|| a.cmp(b))
         });
         order.truncate(WITNESSES);
-        let found = par_map(self.job, &order, |_, at| {
+        let witnesses = par_map(self.job, &order, |_, at| {
             if self.job.is_cancelled() { None } else { proof.witness(self.leaves[*at].cell, 0.0) }
         });
         let mut seen: Option<(f64, [f64; 3])> = None;
-        for witness in found.into_iter().flatten() {
+        for witness in witnesses.into_iter().flatten() {
             if seen.is_none_or(|seen| witness.0 > seen.0) {
                 seen = Some(witness);
             }
@@ -414,7 +415,7 @@ impl OctreeRefinement<'_> {
             let offset = self.rule.offset;
             [0, 1, 2].map(|k| offset[k] as f64 + (f64::from(worst.cell.at[k]) + 0.5) * side)
         };
-        // The lower bound is one for the mesh as written, and the upper one is, too.
+        // Both bounds are for the mesh as written.
         let least = lesser(seen.map_or(0.0, |seen| seen.0), worst.most);
         Some(RefinedIsosurface {
             mesh,

@@ -1,7 +1,7 @@
-//! The options of the polygonizer, and where the surface crosses an edge of the lattice.
+//! The options of the polygonizer, and the crossing of the surface with an edge of the lattice.
 use crate::implicit::Affine3;
 
-/// Which samples are inside.
+/// The rule for inside samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Inside {
     /// Those below the level, as in fields and distances.
@@ -14,7 +14,7 @@ pub enum Inside {
 /// How a shape ends at the border of the lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
-    /// The surface ends there.
+    /// The surface ends at the border.
     Open,
     /// Flat faces in the border close the shape.
     #[default]
@@ -33,8 +33,8 @@ pub enum Normals {
 
 /// How a grid becomes triangles.
 ///
-/// A sample that equals the level is outside, and so is NaN, which counts as the level where the surface is
-/// placed. ±∞ count as the largest numbers of f64.
+/// A sample that equals the level is outside, and so is NaN, which counts as the level in the position of the
+/// surface. ±∞ count as the largest numbers of f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polygonize {
     /// The level, finite.
@@ -48,13 +48,13 @@ pub struct Polygonize {
     /// The index of the first sample in a larger lattice, to which the grid's transform then belongs: blocks
     /// of one volume join bit for bit.
     pub offset: [i64; 3],
-    /// How near to a sample a vertex may come, as a fraction of the lattice edge; see [`Polygonize::MARGIN`].
+    /// The least distance of a vertex from a sample, as a fraction of the lattice edge; see [`Polygonize::MARGIN`].
     pub margin: f64,
 }
 
 impl Polygonize {
     /// The default margin: exactly 2⁻²⁰ of an edge. Vertices of different edges stay that far apart, so that
-    /// no triangle is flat where samples equal the level.
+    /// no triangle is flat if samples equal the level.
     pub const MARGIN: f64 = 1.0 / 1_048_576.0;
     /// A margin that single precision resolves on lattices of up to 512 samples a side around the origin.
     pub const MARGIN_F32: f64 = 1.0 / 1024.0;
@@ -107,7 +107,7 @@ impl Polygonize {
         if part >= self.margin && part <= 1.0 - self.margin { part } else { self.robust_crossing(from, to) }
     }
 
-    /// [`Polygonize::crossing`] near a sample, or where the difference of the samples is not finite.
+    /// [`Polygonize::crossing`] near a sample, or for samples with a difference that is not finite.
     #[cold]
     fn robust_crossing(&self, from: f64, to: f64) -> f64 {
         let (from, to) = (0.25 * self.finite_sample(from), 0.25 * self.finite_sample(to));

@@ -1,4 +1,4 @@
-//! `SignBits`: the side of the level on which each sample of a lattice is, and what follows from that alone.
+//! `SignBits`: each sample's side of the level, and the vertices and cells that follow from that alone.
 use super::rule::{Border, Polygonize};
 use super::source::SampleSource;
 use crate::budget::{Job, par_map_owned};
@@ -52,8 +52,8 @@ impl SignBits {
     /// The samples from 64·word on that begin a cell, as bits.
     #[inline(always)]
     fn cells(&self, word: usize) -> u64 {
-        let rest = self.size[0] - 1 - (64 * word).min(self.size[0] - 1);
-        if rest >= 64 { u64::MAX } else { (1 << rest) - 1 }
+        let cells_left = self.size[0] - 1 - (64 * word).min(self.size[0] - 1);
+        if cells_left >= 64 { u64::MAX } else { (1 << cells_left) - 1 }
     }
 
     /// The samples of a row that have a vertex of a kind, 64 at a time.
@@ -95,7 +95,7 @@ impl SignBits {
         self.border[axis]
     }
 
-    /// How many words a row has.
+    /// The number of words in a row.
     pub fn width(&self) -> usize {
         self.width
     }

@@ -1,7 +1,7 @@
 //! Slopes of many cells at once: along one axis, over three cells in a row.
 //!
-//! Each cell needs the samples of four planes across the axis: its own two and one on either side, four in
-//! each. For what is proved with them see `bound.rs`.
+//! Each cell needs the samples of four planes across the axis: its own two and one on either side, four samples in
+//! each. The proof that uses them is in `bound.rs`.
 use crate::math::simd::{self, Kernel};
 use crate::math::{greater, lesser};
 
@@ -17,7 +17,7 @@ pub(super) type CellLanes = [f64; LANES];
 /// For each axis the corners at its low end.
 pub(super) const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
 
-/// The slowest difference along each axis over a cell; not above 0 where the signs differ.
+/// The smallest difference along each axis over a cell; not above 0 if the signs differ.
 pub(super) struct MinSlopeKernel<'a> {
     pub corners: &'a [CellLanes; 8],
     pub out: &'a mut [CellLanes; 3],
@@ -42,7 +42,7 @@ impl Kernel for MinSlopeKernel<'_> {
     }
 }
 
-/// e/m over three cells in a row, rounded up: infinite where nothing is proved.
+/// e/m over three cells in a row, rounded up: infinite if that proves no bound.
 pub(super) struct ShiftKernel<'a> {
     /// g on the planes from low to high along the axis, four corners in each, in the order of those of a
     /// face; a missing plane equals its neighbour.
@@ -65,8 +65,8 @@ impl Kernel for ShiftKernel<'_> {
     }
 }
 
-/// [`ShiftKernel`] for one cell. The mesh in the cells before and behind may be that of larger cells, on whose triangles |g|
-/// is up to `beside`.
+/// [`ShiftKernel`] for one cell. The cells beside it may be parts of larger cells, with |g| up to `beside` on their
+/// triangles.
 #[inline(always)]
 pub(super) fn shift(w: &[[f64; 4]; 4], beside: [f64; 2], slack: f64) -> f64 {
     let (mut low, mut high) = (w[0][0], w[0][0]);
@@ -94,16 +94,16 @@ pub(super) fn shift(w: &[[f64; 4]; 4], beside: [f64; 2], slack: f64) -> f64 {
     }
     error[0] = greater(beside[0], error[0]);
     error[2] = greater(beside[1], error[2]);
-    // 3. Corners are rounded once, and |g| is no more than the range, for the cell in the middle has both
+    // 3. Corners are rounded once, and |g| is no more than the range, since the cell in the middle has both
     // signs; each mixed difference is rounded three times more, by half a unit in the last place of four
     // times the range at most, and the sum twice.
-    let off = 64.0 * ROUNDING * range + 2.0 * slack;
-    // 4. A neighbour counts unless g is beyond e wherever it begins.
+    let rounding = 64.0 * ROUNDING * range + 2.0 * slack;
+    // 4. A neighbour counts unless |g| is above e on all of the plane between.
     let ends = |p: usize, sign: f64| {
         let g: [f64; 4] = std::array::from_fn(|c| sign * grown(w[p][c]));
         lesser(lesser(g[0], g[1]), lesser(g[2], g[3]))
     };
-    let free = error[1] + 2.0 * off;
+    let free = error[1] + 2.0 * rounding;
     let (mut most, mut least) = (error[1], slope[1]);
     let (free_before, free_behind) = (ends(1, -1.0) > free, ends(2, 1.0) > free);
     if !free_before {
@@ -114,9 +114,9 @@ pub(super) fn shift(w: &[[f64; 4]; 4], beside: [f64; 2], slack: f64) -> f64 {
         most = greater(most, error[2]);
         least = lesser(least, slope[2]);
     }
-    // 5. Two roundings of either, and one of the quotient.
-    let slope = least - off;
-    let shift = ((most + off) / slope) * (1.0 + 16.0 * ROUNDING);
+    // 5. Two roundings each of e and m, and one of the quotient.
+    let slope = least - rounding;
+    let shift = ((most + rounding) / slope) * (1.0 + 16.0 * ROUNDING);
     if slope > 0.0 && shift <= 1.0 { shift } else { f64::INFINITY }
 }
 

@@ -8,7 +8,7 @@ pub(crate) trait SampleSource: Sync {
     /// The number of samples along each index.
     fn size(&self) -> [usize; 3];
 
-    /// Sets bit i of `words` if the sample i of row (j, k) is inside; bits behind the row stay 0.
+    /// Sets bit i of `words` if the sample i of row (j, k) is inside; bits after the row stay 0.
     fn sides(&self, row: [usize; 2], words: &mut [u64]);
 
     /// One sample.

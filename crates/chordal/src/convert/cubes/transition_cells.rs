@@ -1,25 +1,33 @@
-//! Triangles of the cells of an octree: closed and manifold whatever cells are halved.
+//! Triangles of the cells of an octree: closed and manifold, whatever cells are halved.
 //!
-//! **Faces.** A square between two cells is cut up as far as either of them asks: where the cell beyond it is halved, it is
-//! four squares. Each square that is not cut up has the segments of `case_table.rs`: every run of inside corners is cut off
-//! by itself. Both sides see the same squares, with the same values (`halved_lattice.rs`), hence the same segments.
+//! **Faces.** A square between two cells is cut up like the more finely halved of them.
 //!
-//! **Edges.** An edge is two where any of the cells around it is halved. Exactly one of two halves has its ends on different
-//! sides where those of the whole are. So an edge of a square, however far it is cut up, has one vertex or none: that of its
-//! last half.
+//! ```text
+//!   ┌───────┬───┬───┐
+//!   │       │   │   │    the large cell sees the side in the middle
+//!   │       ├───┼───┤    as two parts, like the halved cell
+//!   │       │   │   │
+//!   └───────┴───┴───┘
+//! ```
+//!
+//! Each square that is not cut up has the segments of `case_table.rs`: every run of inside corners is cut off by itself.
+//! Both sides see the same squares, with the same values (`halved_lattice.rs`), hence the same segments.
+//!
+//! **Edges.** An edge is halved if any of the cells around it is halved. If its ends are on different sides, so are the ends
+//! of exactly one half. So an edge of a square, however far it is cut up, has one vertex or none, on its smallest such half.
 //!
 //! **Cells.** So each vertex on a cell's surface is an end of one segment in each of two squares: segments form closed
-//! loops. Where no face is cut up, the loops are those of the table, and so are the triangles. Other loops have a vertex of
-//! their own inside the cell, and a fan around it; those of three vertices are triangles. All edges of a fan but the
-//! segments are at that vertex, so that no other cell has them. The diagonals of the table join edges that share no face of
-//! the cell, while what two cells share lies in a face of one of them: so no other cell has these either. Hence every edge
-//! has two triangles, and around each vertex the cells at its edge add one fan each, from face to face: the whole is a
-//! closed manifold up to the border of the lattice, as in `case_table.rs`.
+//! loops. If no face is cut up, the loops and the triangles are those of the table. Every other loop has a vertex inside the
+//! cell, and a fan around it; a loop of three vertices is a triangle. All edges of a fan except the segments are at that
+//! vertex, so that no other cell has them. The diagonals of the table join edges that share no face of the cell, while a
+//! common edge of two cells lies in a face of one of them: so no other cell has the diagonals either. Hence every edge has
+//! two triangles, and around each vertex the cells at its edge add one fan each, from face to face: the mesh is a closed
+//! manifold up to the border of the lattice, as in `case_table.rs`.
 //!
-//! **Caps.** Squares of capped borders have polygons as in `caps.rs`. Where a side is cut up, its parts' ends are corners of
-//! the polygon, which is convex and gets a fan around a vertex inside it.
+//! **Caps.** Squares of capped borders have polygons as in `caps.rs`. If a side is cut up, the ends of its parts are corners
+//! of the polygon, which is convex and gets a fan around a vertex inside it.
 //!
-//! All vertices of a cell are on its edges and faces; those inside are means of such with positive weights.
+//! The vertices of a cell are on its edges and faces, except for means of these with positive weights.
 //!
 //! Source: the cutting of faces by their finer side is that of C.-C. Ho, F.-C. Wu, B.-Y. Chen, Y.-Y. Chuang, M. Ouhyoung,
 //! *Cubical marching squares: adaptive feature preserving surface extraction from volume data*, 2005.
@@ -32,7 +40,7 @@ use super::rule::{Border, LatticeTransform, Polygonize};
 use super::source::SampleSource;
 use crate::implicit::Affine3;
 
-/// What a vertex of an octree is.
+/// The kind of an octree's vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum OctreeVertexKind {
     /// On an edge along that axis.
@@ -50,7 +58,7 @@ pub(super) struct OctreeVertex {
     pub level: u8,
     /// The lower end of its edge, its corner, or the first corner of its cell, counted in cells of the level.
     pub low: [u32; 3],
-    /// Its place from there, in cells of the level.
+    /// Its offset from there, in cells of the level.
     pub part: [f64; 3],
     /// Whether it is within the margin of a point of the surface: rounded values may leave that uncertain.
     pub is_zero: bool,
@@ -60,10 +68,10 @@ pub(super) struct OctreeVertex {
 pub(super) type VertexOrder = ([u64; 3], u8, OctreeVertexKind);
 
 impl OctreeVertex {
-    /// Its place in that order, the same wherever the vertex is met.
+    /// Its key in that order, the same in every cell that has the vertex.
     pub fn order(&self) -> VertexOrder {
         let [x, y, z] = self.low.map(|i| u64::from(i) << (MOST_HALVINGS - usize::from(self.level)));
-        // The corner of a square is one of larger and of smaller squares.
+        // The corner of a square is a corner of larger and of smaller squares.
         let level = if self.kind == OctreeVertexKind::Corner { 0 } else { self.level };
         ([z, y, x], level, self.kind)
     }
@@ -108,8 +116,8 @@ struct ValuedEdge {
     ends: [f64; 2],
 }
 
-/// A square of a level by its first corner and the axis across it, with the values at its corners: those of the first along
-/// the next axis, then those behind.
+/// A square of a level by its first corner and the axis across it, with the values at its corners: the first two along the
+/// next axis, then the other two.
 #[derive(Clone, Copy)]
 struct ValuedSquare {
     level: u8,
@@ -128,13 +136,13 @@ impl ValuedSquare {
         Self { level: cell.level, axis, low, values: [corner(0), corner(1), corner(2), corner(3)] }
     }
 
-    /// The corner of that number, one by one around it: counter-clockwise from the end of its axis that is asked for.
+    /// The corner of a number, counter-clockwise as seen from the given end of the square's axis.
     fn around(end: usize, number: usize) -> usize {
         let turned = if end == 1 { number } else { 3 - number };
         [0, 1, 3, 2][turned % 4]
     }
 
-    /// The side from that corner to the next, and whether it begins at its lower end.
+    /// The side from a corner to the next, and whether it begins at its lower end.
     fn side(&self, end: usize, number: usize) -> (ValuedEdge, bool) {
         let (u, v) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
         let (a, b) = (Self::around(end, number), Self::around(end, (number + 1) % 4));
@@ -175,8 +183,8 @@ pub(super) struct OctreeSurface<'a> {
     pub slack: f64,
 }
 
-/// Whether the crossing between two values that are up to `slack` off is within the margin of the true one: it is off by up
-/// to twice their error over their difference, and here by no more than half of the margin.
+/// Whether the crossing between two values with errors up to `slack` is within the margin of the true one: its error is up
+/// to twice theirs over their difference, and here no more than half of the margin.
 pub(super) fn is_certain([from, to]: [f64; 2], slack: f64, margin: f64) -> bool {
     slack == 0.0 || (0.5 * from - 0.5 * to).abs() * margin > 4.0 * slack
 }
@@ -193,14 +201,14 @@ impl OctreeSurface<'_> {
             .corners(cell.index())
     }
 
-    /// Visits all triangles of a cell that is not halved.
+    /// Visits all triangles of a leaf.
     pub fn for_each_piece(&self, cell: OctreeCell, mut each: impl FnMut(OctreeTriangle)) {
         let values = self.values(cell);
         self.for_each_triangle(cell, &values, &mut each);
         self.for_each_cap_triangle(cell, &values, &mut each);
     }
 
-    /// The cells that are not halved and have points in a cell or in one of its size beside it, in a fixed order.
+    /// The leaves with points in a cell, or in a cell of its size beside it, in a fixed order.
     pub fn leaves_around(&self, cell: OctreeCell) -> Vec<OctreeCell> {
         let cells = self.source.size().map(|n| ((n - 1) as i64) << cell.level);
         let mut leaves: Vec<OctreeCell> = Vec::new();
@@ -216,7 +224,7 @@ impl OctreeSurface<'_> {
                 if self.halved.is_cell_halved(part) {
                     parts.extend(part.parts());
                 } else if part.level >= cell.level || !leaves.contains(&part) {
-                    // Only a larger one is met more than once.
+                    // Only a larger leaf is met more than once.
                     leaves.push(part);
                 }
             }
@@ -229,7 +237,7 @@ impl OctreeSurface<'_> {
         (0..8).fold(0, |signs, c| signs | u8::from(self.rule.is_inside(values[c])) << c)
     }
 
-    /// Visits the triangles of a cell that is not halved, with these values at its corners, without those of caps.
+    /// Visits the triangles of a leaf, with these values at its corners, except for caps.
     pub fn for_each_triangle(
         &self,
         cell: OctreeCell,
@@ -334,7 +342,7 @@ impl OctreeSurface<'_> {
                     Err(_) => unreachable!("a vertex ends one segment and begins another"),
                 }
             }
-            // The way round of the table: against the segments.
+            // The direction of the table: against the segments.
             match ring[..] {
                 [] => {}
                 [a, b, c] => each([a, c, b]),
@@ -348,7 +356,7 @@ impl OctreeSurface<'_> {
         }
     }
 
-    /// Visits the segments of a square of a cell, which lies at that end of its axis.
+    /// Visits the segments of a square of a cell at an end of its axis.
     fn for_each_segment(
         &self,
         square: ValuedSquare,
@@ -372,8 +380,8 @@ impl OctreeSurface<'_> {
         });
     }
 
-    /// A vertex inside a cell: the mean of vertices on it, each with the length of the curve through them that is nearest to
-    /// it, so that many on a finer face do not pull it there.
+    /// A vertex inside a cell: the mean of vertices on its surface, each weighted by the length of the nearest part of the
+    /// curve through them, so that many vertices on a finer face do not pull it there.
     fn centre(&self, cell: OctreeCell, number: u16, ring: &[OctreeVertex]) -> OctreeVertex {
         let places: Vec<[f64; 3]> = ring.iter().map(|vertex| vertex.within(cell)).collect();
         let apart = |a: usize, b: usize| {
@@ -396,7 +404,7 @@ impl OctreeSurface<'_> {
         }
     }
 
-    /// Visits the triangles of the caps of a cell that is not halved.
+    /// Visits the triangles of the caps of a leaf.
     pub fn for_each_cap_triangle(
         &self,
         cell: OctreeCell,
@@ -447,7 +455,7 @@ impl OctreeSurface<'_> {
             triangles(inside, number, |face| faces.push(face));
             return faces.iter().for_each(|face| each(face.map(|v| vertices[v as usize])));
         }
-        // Every run of inside corners, with all that is on its sides, counter-clockwise.
+        // Every run of inside corners, with all points on its sides, counter-clockwise.
         let side = |number: usize| {
             let (edge, is_first) = sides[number];
             let mut points = Vec::new();
@@ -466,7 +474,7 @@ impl OctreeSurface<'_> {
                 polygon.push(corner(number % 4));
                 polygon.extend(side(number % 4));
             }
-            // Numbers of loops are few: those of caps begin far above.
+            // There are few loops: the numbers of caps begin far above theirs.
             let number = 4096 * (1 + 2 * square.axis + end) as u16 + first as u16;
             let centre = self.centre(cell, number, &polygon);
             let pairs = polygon.iter().zip(polygon.iter().cycle().skip(1));
@@ -478,8 +486,8 @@ impl OctreeSurface<'_> {
         OctreeVertex { kind: OctreeVertexKind::Corner, level, low, part: [0.0; 3], is_zero: true }
     }
 
-    /// Visits what is inside or on the surface on an edge of a capped border, between its ends, from the lower end on: the
-    /// ends of its parts and its crossing.
+    /// Visits the points on an edge of a capped border that are inside or on the surface, between its ends, from the lower end
+    /// on: the ends of its parts and its crossing.
     fn for_each_on_edge(&self, edge: ValuedEdge, each: &mut dyn FnMut(OctreeVertex)) {
         let inside = edge.ends.map(|value| self.rule.is_inside(value));
         if !self.halved.is_edge_halved(edge.level, edge.axis, edge.low) {

@@ -1,4 +1,4 @@
-//! Flattens many cubic Bézier curves at one tolerance, without further options: for inner loops.
+//! Flattens many cubic Bézier curves at one tolerance, without further options, for inner loops.
 use super::chord::{CubicChords, coordinate_reach, rounding_at, wang_steps};
 use super::density::{FlattenScratch, spread_by_density};
 use super::flatten::{LARGEST, Spacing};
@@ -11,7 +11,7 @@ use crate::math::{add_up, flushes_subnormals, greater, sub_down};
 /// Flattens one cubic Bézier curve after the other at one tolerance, and reuses its buffers between them.
 ///
 /// The points are those of [`curve_to_polyline`](super::super::curve_to_polyline), bit for bit, except that
-/// successive points may be equal here: a curve that is one point has two.
+/// successive points may be equal here: a curve that is one point gives two points.
 ///
 /// ```
 /// use chordal::{Bezier, Tolerance};
@@ -49,12 +49,12 @@ impl<const D: usize> Polylines<D> {
     }
 }
 
-/// The largest number of chords of one curve.
+/// The most chords of one curve. Chosen: so many take some GB.
 const MOST: f64 = 1e8;
 
 impl<const D: usize> BezierCutter<D> {
     /// # Errors
-    /// In an environment that flushes subnormals, where nothing can be proved.
+    /// In an environment that flushes subnormals, so that no bound can be proved.
     pub fn new(tolerance: Tolerance, spacing: Spacing) -> Result<Self, Failure<()>> {
         if flushes_subnormals() {
             let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
@@ -63,11 +63,11 @@ impl<const D: usize> BezierCutter<D> {
         Ok(Self { tolerance: tolerance.get(), spacing, isa: simd::isa(), work: FlattenScratch::default() })
     }
 
-    /// Appends all points of the polyline but its first one, which is the curve's start, and returns a proved
-    /// bound on the two-sided Hausdorff distance between the curve and the polyline.
+    /// Appends all points of the polyline except its first one, which is the curve's start, and returns a proved
+    /// bound of the two-sided Hausdorff distance between the curve and the polyline.
     ///
-    /// With equal steps the bound is that of the formula for the whole curve, a little larger than that of
-    /// each chord.
+    /// With equal steps the bound is that of Wang's formula for the whole curve, a little larger than the bounds of
+    /// the single chords.
     ///
     /// # Errors
     /// Coordinates that are not finite or beyond 1e150, a tolerance below rounding, more than 1e8 chords.
@@ -78,8 +78,8 @@ impl<const D: usize> BezierCutter<D> {
     #[inline(always)]
     fn cut(&mut self, curve: &Bezier<D>, points: &mut Vec<[f64; D]>) -> Result<f64, Failure<()>> {
         let size = coordinate_reach(&curve.control);
-        let sane = curve.control.as_flattened().iter().all(|x| x.abs() < LARGEST);
-        if !sane {
+        let is_in_range = curve.control.as_flattened().iter().all(|x| x.abs() < LARGEST);
+        if !is_in_range {
             return Err(out_of_range(size));
         }
         let rounding = rounding_at(size);
@@ -177,13 +177,13 @@ const CHUNK: usize = 256;
 
 /// Flattens many cubic Bézier curves at one tolerance, each into a polyline of its own, in their order.
 ///
-/// **Bound.** Two-sided Hausdorff distance between each curve and its polyline, *proved*, for the worst of
-/// them. `at_least` is 0: nothing is measured here.
+/// **Bound.** Two-sided Hausdorff distance between each curve and its polyline, *proved*; that of the worst curve.
+/// `at_least` is 0: nothing is measured.
 ///
 /// **Determinism.** The same bytes on any number of threads and with every instruction set.
 ///
 /// # Errors
-/// As for [`BezierCutter`]; and when the job was cancelled.
+/// As for [`BezierCutter`]; and if the job was cancelled.
 ///
 /// ```
 /// use chordal::{Bezier, Job, Tolerance, convert::{self, Spacing}};
@@ -205,22 +205,22 @@ pub fn beziers_to_polylines<const D: usize>(
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let (mut cutter, mut made, mut worst) = (cutter.clone(), Polylines::default(), 0.0);
+        let (mut cutter, mut polylines, mut worst) = (cutter.clone(), Polylines::default(), 0.0);
         for curve in *chunk {
-            made.starts.push(made.points.len());
-            made.points.push(curve.control[0]);
-            let bound = cutter.append(curve, &mut made.points)?;
+            polylines.starts.push(polylines.points.len());
+            polylines.points.push(curve.control[0]);
+            let bound = cutter.append(curve, &mut polylines.points)?;
             worst = greater(bound, worst);
         }
-        Ok((made, worst))
+        Ok((polylines, worst))
     };
     let parts = par_map(job, &chunks, cut);
     let (mut all, mut worst) = (Polylines::default(), 0.0);
     for part in parts {
-        let (made, bound) = part?;
+        let (polylines, bound) = part?;
         let first = all.points.len();
-        all.starts.extend(made.starts.iter().map(|start| first + start));
-        all.points.extend(made.points);
+        all.starts.extend(polylines.starts.iter().map(|start| first + start));
+        all.points.extend(polylines.points);
         worst = greater(bound, worst);
     }
     all.starts.push(all.points.len());

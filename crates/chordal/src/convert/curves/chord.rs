@@ -1,39 +1,47 @@
 //! `ChordDeviation`: a bound on the distance between a piece of a curve and its chord.
 //!
-//! *A cubic over `[a, b]`.* With `D0 = h²·P''(a)/6`, `D1 = h²·P''(b)/6`, `h = b − a`, the curve at the
-//! fraction `t` of the piece is off the chord's point at `t` by exactly `−t(1−t)·[(2−t)·D0 + (1+t)·D1]`. With
-//! `u = 2t − 1`, `s = D0 + D1`, `q = D1 − D0` that is `(1−u²)/4·|3s/2 + u·q/2|`, which is at most
-//! `(1−u²)(3|s| + |u||q|)/8`, and largest at `u = √(r² + 1/3) − r` for `r = |s|/|q|`.
+//! *A cubic over `[a, b]`.* With `D0 = h²·P''(a)/6`, `D1 = h²·P''(b)/6`, `h = b − a`, the difference between the
+//! curve at the fraction `t` of the piece and the chord's point at `t` is exactly
+//! `−t(1−t)·[(2−t)·D0 + (1+t)·D1]`. With `u = 2t − 1`, `s = D0 + D1`, `q = D1 − D0` its length is
+//! `(1−u²)/4·|3s/2 + u·q/2|`, which is at most `(1−u²)(3|s| + |u||q|)/8`, and largest at `u = √(r² + 1/3) − r`
+//! for `r = |s|/|q|`.
 //!
-//! *The distance.* Seen along the chord, the curve starts at 0 and ends at the chord's length `L`, so it
-//! passes over every point of the chord: each of them has a point of the curve perpendicular to the chord. So
-//! with the parts of `s` and `q` across the chord, the formula bounds the distance from the chord to the
-//! curve, and that from the curve to the chord for the points between the ends. Other points lie beyond an
-//! end by no more than the two inner control points do: there the two distances add as the sides of a right
-//! angle. The formula with all of `s` and `q` needs no chord and bounds both directions too, for points of
-//! equal parameter. The smaller of the two bounds is used.
+//! ```text
+//!            . - ~ - .                s, q: the curve's deviation; `across` and `along` are relative to
+//!         .´     |     `.             the chord. Points between the ends are compared across the chord,
+//!   P(a) o-------+-------o P(b) )     points beyond an end across and along.
+//!                chord       beyond
+//! ```
+//!
+//! *The distance.* Along the chord, the curve starts at 0 and ends at the chord's length `L`, so it passes over
+//! every point of the chord: each of them has a point of the curve perpendicular to the chord. So with the parts
+//! of `s` and `q` across the chord, the formula bounds the distance from the chord to the curve, and that from
+//! the curve to the chord for the points between the ends. Other points lie beyond an end by no more than the two
+//! inner control points do: there the two distances are the legs of a right triangle. The formula with the whole
+//! of `s` and `q` needs no chord and bounds both directions too, for points of equal parameter. The smaller of
+//! the two bounds is used.
 //!
 //! *An arc of an ellipse* of half the angle `δ ≤ π/2` about the middle angle `m`: with `w = centre → middle`,
-//! `v` the derivative there by angle, the curve at `m + φ` is off the chord's point at `sin φ/sin δ` by
-//! exactly `(cos φ − cos δ)·w`, so at most by `(1 − cos δ)|w|`; across the chord, which runs along `v`, by
-//! the part of `w` across. It stays between the ends where `|v|·cos δ ≥ |w·v|/|v|·sin δ`.
+//! `v` the derivative there by angle, the difference between the curve at `m + φ` and the chord's point at
+//! `sin φ/sin δ` is exactly `(cos φ − cos δ)·w`, so at most `(1 − cos δ)|w|`; across the chord, which runs along
+//! `v`, it is that with the part of `w` across. The arc stays between the ends if `|v|·cos δ ≥ |w·v|/|v|·sin δ`.
 //!
 //! *Rounding.* The ends of a chord are evaluated with an error of at most `η = 16 ε·R`, `R` the sum over the
 //! axes of the largest control coordinate (12 roundings of half a step in each coordinate of a cubic; for an
 //! arc two units in the last place of sine and cosine, half a unit of an angle below 8π, and six roundings).
-//! `D0` and `D1` are sums of six products with weights that add up to 8, which `h² ≤ 1` does not enlarge:
-//! each is off by less than `32 ε·R`. The direction of the chord is off by `2η/L` and rotates `s` and `q` by
-//! that; where they are longer than 8 chords the form without a chord is used, so that this adds less than
-//! `8·2·2η`. Of an arc by its ends, `v` is off by `4ε(|φ||w| + |v|)`, which is at most 16 chords' part, and in all less
-//! than `256 ε·R`. The arithmetic after that loses less than 32 ε of lengths below `8R`. All of it is below
-//! `1024 ε·R`.
+//! `D0` and `D1` are sums of six products with weights that add up to 8, which `h² ≤ 1` does not enlarge: the
+//! error of each is less than `32 ε·R`. The error of the chord's direction is `2η/L` and rotates `s` and `q` by
+//! that; if they are longer than 8 chords the form without a chord is used, so that this adds less than
+//! `8·2·2η`. For an arc by its ends, the error of `v` is `4ε(|φ||w| + |v|)`, which is at most the part of 16
+//! chords, and in all less than `256 ε·R`. The error of the arithmetic after that is less than 32 ε of lengths
+//! below `8R`. All of it is below `1024 ε·R`.
 use crate::explicit::{Arc, ArcPart, Bezier};
 use crate::math::{difference, dot, greater, length};
 
 /// The rounding error of a deviation bound, in units of ε times [`coordinate_reach`]: derived above.
 const ROUNDING: f64 = 1024.0;
 
-/// The deviation bound of a chord, and the fraction of the piece where the curve is farthest.
+/// The deviation bound of a chord, and the fraction of the piece up to the farthest point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ChordDeviation {
     pub(crate) at_most: f64,
@@ -103,7 +111,7 @@ impl<'a, const D: usize> CubicChords<'a, D> {
     }
 }
 
-/// The number of equal steps that keeps the tolerance when the largest second difference is `bend` (G. Wang,
+/// The number of equal steps that keeps the tolerance if the largest second difference is `bend` (G. Wang,
 /// 1984).
 #[inline(always)]
 pub(crate) fn wang_steps(bend: f64, tolerance: f64) -> f64 {
@@ -132,8 +140,8 @@ pub(crate) fn rounding_at(reach: f64) -> f64 {
     if reach == 0.0 {
         return 0.0;
     }
-    // Lengths below 1e-154 have squares that lose digits or vanish; nothing shorter than 1e-150 is
-    // distinguished from 0.
+    // Squares of lengths below 1e-154 lose digits or vanish, so lengths below 1e-150 are not distinguished
+    // from 0.
     let least = 1e-150;
     let rounding = ROUNDING * f64::EPSILON * reach;
     greater(rounding, least)
@@ -190,15 +198,15 @@ pub(crate) fn arc_deviation<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> Cho
     let (w_sq, v_sq) = (dot(w, w), dot(v, v));
     let (sin, cos) = libm::sincos(half);
     let stays = v_sq * cos >= dot(w, v).abs() * sin;
-    // As for cubics: no direction where the chord is short compared with the deviation across it.
-    let clear = sagitta * sagitta * w_sq <= 64.0 * (4.0 * sin * sin * v_sq) && v_sq > 0.0;
-    let off = if stays && clear {
+    // As for cubics: a chord that is short compared with the deviation across it has no reliable direction.
+    let has_direction = sagitta * sagitta * w_sq <= 64.0 * (4.0 * sin * sin * v_sq) && v_sq > 0.0;
+    let reach_sq = if stays && has_direction {
         let aside = across(w, v, v_sq);
         dot(aside, aside)
     } else {
         w_sq
     };
-    ChordDeviation { at_most: sagitta * off.sqrt(), fraction: 0.5 }
+    ChordDeviation { at_most: sagitta * reach_sq.sqrt(), fraction: 0.5 }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Cubics, spread by their density a block of chords at a time.
+//! Places the chords of cubics by a density, a block of chords at a time.
 //!
 //! Loops run over slices, so that they are compiled to vector instructions.
 use super::chord::{ChordDeviation, CubicChords};
@@ -29,7 +29,7 @@ impl<const D: usize> Spreadable<D> for CubicChords<'_, D> {
             first_sq += first[k] * first[k];
             both += first[k] * second[k];
         }
-        // Where the derivative vanishes there is no direction, and 0/0 would spoil the sum.
+        // If the derivative vanishes there is no direction, and 0/0 would spoil the sum.
         let along = if first_sq > 0.0 { both / first_sq } else { 0.0 };
         let mut across_sq = 0.0;
         for k in 0..D {
@@ -40,7 +40,7 @@ impl<const D: usize> Spreadable<D> for CubicChords<'_, D> {
         (6.0 * across_sq.sqrt()).sqrt()
     }
 
-    /// The numbers that `Bezier::at` gives.
+    /// Bit for bit the numbers of `Bezier::at`.
     #[inline(always)]
     fn evaluate(&self, places: &[f64], axes: &mut [Vec<f64>; D]) {
         let [p0, p1, p2, p3] = self.cubic().control;
@@ -58,15 +58,15 @@ impl<const D: usize> Spreadable<D> for CubicChords<'_, D> {
         }
     }
 
-    /// Does not handle chords that are short compared with the deviation across them, and does not compare with the form
-    /// without a chord where the curve extends beyond the ends of the chord: those get the bound of `chord.rs`.
+    /// Leaves two kinds of chords to `chord.rs`: those that are short compared with the deviation across them, and those
+    /// beyond whose ends the curve extends and that miss the tolerance, for which the form without a chord may be better.
     #[inline(always)]
     fn certify(&self, places: &[f64], axes: &[Vec<f64>; D], tolerance: f64, deviations: &mut [f64]) {
         for at in (0..deviations.len()).step_by(LANES) {
             let ends = lanes(places, at);
             let axes: [[[f64; LANES]; 2]; D] = std::array::from_fn(|k| lanes(&axes[k], at));
-            let found = simple_deviations(self.second_differences(), ends, &axes, tolerance);
-            deviations[at..at + LANES].copy_from_slice(&found);
+            let block = simple_deviations(self.second_differences(), ends, &axes, tolerance);
+            deviations[at..at + LANES].copy_from_slice(&block);
         }
     }
 }
@@ -88,7 +88,7 @@ fn simple_deviations<const D: usize>(
     axes: &[[[f64; LANES]; 2]; D],
     tolerance: f64,
 ) -> [f64; LANES] {
-    let mut found = [0.0; LANES];
+    let mut deviations = [0.0; LANES];
     for i in 0..LANES {
         let (a, b) = (from[i], to[i]);
         let h = b - a;
@@ -114,21 +114,21 @@ fn simple_deviations<const D: usize>(
             s_sq += x * x;
             q_sq += y * y;
         }
-        // As `largest_deviation` of chord.rs, with u = q/(3·(√(s² + q²/3) + s)), which needs no quotient of
+        // Like `largest_deviation` of chord.rs, with u = q/(3·(√(s² + q²/3) + s)), which needs no quotient of
         // the two.
         let (s_len, q_len) = (s_sq.sqrt(), q_sq.sqrt());
         let below = (s_sq + q_sq * (1.0 / 3.0)).sqrt() + s_len;
         let u = if below > 0.0 { q_len / (3.0 * below) } else { 0.0 };
         let aside = (1.0 - u * u) * (3.0 * s_len + u * q_len) * 0.125;
-        // The inner control points along the chord, from its start and from its end, in thirds of its length;
-        // the distance of the farther one from the middle, and by how much that is beyond an end.
+        // The positions of the inner control points along the chord, in thirds of its length, as distances from
+        // its middle; and by how much the farther one is beyond an end.
         let first = (0.5 * (3.0 * s_share - q_share) + 0.5).abs();
         let last = (0.5 * (3.0 * s_share + q_share) - 0.5).abs();
         let far = greater(first, last);
         let beyond_sq = if far > 1.5 { (far - 1.5) * (far - 1.5) * c_sq * (1.0 / 9.0) } else { 0.0 };
         let loss = (aside * aside + beyond_sq).sqrt();
-        let known = (c_sq > 0.0) & (sq_all <= 128.0 * c_sq) & ((beyond_sq == 0.0) | (loss <= tolerance));
-        found[i] = if known { loss } else { f64::INFINITY };
+        let is_handled = (c_sq > 0.0) & (sq_all <= 128.0 * c_sq) & ((beyond_sq == 0.0) | (loss <= tolerance));
+        deviations[i] = if is_handled { loss } else { f64::INFINITY };
     }
-    found
+    deviations
 }

@@ -1,69 +1,69 @@
-//! The fast way to place chord ends: spread them by a density, check all chords at once, correct the density.
+//! The fast way to place chord ends: places them by a density, checks all chords at once, corrects the density.
 //!
 //! A chord of width `h` in the parameter deviates by about `h²·|v|/8`, where `v` is the part of `P''` across
 //! `P'`. So a curve needs about `∫ √(|v|/(8·tolerance)) dt` chords, spread by that density
 //! (equidistribution). The density is sampled at the nodes of a grid, and a monotone cubic interpolates its
 //! sums. Then the deviation of every chord is bounded. Where a chord fails, the square roots of the
-//! deviations are a better density than the first one, since they include whatever the samples missed. Curves
-//! that fail four times are left to the greedy method.
+//! deviations are a better density than the first one, since they include the features that samples missed.
+//! Curves that fail four times are left to the greedy method.
 //!
 //! Loops run over slices, all chords at once, so that they are compiled to vector instructions.
 use super::chord::ChordDeviation;
 use crate::math::{greater, lesser};
 
 /// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in
-/// between half as many as there are chords. With fewer for some, the first spread fails more often; with
-/// more, it costs more than it saves (20,000 random cubics at a thousandth of their box).
+/// between, half as many as there are chords. Measured: with fewer for some chords, the first placement fails more
+/// often; with more, it costs more than it saves (20,000 random cubics at a thousandth of their box).
 const COARSEST: usize = 7;
 const GRID: usize = 15;
 const FINEST: usize = 4096;
-/// The number of spreads that are tried before the greedy method, which then gets 0.1 % to 5 % of random
+/// The number of placements that are tried before the greedy method. Measured: it then gets 0.1 % to 5 % of random
 /// cubics.
 const ATTEMPTS: usize = 4;
-/// A little more than the density requires, since it knows no chord: a third of a percent more segments, and
-/// a tenth fewer second spreads.
+/// A little more chords than the density requires, since it is only approximate. Measured: a third of a percent more
+/// segments, and a tenth fewer second placements.
 const SPARE: f64 = 1.003;
-/// A chord whose root of relative deviation is below this is treated as one where the curve has an
-/// inflection. Measured: 0.7 and 0.85 leave as few to a fourth spread; without it a fifth more get there.
+/// A chord whose root of relative deviation is below this is treated as if the curve had an inflection there. Measured:
+/// 0.7 and 0.85 leave equally few curves to a fourth placement; without it there are a fifth more.
 const FLAT: f64 = 0.85;
 /// Chords that use less than this fraction of their tolerance, on average and with one chord to spare, are
-/// placed again by the greedy method.
+/// placed again by the greedy method. Chosen: the greedy method is slower, and gains little above it.
 const WASTE: f64 = 0.85;
-/// The largest number of chords for which one fewer is tried.
+/// The most chords for which one fewer is tried. Chosen: one chord matters only among few.
 const FEW: usize = 12;
 
 /// A piece of a curve that can be split into chords by a density.
 pub(crate) trait Spreadable<const D: usize> {
-    /// About the number of equal steps that keeps the tolerance, as a float: it may be huge. The grid is as fine.
+    /// The approximate number of equal steps that keeps the tolerance, as a float: it may be huge. It sets the grid.
     fn about_even_steps(&self, tolerance: f64) -> f64;
 
     /// The deviation of the chord from `a` to `b`, in exact arithmetic.
     fn deviation(&self, a: f64, b: f64) -> ChordDeviation;
 
-    /// √|v|: the number of chords that a unit of the parameter needs there, up to a factor.
+    /// √|v|: the number of chords that a unit of the parameter needs at `t`, up to a factor.
     fn density(&self, t: f64) -> f64;
 
-    /// The points at whole blocks of parameters, where [`Self::certify`] wants them.
+    /// The points at whole blocks of parameters, as input of [`Self::certify`].
     fn evaluate(&self, places: &[f64], axes: &mut [Vec<f64>; D]);
 
-    /// Writes a bound of each chord's deviation, infinite for chords that are left to [`Self::deviation`]. What it reads
-    /// and writes has a block more than there are chords.
+    /// Writes a bound of each chord's deviation, infinite for chords that are left to [`Self::deviation`]. All slices are
+    /// one block longer than the number of chords.
     fn certify(&self, places: &[f64], axes: &[Vec<f64>; D], tolerance: f64, deviations: &mut [f64]);
 }
 
-/// Buffers that are reused from curve to curve. The lists only ever grow; `n` says how much of them is valid.
+/// Buffers that are reused from curve to curve. The lists only ever grow; the first `n` entries are valid.
 #[derive(Clone, Debug)]
 pub(crate) struct FlattenScratch<const D: usize> {
     /// The number of chords.
     n: usize,
     /// The parameters of the chord ends.
     places: Vec<f64>,
-    /// What [`Spreadable::evaluate`] gives: positions of the chord ends, a list for each axis.
+    /// The positions of the chord ends by [`Spreadable::evaluate`], a list for each axis.
     axes: [Vec<f64>; D],
     /// An upper bound of each chord's deviation.
     deviations: Vec<f64>,
-    /// The data for the next placement: parameters, the wanted number of chords up to each, and the slopes of
-    /// the first by the second.
+    /// The data for the next placement: parameters, the required number of chords up to each, and the derivatives of
+    /// the parameters by that number.
     nodes: Vec<f64>,
     shares: Vec<f64>,
     slopes: Vec<f64>,
@@ -87,7 +87,7 @@ impl<const D: usize> Default for FlattenScratch<D> {
 }
 
 /// Fills `work` with chords of at most `tolerance`, nearly as few as possible, and returns the largest
-/// deviation. `None` when that did not succeed or would take more than `most` chords.
+/// deviation. `None` if that did not succeed or would take more than `most` chords.
 #[inline(always)]
 pub(crate) fn spread_by_density<const D: usize, P: Spreadable<D>>(
     chords: &P,
@@ -112,7 +112,7 @@ pub(crate) fn spread_by_density<const D: usize, P: Spreadable<D>>(
         FINEST - 1
     };
     let needed = work.sample(chords, grid) / (8.0 * tolerance).sqrt();
-    // One chord was not enough, whatever the samples say; a NaN is handled in the same way.
+    // At least two, since one chord was not enough, whatever the samples give; also for NaN.
     let mut n = if needed > 1.0 { (SPARE * needed).ceil() } else { 2.0 };
     if n > most as f64 {
         return None;
@@ -132,8 +132,8 @@ pub(crate) fn spread_by_density<const D: usize, P: Spreadable<D>>(
         if wanted.is_nan() || wanted > most as f64 {
             return None;
         }
-        // As many as the deviations require when they are even; more each time, since they will not be quite
-        // even.
+        // The number that the deviations require if they become equal, and more with each attempt, since they will
+        // not be quite equal.
         let fewest = (wanted + 0.1 * attempt as f64).ceil();
         n = if fewest > n { fewest } else { n + if attempt > 1 { 1.0 } else { 0.0 } };
         work.place_equal_shares(n as usize);
@@ -158,12 +158,12 @@ impl<const D: usize> FlattenScratch<D> {
     #[inline(always)]
     fn set_n(&mut self, n: usize) {
         self.n = n;
-        let room = n + 1 + 2 * LANES;
-        if self.places.len() < room {
-            let room = room.next_power_of_two();
-            self.places.resize(room, 1.0);
-            self.deviations.resize(room, 0.0);
-            self.axes.iter_mut().for_each(|axis| axis.resize(room, 0.0));
+        let len = n + 1 + 2 * LANES;
+        if self.places.len() < len {
+            let len = len.next_power_of_two();
+            self.places.resize(len, 1.0);
+            self.deviations.resize(len, 0.0);
+            self.axes.iter_mut().for_each(|axis| axis.resize(len, 0.0));
         }
     }
 
@@ -171,14 +171,14 @@ impl<const D: usize> FlattenScratch<D> {
     fn set_nodes(&mut self, n: usize) {
         self.n_nodes = n;
         if self.nodes.len() < n {
-            let room = n.next_power_of_two();
-            self.nodes.resize(room, 0.0);
-            self.shares.resize(room, 0.0);
-            self.slopes.resize(room, 0.0);
+            let len = n.next_power_of_two();
+            self.nodes.resize(len, 0.0);
+            self.shares.resize(len, 0.0);
+            self.slopes.resize(len, 0.0);
         }
     }
 
-    /// Sets parameters that were found elsewhere; there must be at least two.
+    /// Sets given parameters; there must be at least two.
     #[inline(always)]
     pub(crate) fn set_places<P: Spreadable<D>>(&mut self, chords: &P, places: &[f64]) {
         self.set_n(places.len() - 1);
@@ -203,7 +203,7 @@ impl<const D: usize> FlattenScratch<D> {
             self.slopes[at..at + LANES].copy_from_slice(&slopes);
         }
         let (w, shares) = (&mut self.slopes[..=grid], &mut self.shares[..=grid]);
-        // The trapezoidal rule, corrected by the slopes at its ends where both are known (fourth order).
+        // The trapezoidal rule, corrected by the slopes at both ends of an interval if these are known (fourth order).
         for i in 1..grid - 1 {
             let plain = 0.5 * (w[i] + w[i + 1]);
             let bent = (w[i] + w[i + 1] - w[i - 1] - w[i + 2]) * (1.0 / 24.0);
@@ -221,10 +221,10 @@ impl<const D: usize> FlattenScratch<D> {
         sum
     }
 
-    /// As [`Self::sample`], from the deviations of the current chords: each counts as the square root of its
-    /// deviation over the tolerance. At an inflection a deviation grows with a higher power of the width, so
-    /// a small one counts more. At a sharp bend it grows with a lower power: a chord that still deviates too
-    /// much after the first correction is `stubborn`, and counts as its deviation over the tolerance.
+    /// Like [`Self::sample`], but by the deviations of the current chords: the share of each is the square root of its
+    /// deviation over the tolerance. At an inflection a deviation grows with a higher power of the width, so the share of
+    /// a small one is increased. At a sharp bend it grows with a lower power: after the first correction (`stubborn`), the
+    /// share of a chord that still deviates too much is its deviation over the tolerance.
     #[inline(always)]
     fn density_from_deviations(&mut self, tolerance: f64, stubborn: bool) -> f64 {
         let n = self.n;
@@ -274,8 +274,8 @@ impl<const D: usize> FlattenScratch<D> {
             let limited = |slope: f64| lesser(width * slope, 3.0 * rise);
             let (left, right) = (limited(slopes[i]), limited(slopes[i + 1]));
             let (second, third) = (3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise);
-            // As many steps as end in this interval; a count that is too large or too small by rounding is
-            // corrected below.
+            // The steps that end in this interval; a count that is too large or too small by rounding is corrected
+            // below.
             let end = (to / share) as usize + 1;
             let end = lesser(end, n);
             let (base, scale) = (nodes[i], 1.0 / width);
@@ -285,13 +285,12 @@ impl<const D: usize> FlattenScratch<D> {
             }
             step = end.max(step);
         }
-        // Rounding at the end may have left some out.
+        // Rounding may have left out steps at the end.
         places[step..].fill(1.0);
         restore_order(places);
     }
 
-    /// Tries one chord fewer where the deviations allow it and one matters; returns the largest deviation of
-    /// the result.
+    /// Tries one chord fewer if the deviations allow it and there are few; returns the largest deviation of the result.
     #[inline(always)]
     fn try_one_fewer<P: Spreadable<D>>(&mut self, chords: &P, tolerance: f64, worst: f64) -> f64 {
         let n = self.n;
@@ -316,8 +315,8 @@ impl<const D: usize> FlattenScratch<D> {
         worst
     }
 
-    /// Whether far fewer chords could have the same deviation: where a curve turns back on itself, or nearly,
-    /// a density by its bending puts many chords at the turn, which together deviate little.
+    /// Whether far fewer chords could have the same deviation: if a curve turns back on itself, or nearly, a density by
+    /// its bending puts many chords at the turn, which together deviate little.
     #[inline(always)]
     fn is_wasteful(&self, tolerance: f64) -> bool {
         let n = self.n as f64;
@@ -326,7 +325,7 @@ impl<const D: usize> FlattenScratch<D> {
         wanted < WASTE * n - 1.0
     }
 
-    /// Halves the chords that deviate too much, when they are few for the attempt; returns whether it did.
+    /// Halves the chords that deviate too much, if they are few; returns whether it did.
     #[inline(always)]
     fn split_few(&mut self, tolerance: f64, attempt: usize) -> bool {
         let n = self.n;
@@ -358,10 +357,10 @@ impl<const D: usize> FlattenScratch<D> {
         chords.evaluate(&self.places[..(self.n / LANES + 1) * LANES], &mut self.axes);
     }
 
-    /// The largest deviation of the current chords, and which of them has it.
+    /// The largest deviation of the current chords, and the index of its chord.
     #[inline(always)]
     pub(crate) fn worst_chord<P: Spreadable<D>>(&mut self, chords: &P) -> (f64, usize) {
-        // No tolerance: chords that only one of two bounds is known of get both.
+        // With a tolerance of 0, chords whose fast bound may be too large are passed to `deviation`.
         let most = self.certify(chords, 0.0);
         (most, self.deviations[..self.n].iter().position(|loss| *loss == most).unwrap_or(0))
     }
@@ -383,8 +382,8 @@ impl<const D: usize> FlattenScratch<D> {
     }
 }
 
-/// Rounding, or a density of zero, may have put a parameter before its neighbour or made it NaN: it is
-/// advanced by an equal step.
+/// Repairs parameters that rounding, or a density of zero, has put before their neighbour or made NaN: they are
+/// advanced by equal steps.
 #[inline(always)]
 fn restore_order(places: &mut [f64]) {
     let mut ordered = true;

@@ -6,17 +6,17 @@ use crate::explicit::nurbs::HEAVIEST;
 use crate::explicit::{Curve, CurveSegment, Polyline};
 use crate::math::{Box3, add_up, flushes_subnormals, greater, lesser, mul_up, sub_down};
 
-/// How the ends of segments are placed on each piece of a path.
+/// The placement of the ends of segments on each piece of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
-    /// As few segments as the budget allows, nearly.
+    /// Nearly as few segments as the budget allows.
     #[default]
     Fewest,
     /// Equal steps of the parameter.
     Even,
 }
 
-/// Why there are no polylines.
+/// The failure of flattening, with the best polylines if there are any.
 pub(crate) type FlatteningFailure<const D: usize> = Failure<Vec<Polyline<D>>>;
 
 /// The error that is allowed for each piece.
@@ -29,11 +29,12 @@ struct CurveAllowance {
 /// A piece of one of the paths.
 struct PathPiece<'a, const D: usize> {
     chords: Chords<'a, D>,
-    place: Box3,
+    bounds: Box3,
     /// The error of the piece itself, without any chord: rounding, and the error of the path's data.
     rounding_error: f64,
-    /// The part of it that an arc has, and that the path has, from before.
+    /// The part of it that is the slack of the arc.
     arc_slack: f64,
+    /// The part of it that is the slack of the path.
     path_slack: f64,
     path: usize,
 }
@@ -43,25 +44,30 @@ struct FlattenedPiece {
     places: Vec<f64>,
     /// The deviation of the worst chord, everything included.
     at_most: f64,
-    /// The parameter where the curve is farthest from its chord.
+    /// The parameter of the curve's farthest point from its chord.
     worst: f64,
 }
 
-/// Refuses a path with numbers for which nothing can be proved.
+/// Refuses a path with numbers that allow no proof.
 pub(crate) fn refuse_extremes<const D: usize, T>(curve: &Curve<D>, index: usize) -> Result<(), Failure<T>> {
     refuse_flushing()?;
     for piece in curve.segments() {
         let [low, high] = piece.bounds();
-        let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
-        // A short arc may be near and its centre far.
-        let sane_inside = match piece {
-            CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
+        let is_in_range = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
+        // The centre of a short arc may be far away.
+        let has_valid_data = match piece {
+            CurveSegment::Arc(arc) => is_in_range(&arc.centre()) && arc.axes().iter().all(is_in_range),
             CurveSegment::Rational(curve) => {
                 curve.control_weights().iter().all(|w| *w < HEAVIEST && *w > 1.0 / HEAVIEST)
             }
             CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
         };
-        if !(piece.is_finite() && sane(&low) && sane(&high) && sane_inside && curve.slack() < LARGEST) {
+        let is_valid = piece.is_finite()
+            && is_in_range(&low)
+            && is_in_range(&high)
+            && has_valid_data
+            && curve.slack() < LARGEST;
+        if !is_valid {
             let message = format!(
                 "path {index} has a number that is not finite, a coordinate beyond {LARGEST:e}, or a weight beyond {HEAVIEST:e} or its inverse"
             );
@@ -71,7 +77,7 @@ pub(crate) fn refuse_extremes<const D: usize, T>(curve: &Curve<D>, index: usize)
     Ok(())
 }
 
-/// Refuses an environment in which nothing can be proved.
+/// Refuses an environment that flushes subnormals, in which nothing can be proved.
 pub(crate) fn refuse_flushing<T>() -> Result<(), Failure<T>> {
     if flushes_subnormals() {
         let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
@@ -92,21 +98,21 @@ pub(crate) struct Flattener<'a, const D: usize> {
 pub(crate) const LARGEST: f64 = 1e150;
 /// Peak bytes per point: its coordinates and its parameter, twice.
 const BYTES_PER_POINT: f64 = 64.0;
-/// Up to this many segments a count is reached by the greedy method, which gets more from the same number of
-/// segments. A larger bound with more segments then occurs in 16 of 400 series of hard curves instead of 20
+/// Up to this many segments a count is reached by the greedy method, which gives smaller bounds with the same number of
+/// segments. Measured: a larger bound with more segments then occurs in 16 of 400 series of hard curves instead of 20
 /// (`tests/curve_referee/counts.rs`).
 const COUNTED: u64 = 4096;
-/// Roundings of a rational deviation are below this part of what is allowed for all roundings. Chosen: some are 1, of 64
-/// times the square of a degree of 5 at least.
+/// The roundings of a rational piece's deviation are below the inverse of this of the piece's rounding error. Chosen:
+/// they are about 1, and the rounding error is 64 times a square of at least 5.
 const ROUNDED: f64 = 256.0;
-/// Lengths per octave in the geometric series of candidate lengths, and the length of the series: it extends
-/// below the rounding of any shape.
+/// Lengths per octave in the geometric series of candidate lengths. Chosen, as for patches.
 const RUNGS: u32 = 32;
+/// Octaves of the series. Chosen: it extends below the rounding of any shape.
 const OCTAVES: u32 = 120;
 
 impl<'a, const D: usize> Flattener<'a, D> {
     /// # Errors
-    /// When a number is not finite or too large, or nothing can be proved here.
+    /// If a number is not finite or too large, or in an environment that flushes subnormals.
     pub(crate) fn new(
         curves: &'a [Curve<D>],
         job: &'a Job,
@@ -118,18 +124,19 @@ impl<'a, const D: usize> Flattener<'a, D> {
             refuse_extremes(curve, index)?;
             for piece in curve.segments() {
                 let [low, high] = piece.bounds();
-                let own = match piece {
+                let piece_error = match piece {
                     CurveSegment::Line(_) => 0.0,
                     CurveSegment::Cubic(_) | CurveSegment::Rational(_) => rounding(piece),
                     CurveSegment::Arc(arc) => add_up(rounding(piece), arc.slack()),
                 };
-                let lost = if curve.slack() > 0.0 { add_up(own, curve.slack()) } else { own };
-                let place = Box3 { min: to_3d(low), max: to_3d(high) };
+                let rounding_error =
+                    if curve.slack() > 0.0 { add_up(piece_error, curve.slack()) } else { piece_error };
+                let bounds = Box3 { min: to_3d(low), max: to_3d(high) };
                 let arc_slack = if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
                 parts.push(PathPiece {
                     chords: Chords::new(piece),
-                    place,
-                    rounding_error: lost,
+                    bounds,
+                    rounding_error,
                     arc_slack,
                     path_slack: curve.slack(),
                     path: index,
@@ -149,49 +156,49 @@ impl<'a, const D: usize> Flattener<'a, D> {
             let message = "curves cannot be cut to an angle yet; give a length or pixels";
             return Err(Failure::refused(RefusalCode::Unsupported, message));
         }
-        let asked = CurveAllowance {
+        let allowance = CurveAllowance {
             length: budget.length.map(|length| length.get()),
             pixels: budget.pixels.map(|px| (px.pixels, px.view.lens())),
         };
         let most = budget.segments.unwrap_or(u64::MAX);
-        if asked.length.is_none() && asked.pixels.is_none() {
-            return self.within_count(most, &asked);
+        if allowance.length.is_none() && allowance.pixels.is_none() {
+            return self.within_count(most, &allowance);
         }
         if most > self.limit() {
-            self.check_limits(&asked)?;
+            self.check_limits(&allowance)?;
         }
-        if let Some(cuts) = self.cut(&asked, most)? {
-            return Ok(self.finish(&cuts, &asked));
+        if let Some(cuts) = self.cut(&allowance, most)? {
+            return Ok(self.finish(&cuts, &allowance));
         }
-        match self.within_count(most, &asked) {
+        match self.within_count(most, &allowance) {
             Ok(best) if self.meets(&best, budget) => Ok(best),
             Ok(best) => Err(Failure::Unmet(Box::new(best))),
             Err(other) => Err(other),
         }
     }
 
-    /// The largest number of segments that the job allows.
+    /// The most segments that the job allows.
     fn limit(&self) -> u64 {
         self.job.triangle_limit.min((self.job.memory_limit as f64 / BYTES_PER_POINT) as u64)
     }
 
-    fn meets(&self, made: &Bounded<Vec<Polyline<D>>>, budget: &Budget) -> bool {
-        let within = |found: Option<f64>, limit: Option<f64>| {
-            limit.is_none_or(|limit| found.is_some_and(|found| found <= limit))
+    fn meets(&self, polylines: &Bounded<Vec<Polyline<D>>>, budget: &Budget) -> bool {
+        let within = |value: Option<f64>, limit: Option<f64>| {
+            limit.is_none_or(|limit| value.is_some_and(|value| value <= limit))
         };
-        within(made.bound.at_most(), budget.length.map(|l| l.get()))
-            && within(made.bound.pixels, budget.pixels.map(|px| px.pixels.get()))
+        within(polylines.bound.at_most(), budget.length.map(|l| l.get()))
+            && within(polylines.bound.pixels, budget.pixels.map(|px| px.pixels.get()))
     }
 
     /// The tolerance for the chords of a part.
     fn chord_tolerance(
         &self,
         part: &PathPiece<'_, D>,
-        asked: &CurveAllowance,
+        allowance: &CurveAllowance,
     ) -> Result<f64, FlatteningFailure<D>> {
-        let mut length = asked.length.unwrap_or(f64::INFINITY);
-        if let Some((pixels, lens)) = asked.pixels {
-            let by_pixels = lens.scale_at(&part.place).length_of(pixels).ok_or_else(|| {
+        let mut length = allowance.length.unwrap_or(f64::INFINITY);
+        if let Some((pixels, lens)) = allowance.pixels {
+            let by_pixels = lens.scale_at(&part.bounds).length_of(pixels).ok_or_else(|| {
                 Failure::refused(
                     RefusalCode::TooClose,
                     "the curve comes so close to the eye that there is no bound in pixels",
@@ -203,22 +210,23 @@ impl<'a, const D: usize> Flattener<'a, D> {
             return Ok(length);
         }
         // One step less, because the sum of this tolerance and the part's own error is rounded up again.
-        let left = sub_down(length.next_down(), part.rounding_error);
-        // A rational piece's deviation has roundings that do not shrink with a chord: below, no steps are enough.
+        let remaining = sub_down(length.next_down(), part.rounding_error);
+        // A rational piece's deviation has roundings that do not shrink with the chord: below them, no number of steps is
+        // enough.
         let is_rational = matches!(part.chords, Chords::Rational(_));
         let least = if is_rational { part.rounding_error / ROUNDED } else { 0.0 };
-        if left > least {
-            return Ok(left);
+        if remaining > least {
+            return Ok(remaining);
         }
         let message = format!("the budget of {length:.3e} is less than {}", part.why_uncertain());
         Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
     /// Refuses, before the work starts, a budget that needs more than the job allows.
-    fn check_limits(&self, asked: &CurveAllowance) -> Result<(), FlatteningFailure<D>> {
+    fn check_limits(&self, allowance: &CurveAllowance) -> Result<(), FlatteningFailure<D>> {
         let mut needed = 0.0;
         for part in &self.parts {
-            needed += part.chords.even_steps(self.chord_tolerance(part, asked)?);
+            needed += part.chords.even_steps(self.chord_tolerance(part, allowance)?);
         }
         let segments = self.job.triangle_limit as f64;
         let memory = self.job.memory_limit as f64;
@@ -236,18 +244,18 @@ impl<'a, const D: usize> Flattener<'a, D> {
         Ok(())
     }
 
-    /// The chords of all parts; none when they have more than `most` segments.
+    /// The chords of all parts; `None` if they have more than `most` segments.
     fn cut(
         &self,
-        asked: &CurveAllowance,
+        allowance: &CurveAllowance,
         most: u64,
     ) -> Result<Option<Vec<FlattenedPiece>>, FlatteningFailure<D>> {
         let lengths: Vec<f64> =
-            self.parts.iter().map(|part| self.chord_tolerance(part, asked)).collect::<Result<_, _>>()?;
-        // Far more than allowed, or than fit into memory: no need to place them.
-        let room = self.job.memory_limit as f64 / BYTES_PER_POINT;
+            self.parts.iter().map(|part| self.chord_tolerance(part, allowance)).collect::<Result<_, _>>()?;
+        // If there would be far more chords than allowed, or than fit into memory, they are not placed at all.
+        let in_memory = self.job.memory_limit as f64 / BYTES_PER_POINT;
         let far_more = 64.0 * most as f64 + 64.0;
-        let far_more = lesser(far_more, room);
+        let far_more = lesser(far_more, in_memory);
         let few = |length: f64, part: &PathPiece<'_, D>| part.chords.even_steps(length) <= far_more;
         if most < u64::MAX && !self.parts.iter().zip(&lengths).all(|(part, length)| few(*length, part)) {
             return Ok(None);
@@ -273,15 +281,15 @@ impl<'a, const D: usize> Flattener<'a, D> {
     fn within_count(
         &self,
         most: u64,
-        asked: &CurveAllowance,
+        allowance: &CurveAllowance,
     ) -> Result<Bounded<Vec<Polyline<D>>>, FlatteningFailure<D>> {
         let most = most.min(self.limit());
         if let ([part], Spacing::Even) = (self.parts.as_slice(), self.spacing) {
             let places = part.chords.even(most.max(1));
-            return Ok(self.finish(&[FlattenedPiece::new(part, places)], asked));
+            return Ok(self.finish(&[FlattenedPiece::new(part, places)], allowance));
         }
         let size = self.parts.iter().fold(0.0, |size: f64, part| {
-            let diagonal = add_up(part.place.diagonal(), part.rounding_error);
+            let diagonal = add_up(part.bounds.diagonal(), part.rounding_error);
             greater(diagonal, size)
         });
         let ladder = LengthLadder { size, per_octave: RUNGS, octaves: OCTAVES };
@@ -293,7 +301,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         let Some(mut best) = cut(0)? else {
             let cuts: Vec<FlattenedPiece> =
                 self.parts.iter().map(|part| FlattenedPiece::new(part, part.chords.coarsest())).collect();
-            return Err(Failure::Unmet(Box::new(self.finish(&cuts, asked))));
+            return Err(Failure::Unmet(Box::new(self.finish(&cuts, allowance))));
         };
         ladder.finest(|k| {
             let Some(cuts) = cut(k)? else { return Ok(false) };
@@ -302,26 +310,26 @@ impl<'a, const D: usize> Flattener<'a, D> {
             }
             Ok::<_, FlatteningFailure<D>>(true)
         })?;
-        Ok(self.finish(&best, asked))
+        Ok(self.finish(&best, allowance))
     }
 
     /// The polylines of the flattened pieces, and their bound.
-    fn finish(&self, cuts: &[FlattenedPiece], asked: &CurveAllowance) -> Bounded<Vec<Polyline<D>>> {
+    fn finish(&self, cuts: &[FlattenedPiece], allowance: &CurveAllowance) -> Bounded<Vec<Polyline<D>>> {
         let mut rest = cuts;
         let mut polylines = Vec::with_capacity(self.curves.len());
         for curve in self.curves {
-            let (own, others) = rest.split_at(curve.segments().len());
-            polylines.push(polyline(curve, own));
-            rest = others;
+            let (own_cuts, other_cuts) = rest.split_at(curve.segments().len());
+            polylines.push(polyline(curve, own_cuts));
+            rest = other_cuts;
         }
         let slack = self.curves.iter().fold(0.0, |a: f64, c| greater(c.slack(), a));
         let at_most = cuts.iter().fold(slack, |most, cut| greater(cut.at_most, most));
         let (at_least, at) = self.measured_deviation(cuts, &polylines);
         let mut bound = Bound::proved(lesser(at_least, at_most), at_most, Reference::Curves);
         bound.at = at;
-        bound.pixels = asked.pixels.and_then(|(_, lens)| {
+        bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             self.parts.iter().zip(cuts).try_fold(0.0, |most: f64, (part, cut)| {
-                let pixels = lens.scale_at(&part.place).pixels_of(cut.at_most)?;
+                let pixels = lens.scale_at(&part.bounds).pixels_of(cut.at_most)?;
                 Some(greater(pixels, most))
             })
         });
@@ -360,10 +368,10 @@ impl<'a, const D: usize> Flattener<'a, D> {
 }
 
 impl<const D: usize> PathPiece<'_, D> {
-    /// What makes up most of the piece's own error, in words.
+    /// A phrase about the largest part of the piece's own error, for a message.
     fn why_uncertain(&self) -> String {
         let (all, path) = (self.rounding_error, self.path);
-        let [x, y] = [0, 1].map(|k| 0.5 * self.place.min[k] + 0.5 * self.place.max[k]);
+        let [x, y] = [0, 1].map(|k| 0.5 * self.bounds.min[k] + 0.5 * self.bounds.max[k]);
         if 2.0 * self.arc_slack > all {
             let slack = self.arc_slack;
             format!(
@@ -399,27 +407,27 @@ fn largest_deviation(cuts: &[FlattenedPiece]) -> f64 {
 /// The points of a path at the parameters of its flattened pieces.
 fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[FlattenedPiece]) -> Polyline<D> {
     let n: usize = cuts.iter().map(|cut| cut.places.len()).sum();
-    let mut made = Polyline {
+    let mut line = Polyline {
         points: Vec::with_capacity(n + 1),
         places: Vec::with_capacity(n + 1),
         closed: curve.is_closed(),
     };
-    made.points.push(curve.start());
-    made.places.push(0.0);
+    line.points.push(curve.start());
+    line.places.push(0.0);
     for (index, (piece, cut)) in curve.segments().iter().zip(cuts).enumerate() {
         for t in &cut.places[1..] {
             let point = piece.at(*t);
-            if made.points.last() != Some(&point) {
-                made.points.push(point);
-                made.places.push(index as f64 + t);
+            if line.points.last() != Some(&point) {
+                line.points.push(point);
+                line.places.push(index as f64 + t);
             }
         }
     }
-    if made.closed && made.points.len() > 1 {
-        made.points.pop();
-        made.places.pop();
+    if line.closed && line.points.len() > 1 {
+        line.points.pop();
+        line.places.pop();
     }
-    made
+    line
 }
 
 /// A 2D or 3D point as a 3D point.

@@ -2,10 +2,10 @@
 //!
 //! Among all polylines with their vertices on the curve, in order, whose chords each keep the tolerance, none
 //! has fewer segments (up to the stopping precision of the search). It is slow, and the reference for the
-//! fast way.
+//! fast way ([`super::density`]).
 
-/// How close to the farthest parameter the search comes, as a fraction of the step: a thousandth of a step in
-/// each of a thousand segments is one segment.
+/// The precision of the farthest parameter, as a fraction of the step. Chosen: a thousandth of a step in each of a
+/// thousand segments is one segment.
 const CLOSE: f64 = 1e-3;
 
 /// Parameters from 0 to 1, both included, such that `loss` of each step is at most `tolerance`.
@@ -24,7 +24,7 @@ pub(crate) fn parameters(loss: impl Fn(f64, f64) -> f64, sure: f64, tolerance: f
     places
 }
 
-/// The farthest end of a chord from `a`, searched about a step away.
+/// The farthest end of a chord from `a`, searched first about a step away.
 fn farthest(loss: &impl Fn(f64, f64) -> f64, a: f64, step: f64, sure: f64, tolerance: f64) -> f64 {
     if loss(a, 1.0) <= tolerance {
         return 1.0;
@@ -39,15 +39,15 @@ fn farthest(loss: &impl Fn(f64, f64) -> f64, a: f64, step: f64, sure: f64, toler
         }
         let inside = guess > good && guess < bad;
         let b = if inside { guess } else { 0.5 * (good + bad) };
-        let found = loss(a, b);
-        if found <= tolerance {
+        let deviation = loss(a, b);
+        if deviation <= tolerance {
             good = b;
         } else {
             bad = b;
         }
         // The deviation grows with the square of the step; aim a little inside, then a little outside.
-        let aim = if found <= tolerance { 1.0 + 0.25 * CLOSE } else { 1.0 - 0.25 * CLOSE };
-        guess = a + (b - a) * (tolerance / found).sqrt() * aim;
+        let aim = if deviation <= tolerance { 1.0 + 0.25 * CLOSE } else { 1.0 - 0.25 * CLOSE };
+        guess = a + (b - a) * (tolerance / deviation).sqrt() * aim;
     }
     good
 }

@@ -7,9 +7,9 @@ use crate::explicit::CurveSegment;
 use crate::math::greater;
 use crate::math::simd::{self, Kernel};
 
-/// A piece with the values that its deviation bounds share.
+/// A piece, with the values that are common to its deviation bounds.
 pub(crate) enum Chords<'a, const D: usize> {
-    /// A piece whose points all equal its two ends: rounding would scatter points between them.
+    /// A piece that is one point. It is not evaluated in between, since rounding would scatter the points.
     Point,
     Line,
     Cubic(CubicChords<'a, D>),
@@ -39,10 +39,10 @@ impl<'a, const D: usize> Chords<'a, D> {
         }
     }
 
-    /// The largest deviation of chords between these parameters, and the parameter where it is.
+    /// The largest deviation of chords between these parameters, and its parameter.
     pub(crate) fn worst(&self, places: &[f64]) -> (f64, f64) {
         let mut work = FlattenScratch::default();
-        let found = match self {
+        let worst_chord = match self {
             Self::Cubic(chords) => {
                 simd::dispatch(simd::isa(), WorstKernel { chords, places, work: &mut work })
             }
@@ -50,11 +50,13 @@ impl<'a, const D: usize> Chords<'a, D> {
                 simd::dispatch(simd::isa(), WorstKernel { chords, places, work: &mut work })
             }
             Self::Point | Self::Line | Self::Arc(_) => {
-                let all = places.windows(2).map(|ends| self.deviation(ends[0], ends[1]).at_most);
-                all.enumerate().fold((0.0, 0), |most, (i, loss)| if loss > most.0 { (loss, i) } else { most })
+                let deviations = places.windows(2).map(|ends| self.deviation(ends[0], ends[1]).at_most);
+                deviations
+                    .enumerate()
+                    .fold((0.0, 0), |most, (i, loss)| if loss > most.0 { (loss, i) } else { most })
             }
         };
-        let (at_most, chord) = found;
+        let (at_most, chord) = worst_chord;
         let [a, b] = [places[chord], places[chord + 1]];
         (at_most, a + self.deviation(a, b).fraction * (b - a))
     }
@@ -94,7 +96,7 @@ impl<'a, const D: usize> Chords<'a, D> {
 
     /// The greedy way: one chord after the other, each as long as possible.
     pub(crate) fn greedy(&self, tolerance: f64) -> Vec<f64> {
-        // A little less than what the formula allows, for its own rounding.
+        // A little less than the formula allows, for the rounding of the formula.
         let sure = 0.999 / self.even_steps(tolerance);
         greedy::parameters(|a, b| self.deviation(a, b).at_most, sure, tolerance)
     }

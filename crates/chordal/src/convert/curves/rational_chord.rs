@@ -2,21 +2,22 @@
 //!
 //! Over `[a, b]` the piece is `X/W`, with polynomials of degree `n` in Bernstein form. With `A` and `B` its ends there and
 //! `c = B − A`, the part of `G = X − A·W` across `c` vanishes at both ends; with coefficients `gᵢ` it is
-//! `t(1−t)·Σ n(n−1)/(i(n−i))·gᵢ·Bᵢ₋₁ⁿ⁻²(t)`, so that the curve is at most a quarter of the largest such term over the
-//! least weight from the chord's line. It passes over every point of the chord, and its points beyond an end lie beyond it
-//! by no more than control points do: as for cubics ([`super::chord`]).
+//! `t(1−t)·Σ n(n−1)/(i(n−i))·gᵢ·Bᵢ₋₁ⁿ⁻²(t)`, so that the distance of the curve from the chord's line is at most a quarter
+//! of the largest such term over the least weight. As for cubics ([`super::chord`]), the curve passes over every point of
+//! the chord, and its points beyond an end lie beyond it by no more than the control points do.
 //!
-//! Without a chord to look along, point `t` is compared with the chord's point at `t·Wₙ/((1−t)·W₀ + t·Wₙ)`: there the
-//! coefficients are `gᵢ − i/n·Wₙ·c`, and `|c|` times the weights' own distance from linear is added.
+//! Without the direction of a chord, point `t` is compared with the chord's point at `t·Wₙ/((1−t)·W₀ + t·Wₙ)`: there the
+//! coefficients are `gᵢ − i/n·Wₙ·c`, and `|c|` times the deviation of the weights from linear is added.
 //!
-//! *Equal steps.* A coefficient of degree `n` is off the line between its ends by at most `i(n−i)/2` second differences,
-//! and those of a part of width `h` are at most `h²` times those of the whole. So both forms keep to
-//! `n(n−1)/8·h²·(max|Δ²(X − C·W)| + 3R·max|Δ²W|)/min W`, `R` the largest distance of a control point from `C`.
+//! *Equal steps.* The distance of a coefficient of degree `n` from the line between the end coefficients is at most
+//! `i(n−i)/2` second differences, and those of a part of width `h` are at most `h²` times those of the whole piece. So both
+//! forms are at most `n(n−1)/8·h²·(max|Δ²(X − C·W)| + 3R·max|Δ²W|)/min W`, `R` the largest distance of a control point
+//! from `C`.
 //!
-//! *Rounding.* Coefficients of a part are weighted means, off by less than `8n·ε` of `R·W` in each coordinate. What is made
-//! of them multiplies that by `n/4` at most, and the division by the least weight by the ratio of weights; the direction
-//! of the chord rotates by twice the error of its ends over its length, and is used where nothing is longer than eight
-//! chords. All is below `64(n + 4)²·ε·R` times the ratio of weights, with `R` the sum over the axes.
+//! *Rounding.* Coefficients of a part are weighted means, with an error of less than `8n·ε` of `R·W` in each coordinate. The
+//! computations with them multiply that by `n/4` at most, and the division by the least weight by the ratio of weights; the
+//! direction of the chord rotates by twice the error of its ends over its length, and is used only if no term is longer
+//! than eight chords. All of it is below `64(n + 4)²·ε·R` times the ratio of weights, with `R` the sum over the axes.
 use super::chord::{ChordDeviation, coordinate_reach, whole_steps};
 use crate::explicit::nurbs::{BernsteinRow, RationalBezier};
 use crate::math::{difference, dot, greater, length, lesser};
@@ -25,7 +26,7 @@ use crate::math::{difference, dot, greater, length, lesser};
 #[derive(Debug)]
 pub(crate) struct RationalChords<'a, const D: usize> {
     curve: &'a RationalBezier<D>,
-    /// `n(n−1)/8` times what the head of this file has in brackets, over the least weight.
+    /// The factor of `h²` in the bound for equal steps at the head of this file.
     bend: f64,
 }
 
@@ -71,21 +72,21 @@ impl<'a, const D: usize> RationalChords<'a, D> {
         let least = w.iter().fold(f64::INFINITY, |least, [w]| lesser(*w, least));
         let (mut pointwise, mut aside, mut beyond, mut longest_sq) = ([0.0, 0.5], [0.0, 0.5], 0.0, 0.0);
         for i in 1..n {
-            let part = i as f64 / n as f64;
-            let times = (n * (n - 1)) as f64 / (4 * i * (n - i)) as f64;
+            let share = i as f64 / n as f64;
+            let factor = (n * (n - 1)) as f64 / (4 * i * (n - i)) as f64;
             let g: [f64; D] = std::array::from_fn(|k| x[i][k] - start[k] * w[i][0]);
-            let off: [f64; D] = std::array::from_fn(|k| g[k] - part * w[n][0] * chord[k]);
-            let from_linear = (w[i][0] - ((1.0 - part) * w[0][0] + part * w[n][0])).abs();
-            let both = times * (length(off) + length_sq.sqrt() * from_linear) / least;
-            if both > pointwise[0] {
-                pointwise = [both, part];
+            let from_chord: [f64; D] = std::array::from_fn(|k| g[k] - share * w[n][0] * chord[k]);
+            let from_linear = (w[i][0] - ((1.0 - share) * w[0][0] + share * w[n][0])).abs();
+            let without_direction = factor * (length(from_chord) + length_sq.sqrt() * from_linear) / least;
+            if without_direction > pointwise[0] {
+                pointwise = [without_direction, share];
             }
             longest_sq = greater(dot(g, g) / (w[i][0] * w[i][0]), longest_sq);
             let along = dot(g, chord) / length_sq;
             let across: [f64; D] = std::array::from_fn(|k| g[k] - along * chord[k]);
-            let one = times * length(across) / least;
-            if one > aside[0] {
-                aside = [one, part];
+            let across_chord = factor * length(across) / least;
+            if across_chord > aside[0] {
+                aside = [across_chord, share];
             }
             let place = along / w[i][0];
             beyond = greater(greater(-place, place - 1.0), beyond);
@@ -114,7 +115,7 @@ pub(super) fn rounding<const D: usize>(curve: &RationalBezier<D>) -> f64 {
     points.extend(curve.ends());
     let reach = coordinate_reach(&points);
     let rounding = 64.0 * n * n * f64::EPSILON * reach * (most / least);
-    // As for cubics: squares of less lose digits; those of products with small weights earlier.
+    // As for cubics: squares of smaller lengths lose digits; with small weights, those of products lose them earlier.
     if reach == 0.0 { 0.0 } else { greater(rounding, 1e-150 * (most / least)) }
 }
 

@@ -1,7 +1,7 @@
-//! Rational pieces, spread by their density a block of chords at a time.
+//! Places the chords of rational pieces by a density, a block of chords at a time.
 //!
-//! The deviations are those of [`super::rational_chord`], with loops over the chords of a block inside, so that they are
-//! compiled to vector instructions.
+//! The deviations are those of [`super::rational_chord`], with loops over the chords of a block innermost, so that they
+//! are compiled to vector instructions.
 use super::chord::{ChordDeviation, whole_steps};
 use super::density::{LANES, Spreadable};
 use super::rational_chord::RationalChords;
@@ -11,14 +11,14 @@ use crate::math::{dot, greater, length, lesser};
 /// A number for each chord of a block.
 type Lane = [f64; LANES];
 
-/// Places where the density is looked at before the grid is laid. Chosen: half of those of the coarsest grid.
-const LOOKS: u32 = 4;
+/// Samples of the density by which the grid is chosen. Chosen: half of those of the coarsest grid.
+const PROBES: u32 = 4;
 
 impl<const D: usize> Spreadable<D> for RationalChords<'_, D> {
-    /// By the largest of a few densities, since the formula for equal steps may be far above for unequal weights.
+    /// By the largest of a few densities, since the formula for equal steps may give far too many for unequal weights.
     fn about_even_steps(&self, tolerance: f64) -> f64 {
-        let densest = (0..LOOKS)
-            .fold(0.0, |most, i| greater(self.density((f64::from(i) + 0.5) / f64::from(LOOKS)), most));
+        let densest = (0..PROBES)
+            .fold(0.0, |most, i| greater(self.density((f64::from(i) + 0.5) / f64::from(PROBES)), most));
         lesser(whole_steps(densest / (8.0 * tolerance).sqrt()), self.even_steps(tolerance))
     }
 
@@ -29,17 +29,17 @@ impl<const D: usize> Spreadable<D> for RationalChords<'_, D> {
     fn density(&self, t: f64) -> f64 {
         let [first, second] = self.curve().derivatives(t);
         let first_sq = dot(first, first);
-        // Where the derivative vanishes there is no direction.
+        // If the derivative vanishes there is no direction.
         let along = if first_sq > 0.0 { dot(first, second) / first_sq } else { 0.0 };
         let across: [f64; D] = std::array::from_fn(|k| second[k] - along * first[k]);
         length(across).sqrt()
     }
 
-    /// Nothing: the deviations have the ends of the chords with all the rest.
+    /// Does nothing: `certify` computes the ends of the chords itself.
     #[inline(always)]
     fn evaluate(&self, _: &[f64], _: &mut [Vec<f64>; D]) {}
 
-    /// Leaves degrees that are hardly used to [`Self::deviation`].
+    /// Leaves rare degrees to [`Self::deviation`].
     #[inline(always)]
     fn certify(&self, places: &[f64], _: &[Vec<f64>; D], _: f64, deviations: &mut [f64]) {
         match self.curve().degree() {
@@ -85,8 +85,8 @@ fn parts<const N: usize, const C: usize>(whole: &[[Lane; N]; C], [from, to]: [&L
     row
 }
 
-/// One step of de Casteljau's algorithm: of `n + 1` coefficients `n` are left.
-// Over iterators of arrays in arrays the loops are not compiled to vector instructions: three times slower.
+/// One step of de Casteljau's algorithm: turns `n + 1` coefficients into `n`.
+// With iterators over nested arrays the loops are not compiled to vector instructions: three times slower.
 #[allow(clippy::needless_range_loop)]
 #[inline(always)]
 fn step<const N: usize, const C: usize>(row: &mut [[Lane; N]; C], n: usize, t: &Lane) {

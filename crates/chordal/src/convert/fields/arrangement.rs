@@ -1,16 +1,29 @@
 //! The boundary of a solid in one tetrahedron with linear primitives: the arrangement of their planes.
 //!
-//! Each plane's section of the tetrahedron is cut by all other planes; a piece is boundary where membership
-//! flips with its plane. A corner of a piece is identified by what it lies on, never by coordinates, and its
-//! side of a plane by the exact sign of a determinant. Planes are moved by infinitesimals, so no four of them
-//! meet in a point, and no three in a line.
+//! Each plane's section of the tetrahedron is a convex polygon, which all other planes cut into pieces:
 //!
-//! Only corners that are visible in the boundary are emitted: a crossing of two planes is left out where
-//! membership does not depend on one of them. So neighbours agree in their common face, even if one of them
-//! has already pruned that plane.
+//! ```text
+//!            2            The section of plane i. Its sides lie on the facets f0, f1, f2 of the
+//!           / \           tetrahedron; corner t is between side t − 1 and side t.
+//!      f2  / P \  f1
+//!         x--j--y         Plane j cuts it into P, with the sides f1, f2, j, and Q, with the
+//!        /   Q   \        sides f0, f1, j, f2. The sign of j is negative on one of them.
+//!       0---------1
+//!           f0            x is identified as "planes i and j, on facet f2".
+//! ```
+//!
+//! A piece belongs to the boundary if membership differs between both sides of its plane. Corners are
+//! identified by the planes and facets on which they lie, never by coordinates, so a neighbour across f2 has
+//! the same x. The side of a corner with respect to a plane is the exact sign of a determinant. Planes are
+//! moved by infinitesimals, so no four of them meet in a point, and no three in a line.
+//!
+//! Only corners that are visible in the boundary are emitted: a crossing of two planes is left out if
+//! membership does not depend on one of them there. So neighbours agree in their common facet, even if one of
+//! them has already pruned that plane.
 //!
 //! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for
 //! Piecewise Linear Functions*, 2022.
+// Long because figures stand beside the steps that they explain.
 use super::tetrahedra::IntegerMap;
 use crate::implicit::{CsgRestriction, CsgTree, Membership};
 use crate::math::determinants::{perturbed_sign, sign2, sign3, sign4};
@@ -23,15 +36,15 @@ pub(super) struct LivePrimitive {
     pub primitive: u32,
     /// Integer values at the corners, none of them 0.
     pub values: [i64; 4],
-    /// The direction in which infinitesimals move it.
+    /// The sign of the infinitesimal that is added to its values.
     pub sense: i64,
 }
 
-/// A tetrahedron whose corners are in the order of positive volume.
+/// A tetrahedron with linear primitives. The order of its corners gives it a positive volume.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinearCell<'a> {
     pub corners: [u32; 4],
-    /// Ascending.
+    /// In ascending order of their numbers.
     pub live: &'a [LivePrimitive],
     pub tree: &'a CsgTree,
 }
@@ -39,16 +52,18 @@ pub(super) struct LinearCell<'a> {
 /// No vertex, no primitive.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// The identity of a vertex of the boundary: what it lies on.
+/// The identity of a vertex of the boundary: the simplex and the primitives on which it lies. Cells that share the
+/// simplex compute the same identity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ArrangementVertex {
     /// The corners of the smallest simplex that contains it, ascending, then [`NONE`].
     pub simplex: [u32; 4],
     /// The primitives that vanish there, ascending, then [`NONE`].
     pub primitives: [u32; 3],
-    /// The sheet that it belongs to, where several touch.
+    /// Its sheet, if several sheets of the boundary touch there; otherwise 0.
     pub sheet: u32,
-    /// For the midpoint between two corners on one crease: the third primitive of the other corner.
+    /// For the midpoint between two corners on one crease: the third primitive of the other corner; [`NONE`] for
+    /// all other vertices.
     pub other: u32,
 }
 
@@ -67,11 +82,11 @@ pub(super) fn label_of(primitive: u32, is_complemented: bool) -> u32 {
     primitive << 1 | u32::from(is_complemented)
 }
 
-/// Signs of the live primitives, by index: whether they are negative.
+/// The signs of the live primitives, by index in the cell: a set bit is negative.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct SignVector {
     first: u128,
-    /// Those after the first 128; nearly always empty.
+    /// The signs after the first 128; nearly always empty.
     rest: Vec<u128>,
 }
 
@@ -97,24 +112,24 @@ impl SignVector {
     }
 }
 
-/// Up to so many primitives a truth table is made. Defined: 2⁶ bits are a word.
+/// Up to this many primitives, membership is a truth table. Defined: 2⁶ bits are a word.
 const TABLE: usize = 6;
 
-/// Membership as a function of the signs.
+/// Membership in the solid as a function of the signs of the live primitives.
 enum MembershipTable {
     Table(u64),
     /// With a cache of earlier results.
     Tree(CsgTree, RefCell<IntegerMap<u128, bool>>), // No order depends on it.
 }
 
-/// A side of a piece: on the facet opposite a corner, or on the plane of a live primitive.
+/// A side of a piece, by where it lies: on the facet opposite a corner, or on the plane of a live primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ArrangementEdge {
     Facet(u8),
     Plane(u32),
 }
 
-/// A convex part of a plane. Corner `t` is between side `t − 1` and side `t`.
+/// A piece: a convex part of a plane. Corner `t` is between side `t − 1` and side `t`.
 #[derive(Clone, Debug)]
 struct ArrangementFace {
     sides: Vec<ArrangementEdge>,
@@ -122,25 +137,25 @@ struct ArrangementFace {
     negative: SignVector,
 }
 
-/// What a corner lies on, in the cell's own numbers: the bit of a facet is set where the corner is not on it;
-/// planes ascend.
+/// The identity of a corner in the cell's own indices. The bit of a facet in `simplex` is cleared if the corner lies
+/// on it, so that the set bits are the corners of the smallest simplex; `planes` ascend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct ArrangementCorner {
     simplex: u8,
     planes: [u32; 3],
     sheet: u32,
-    is_seen: bool,
+    is_visible: bool,
 }
 
 impl LinearCell<'_> {
-    /// Adds the boundary in this cell. `is_negative` gives the signs of the tree's other primitives, which
-    /// are constant in it.
+    /// Adds the boundary in this cell. `is_negative` gives the signs of the tree's other primitives, which are
+    /// constant in it.
     pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut BoundaryPatches) {
-        let Some(truth) = self.membership_table(is_negative) else { return };
+        let Some(membership) = self.membership_table(is_negative) else { return };
         for i in 0..self.live.len() as u32 {
             if self.live.len() == 1 {
                 let piece = ArrangementFace { sides: self.section(i), negative: SignVector::default() };
-                self.emit(&truth, i, vec![piece], into);
+                self.emit(&membership, i, vec![piece], into);
                 continue;
             }
             let mut pieces =
@@ -150,23 +165,23 @@ impl LinearCell<'_> {
                 pieces.into_iter().for_each(|piece| self.cut(i, j, piece, &mut parts));
                 pieces = parts;
             }
-            self.emit(&truth, i, pieces, into);
+            self.emit(&membership, i, pieces, into);
         }
     }
 
-    /// `None` where membership is the same throughout.
+    /// `None` if membership is the same throughout the cell.
     fn membership_table(&self, is_negative: impl Fn(u32) -> bool) -> Option<MembershipTable> {
-        let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive).ok();
+        let live_index = |p: u32| self.live.binary_search_by_key(&p, |live| live.primitive).ok();
         if self.live.len() <= TABLE {
             let inside = |sides: u64| {
-                self.tree.contains(|p| place(p).map_or_else(|| is_negative(p), |k| sides >> k & 1 == 1))
+                self.tree.contains(|p| live_index(p).map_or_else(|| is_negative(p), |k| sides >> k & 1 == 1))
             };
             let n = 1 << self.live.len();
-            let table = (0..n).fold(0, |all, sides| all | u64::from(inside(sides)) << sides);
-            let all = if n == 64 { u64::MAX } else { (1 << n) - 1 };
-            return (table != 0 && table != all).then_some(MembershipTable::Table(table));
+            let table = (0..n).fold(0, |table, sides| table | u64::from(inside(sides)) << sides);
+            let full = if n == 64 { u64::MAX } else { (1 << n) - 1 };
+            return (table != 0 && table != full).then_some(MembershipTable::Table(table));
         }
-        let side = |p: u32| match (place(p), is_negative(p)) {
+        let side = |p: u32| match (live_index(p), is_negative(p)) {
             (Some(_), _) => Membership::Unknown,
             (None, true) => Membership::Inside,
             (None, false) => Membership::Outside,
@@ -177,16 +192,17 @@ impl LinearCell<'_> {
         }
     }
 
-    fn is_inside(&self, truth: &MembershipTable, signs: &SignVector) -> bool {
-        match truth {
+    fn is_inside(&self, membership: &MembershipTable, signs: &SignVector) -> bool {
+        match membership {
             MembershipTable::Table(table) => table >> (signs.first as u64) & 1 == 1,
-            MembershipTable::Tree(tree, known) => {
-                let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive);
-                let contains = || tree.contains(|p| signs.get(place(p).expect("only live ones are left")));
+            MembershipTable::Tree(tree, cache) => {
+                let live_index = |p: u32| self.live.binary_search_by_key(&p, |live| live.primitive);
+                let contains =
+                    || tree.contains(|p| signs.get(live_index(p).expect("only live ones are left")));
                 if !signs.rest.is_empty() {
                     return contains();
                 }
-                *known.borrow_mut().entry(signs.first).or_insert_with(contains)
+                *cache.borrow_mut().entry(signs.first).or_insert_with(contains)
             }
         }
     }
@@ -210,22 +226,27 @@ impl LinearCell<'_> {
             });
             return;
         }
-        for wanted in [true, false] {
+        for keep_negative in [true, false] {
             let mut sides = Vec::with_capacity(n + 1);
             for t in 0..n {
-                let (here, there) = (negative[t] == wanted, negative[(t + 1) % n] == wanted);
-                if here || there {
+                let (is_start_kept, is_end_kept) =
+                    (negative[t] == keep_negative, negative[(t + 1) % n] == keep_negative);
+                if is_start_kept || is_end_kept {
                     sides.push(piece.sides[t]);
                 }
-                if here && !there {
+                if is_start_kept && !is_end_kept {
                     sides.push(ArrangementEdge::Plane(j));
                 }
             }
-            into.push(ArrangementFace { sides, negative: piece.negative.clone().with(j as usize, wanted) });
+            into.push(ArrangementFace {
+                sides,
+                negative: piece.negative.clone().with(j as usize, keep_negative),
+            });
         }
     }
 
-    /// Whether primitive `j` is negative at the corner of plane `i` between two sides.
+    /// Whether primitive `j` is negative at the corner of plane `i` between two sides: the sign of the value of `j` at
+    /// the common zero of the other planes, by Cramer's rule.
     fn is_negative(&self, sides: [ArrangementEdge; 2], i: u32, j: u32) -> bool {
         let row = |k: u32| &self.live[k as usize].values;
         let sense = |k: u32| self.live[k as usize].sense;
@@ -253,18 +274,20 @@ impl LinearCell<'_> {
         sign == Ordering::Less
     }
 
-    /// Adds the pieces of plane `i` that are boundary; connected ones are merged.
+    /// Adds the pieces of plane `i` that belong to the boundary; connected pieces are merged to one patch.
     fn emit(
         &self,
-        truth: &MembershipTable,
+        membership: &MembershipTable,
         i: u32,
         pieces: Vec<ArrangementFace>,
         into: &mut BoundaryPatches,
     ) {
         let mut kept: [Vec<ArrangementFace>; 2] = Default::default();
         for piece in pieces {
-            let inside =
-                |is_negative| self.is_inside(truth, &piece.negative.clone().with(i as usize, is_negative));
+            let inside = |is_negative| {
+                self.is_inside(membership, &piece.negative.clone().with(i as usize, is_negative))
+            };
+            // Solid on the negative side, or on the positive side: the patch of a complement.
             let (below, above) = (inside(true), inside(false));
             if below != above {
                 kept[usize::from(above)].push(piece);
@@ -272,14 +295,14 @@ impl LinearCell<'_> {
         }
         for (above, kept) in kept.into_iter().enumerate() {
             let corners: Vec<Vec<ArrangementCorner>> =
-                kept.iter().map(|piece| self.corners(truth, i, piece, above == 1)).collect();
+                kept.iter().map(|piece| self.corners(membership, i, piece, above == 1)).collect();
             for loops in merge_faces(&corners) {
                 for mut ring in loops {
-                    ring.retain(|corner| corner.is_seen);
+                    ring.retain(|corner| corner.is_visible);
                     if above == 1 {
                         ring.reverse();
                     }
-                    self.push_ring(truth, i, &ring, &kept, into);
+                    self.push_ring(membership, i, &ring, &kept, into);
                     into.loop_ends.push(into.corners.len() as u32);
                 }
                 let label = label_of(self.live[i as usize].primitive, above == 1);
@@ -290,7 +313,7 @@ impl LinearCell<'_> {
 
     fn push_ring(
         &self,
-        truth: &MembershipTable,
+        membership: &MembershipTable,
         i: u32,
         ring: &[ArrangementCorner],
         kept: &[ArrangementFace],
@@ -300,7 +323,7 @@ impl LinearCell<'_> {
             into.corners.push(self.key(corner));
             let next = &ring[(t + 1) % ring.len()];
             if corner.planes[2] != NONE && next.planes[2] != NONE {
-                into.corners.extend(self.middle(truth, i, [corner, next], kept));
+                into.corners.extend(self.middle(membership, i, [corner, next], kept));
             }
         }
     }
@@ -308,7 +331,7 @@ impl LinearCell<'_> {
     /// The corners of a piece.
     fn corners(
         &self,
-        truth: &MembershipTable,
+        membership: &MembershipTable,
         i: u32,
         piece: &ArrangementFace,
         is_complemented: bool,
@@ -327,17 +350,17 @@ impl LinearCell<'_> {
                 }
             }
             planes[..n_planes].sort_unstable();
-            let (sheet, is_seen) = self.sheet(truth, &planes[..n_planes], i, piece, is_complemented);
-            ArrangementCorner { simplex, planes, sheet, is_seen }
+            let (sheet, is_visible) = self.sheet(membership, &planes[..n_planes], i, piece, is_complemented);
+            ArrangementCorner { simplex, planes, sheet, is_visible }
         };
         (0..n).map(corner).collect()
     }
 
-    /// The sheet around a corner that the piece belongs to, and whether membership depends on all planes
-    /// there.
+    /// The sheet of the boundary around a corner to which the piece belongs, and whether membership depends on all
+    /// planes of the corner, so that the corner is visible.
     fn sheet(
         &self,
-        truth: &MembershipTable,
+        membership: &MembershipTable,
         planes: &[u32],
         i: u32,
         piece: &ArrangementFace,
@@ -346,38 +369,44 @@ impl LinearCell<'_> {
         if planes.len() == 1 {
             return (0, true);
         }
-        let pattern = self.octant_mask(truth, planes, &piece.negative);
-        let has_say = |r: usize| (0..1 << planes.len()).any(|o| pattern.at(o) != pattern.at(o ^ 1 << r));
-        let is_seen = (0..planes.len()).all(has_say);
+        let pattern = self.octant_mask(membership, planes, &piece.negative);
+        let matters = |r: usize| (0..1 << planes.len()).any(|o| pattern.at(o) != pattern.at(o ^ 1 << r));
+        let is_visible = (0..planes.len()).all(matters);
         let plane = planes.iter().position(|k| *k == i).expect("it is on its own plane");
         let negative = |k: u32| if k == i { !is_complemented } else { piece.negative.get(k as usize) };
         let solid = planes.iter().enumerate().fold(0, |o, (r, k)| o | usize::from(negative(*k)) << r);
         let sheet = match planes.len() {
-            // Both solid wedges meet in the crease.
+            // Two solid wedges meet in the crease only; each gets a sheet of its own.
             2 if pattern.is_crossed() => 1 + (solid as u32 & 1),
             2 => 0,
             _ => pattern.sheet(plane, solid & !(1 << plane)),
         };
-        (sheet, is_seen)
+        (sheet, is_visible)
     }
 
-    /// Membership around a point where planes cross.
-    fn octant_mask(&self, truth: &MembershipTable, planes: &[u32], signs: &SignVector) -> OctantMask {
+    /// Membership by octant around a point where planes cross.
+    fn octant_mask(&self, membership: &MembershipTable, planes: &[u32], signs: &SignVector) -> OctantMask {
         let inside = |octant: usize| {
             let signs = planes
                 .iter()
                 .enumerate()
                 .fold(signs.clone(), |signs, (r, k)| signs.with(*k as usize, octant >> r & 1 == 1));
-            self.is_inside(truth, &signs)
+            self.is_inside(membership, &signs)
         };
-        OctantMask((0..1 << planes.len()).fold(0, |all, octant| all | u8::from(inside(octant)) << octant))
+        OctantMask((0..1 << planes.len()).fold(0, |mask, octant| mask | u8::from(inside(octant)) << octant))
     }
 
-    /// A vertex between two corners of a crease along which the solid touches itself, since both wedges may
-    /// have the same ends.
+    /// An additional vertex between two corners of a crease along which the solid touches itself:
+    ///
+    /// ```text
+    ///         q          solid where exactly one of p and q is negative; both wedges have the edge in the
+    ///   solid |          middle, perhaps with the same two ends. The midpoint, one for each sheet, keeps
+    ///   ------+------ p  their edges apart.
+    ///         | solid
+    /// ```
     fn middle(
         &self,
-        truth: &MembershipTable,
+        membership: &MembershipTable,
         i: u32,
         ends: [&ArrangementCorner; 2],
         kept: &[ArrangementFace],
@@ -389,7 +418,7 @@ impl LinearCell<'_> {
         let third =
             |planes: [u32; 3]| planes.into_iter().find(|k| !common.contains(k)).expect("three differ");
         let (a, b) = (third(a), third(b));
-        // The piece with that side.
+        // The piece whose side on plane j runs between the two corners.
         let has_side = |piece: &&ArrangementFace| {
             let n = piece.sides.len();
             let is_end = |t: usize, k: u32| piece.sides[t % n] == ArrangementEdge::Plane(k);
@@ -399,12 +428,12 @@ impl LinearCell<'_> {
             })
         };
         let piece = kept.iter().find(has_side)?;
-        let pattern = self.octant_mask(truth, &[p, q], &piece.negative);
+        let pattern = self.octant_mask(membership, &[p, q], &piece.negative);
         if !pattern.is_crossed() {
             return None;
         }
         let inside =
-            |is_negative| self.is_inside(truth, &piece.negative.clone().with(i as usize, is_negative));
+            |is_negative| self.is_inside(membership, &piece.negative.clone().with(i as usize, is_negative));
         let first_negative = if p == i { inside(true) } else { piece.negative.get(p as usize) };
         let [p, q, a, b] = [p, q, a.min(b), a.max(b)].map(|k| self.live[k as usize].primitive);
         let mut simplex = self.corners;
@@ -437,23 +466,27 @@ impl OctantMask {
         self.0 >> octant & 1 == 1
     }
 
-    /// Whether, of two planes, two opposite wedges are solid and the others are not.
+    /// For two planes: whether two opposite wedges are solid and the other two are not.
     fn is_crossed(self) -> bool {
         matches!(self.0 & 15, 0b0110 | 0b1001)
     }
 
-    /// The sheet around a crossing of three planes, as the least number of its quarters. It contains the
-    /// quarter of plane `r` beside an octant whose bit `r` does not matter. Around a half-line with four
-    /// quarters, two belong together where they bound one solid wedge.
+    /// The sheet around a crossing of three planes that contains the quarter of plane `r` beside an octant (bit `r` of
+    /// the octant is 0). Sheets are named by the least number of their quarters.
+    ///
+    /// Each plane is divided into four quarters by the other two, and the crossing lines into half-lines. A sheet is a
+    /// connected set of quarters that are boundary. Two quarters at a half-line are connected if they are the only
+    /// ones there, or, if there are four, if they bound the same solid wedge.
     fn sheet(self, r: usize, octant: usize) -> u32 {
         let number = |r: usize, octant: usize| (8 * r + octant) as u32;
         let is_boundary = |r: usize, octant: usize| self.at(octant) != self.at(octant | 1 << r);
         let mut least = number(r, octant);
-        let mut seen = 1_u32 << least;
-        let mut open = vec![(r, octant)];
-        while let Some((r, octant)) = open.pop() {
+        let mut visited = 1_u32 << least;
+        let mut pending = vec![(r, octant)];
+        while let Some((r, octant)) = pending.pop() {
             least = least.min(number(r, octant));
-            // The two half-lines at the rim of the quarter: on plane t, where plane s keeps its side.
+            // The two half-lines at the rim of the quarter: each on plane t and on one side of plane s. The
+            // candidates are the other three quarters there: one on the same plane, two on plane t.
             for (s, t) in [((r + 1) % 3, (r + 2) % 3), ((r + 2) % 3, (r + 1) % 3)] {
                 let fixed = octant & 1 << s;
                 let candidates =
@@ -463,9 +496,9 @@ impl OctantMask {
                 for (r, octant) in candidates.into_iter().filter(|(r, octant)| is_boundary(*r, *octant)) {
                     let is_next = n_boundary == 1 || r == t && (octant == solid || octant | 1 << t == solid);
                     let bit = 1 << number(r, octant);
-                    if is_next && seen & bit == 0 {
-                        seen |= bit;
-                        open.push((r, octant));
+                    if is_next && visited & bit == 0 {
+                        visited |= bit;
+                        pending.push((r, octant));
                     }
                 }
             }
@@ -474,17 +507,25 @@ impl OctantMask {
     }
 }
 
-/// The remaining corners of a tetrahedron.
+/// The corners of a tetrahedron that lie on all of the facets: those that are opposite none of them.
 fn other_corners<const F: usize, const N: usize>(facets: [u8; F]) -> [usize; N] {
-    let mut all = (0..4).filter(|k| !facets.contains(&(*k as u8)));
-    std::array::from_fn(|_| all.next().expect("facets differ"))
+    let mut corners = (0..4).filter(|k| !facets.contains(&(*k as u8)));
+    std::array::from_fn(|_| corners.next().expect("facets differ"))
 }
 
+/// The sign of a quotient of determinants.
 fn divided_sign(sign: Ordering, denominator: Ordering) -> Ordering {
     if denominator == Ordering::Less { sign.reverse() } else { sign }
 }
 
-/// The loops around pieces of one plane, one list for each connected component.
+/// The loops around pieces of one plane: a list of loops for each connected component.
+///
+/// ```text
+///    ---->---+----->---      An edge between two pieces occurs in both, in opposite directions (twins).
+///   |   P    |    Q    |     A loop follows edges without a twin. Where the next edge has one, it goes on
+///   |        | ^       |     with the edge after the twin, until it comes to an edge without a twin.
+///    ----<---+-----<---
+/// ```
 fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorner>>> {
     if let [] | [_] = pieces {
         return pieces.iter().map(|ring| vec![ring.clone()]).collect();
@@ -499,24 +540,24 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
     let find = |a: &ArrangementCorner, b: &ArrangementCorner| {
         edges.binary_search_by(|edge| (edge.0, edge.1).cmp(&(*a, *b))).ok()
     };
-    // The same edge in the piece on its other side.
+    // The edge in the opposite direction, in the piece on its other side.
     let twin: Vec<Option<usize>> = edges.iter().map(|(a, b, ..)| find(b, a)).collect();
     let index = |piece: u32, t: u32| {
         let ring = &pieces[piece as usize];
         let t = t as usize % ring.len();
         find(&ring[t], &ring[(t + 1) % ring.len()]).expect("it is one of the edges")
     };
-    let mut groups: Vec<usize> = (0..pieces.len()).collect();
-    let root = |groups: &[usize], mut k: usize| {
-        while groups[k] != k {
-            k = groups[k];
+    let mut parents: Vec<usize> = (0..pieces.len()).collect();
+    let root = |parents: &[usize], mut k: usize| {
+        while parents[k] != k {
+            k = parents[k];
         }
         k
     };
     for (edge, twin) in edges.iter().zip(&twin) {
         if let Some(twin) = twin {
-            let (a, b) = (root(&groups, edge.2 as usize), root(&groups, edges[*twin].2 as usize));
-            groups[a.max(b)] = a.min(b);
+            let (a, b) = (root(&parents, edge.2 as usize), root(&parents, edges[*twin].2 as usize));
+            parents[a.max(b)] = a.min(b);
         }
     }
     let mut loops: Vec<Vec<Vec<ArrangementCorner>>> = vec![Vec::new(); pieces.len()];
@@ -527,11 +568,11 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
             if is_done[start] || twin[start].is_some() {
                 continue;
             }
-            let mut found = Vec::new();
+            let mut corners = Vec::new();
             let mut edge = start;
             loop {
                 is_done[edge] = true;
-                found.push(edges[edge].0);
+                corners.push(edges[edge].0);
                 let (_, _, piece, t) = edges[edge];
                 edge = index(piece, t + 1);
                 while let Some(across) = twin[edge] {
@@ -542,7 +583,7 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
                     break;
                 }
             }
-            loops[root(&groups, piece)].push(found);
+            loops[root(&parents, piece)].push(corners);
         }
     }
     loops.retain(|group| !group.is_empty());
@@ -550,31 +591,31 @@ fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorn
 }
 
 /// By the set of negative corners (bit `k` for corner `k`): the facets of the section's sides, in order, 4
-/// for none. The tetrahedron is (0, x, y, z), and the section is seen counter-clockwise from where the
+/// for none. The tetrahedron is (0, x, y, z), and the section is counter-clockwise as seen from the side on which the
 /// function is positive.
 const SECTIONS: [[u8; 4]; 16] = sections();
 
 const fn sections() -> [[u8; 4]; 16] {
     // Even permutations of the corners, by their first corner.
     const FIRST: [[u8; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]];
-    // And by their first two.
+    // Even permutations by their first two corners.
     const TWO: [[u8; 4]; 6] =
         [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
-    let mut all = [[4; 4]; 16];
+    let mut table = [[4; 4]; 16];
     let mut k = 0;
     while k < 4 {
         let [v, a, b, c] = FIRST[k];
         // Corners on va, vb, vc: the side between va and vb is on the facet opposite c.
-        all[1 << v] = [c, a, b, 4];
-        all[15 - (1 << v)] = [b, a, c, 4];
+        table[1 << v] = [c, a, b, 4];
+        table[15 - (1 << v)] = [b, a, c, 4];
         k += 1;
     }
     k = 0;
     while k < 6 {
         // Corners on ac, ad, bd, bc.
         let [a, b, c, d] = TWO[k];
-        all[1 << a | 1 << b] = [b, c, a, d];
+        table[1 << a | 1 << b] = [b, c, a, d];
         k += 1;
     }
-    all
+    table
 }

@@ -1,4 +1,4 @@
-//! The test of one cell: whether the solid's boundary in it is that of linear functions.
+//! The test of one cell: whether the solid's boundary in it has the same topology as with linear functions.
 use super::growth::{GradientBox, grow_together};
 use super::tetrahedra::Tetrahedra;
 use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(super) struct PrunedTree {
     pub tree: CsgTree,
-    /// Ascending.
+    /// In ascending order.
     pub primitives: Vec<u32>,
     /// By index in `primitives`: their polarity in the tree.
     pub polarity: Vec<Polarity>,
@@ -38,15 +38,15 @@ impl PrunedTree {
         Self { tree, primitives, polarity }
     }
 
-    /// Its approximate memory: its lists, and itself with its entry in a table.
+    /// Its approximate memory: its lists, and itself with its entry in the cache.
     fn bytes(&self) -> u64 {
         let of_lists =
             size_of_val(self.tree.nodes()) + size_of_val(&*self.primitives) + size_of_val(&*self.polarity);
         (of_lists + 2 * size_of::<Self>()) as u64
     }
 
-    /// Whether some primitive that occurs both plain and complemented leaves the tree decided on either side,
-    /// with the same result. Then no boundary is where it vanishes, as between two solids that share a face.
+    /// Whether some primitive that occurs both plain and complemented decides the tree on either side, with the
+    /// same result. Then its zero set is no boundary, as between two solids that share a face.
     fn is_cancelled(&self) -> bool {
         let is_mixed = |polarity: &Polarity| polarity.plain && polarity.complemented;
         let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));
@@ -66,21 +66,21 @@ impl PrunedTree {
 /// The trees of all cells, each stored once.
 #[derive(Debug, Default)]
 pub(super) struct PrunedTreeCache {
-    /// One of the trees with each fingerprint.
-    known: HashMap<u64, Arc<PrunedTree>>, // No order depends on it.
+    /// By fingerprint: one of the trees with it.
+    by_fingerprint: HashMap<u64, Arc<PrunedTree>>, // No order depends on it.
     bytes: u64,
 }
 
 impl PrunedTreeCache {
-    /// The stored tree that equals `open`.
-    pub fn intern(&mut self, open: Arc<PrunedTree>) -> Arc<PrunedTree> {
-        match self.known.entry(open.tree.fingerprint()) {
-            hash_map::Entry::Occupied(known) if known.get().tree == open.tree => Arc::clone(known.get()),
-            hash_map::Entry::Occupied(_) => open,
-            hash_map::Entry::Vacant(free) => {
-                self.bytes += open.bytes();
-                free.insert(Arc::clone(&open));
-                open
+    /// The stored tree that equals `pruned`.
+    pub fn intern(&mut self, pruned: Arc<PrunedTree>) -> Arc<PrunedTree> {
+        match self.by_fingerprint.entry(pruned.tree.fingerprint()) {
+            hash_map::Entry::Occupied(entry) if entry.get().tree == pruned.tree => Arc::clone(entry.get()),
+            hash_map::Entry::Occupied(_) => pruned,
+            hash_map::Entry::Vacant(entry) => {
+                self.bytes += pruned.bytes();
+                entry.insert(Arc::clone(&pruned));
+                pruned
             }
         }
     }
@@ -88,9 +88,9 @@ impl PrunedTreeCache {
     /// Drops trees that no cell uses.
     pub fn remove_unused(&mut self) {
         let bytes = &mut self.bytes;
-        self.known.retain(|_, open| {
-            let is_used = Arc::strong_count(open) > 1;
-            *bytes -= if is_used { 0 } else { open.bytes() };
+        self.by_fingerprint.retain(|_, pruned| {
+            let is_used = Arc::strong_count(pruned) > 1;
+            *bytes -= if is_used { 0 } else { pruned.bytes() };
             is_used
         });
     }
@@ -120,13 +120,13 @@ pub(super) enum ZeroSide {
 
 /// The side of 0, by primitive.
 pub(super) fn zeros(csg: &Csg) -> Vec<ZeroSide> {
-    let mut all = vec![ZeroSide::Inside; csg.primitives().len()];
+    let mut sides = vec![ZeroSide::Inside; csg.primitives().len()];
     for node in csg.tree().nodes() {
         if let CsgNode::Primitive(p) = node {
-            all[*p as usize] = ZeroSide::Outside;
+            sides[*p as usize] = ZeroSide::Outside;
         }
     }
-    all
+    sides
 }
 
 impl ZeroSide {
@@ -139,7 +139,7 @@ impl ZeroSide {
     }
 }
 
-/// The side of a primitive on which all values of a range are.
+/// The side of a primitive on which all values of a range lie.
 pub(super) fn range_side([low, high]: [f64; 2], zero: ZeroSide) -> Membership {
     match zero {
         ZeroSide::Outside if low >= 0.0 => Membership::Outside,
@@ -150,23 +150,23 @@ pub(super) fn range_side([low, high]: [f64; 2], zero: ZeroSide) -> Membership {
     }
 }
 
-/// The tree that is left when primitives have sides; `None` where it is decided.
-pub(super) fn prune(open: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Arc<PrunedTree>> {
+/// The tree that remains if primitives have these sides; `None` if it is decided, or no boundary is left in it.
+pub(super) fn prune(pruned: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Arc<PrunedTree>> {
     if sides.iter().all(|side| *side == Membership::Unknown) {
-        return (!open.is_cancelled()).then(|| Arc::clone(open));
+        return (!pruned.is_cancelled()).then(|| Arc::clone(pruned));
     }
-    if open.primitives.len() == 1 {
+    if pruned.primitives.len() == 1 {
         return None;
     }
-    match open.tree.restrict(|p, falls| sides[index_of(&open.primitives, p)].complement_if(falls)) {
+    match pruned.tree.restrict(|p, falls| sides[index_of(&pruned.primitives, p)].complement_if(falls)) {
         CsgRestriction::Decided(_) => None,
         CsgRestriction::Open(tree) => {
-            Some(Arc::new(PrunedTree::new(tree))).filter(|left| !left.is_cancelled())
+            Some(Arc::new(PrunedTree::new(tree))).filter(|rest| !rest.is_cancelled())
         }
     }
 }
 
-/// How large a cell is, and may be.
+/// The sizes of a cell, and the least size.
 #[derive(Clone, Copy)]
 pub(super) struct CellSizes {
     /// The sides of the cell's box.
@@ -190,15 +190,15 @@ impl CellSizes {
     }
 }
 
-/// The facts about a cell.
+/// A cell with the data that its test needs.
 pub(super) struct CellTest<'a> {
     pub csg: &'a Csg,
-    pub open: &'a PrunedTree,
+    pub pruned: &'a PrunedTree,
     /// By index in the tree's primitives.
     pub ranges: &'a [DualRange],
     /// Values at the cell's corners.
     pub values: &'a [[f64; 4]],
-    /// The largest rounding errors of these.
+    /// The largest rounding errors of these values.
     pub noise: &'a [f64],
     /// Primitives assumed to have one side throughout; empty for none.
     pub idle: &'a [bool],
@@ -208,20 +208,20 @@ pub(super) struct CellTest<'a> {
 /// The radius of the smallest ball around a tetrahedron, relative to its longest edge. Derived: that of a
 /// regular one, which is the worst, is √6/4.
 const ENCLOSING: f64 = 0.612_372_5;
-/// A primitive has to grow by this fraction of its middle gradient along its best direction, throughout.
-/// Measured on the models of the tests: with 0.3 there are a third more cells, with 0.2 hardly fewer, and
-/// what is coarser is split later.
+/// A primitive has to grow by this fraction of its middle gradient along its best direction, throughout the cell.
+/// Measured on the models of the tests: with 0.3 there are a third more cells, with 0.2 hardly fewer, and coarser
+/// triangles are split later.
 const GROWTH: f64 = 0.25;
 /// Two primitives that linear interpolation may move by more than this, relative to the floor of cells, may have more
-/// creases than one in a cell, and what is between these would be lost. Derived: the floor is at most half of the largest
-/// error, and the bound on the error of interpolation is some six times that of evenly bent functions; kinks, which are as
-/// far off as it says, are seen by vertices that end away from the surface. Measured: with 2 parts with blends take two to
-/// five times as long as without any such cells, with 16 a third more.
+/// than one crease in a cell, and the surface between the creases would be lost. Derived: the floor is at most half of the
+/// largest error, and the bound of the interpolation error is some six times the error of evenly bent functions; kinks,
+/// whose error is as large as the bound, are detected by vertices that end away from the surface. Measured: with 2,
+/// parts with blends take two to five times as long as without this test, with 16 a third more.
 const MOVED: f64 = 16.0;
-/// A corner of three linear functions with a barycentric coordinate below this counts as outside of the cell.
-/// Chosen: 0 is its rim.
+/// A common zero of three linear functions with a barycentric coordinate below this counts as outside of the cell.
+/// Chosen: 0 is the rim of the cell; the distance from it allows for the bending of the functions.
 const OUTSIDE: f64 = -0.75;
-/// A tree with more primitives is cut, as long as that helps. Chosen: twice as many as meet in common
+/// Cells with more primitives are cut as long as that helps. Chosen: twice as many as meet in common
 /// corners.
 const MOST: usize = 16;
 /// The most other primitives for which truth tables are made.
@@ -229,13 +229,13 @@ const MOST_OTHERS: usize = 6;
 /// The rounding error of a bound by the mean value theorem, relative to the added terms. Derived: some tens
 /// of roundings, with a reserve.
 const SLACK: f64 = 1e-13;
-/// Rounding may move values in the cell so many times as far as those at its corners. Chosen: a decided cell
-/// whose neighbour finds the other sign on their common face would leave a hole.
+/// The rounding errors of values in the cell may be this many times those at its corners. Chosen, with a reserve: if a
+/// cell counted as decided and its neighbour found the other sign on their common face, there would be a hole.
 const NOISE: f64 = 16.0;
 
 impl CellTest<'_> {
-    /// The largest difference between values in the cell and the linear interpolant of those at its corners.
-    /// By the mean value theorem with gradients in a box: they differ from its middle by at most half its
+    /// An upper bound of the difference between values in the cell and the linear interpolant of those at its corners:
+    /// by the mean value theorem with gradients in a box, which differ from the box's middle by at most half its
     /// diagonal in length, and half its sides by axis.
     pub fn interpolation_error(&self, at: usize) -> f64 {
         let Some(gradient) = &self.ranges[at].gradient else { return f64::INFINITY };
@@ -260,9 +260,9 @@ impl CellTest<'_> {
         [greater(a, low), lesser(b, high)]
     }
 
-    /// Whether all undecided primitives that can vanish together grow along a common direction.
+    /// Whether any undecided primitives that can vanish together grow along a common direction.
     pub fn is_resolved(&self) -> bool {
-        let mut entries: Vec<ActivePrimitive> = Vec::with_capacity(self.open.primitives.len());
+        let mut entries: Vec<ActivePrimitive> = Vec::with_capacity(self.pruned.primitives.len());
         for (at, range) in self.ranges.iter().enumerate() {
             if self.idle.get(at) == Some(&true) {
                 continue;
@@ -273,7 +273,7 @@ impl CellTest<'_> {
             if gradient.growth() < GROWTH {
                 return false;
             }
-            let polarity = self.open.polarity[at];
+            let polarity = self.pruned.polarity[at];
             if polarity.plain {
                 entries.push(ActivePrimitive { at, gradient });
             }
@@ -291,14 +291,14 @@ impl CellTest<'_> {
         if grow_together(&gradients) {
             return true;
         }
-        if self.open.primitives.len() > MOST {
+        if self.pruned.primitives.len() > MOST {
             return false;
         }
         self.pairs_and_triples_are_resolved(&entries)
     }
 
-    /// Whether each two primitives have one crease at most, where it matters: one falls along a direction in which the
-    /// other grows. Where interpolation hardly moves them, nothing is lost between two creases.
+    /// Whether any two primitives have at most one crease that matters: one falls along a direction in which the
+    /// other grows. If interpolation hardly moves them, nothing is lost between two creases.
     fn creases_are_resolved(&self, entries: &[ActivePrimitive]) -> bool {
         let moved: Vec<f64> = entries.iter().map(|entry| self.interpolation_distance(entry)).collect();
         let n = entries.len();
@@ -315,7 +315,7 @@ impl CellTest<'_> {
         })
     }
 
-    /// How far linear interpolation moves a primitive's zero set, about.
+    /// An estimate of the distance by which linear interpolation moves a primitive's zero set.
     fn interpolation_distance(&self, entry: &ActivePrimitive) -> f64 {
         self.interpolation_error(entry.at) / self.middle_slope(entry)
     }
@@ -327,7 +327,7 @@ impl CellTest<'_> {
     }
 
     fn pairs_and_triples_are_resolved(&self, entries: &[ActivePrimitive]) -> bool {
-        // Pairs that never meet, or do not matter together.
+        // Pairs that never meet in the cell, or that do not both matter at one point.
         let n = entries.len();
         let mut apart = vec![false; n * n];
         for a in 0..n {
@@ -360,12 +360,12 @@ impl CellTest<'_> {
     }
 
     fn primitive(&self, entry: &ActivePrimitive) -> &Primitive {
-        &self.csg.primitives()[self.open.primitives[entry.at] as usize]
+        &self.csg.primitives()[self.pruned.primitives[entry.at] as usize]
     }
 
     /// Whether x − y or x + y has one sign in all of the cell, both scaled to gradients of equal length.
     fn is_separated(&self, x: &ActivePrimitive, y: &ActivePrimitive) -> bool {
-        // Signs as functions, whatever the polarity: their zero sets have to be apart.
+        // The signs of the plain functions, whatever the polarity, since only the zero sets have to be apart.
         let sign = |e: &ActivePrimitive| {
             let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
             if dot(e.gradient.middle, gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()))) < 0.0 {
@@ -383,23 +383,23 @@ impl CellTest<'_> {
         low > reach || high < -reach
     }
 
-    /// Whether, for some sides of the others, the solid's boundary follows both.
+    /// Whether, for some sides of the other primitives, membership depends on both primitives.
     fn decide_together(&self, x: usize, y: usize) -> bool {
-        let primitives = &self.open.primitives;
+        let primitives = &self.pruned.primitives;
         let others: Vec<usize> = (0..primitives.len()).filter(|k| *k != x && *k != y).collect();
         if others.len() > MOST_OTHERS {
             return true;
         }
         (0..1_u32 << others.len()).any(|sides| {
             let inside = |in_x: bool, in_y: bool| {
-                self.open.tree.contains(|p| {
-                    let at = index_of(primitives, p);
-                    if at == x {
+                self.pruned.tree.contains(|p| {
+                    let k = index_of(primitives, p);
+                    if k == x {
                         in_x
-                    } else if at == y {
+                    } else if k == y {
                         in_y
                     } else {
-                        sides >> place_of(&others, at) & 1 == 1
+                        sides >> place_of(&others, k) & 1 == 1
                     }
                 })
             };
@@ -409,7 +409,7 @@ impl CellTest<'_> {
         })
     }
 
-    /// Whether the linear functions meet far outside of the cell.
+    /// Whether the three linear functions vanish together far outside of the cell.
     fn meet_outside(&self, triple: &[ActivePrimitive; 3]) -> bool {
         let [p, q, r] = triple.map(|e| self.values[e.at]);
         let without = |v: &[f64; 4], k: usize| -> [f64; 3] {
@@ -424,15 +424,15 @@ impl CellTest<'_> {
     }
 }
 
-/// A primitive or its complement that may carry boundary.
+/// A primitive or its complement whose zero set may be boundary, by its index in the tree's primitives.
 #[derive(Clone, Copy)]
 struct ActivePrimitive {
     at: usize,
     gradient: GradientBox,
 }
 
-fn place_of(all: &[usize], one: usize) -> usize {
-    all.iter().position(|k| *k == one).expect("it is one of the others")
+fn place_of(others: &[usize], index: usize) -> usize {
+    others.iter().position(|k| *k == index).expect("it is one of the others")
 }
 
 fn min_max(values: &[f64; 4]) -> [f64; 2] {

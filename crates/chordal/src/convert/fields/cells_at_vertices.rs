@@ -1,9 +1,11 @@
 //! `CellsAtVertices`: the cells at each vertex of a grid.
 
-/// The cells at each vertex, as lists that share one store.
+/// The cells at each vertex, as linked lists in one store.
 #[derive(Debug, Default)]
 pub(super) struct CellsAtVertices {
+    /// By vertex: its first node.
     first: Vec<u32>,
+    /// A cell, and the next node.
     nodes: Vec<(u32, u32)>,
 }
 

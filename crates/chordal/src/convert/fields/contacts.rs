@@ -1,42 +1,45 @@
-//! Contacts: places where two primitives of a solid touch without crossing, or where solids meet in an edge alone, which no
-//! displaced copy of a mesh goes around.
+//! Contacts: places where two primitives of a solid touch without crossing, or where solids meet in an edge only. The
+//! displaced copies of a mesh cannot prove the surface there.
 use super::field_sampler::FieldSampler;
 use crate::budget::{Job, OpenPlace, SurfaceContact};
 use crate::implicit::{Csg, Dual, Expr, Tape};
 use crate::math::{cross, difference, dot, greater, length};
 
-/// The primitives of a place that are looked at in pairs: those nearest to its middle. Chosen: a place as long as a wall has
-/// all that stand along it.
+/// The most primitives near a place that are examined in pairs, the nearest to its middle first. Chosen: enough for all
+/// that stand along a wall.
 const NEAREST: usize = 32;
-/// Pairs are tried from points where the cosine between their normals is as far from 0 as this. Chosen: steps from there lead
-/// to a contact if there is one, and faces that meet at a right angle are left out.
+/// Pairs are tried from points at which the cosine between their normals is at least this, up to its sign. Chosen: steps
+/// from there lead to a contact if there is one, and faces that meet at a right angle are left out.
 const TURNED: f64 = 0.3;
-/// The most points from which one pair is tried. Chosen: the first may lie at the end of a contact, where others hide it,
+/// The most points from which one pair is tried. Chosen: the first may lead to an end of the contact that other parts
+/// cover.
 const TRIES_OF_PAIR: usize = 3;
-/// and the most of all pairs of a place. Chosen: some milliseconds.
+/// The most points from which all pairs of a place are tried. Chosen: some milliseconds.
 const MOST_TRIES: usize = 64;
-/// Primitives touch where both are nearer than this fraction of the place's size to one point,
+/// Primitives touch at a point if both are nearer to it than this fraction of the place's size. Chosen: far above
+/// rounding, and small beside the place.
 const NEAR: f64 = 1e-3;
-/// and the cosine between their normals there is as far from 0 as this: 3 degrees.
+/// Their normals are parallel there if the cosine between them is at least this, up to its sign. Chosen: 3 degrees.
 const PARALLEL: f64 = 0.9986;
 
-/// The most starts from which edges are looked for: a box has twelve, and all its corners and the middles of its sides lie on
-/// some. Chosen: some ten milliseconds.
+/// The most points from which common edges are searched: a box has twelve edges, and all its corners and the middles of its
+/// sides lie on some. Chosen: some ten milliseconds.
 const MOST_EDGES: usize = 1024;
-/// Steps towards an edge: those of Newton's method double the digits.
+/// Steps towards an edge. Chosen: each step of Newton's method doubles the digits.
 const STEPS_TO_EDGE: usize = 6;
 /// Steps towards a contact. Measured: 2 to 7 lead there from anywhere on a wall beside a cylinder.
 const STEPS: usize = 24;
-/// They end nearer than this fraction of the place's size. Chosen: far below [`NEAR`].
+/// Steps end nearer to the contact than this fraction of the place's size. Chosen: far below [`NEAR`].
 const ENOUGH: f64 = 1e-9;
-/// The differences that stand for slopes, in the place's size. Chosen: in the middle between rounding and bending.
+/// The step of difference quotients, relative to the place's size. Chosen: larger suffers from bending, smaller from
+/// rounding.
 const DIFFERENCE: f64 = 1e-5;
-/// Steps are damped by this at first, as if slopes were of that size; chosen as is usual,
+/// The damping of the first step, relative to squares of slopes. Chosen: as is usual for Levenberg–Marquardt.
 const DAMPING: f64 = 1e-3;
-/// by ten times as much where they lead farther away, and no more than this, where they hardly move;
+/// The damping grows tenfold if a step leads farther away, up to this. Chosen: with more, steps hardly move.
 const MOST_DAMPING: f64 = 1e4;
-/// by a tenth where they lead nearer, and no less than this, so that along a contact, where no slope says anything, they stay.
-/// Chosen.
+/// The damping falls to a tenth if a step leads nearer, down to this. Chosen: some damping is needed so that steps do not
+/// run along a contact, where slopes are zero.
 const LEAST_DAMPING: f64 = 1e-10;
 
 /// Finds where primitives of a solid touch.
@@ -46,31 +49,32 @@ pub(super) struct ContactSearch<'a> {
     job: &'a Job,
 }
 
-/// Where a step of Newton's method leads from a point: how far along the normal there. Without end where the function has no
-/// slope.
+/// The step of Newton's method from a point to a primitive: its length along the normal there; infinite if the function
+/// has no slope.
 #[derive(Clone, Copy)]
 struct PrimitiveFoot {
     distance: f64,
     normal: [f64; 3],
 }
 
-/// A primitive near a place, and where steps lead from points of it.
+/// A primitive near a place, and its steps from the place's points.
 type NearPrimitive = (usize, Vec<PrimitiveFoot>);
 
-/// Two primitives, a point from which to look for their contact, and how far it is from both.
+/// Two primitives, a point from which to search their contact, and the sum of its distances from both.
 struct ContactStart {
-    off: f64,
+    distance: f64,
     pair: [usize; 2],
     at: [f64; 3],
 }
 
 impl<'a> ContactSearch<'a> {
-    /// Of the solid of a sign, with its primitives.
+    /// For the solid of a sign, with its primitives.
     pub fn new(csg: &'a Csg, sign: &Expr, job: &'a Job) -> Self {
         Self { csg, whole: Tape::new(sign), job }
     }
 
-    /// Where two primitives touch in a place, looked for from points of it: one from opposite sides if there is any.
+    /// A contact of two primitives in a place, searched from points of the place. Contacts with the same side above and below
+    /// are preferred to flush ones.
     pub fn contact(&self, place: &OpenPlace, points: &[[f64; 3]]) -> Option<SurfaceContact> {
         let feet = self.feet_near(place, points);
         let mut flush = None;
@@ -108,8 +112,8 @@ impl<'a> ContactSearch<'a> {
         nearest.into_iter().filter_map(feet).collect()
     }
 
-    /// All pairs of primitives near a place with points from which to look for their contact, the nearest first: those whose
-    /// normals have such a cosine there, without its sign.
+    /// Starting points for all pairs of primitives near a place, the nearest first, at which the absolute cosine between the
+    /// normals satisfies `is_turned`.
     fn starts(
         &self,
         place: &OpenPlace,
@@ -124,18 +128,18 @@ impl<'a> ContactSearch<'a> {
                     continue;
                 }
                 for ((a, b), at) in of_p.iter().zip(of_q).zip(points) {
-                    let off = a.distance.abs() + b.distance.abs();
-                    if off <= place.size && is_turned(dot(a.normal, b.normal).abs()) {
-                        starts.push(ContactStart { off, pair: [*p, *q], at: *at });
+                    let distance = a.distance.abs() + b.distance.abs();
+                    if distance <= place.size && is_turned(dot(a.normal, b.normal).abs()) {
+                        starts.push(ContactStart { distance, pair: [*p, *q], at: *at });
                     }
                 }
             }
         }
-        starts.sort_by(|a, b| a.off.total_cmp(&b.off));
+        starts.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         starts
     }
 
-    /// A point on two primitives that cross, as far as steps lead from a start.
+    /// A point on both of two primitives that cross, by steps of Newton's method from a start.
     fn crossing_point(&self, [p, q]: [usize; 2], start: [f64; 3]) -> Option<[f64; 3]> {
         (0..STEPS_TO_EDGE).try_fold(start, |at, _| {
             let [a, b] = [self.feet(p, &[at])?[0], self.feet(q, &[at])?[0]];
@@ -147,32 +151,32 @@ impl<'a> ContactSearch<'a> {
         })
     }
 
-    /// Where two primitives cross and only opposite ones of the four sides about their edge are inside, as where two boxes have
-    /// an edge in common and nothing else.
+    /// The contact at an edge of two primitives around which two opposite wedges are inside and the others are not, as if two
+    /// boxes have only an edge in common.
     fn edge_contact(&self, place: &OpenPlace, pair: [usize; 2], start: [f64; 3]) -> Option<SurfaceContact> {
         let at = self.crossing_point(pair, start)?;
         let [a, b] = self.feet_on(place, pair, at)?;
         let most = NEAR * place.size;
-        let aside = |of_p: f64, of_q: f64| -> [f64; 3] {
-            let way: [f64; 3] = std::array::from_fn(|k| of_p * a.normal[k] + of_q * b.normal[k]);
-            let by = 2.0 * most / length(way);
-            std::array::from_fn(|k| at[k] + by * way[k])
+        let in_wedge = |of_p: f64, of_q: f64| -> [f64; 3] {
+            let direction: [f64; 3] = std::array::from_fn(|k| of_p * a.normal[k] + of_q * b.normal[k]);
+            let scale = 2.0 * most / length(direction);
+            std::array::from_fn(|k| at[k] + scale * direction[k])
         };
-        let around = [aside(1.0, 1.0), aside(1.0, -1.0), aside(-1.0, -1.0), aside(-1.0, 1.0)];
+        let around = [in_wedge(1.0, 1.0), in_wedge(1.0, -1.0), in_wedge(-1.0, -1.0), in_wedge(-1.0, 1.0)];
         let inside: Vec<bool> =
-            duals(&self.whole, &around, self.job)?.iter().map(|here| here.value < 0.0).collect();
+            duals(&self.whole, &around, self.job)?.iter().map(|dual| dual.value < 0.0).collect();
         let is_across = inside[0] == inside[2] && inside[1] == inside[3] && inside[0] != inside[1];
         is_across.then_some(SurfaceContact { at, is_flush: false, lines: None })
     }
 
-    /// Where steps lead from a point to two primitives, if it is on both and in the place.
+    /// The steps from a point to two primitives, if it is on both and in the place.
     fn feet_on(&self, place: &OpenPlace, [p, q]: [usize; 2], at: [f64; 3]) -> Option<[PrimitiveFoot; 2]> {
         let [a, b] = [self.feet(p, &[at])?[0], self.feet(q, &[at])?[0]];
         let is_on = greater(a.distance.abs(), b.distance.abs()) <= NEAR * place.size;
         (is_on && length(difference(at, place.at)) <= place.size).then_some([a, b])
     }
 
-    /// Whether two primitives touch where steps from a point lead, and the surface of the whole is there.
+    /// The contact of two primitives at the point to which steps from a start lead, if the surface of the solid passes there.
     fn contact_of(&self, place: &OpenPlace, pair: [usize; 2], start: [f64; 3]) -> Option<SurfaceContact> {
         let at = self.touching_point(pair, start, place.size)?;
         let [a, b] = self.feet_on(place, pair, at)?;
@@ -180,8 +184,8 @@ impl<'a> ContactSearch<'a> {
             return None;
         }
         let most = NEAR * place.size;
-        // Beyond both surfaces, on both sides.
-        let beside = |by: f64| std::array::from_fn(|k| at[k] + by * a.normal[k]);
+        // Two points on either side, beyond both surfaces.
+        let beside = |offset: f64| std::array::from_fn(|k| at[k] + offset * a.normal[k]);
         let points = [at, beside(2.0 * most), beside(-2.0 * most)];
         let [here, above, below] = duals(&self.whole, &points, self.job)?.try_into().ok()?;
         let is_bare = here.value.abs() <= most * length(here.gradient);
@@ -192,17 +196,17 @@ impl<'a> ContactSearch<'a> {
         })
     }
 
-    /// The point nearest to both of two primitives where their normals are parallel, as far as damped steps lead from a start
-    /// (Levenberg and Marquardt). They take the distances from both and the sine between their normals, which crossing surfaces
-    /// have too: steps from one surface to the other would come as near a contact only after thousands of them.
+    /// The point at which two primitives touch, by damped steps from a start (Levenberg and Marquardt). They minimize the
+    /// distances from both primitives and the sine between their normals. Without the sine, steps from one surface to the other
+    /// would approach a contact so slowly that thousands of them would be needed.
     fn touching_point(&self, pair: [usize; 2], start: [f64; 3], size: f64) -> Option<[f64; 3]> {
         let step = DIFFERENCE * size;
         let mut at = start;
         let mut miss = self.misses(pair, &[at], size)?[0];
         let mut damping = DAMPING;
         for _ in 0..STEPS {
-            let aside = [0, 1, 2].map(|k| [0, 1, 2].map(|j| if j == k { at[j] + step } else { at[j] }));
-            let moved = self.misses(pair, &aside, size)?;
+            let shifted = [0, 1, 2].map(|k| [0, 1, 2].map(|j| if j == k { at[j] + step } else { at[j] }));
+            let moved = self.misses(pair, &shifted, size)?;
             let slopes: [[f64; 5]; 3] =
                 std::array::from_fn(|k| std::array::from_fn(|i| (moved[k][i] - miss[i]) / step));
             let down = slopes.map(|slope| dot(slope, miss));
@@ -211,14 +215,16 @@ impl<'a> ContactSearch<'a> {
                 let damped =
                     |i: usize, j: usize| dot(slopes[i], slopes[j]) + if i == j { damping } else { 0.0 };
                 let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| damped(i, j)));
-                let to = difference(at, solved(rows, down));
-                let there = self.misses(pair, &[to], size).map(|misses| misses[0]);
-                nearer = there.filter(|there| length(*there) < length(miss)).map(|there| (to, there));
+                let next = difference(at, solved(rows, down));
+                let next_miss = self.misses(pair, &[next], size).map(|misses| misses[0]);
+                nearer = next_miss
+                    .filter(|next_miss| length(*next_miss) < length(miss))
+                    .map(|next_miss| (next, next_miss));
                 damping =
                     if nearer.is_some() { greater(0.1 * damping, LEAST_DAMPING) } else { 10.0 * damping };
             }
-            let Some((to, there)) = nearer else { break };
-            (at, miss) = (to, there);
+            let Some((next, next_miss)) = nearer else { break };
+            (at, miss) = (next, next_miss);
             if length(miss) <= ENOUGH * size {
                 break;
             }
@@ -226,7 +232,7 @@ impl<'a> ContactSearch<'a> {
         Some(at)
     }
 
-    /// By point: how far it is from two primitives, and the sine between their normals, times a size, as a vector.
+    /// By point: its distances from two primitives, and the cross product of their normals, times a size.
     fn misses(&self, [p, q]: [usize; 2], points: &[[f64; 3]], size: f64) -> Option<Vec<[f64; 5]>> {
         let (of_p, of_q) = (self.feet(p, points)?, self.feet(q, points)?);
         let miss = |(a, b): (&PrimitiveFoot, &PrimitiveFoot)| {
@@ -236,7 +242,7 @@ impl<'a> ContactSearch<'a> {
         Some(of_p.iter().zip(&of_q).map(miss).collect())
     }
 
-    /// By point; none where a leaf fails.
+    /// By point: the step to a primitive; `None` if a leaf fails.
     fn feet(&self, primitive: usize, points: &[[f64; 3]]) -> Option<Vec<PrimitiveFoot>> {
         let tape = self.csg.primitives()[primitive].tape();
         let foot = |Dual { value, gradient }: Dual<f64>| {
@@ -256,12 +262,12 @@ fn duals(tape: &Tape, points: &[[f64; 3]], job: &Job) -> Option<Vec<Dual<f64>>> 
     FieldSampler { tape, job }.duals(points).ok()
 }
 
-/// The solution of three linear equations whose matrix is symmetric, by Cramer's rule; not finite where there is none.
+/// The solution of three linear equations whose matrix is symmetric, by Cramer's rule; not finite if it is singular.
 fn solved(rows: [[f64; 3]; 3], right: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = rows;
     let [u, v, w] = [cross(b, c), cross(c, a), cross(a, b)];
     let determinant = dot(a, u);
-    [u, v, w].map(|of| dot(of, right) / determinant)
+    [u, v, w].map(|row| dot(row, right) / determinant)
 }
 
 #[cfg(test)]
@@ -270,7 +276,7 @@ mod tests {
     use crate::implicit::Field;
     use crate::implicit::shapes::{cuboid, cylinder, sphere};
 
-    /// What is found in a place around a point, from that point.
+    /// The contact found in a place around a point, from that point.
     fn contact_near(field: &Field, at: [f64; 3], size: f64) -> Option<SurfaceContact> {
         let csg = Csg::from_expr(field.sign());
         let place = OpenPlace { at, size, area: 1.0, contact: None };
@@ -279,8 +285,8 @@ mod tests {
 
     fn assert_is_at(contact: Option<SurfaceContact>, [x, y]: [f64; 2], is_flush: bool) {
         let contact = contact.expect("a contact");
-        let off = length([contact.at[0] - x, contact.at[1] - y]);
-        assert!(off < 1e-6 && contact.is_flush == is_flush, "{contact:?}");
+        let distance = length([contact.at[0] - x, contact.at[1] - y]);
+        assert!(distance < 1e-6 && contact.is_flush == is_flush, "{contact:?}");
     }
 
     #[test]

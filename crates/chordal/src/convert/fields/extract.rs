@@ -1,8 +1,8 @@
-//! Extracts a solid's boundary from a grid: in each cell that of linear functions, joined without using
-//! coordinates.
+//! Extracts a solid's boundary from a grid: in each cell the boundary of linear functions, joined between cells without
+//! using coordinates.
 //!
-//! Values at vertices become integers, so that signs are exact. Each primitive is moved outward by a small
-//! odd number, so that none is 0 at a vertex and sheets with equal values stay apart. The result is closed,
+//! Values at vertices become integers, so that signs are exact. Each primitive is moved outward by a small odd
+//! number, so that none is 0 at a vertex and sheets with equal values stay apart. The result is closed,
 //! oriented and manifold whatever the values are, and embedded up to the rounding of coordinates.
 use super::arrangement::{ArrangementVertex, BoundaryPatches, LinearCell, LivePrimitive, NONE};
 use super::cells::ZeroSide;
@@ -27,12 +27,12 @@ pub(in crate::convert) struct ExtractedSurface {
     pub vertex_primitives: Vec<[u32; 3]>,
     /// By vertex: the longest edge of the largest cell that contains it.
     pub cell_sizes: Vec<f64>,
-    /// Cells that would have to be smaller: the shape in them may differ.
+    /// Cells that would have to be smaller: the surface in them may differ from the shape.
     pub unresolved: Vec<SizingPoint>,
 }
 
-/// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of
-/// determinants are exact.
+/// Bits of a value. Chosen: its rounding is far below any tolerance, and together with [`SHIFT_BITS`] it fits the 53
+/// bits of determinants' entries.
 const VALUE_BITS: i32 = 36;
 /// Bits of the shift of a primitive.
 const SHIFT_BITS: u32 = 16;
@@ -41,8 +41,8 @@ const CHUNK: usize = 256;
 /// Vertices or patches in one task.
 const LARGE_CHUNK: usize = 2048;
 
-/// The most shifts that are tried. Measured: of 3,000 random solids whose planes coincide one or two have
-/// coinciding vertices with the first ones.
+/// The most sets of shifts that are tried. Measured: of 3,000 random solids whose planes coincide, one or two have
+/// coinciding vertices with the first set.
 const TRIALS: u64 = 4;
 
 /// Extracts the boundary from all cells of a grid.
@@ -54,12 +54,12 @@ pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> ExtractedSurfa
     }
     (1..TRIALS)
         .map(|trial| extract_shifted(grid, &cells, trial, job))
-        .find(|one| !has_collapsed(one))
+        .find(|surface| !has_collapsed(surface))
         .unwrap_or(first)
 }
 
-/// Whether some face has two corners at one position: sheets there are nearer to each other than the
-/// precision of coordinates.
+/// Whether some face has two corners at one position: sheets are nearer to each other there than the precision of
+/// coordinates.
 fn has_collapsed(surface: &ExtractedSurface) -> bool {
     surface.faces.iter().any(|face| {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
@@ -69,21 +69,21 @@ fn has_collapsed(surface: &ExtractedSurface) -> bool {
 
 /// Extracts with the shifts of one trial.
 fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job) -> ExtractedSurface {
-    let whole = IntegerValues::new(grid, cells, trial);
+    let integers = IntegerValues::new(grid, cells, trial);
     let chunks: Vec<&[&GridCell]> = cells.chunks(CHUNK).collect();
     let parts: Vec<(BoundaryPatches, Vec<f64>)> =
-        par_map(job, &chunks, |_, cells| boundary(grid, &whole, cells));
-    let mut joined = PatchMerger::default();
-    parts.iter().for_each(|(patches, sizes)| joined.push(patches, sizes));
-    let positions = positions(&whole, &joined.keys, job);
-    let (faces, labels) = faces(&joined, &positions, job);
-    let vertex_primitives = joined.keys.iter().map(ArrangementVertex::lies_on).collect();
+        par_map(job, &chunks, |_, cells| boundary(grid, &integers, cells));
+    let mut merger = PatchMerger::default();
+    parts.iter().for_each(|(patches, sizes)| merger.push(patches, sizes));
+    let positions = positions(&integers, &merger.keys, job);
+    let (faces, labels) = faces(&merger, &positions, job);
+    let vertex_primitives = merger.keys.iter().map(ArrangementVertex::lies_on).collect();
     ExtractedSurface {
         positions,
         faces,
         labels,
         vertex_primitives,
-        cell_sizes: joined.sizes,
+        cell_sizes: merger.sizes,
         unresolved: grid.unresolved(),
     }
 }
@@ -92,21 +92,21 @@ fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job)
 struct IntegerValues<'a> {
     grid: &'a FieldGrid<'a>,
     /// In the order of the grid's values.
-    whole: Vec<i64>,
+    integers: Vec<i64>,
 }
 
 impl<'a> IntegerValues<'a> {
     fn new(grid: &'a FieldGrid<'a>, cells: &[&GridCell], trial: u64) -> Self {
-        let mut largest = vec![0.0_f64; grid.csg().primitives().len()];
+        let mut largest_values = vec![0.0_f64; grid.csg().primitives().len()];
         for cell in cells {
-            for p in &cell.open.primitives {
+            for p in &cell.pruned.primitives {
                 let values =
                     cell.tetrahedron.corners.map(|v| grid.values.get(v, *p).expect("it was asked for"));
-                // Only where the primitive changes its sign.
+                // Only cells in which the primitive changes its sign are relevant.
                 if values.iter().all(|x| *x < 0.0) || values.iter().all(|x| *x > 0.0) {
                     continue;
                 }
-                let most = &mut largest[*p as usize];
+                let most = &mut largest_values[*p as usize];
                 for size in values.map(f64::abs) {
                     if size > *most && size.is_finite() {
                         *most = size;
@@ -114,22 +114,22 @@ impl<'a> IntegerValues<'a> {
                 }
             }
         }
-        let scales: Vec<f64> = largest.into_iter().map(scale).collect();
-        let whole = |(p, value): (u32, f64)| {
+        let scales: Vec<f64> = largest_values.into_iter().map(scale).collect();
+        let to_shifted = |(p, value): (u32, f64)| {
             let shift = shift(p, trial);
             match grid.zero[p as usize] {
                 ZeroSide::Outside => to_integer(value, scales[p as usize], shift),
                 ZeroSide::Inside => -to_integer(-value, scales[p as usize], shift),
             }
         };
-        Self { grid, whole: grid.values.all().map(whole).collect() }
+        Self { grid, integers: grid.values.all().map(to_shifted).collect() }
     }
 
     fn at(&self, vertex: u32, primitive: u32) -> i64 {
-        self.whole[self.grid.values.index(vertex, primitive).expect("it was asked for")]
+        self.integers[self.grid.values.index(vertex, primitive).expect("it was asked for")]
     }
 
-    /// The direction in which infinitesimals move a primitive: outward.
+    /// The sign of the infinitesimal that moves a primitive outward.
     fn sense(&self, primitive: u32) -> i64 {
         match self.grid.zero[primitive as usize] {
             ZeroSide::Outside => 1,
@@ -156,7 +156,7 @@ fn scale(largest: f64) -> f64 {
     const FARTHEST: i32 = 900;
     let mut exponent = 0;
     let mut size = largest;
-    // Exact, one bit at a time where it is near 1.
+    // Halving and doubling are exact.
     while size >= 1.0 && exponent < FARTHEST {
         size *= 0.5;
         exponent += 1;
@@ -166,7 +166,7 @@ fn scale(largest: f64) -> f64 {
         exponent -= 1;
     }
     let power = VALUE_BITS - exponent;
-    // The bits of a double that is a power of 2: its exponent is stored with 1023 added.
+    // The bits of a power of 2 as a double: its exponent is stored with 1023 added.
     f64::from_bits(((1023 + power) as u64) << 52)
 }
 
@@ -180,8 +180,8 @@ fn shift(primitive: u32, trial: u64) -> i64 {
     (mixed >> (64 - SHIFT_BITS)) as i64 | 1
 }
 
-/// The boundary in some cells; for each of its corners the longest edge of the cell.
-fn boundary(grid: &FieldGrid, whole: &IntegerValues, cells: &[&GridCell]) -> (BoundaryPatches, Vec<f64>) {
+/// The boundary in some cells, and for each of its corners the longest edge of the cell.
+fn boundary(grid: &FieldGrid, integers: &IntegerValues, cells: &[&GridCell]) -> (BoundaryPatches, Vec<f64>) {
     let (mut patches, mut sizes) = (BoundaryPatches::default(), Vec::new());
     let mut live = Vec::new();
     for cell in cells {
@@ -190,17 +190,17 @@ fn boundary(grid: &FieldGrid, whole: &IntegerValues, cells: &[&GridCell]) -> (Bo
             corners.swap(2, 3);
         }
         live.clear();
-        for p in &cell.open.primitives {
-            let values = corners.map(|v| whole.at(v, *p));
+        for p in &cell.pruned.primitives {
+            let values = corners.map(|v| integers.at(v, *p));
             if values.iter().any(|x| (*x < 0) != (values[0] < 0)) {
-                live.push(LivePrimitive { primitive: *p, values, sense: whole.sense(*p) });
+                live.push(LivePrimitive { primitive: *p, values, sense: integers.sense(*p) });
             }
         }
         if live.is_empty() {
             continue;
         }
-        let is_negative = |p: u32| whole.at(corners[0], p) < 0;
-        LinearCell { corners, live: &live, tree: &cell.open.tree }.boundary(is_negative, &mut patches);
+        let is_negative = |p: u32| integers.at(corners[0], p) < 0;
+        LinearCell { corners, live: &live, tree: &cell.pruned.tree }.boundary(is_negative, &mut patches);
         sizes.resize(patches.corners.len(), grid.tetrahedra.longest(corners));
     }
     (patches, sizes)
@@ -248,25 +248,26 @@ impl PatchMerger {
     }
 }
 
-/// The positions where the linear functions vanish.
-fn positions(whole: &IntegerValues, keys: &[ArrangementVertex], job: &Job) -> Vec<[f64; 3]> {
+/// The positions of the linear functions' zeros.
+fn positions(integers: &IntegerValues, keys: &[ArrangementVertex], job: &Job) -> Vec<[f64; 3]> {
     let chunks: Vec<&[ArrangementVertex]> = keys.chunks(LARGE_CHUNK).collect();
-    par_map(job, &chunks, |_, keys| keys.iter().map(|key| position(whole, key)).collect::<Vec<_>>()).concat()
+    par_map(job, &chunks, |_, keys| keys.iter().map(|key| position(integers, key)).collect::<Vec<_>>())
+        .concat()
 }
 
-fn position(whole: &IntegerValues, key: &ArrangementVertex) -> [f64; 3] {
+fn position(integers: &IntegerValues, key: &ArrangementVertex) -> [f64; 3] {
     if key.other != NONE {
         let [p, q, a] = key.primitives;
         let end = |third: u32| {
             let mut primitives = [p, q, third];
             primitives.sort_unstable();
-            position(whole, &ArrangementVertex { primitives, other: NONE, ..*key })
+            position(integers, &ArrangementVertex { primitives, other: NONE, ..*key })
         };
         let (a, b) = (end(a), end(key.other));
         return std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
     }
-    let at = |v: u32| whole.grid.tetrahedra.position(v);
-    let value = |v: u32, p: u32| whole.at(v, p);
+    let at = |v: u32| integers.grid.tetrahedra.position(v);
+    let value = |v: u32, p: u32| integers.at(v, p);
     let [a, b, c, d] = key.simplex;
     let [p, q, r] = key.primitives;
     match key.n_corners() {
@@ -298,12 +299,12 @@ fn weighted<const N: usize>(corners: [[f64; 3]; N], weights: [f64; N]) -> [f64; 
 }
 
 /// The triangles and their labels.
-fn faces(joined: &PatchMerger, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, Vec<u32>) {
-    let numbers: Vec<usize> = (0..joined.patches.len()).collect();
+fn faces(merger: &PatchMerger, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let numbers: Vec<usize> = (0..merger.patches.len()).collect();
     let chunks: Vec<&[usize]> = numbers.chunks(LARGE_CHUNK).collect();
     let parts = par_map(job, &chunks, |_, part| {
         let (mut faces, mut labels) = (Vec::new(), Vec::new());
-        part.iter().for_each(|n| patch_faces(joined, positions, *n, &mut faces, &mut labels));
+        part.iter().for_each(|n| patch_faces(merger, positions, *n, &mut faces, &mut labels));
         (faces, labels)
     });
     let (mut faces, mut labels) = (Vec::new(), Vec::new());
@@ -315,28 +316,28 @@ fn faces(joined: &PatchMerger, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 
 }
 
 fn patch_faces(
-    joined: &PatchMerger,
+    merger: &PatchMerger,
     positions: &[[f64; 3]],
     number: usize,
     faces: &mut Vec<[u32; 3]>,
     labels: &mut Vec<u32>,
 ) {
     let before = |ends: &dyn Fn(usize) -> u32, k: usize| if k == 0 { 0 } else { ends(k - 1) } as usize;
-    let (label, loops_end) = joined.patches[number];
-    let loops = before(&|k| joined.patches[k].1, number)..loops_end as usize;
-    let corners = |one: usize| before(&|k| joined.loop_ends[k], one)..joined.loop_ends[one] as usize;
-    let vertices = &joined.vertices[corners(loops.start).start..corners(loops.end - 1).end];
+    let (label, loops_end) = merger.patches[number];
+    let loops = before(&|k| merger.patches[k].1, number)..loops_end as usize;
+    let corners = |ring: usize| before(&|k| merger.loop_ends[k], ring)..merger.loop_ends[ring] as usize;
+    let vertices = &merger.vertices[corners(loops.start).start..corners(loops.end - 1).end];
     if let [a, b, c] = *vertices {
         faces.push([a, b, c]);
         labels.push(label);
         return;
     }
     let rings: Vec<Vec<[f64; 3]>> = loops
-        .map(|one| joined.vertices[corners(one)].iter().map(|v| positions[*v as usize]).collect())
+        .map(|ring| merger.vertices[corners(ring)].iter().map(|v| positions[*v as usize]).collect())
         .collect();
     let rings: Vec<&[[f64; 3]]> = rings.iter().map(Vec::as_slice).collect();
     let mut triangles = Vec::with_capacity(vertices.len());
-    let is_straight: Vec<bool> = vertices.iter().map(|v| joined.keys[*v as usize].other != NONE).collect();
+    let is_straight: Vec<bool> = vertices.iter().map(|v| merger.keys[*v as usize].other != NONE).collect();
     triangulate(&rings, &is_straight, &mut triangles);
     labels.resize(labels.len() + triangles.len(), label);
     faces.extend(triangles.into_iter().map(|t| t.map(|k| vertices[k as usize])));

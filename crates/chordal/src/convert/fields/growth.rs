@@ -11,12 +11,12 @@ pub(super) struct GradientBox {
 
 /// Steps of Gilbert's method. Measured on the models of the tests: more than 24 find no further directions.
 const STEPS: usize = 24;
-/// A direction needs a growth of at least this fraction of the gradient. Defined: three roundings of a double
-/// are far below, the angle of a wedge of 10⁻⁵ degrees is far above.
+/// Functions have to grow along a direction by at least this fraction of their gradient. Defined: three roundings of a
+/// double are far below, the angle of a wedge of 10⁻⁵ degrees is far above.
 const LEAST: f64 = 1e-7;
 
 impl GradientBox {
-    /// `None` where the range is so wide that its middle is no direction.
+    /// `None` if the middle of the range has no direction.
     pub fn from_range(gradient: &[Interval; 3]) -> Option<Self> {
         let middle = gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()));
         let size = length(middle);
@@ -50,8 +50,8 @@ impl GradientBox {
     }
 }
 
-/// Whether there is a direction along which all of them grow throughout: the hull of all boxes has a point
-/// nearest to 0 that is not 0.
+/// Whether there is a direction along which all functions grow throughout: whether 0 is outside of the convex hull
+/// of all boxes. Then the direction is the hull's point nearest to 0.
 ///
 /// Source: E. Gilbert, *An Iterative Procedure for Computing the Minimum of a Quadratic Form on a Convex
 /// Set*, 1966.
@@ -77,11 +77,11 @@ pub(super) fn grow_together(boxes: &[GradientBox]) -> bool {
         if growth > LEAST * size_sq.sqrt() {
             return true;
         }
-        // To the point nearest to 0 on the segment to it.
-        let way: [f64; 3] = std::array::from_fn(|k| lowest[k] - x[k]);
-        let part = -dot(x, way) / dot(way, way);
-        let part = lesser(1.0, part);
-        x = std::array::from_fn(|k| x[k] + part * way[k]);
+        // Moves x to the point nearest to 0 on the segment from x to `lowest`.
+        let step: [f64; 3] = std::array::from_fn(|k| lowest[k] - x[k]);
+        let share = -dot(x, step) / dot(step, step);
+        let share = lesser(1.0, share);
+        x = std::array::from_fn(|k| x[k] + share * step[k]);
     }
     false
 }

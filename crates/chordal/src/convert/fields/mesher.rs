@@ -1,4 +1,4 @@
-//! `FieldMesher`: from a field to a surface, step by step: adaptive cells, their boundary, its improvement.
+//! `FieldMesher`: meshes a field in steps: adaptive cells, the boundary in them, its improvement.
 use super::extract::extract;
 use super::field_sampler::FieldSampler;
 use super::grid::{FieldGrid, FieldGridError, FieldGridStatus, GridOptions};
@@ -12,41 +12,42 @@ use crate::math::{Box3, greater, length, lesser};
 /// The most times that cells are cut again where vertices of the surface are blocked. Measured: twice was
 /// enough on all models of the tests.
 const MOST_CUTS: usize = 3;
-/// The same where the places of the last time were few. Measured: along a crease in coarse cells what is blocked moves on by a
-/// cell with each time, until its end.
+/// The same if there were at most [`FEW_CUT`] places the last time. Measured: along a crease in coarse cells the blocked
+/// place moves on by one cell each time, until the crease ends.
 const MOST_CUTS_OF_FEW: usize = 12;
+/// Up to this many places are few. Chosen: so few cost little time.
 const FEW_CUT: usize = 32;
-/// Nor for edges that stay stuck while triangles are refined, if they are more than one in so many of those of the last time.
-/// Measured: of the walls of a gyroid 160 were stuck, and 140 in smaller cells.
+/// Cells are not cut again for edges that stay stuck while triangles are refined, unless cutting has reduced their number by
+/// this factor. Measured: of the walls of a gyroid 160 were stuck, and 140 in smaller cells.
 const HELPED: usize = 2;
-/// The most times that this is done after triangles were improved. Measured: one was enough.
+/// The most times that cells are cut again after triangles were improved. Measured: one was enough.
 const MOST_LATE: usize = 2;
-/// Cells are not cut again if more vertices than these are blocked: there the function has poles or is noise.
+/// Cells are not cut again if more vertices than this are blocked: the function has poles there, or is noise.
 /// Measured: 750 on a drawing of letters.
 const MOST_TIGHT: usize = 4096;
-/// Nor a second time for less than one vertex in so many faces: their surroundings make room for them, or the proof shows them.
-/// Chosen: all cells are polygonized again, and all vertices placed.
+/// Cells are not cut a second time for less than one vertex in this many faces: later steps make room for them, or the proof
+/// reports them. Chosen: all cells would be polygonized again, and all vertices placed.
 const FEW_TIGHT: usize = 4096;
-/// Nor for vertices away from the surface that are more than one in so many: there the function jumps. Measured: one
-/// in 200 on a gyroid in a cube, one in 8 where 48 balls meet.
+/// Cells are not cut again for vertices away from the surface if they are more than one in this many: the function jumps
+/// there. Measured: one in 200 on a gyroid in a cube, one in 8 at the meeting of 48 balls.
 const ASTRAY: usize = 6;
-/// The share of the memory up to which cells are kept while triangles are improved, for another attempt. Chosen: what is
-/// larger takes long as well.
+/// Cells are kept for another attempt while triangles are improved if they take at most the inverse of this of the memory.
+/// Chosen: another attempt with larger grids takes long as well.
 const KEPT_SHARE: u64 = 64;
-/// Vertices that are so many times as far from the surface as they may be ask for smaller cells even if they are few. Chosen:
-/// above what is left to the proof.
+/// Cells are cut again even for few vertices if their distance from the surface is this many times the allowed one. Chosen:
+/// smaller excesses are left to the proof.
 const FAR: f64 = 1.25;
 /// The longest edge of cells, relative to the longest side of the bounds. Chosen: ranges decide which cells
 /// are cut, so that large ones cost nothing.
 const COARSEST: f64 = 0.5;
-/// The same where functions are sampled. Chosen: features of a tenth of the bounds are found.
+/// The same if functions are sampled. Chosen: features of a tenth of the bounds are found.
 const SAMPLED: f64 = 1.0 / 24.0;
-/// Cells are not cut below this fraction of the tolerance,
+/// Cells are not cut below this fraction of the tolerance. Chosen: smaller cells would only cost time.
 const FLOOR: f64 = 0.5;
-/// nor below this fraction of the longest side of the bounds: even at a coarse tolerance the shape gets the
-/// cells that it needs.
+/// At coarse tolerances, cells are cut down to this fraction of the longest side of the bounds, so that the shape gets the
+/// cells that it needs. Chosen: finer details seldom matter at such tolerances.
 const DETAIL: f64 = 1.0 / 512.0;
-/// The smallest meaningful length, relative to the largest coordinate. Chosen: proofs need room for some
+/// The smallest meaningful length, relative to the largest coordinate. Chosen: proofs need a margin for some
 /// hundred roundings.
 const FINEST: f64 = 1.0 / (1_u64 << 42) as f64;
 /// Error estimates of coarse faces are too high by at most about this. Measured on the models of the tests:
@@ -70,9 +71,9 @@ pub(in crate::convert) struct FieldMeshGoal {
 /// The region and the job of meshing a field.
 pub(super) struct FieldMesher<'a> {
     pub bounds: Box3,
-    /// Whether some function is sampled, with no ranges of its slopes.
+    /// Whether some function has no ranges of its slopes, and is sampled.
     pub is_sampled: bool,
-    /// The sign of the whole field.
+    /// The tape of the field's sign.
     pub tape: &'a Tape,
     pub job: &'a Job,
 }
@@ -84,7 +85,7 @@ pub(super) struct ImprovedSurface<'a> {
     pub extent: FieldGridStatus,
 }
 
-/// Vertices away from the surface.
+/// Vertices or faces away from the surface.
 #[derive(Default)]
 struct Astray {
     places: Vec<BlockedPlace>,
@@ -93,9 +94,9 @@ struct Astray {
 }
 
 impl From<FieldGridError> for Failure<Mesh> {
-    fn from(halt: FieldGridError) -> Self {
-        match halt {
-            FieldGridError::Leaf(error) => leaf_failure(error),
+    fn from(error: FieldGridError) -> Self {
+        match error {
+            FieldGridError::Leaf(leaf) => leaf_failure(leaf),
             FieldGridError::Cancelled => Self::Cancelled,
         }
     }
@@ -113,7 +114,7 @@ impl From<ImproveError> for Failure<Mesh> {
             ImproveError::TooLarge(bytes) => {
                 Self::refused(RefusalCode::TooMuchMemory, too_large(bytes as f64))
             }
-            // The extraction makes manifolds, unless coordinates have too few digits to separate its
+            // Extracted surfaces are manifold, unless coordinates have too few digits to separate their
             // vertices.
             ImproveError::NotManifold => Self::refused(
                 RefusalCode::BelowPrecision,
@@ -124,7 +125,7 @@ impl From<ImproveError> for Failure<Mesh> {
     }
 }
 
-/// The error when neighbours disagree about their common face: only an inconsistent leaf can cause it.
+/// The error if neighbouring cells disagree about their common face: only an inconsistent leaf can cause it.
 fn contradiction() -> LeafError {
     LeafError::new(
         "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
@@ -152,9 +153,9 @@ pub(super) fn longest(bounds: &Box3) -> f64 {
 }
 
 impl<'a> FieldMesher<'a> {
-    /// Builds cells, extracts their boundary and improves it: a surface of few triangles near that of the
-    /// field, by samples. Cells are cut again where other sheets keep vertices from their targets, and where
-    /// edges cannot be split.
+    /// Builds cells, extracts the boundary in them and improves it: a surface of few triangles near that of the field, as
+    /// far as samples show. Cells are cut again where other sheets keep vertices from their targets, and where edges
+    /// cannot be split.
     pub fn improved_surface(
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
@@ -193,44 +194,43 @@ impl<'a> FieldMesher<'a> {
             let has_leaves = evaluator.csg().primitives().iter().any(|p| p.tape().has_leaves());
             let mut surface = match SurfaceImprover::new(&start, evaluator, tol, self.job) {
                 Err(ImproveError::NotManifold) if has_leaves => return Err(leaf_failure(contradiction())),
-                made_or_failed => made_or_failed?,
+                result => result?,
             };
             drop(start);
             let mut tight = surface.blocked().to_vec();
             let most_cuts = if n_cut <= FEW_CUT { MOST_CUTS_OF_FEW } else { MOST_CUTS };
             let may_cut = cuts < most_cuts && !self.job.is_finishing();
             let mut misses = if may_cut { self.astray(&surface)? } else { Astray::default() };
-            let room = MOST_TIGHT.saturating_sub(tight.len());
-            tight.extend(misses.places.drain(..).take(room));
-            // Another attempt takes as long as all of these.
+            let n_more = MOST_TIGHT.saturating_sub(tight.len());
+            tight.extend(misses.places.drain(..).take(n_more));
+            // The cost of another attempt grows with the number of faces, so a few vertices do not justify one.
             let n_raw = surface.n_faces();
-            // Smaller cells would not help where so many vertices are blocked.
+            // If too many vertices are blocked, smaller cells would not help.
             let is_enough = |tight: &[BlockedPlace], n_far: usize| {
                 let are_few = cuts > 0 && n_far == 0 && tight.len() * FEW_TIGHT < n_raw;
                 !may_cut || tight.is_empty() || tight.len() > MOST_TIGHT || are_few
             };
             if is_enough(&tight, misses.n_far) {
-                // Estimates for coarse faces are too high by up to about this; the work itself keeps to the
-                // limits.
+                // Estimates for coarse faces may be too high by this factor; the real number is checked later.
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
                 let n_before = std::mem::replace(&mut n_stuck, tight.len());
                 if n_stuck > FEW_CUT && n_stuck > n_before / HELPED {
                     tight.clear();
                 }
-                // What was missed by all vertices of a coarse surface is seen by those of a finer one.
+                // The vertices of the finer surface may detect parts that all coarse ones missed.
                 misses = if may_cut { self.astray(&surface)? } else { Astray::default() };
                 if misses.n_far > 0 && tight.len() + misses.places.len() <= MOST_TIGHT {
                     tight.append(&mut misses.places);
                 }
             }
             if is_enough(&tight, misses.n_far) {
-                // Where nothing could come of it, the cells make room for the triangles.
+                // If cells cannot be cut again, their memory is freed before triangles are improved.
                 if !may_cut || n_late == MOST_LATE || grid.bytes() > self.job.memory_limit / KEPT_SHARE {
                     break (surface, false);
                 }
                 surface.improve()?;
-                // Beside what is stuck faces may lie across a crease, or edges be split on the wrong surface.
+                // Beside stuck edges, faces may lie across a crease, or edges be split on the wrong surface.
                 misses = self.astray(&surface)?;
                 let across = self.astray_faces(&surface)?;
                 misses.n_far += across.n_far;
@@ -259,15 +259,15 @@ impl<'a> FieldMesher<'a> {
         Ok(ImprovedSurface { surface, extent })
     }
 
-    /// Vertices on their primitives that are away from the surface all the same: cells are so coarse that other
-    /// primitives end at the wrong places, or are not seen.
+    /// Vertices that are on their primitives but away from the surface: cells are so coarse that other primitives end at
+    /// the wrong places, or are missed.
     fn astray(&self, surface: &SurfaceImprover) -> Result<Astray, Failure<Mesh>> {
         let vertices = surface.vertices();
         let points = vertices.iter().map(|v| surface.position(*v)).collect();
         self.astray_of(surface, points, |k| surface.place_of(vertices[k]))
     }
 
-    /// Faces whose middles are away from it.
+    /// Faces whose middles are away from the surface.
     fn astray_faces(&self, surface: &SurfaceImprover) -> Result<Astray, Failure<Mesh>> {
         let faces = surface.faces();
         let points = faces.iter().map(|face| surface.middle_of_face(*face)).collect();
@@ -285,14 +285,15 @@ impl<'a> FieldMesher<'a> {
         }
         let sampler = FieldSampler { tape: self.tape, job: self.job };
         let slopes = sampler.duals(&points).map_err(leaf_failure)?;
-        let is_off = |slope: &Dual<f64>, by: f64| slope.value.abs() > by * length(slope.gradient);
+        let is_farther =
+            |slope: &Dual<f64>, distance: f64| slope.value.abs() > distance * length(slope.gradient);
         let aim = surface.aim();
-        let off: Vec<usize> = (0..points.len()).filter(|k| is_off(&slopes[*k], aim)).collect();
-        if off.len() > MOST_TIGHT || ASTRAY * off.len() > points.len() {
+        let astray: Vec<usize> = (0..points.len()).filter(|k| is_farther(&slopes[*k], aim)).collect();
+        if astray.len() > MOST_TIGHT || ASTRAY * astray.len() > points.len() {
             return Ok(Astray::default());
         }
-        let n_far = off.iter().filter(|k| is_off(&slopes[**k], FAR * aim)).count();
-        Ok(Astray { places: off.into_iter().map(place_of).collect(), n_far })
+        let n_far = astray.iter().filter(|k| is_farther(&slopes[**k], FAR * aim)).count();
+        Ok(Astray { places: astray.into_iter().map(place_of).collect(), n_far })
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

@@ -1,5 +1,4 @@
-//! From a field to triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the
-//! proof.
+//! From a field to triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and its proof.
 mod arrangement;
 mod border_functions;
 mod cells;

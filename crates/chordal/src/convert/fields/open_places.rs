@@ -1,4 +1,4 @@
-//! From what a proof left open to the places that a bound lists.
+//! Groups the faces and boxes that a proof left open into the places that a bound lists.
 use super::contacts::ContactSearch;
 use crate::budget::{Job, OpenPlace, OpenPlaces};
 use crate::check::SandwichVerdict;
@@ -6,11 +6,11 @@ use crate::explicit::Mesh;
 use crate::implicit::{Csg, Expr};
 use crate::math::{Box3, cross, difference, length};
 
-/// A place with points of it, from which contacts are looked for.
+/// A place with some of its points, from which contacts are searched.
 type PlaceWithPoints = (OpenPlace, Vec<[f64; 3]>);
 
-/// The connected parts of the faces that a verdict left open, and the boxes in which a part of the surface may be missed,
-/// and how primitives of the sign touch there.
+/// The places that a verdict left open: connected sets of open faces, and boxes in which a part of the surface may be
+/// missed; with contacts of the sign's primitives there.
 pub(in crate::convert) fn open_places(
     mesh: &Mesh,
     verdict: &SandwichVerdict,
@@ -27,35 +27,35 @@ pub(in crate::convert) fn open_places(
     let at_points =
         verdict.wrong.iter().map(|probe| OpenPlace { at: probe.at, size: 0.0, area: 0.0, contact: None });
     places.extend(at_points.map(|place| (place, Vec::new())));
-    let whole = (0..mesh.faces().len() as u32).map(|face| area(mesh, face)).sum();
+    let total_area = (0..mesh.faces().len() as u32).map(|face| area(mesh, face)).sum();
     let csg = Csg::from_expr(sign);
     let search = ContactSearch::new(&csg, sign, job);
-    // Those that are listed.
+    // Contacts are searched only for the places that are listed.
     let mut by_size: Vec<usize> = (0..places.len()).collect();
     by_size.sort_by(|a, b| places[*b].0.size.total_cmp(&places[*a].0.size));
     for number in by_size.into_iter().take(OpenPlaces::MOST) {
         let (place, points) = &mut places[number];
         place.contact = search.contact(place, points);
     }
-    OpenPlaces::new(places.into_iter().map(|(place, _)| place).collect(), whole)
+    OpenPlaces::new(places.into_iter().map(|(place, _)| place).collect(), total_area)
 }
 
-/// The most boxes that are put together by their sides; of more, all are one place. Chosen: some milliseconds.
+/// The most boxes that are grouped; if there are more, all are one place. Chosen: some milliseconds.
 const MOST_BOXES: usize = 4096;
 
-/// Boxes around those that touch each other.
+/// The bounding boxes of groups of touching boxes.
 fn touching(mut boxes: Vec<Box3>) -> Vec<Box3> {
     if boxes.len() > MOST_BOXES {
-        return vec![boxes.into_iter().fold(Box3::EMPTY, |all, one| all.union(one))];
+        return vec![boxes.into_iter().fold(Box3::EMPTY, |hull, bounds| hull.union(bounds))];
     }
     let mut done: Vec<Box3> = Vec::new();
-    while let Some(mut whole) = boxes.pop() {
+    while let Some(mut hull) = boxes.pop() {
         loop {
             let n = boxes.len();
             boxes.retain(|other| {
-                let touches = (0..3).all(|k| other.min[k] <= whole.max[k] && whole.min[k] <= other.max[k]);
+                let touches = (0..3).all(|k| other.min[k] <= hull.max[k] && hull.min[k] <= other.max[k]);
                 if touches {
-                    whole = whole.union(*other);
+                    hull = hull.union(*other);
                 }
                 !touches
             });
@@ -63,7 +63,7 @@ fn touching(mut boxes: Vec<Box3>) -> Vec<Box3> {
                 break;
             }
         }
-        done.push(whole);
+        done.push(hull);
     }
     done
 }
@@ -75,10 +75,10 @@ fn points_of(bounds: &Box3) -> Vec<[f64; 3]> {
     std::iter::once(bounds.centre()).chain((0..8).map(corner)).collect()
 }
 
-/// The most points of the faces of a place. Chosen: all of few large faces, some of many small ones.
+/// The most points taken from the faces of a place. Chosen: enough for all points of few large faces.
 const MOST_POINTS: usize = 64;
 
-/// One place for each set of faces that hang together by vertices.
+/// One place for each set of faces that are connected by vertices.
 fn places_of_faces(mesh: &Mesh, faces: &[u32]) -> Vec<PlaceWithPoints> {
     let mut parts = VertexSets { parent: (0..mesh.positions().len() as u32).collect() };
     for face in faces {
@@ -89,20 +89,20 @@ fn places_of_faces(mesh: &Mesh, faces: &[u32]) -> Vec<PlaceWithPoints> {
     let mut of_part: Vec<(u32, u32)> =
         faces.iter().map(|face| (parts.root(mesh.faces()[*face as usize][0]), *face)).collect();
     of_part.sort_unstable();
-    let whole = |part: &[(u32, u32)]| {
-        let all = part.iter().flat_map(|(_, face)| mesh.corners(*face as usize));
-        let bounds = Box3::from_points(&all.collect::<Vec<_>>());
-        let found = place(&bounds, part.iter().map(|(_, face)| area(mesh, *face)).sum());
+    let place_of = |part: &[(u32, u32)]| {
+        let corners = part.iter().flat_map(|(_, face)| mesh.corners(*face as usize));
+        let bounds = Box3::from_points(&corners.collect::<Vec<_>>());
+        let place = place(&bounds, part.iter().map(|(_, face)| area(mesh, *face)).sum());
         let points = part.iter().flat_map(|(_, face)| points_of_face(mesh.corners(*face as usize)));
         let every = (POINTS_OF_FACE * part.len()).div_ceil(MOST_POINTS);
-        (found, points.step_by(every).collect())
+        (place, points.step_by(every).collect())
     };
-    of_part.chunk_by(|a, b| a.0 == b.0).map(whole).collect()
+    of_part.chunk_by(|a, b| a.0 == b.0).map(place_of).collect()
 }
 
 const POINTS_OF_FACE: usize = 7;
 
-/// The corners of a triangle, the middles of its sides, and its own.
+/// The corners of a triangle, the middles of its sides, and its centroid.
 fn points_of_face([a, b, c]: [[f64; 3]; 3]) -> [[f64; 3]; POINTS_OF_FACE] {
     let middle = |points: &[[f64; 3]]| {
         [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64)
@@ -119,17 +119,17 @@ fn area(mesh: &Mesh, face: u32) -> f64 {
     0.5 * length(cross(difference(b, a), difference(c, a)))
 }
 
-/// Sets of vertices that are joined one by one.
+/// Disjoint sets of vertices.
 struct VertexSets {
     parent: Vec<u32>,
 }
 
 impl VertexSets {
-    fn root(&mut self, of: u32) -> u32 {
-        let mut v = of;
+    fn root(&mut self, vertex: u32) -> u32 {
+        let mut v = vertex;
         while self.parent[v as usize] != v {
-            let above = self.parent[v as usize];
-            self.parent[v as usize] = self.parent[above as usize];
+            let parent = self.parent[v as usize];
+            self.parent[v as usize] = self.parent[parent as usize];
             v = self.parent[v as usize];
         }
         v

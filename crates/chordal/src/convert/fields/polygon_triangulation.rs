@@ -1,12 +1,11 @@
-//! Triangulates a small flat polygon, with or without holes, so that its worst triangle is as good as
-//! possible.
+//! Triangulates a small flat polygon, with or without holes, so that the worst triangle is as good as possible.
 use crate::math::{cross, difference, dot, greater, length, lesser};
 
 /// Triangulates a polygon; indices run through its loops one after the other. Any loop may be the outer one;
-/// all have the polygon on their left. No triangle consists of a straight corner and its two neighbours:
-/// `is_straight` marks the corners in line with both. For polygons of a few corners; the cost is cubic.
+/// all have the polygon on their left. `is_straight` marks corners in line with their two neighbours; no triangle
+/// consists of such a corner and these neighbours. For polygons of a few corners; the cost is cubic.
 pub(super) fn triangulate(loops: &[&[[f64; 3]]], is_straight: &[bool], into: &mut Vec<[u32; 3]>) {
-    let n: usize = loops.iter().map(|one| one.len()).sum();
+    let n: usize = loops.iter().map(|corners| corners.len()).sum();
     if loops.len() == 1 && n == 3 {
         into.push([0, 1, 2]);
         return;
@@ -15,30 +14,30 @@ pub(super) fn triangulate(loops: &[&[[f64; 3]]], is_straight: &[bool], into: &mu
     let normal = normal(loops);
     let mut ring: Vec<u32> = (0..loops[0].len() as u32).collect();
     let mut start = loops[0].len() as u32;
-    for one in &loops[1..] {
-        let inner: Vec<u32> = (start..start + one.len() as u32).collect();
+    for inner_loop in &loops[1..] {
+        let inner: Vec<u32> = (start..start + inner_loop.len() as u32).collect();
         let candidate = |ring: &[u32]| {
             BridgedPolygon { ring, corners: &corners, is_straight, normal }.triangulate_best(&mut Vec::new())
         };
         ring = bridge_loops(&ring, &inner, candidate);
-        start += one.len() as u32;
+        start += inner_loop.len() as u32;
     }
     BridgedPolygon { ring: &ring, corners: &corners, is_straight, normal }.triangulate_best(into);
 }
 
-/// The sum of the loops' vector areas, twice.
+/// Twice the sum of the loops' vector areas.
 fn normal(loops: &[&[[f64; 3]]]) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for one in loops {
-        for k in 1..one.len().saturating_sub(1) {
-            let part = cross(difference(one[k], one[0]), difference(one[k + 1], one[0]));
+    for ring in loops {
+        for k in 1..ring.len().saturating_sub(1) {
+            let part = cross(difference(ring[k], ring[0]), difference(ring[k + 1], ring[0]));
             sum = std::array::from_fn(|k| sum[k] + part[k]);
         }
     }
     sum
 }
 
-/// Joins two loops to one by a bridge, the one that makes the best triangles.
+/// Joins two loops to one by the bridge that gives the best triangles.
 fn bridge_loops(outer: &[u32], inner: &[u32], quality: impl Fn(&[u32]) -> f64) -> Vec<u32> {
     let mut best: Option<(f64, Vec<u32>)> = None;
     for a in 0..outer.len() {
@@ -66,12 +65,12 @@ struct BridgedPolygon<'a> {
     normal: [f64; 3],
 }
 
-/// The quality of a forbidden triangle. Defined: below all others, which are above −2/√3.
+/// The quality of a forbidden triangle. Defined: below that of all others, which is above −2/√3.
 const FORBIDDEN: f64 = -9.0;
 
 impl BridgedPolygon<'_> {
-    /// Twice the signed area over the square of the longest side. Where all are positive the triangles cover
-    /// the polygon once.
+    /// Twice the signed area over the square of the longest side. If it is positive for all triangles, they cover the
+    /// polygon once.
     fn quality(&self, triangle: [usize; 3]) -> f64 {
         let n = self.ring.len();
         let is_flat = |k: usize| {
@@ -92,7 +91,7 @@ impl BridgedPolygon<'_> {
         if quality.is_nan() { -1.0 } else { quality }
     }
 
-    /// The triangulation whose worst triangle is best, and the quality of that one.
+    /// Adds the triangulation whose worst triangle is best, and returns the quality of that triangle.
     ///
     /// Source: G. Klincsek, *Minimal Triangulations of Polygonal Domains*, 1980.
     fn triangulate_best(&self, into: &mut Vec<[u32; 3]>) -> f64 {
@@ -114,14 +113,14 @@ impl BridgedPolygon<'_> {
                 worst[a * n + c] = best;
             }
         }
-        let mut open = vec![(0, n - 1)];
-        while let Some((a, c)) = open.pop() {
+        let mut pending = vec![(0, n - 1)];
+        while let Some((a, c)) = pending.pop() {
             if c - a < 2 {
                 continue;
             }
             let b = apex[a * n + c];
             into.push([a, b, c].map(|k| self.ring[k]));
-            open.extend([(a, b), (b, c)]);
+            pending.extend([(a, b), (b, c)]);
         }
         worst[n - 1]
     }
@@ -148,10 +147,10 @@ mod tests {
     fn corners_in_a_line_make_no_flat_triangles() {
         // A triangle with a corner at the midpoint of one of its sides.
         let ring = at(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]]);
-        let mut found = Vec::new();
-        triangulate(&[&ring], &[false, true, false, false, false], &mut found);
-        let (sum, least) = area(&[&ring], &found);
-        assert!(found.len() == 3 && sum == 2.0 && least > 0.2);
+        let mut triangles = Vec::new();
+        triangulate(&[&ring], &[false, true, false, false, false], &mut triangles);
+        let (sum, least) = area(&[&ring], &triangles);
+        assert!(triangles.len() == 3 && sum == 2.0 && least > 0.2);
     }
 
     #[test]
@@ -159,10 +158,10 @@ mod tests {
         let outer = at(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 3.0], [0.0, 4.0]]);
         let hole = at(&[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]);
         for loops in [[&outer[..], &hole[..]], [&hole[..], &outer[..]]] {
-            let mut found = Vec::new();
-            triangulate(&loops, &[false; 9], &mut found);
-            let (sum, least) = area(&loops, &found);
-            assert!(found.len() == 9 && (sum - 13.0).abs() < 1e-12 && least > 0.0, "{sum} {least}");
+            let mut triangles = Vec::new();
+            triangulate(&loops, &[false; 9], &mut triangles);
+            let (sum, least) = area(&loops, &triangles);
+            assert!(triangles.len() == 9 && (sum - 13.0).abs() < 1e-12 && least > 0.0, "{sum} {least}");
         }
     }
 }

@@ -1,24 +1,25 @@
-//! `SampledSigns`: which points are inside functions that are known only at points.
+//! `SampledSigns`: the sides of lattice points, for functions that are known only at points.
 //!
-//! Without ranges, nothing but samples tells a large cell from one that the boundary passes. Instead of cutting all of space
+//! Without ranges, only samples can show that the boundary does not pass a large cell. Instead of cutting all of space
 //! into small cells, functions are sampled once on a lattice as dense as the corners of such cells, and a cell stays large
-//! where all samples in it and around it are on one side.
+//! if all samples in it and around it are on one side.
 use super::cells::ZeroSide;
 use super::grid::FieldGridError;
 use crate::implicit::PrimitiveEvaluator;
 use crate::math::{Box3, greater, lesser};
 
-/// Corners of cells with an edge of 1 are as dense as a lattice with so many steps in it. Counted: 92,287 corners beside
+/// Lattice steps per longest edge of cells, for as many lattice points as corners. Counted: 92,287 corners and
 /// 91,125 points in a cube with cells of a 25th of it.
 const STEPS: f64 = 1.74;
 /// The fewest steps along each side of the bounds. Chosen: features of a tenth of a short side are found, too.
 const FEWEST: f64 = 12.0;
-/// Cells whose corners miss a sample are cut down to so many of the shortest steps,
+/// Cells whose corners miss a sample are cut down to this many of the shortest steps. Chosen: then samples are about as
+/// dense as corners.
 const IN_STEPS: f64 = 2.0;
-/// but not below this fraction of the coarsest. Chosen: 200,000 cells in a plate of a hundredth of its length.
+/// They are not cut below this fraction of the coarsest edge. Chosen: 200,000 cells in a plate of a hundredth of its length.
 const NOT_BELOW: f64 = 0.25;
 
-/// On which side of some primitives the points of a lattice over the bounds are.
+/// The sides of the points of a lattice over the bounds, for sampled primitives, as summed-volume tables.
 #[derive(Debug, Default)]
 pub(super) struct SampledSigns {
     origin: [f64; 3],
@@ -27,7 +28,8 @@ pub(super) struct SampledSigns {
     n_points: [usize; 3],
     /// Cells with a longest edge of at most this are not cut for a sample that their corners miss.
     enough: f64,
-    /// By primitive, if it is sampled: the number of points inside that come before each point along all axes.
+    /// By primitive, if it is sampled: for each lattice corner, the number of inside points with smaller indices along all
+    /// axes.
     before: Vec<Option<Vec<u32>>>,
 }
 
@@ -39,7 +41,7 @@ struct SampleCount {
 }
 
 impl SampledSigns {
-    /// Samples all primitives with leaves whose range over the bounds has no end; `zero` is the side of 0 by primitive.
+    /// Samples all primitives with leaves whose range over the bounds is infinite; `zero` is the side of 0 by primitive.
     ///
     /// # Errors
     /// The error of a leaf.
@@ -53,14 +55,14 @@ impl SampledSigns {
         let sides: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
         let n_steps = sides.map(|side| greater((STEPS * side / coarsest).ceil(), FEWEST));
         let steps: [f64; 3] = std::array::from_fn(|k| sides[k] / n_steps[k]);
-        // Where cells may be as large as the bounds, nothing is sampled; flat bounds have no inside.
+        // If cells may be as large as the bounds, nothing is sampled; flat bounds have no inside.
         if coarsest >= sides.iter().fold(0.0, |a, b| greater(*b, a)) || !steps.iter().all(|step| *step > 0.0)
         {
             return Ok(Self::default());
         }
         let n_points = n_steps.map(|n| n as usize + 1);
         let shortest = steps.iter().fold(f64::INFINITY, |a, b| lesser(*b, a));
-        let mut all = Self {
+        let mut signs = Self {
             origin: bounds.min,
             steps,
             n_points,
@@ -73,24 +75,24 @@ impl SampledSigns {
             if range.iter().all(|end| end.is_finite()) {
                 continue;
             }
-            let question = |i: usize| {
+            let query = |i: usize| {
                 let at = [i % nx, i / nx % ny, i / (nx * ny)];
-                (p as u32, std::array::from_fn(|k| all.origin[k] + at[k] as f64 * steps[k]))
+                (p as u32, std::array::from_fn(|k| signs.origin[k] + at[k] as f64 * steps[k]))
             };
-            let questions: Vec<(u32, [f64; 3])> = (0..nx * ny * nz).map(question).collect();
-            let values = evaluator.values(&questions)?;
-            all.before[p] = Some(count_before(n_points, |i| zero[p].is_inside(values[i])));
+            let queries: Vec<(u32, [f64; 3])> = (0..nx * ny * nz).map(query).collect();
+            let values = evaluator.values(&queries)?;
+            signs.before[p] = Some(count_before(n_points, |i| zero[p].is_inside(values[i])));
         }
-        Ok(all)
+        Ok(signs)
     }
 
-    /// Whether all points in the box and a step around it are inside the primitive, or none of them; `None` where they differ
-    /// or are not known.
+    /// `Some(true)` if all points in the box and a step around it are inside the primitive, `Some(false)` if none is; `None` if
+    /// they differ or are unknown.
     pub fn is_inside(&self, primitive: u32, cell: &Box3) -> Option<bool> {
         let before = self.before_of(primitive)?;
         let from = |k: usize| self.steps_to(cell.min[k], k).floor() - 1.0;
         let to = |k: usize| self.steps_to(cell.max[k], k).ceil() + 1.0;
-        // Beside the bounds the points at their border count.
+        // For boxes beside the bounds, the points at the border are taken.
         let last = |k: usize| (self.n_points[k] - 1) as f64;
         let low = std::array::from_fn(|k| from(k).clamp(0.0, last(k)) as usize);
         let high = std::array::from_fn(|k| to(k).clamp(0.0, last(k)) as usize);
@@ -98,8 +100,8 @@ impl SampledSigns {
         (n_inside == 0 || n_inside == n_all).then_some(n_inside > 0)
     }
 
-    /// Whether some point in the box is on the other side than all corners of a cell in it, which is large enough to be cut
-    /// for that.
+    /// Whether some point in a cell's box is on the other side than all corners of the cell, and the cell is large enough to be
+    /// cut for it.
     pub fn is_missed(&self, primitive: u32, cell: &Box3, longest: f64, is_inside: bool) -> bool {
         let Some(before) = self.before_of(primitive).filter(|_| longest > self.enough) else { return false };
         let low: [f64; 3] = std::array::from_fn(|k| greater(self.steps_to(cell.min[k], k).ceil(), 0.0));
@@ -123,7 +125,7 @@ impl SampledSigns {
         (x - self.origin[k]) / self.steps[k]
     }
 
-    /// The points from one to another, both included.
+    /// Counts the points from `low` to `high`, both included.
     fn count(&self, before: &[u32], low: [usize; 3], high: [usize; 3]) -> SampleCount {
         let (from, to) = (low, high.map(|x| x + 1));
         let [nx, ny, _] = self.n_points.map(|n| n + 1);
@@ -138,7 +140,8 @@ impl SampledSigns {
     }
 }
 
-/// For each corner of a lattice of one point more along each axis: how many points are inside and before it along all axes.
+/// A summed-volume table: for each corner of a lattice with one more point along each axis, the number of inside points
+/// with smaller indices along all axes.
 fn count_before([nx, ny, nz]: [usize; 3], is_inside: impl Fn(usize) -> bool) -> Vec<u32> {
     let (mx, my) = (nx + 1, ny + 1);
     let mut before = vec![0; mx * my * (nz + 1)];
@@ -164,9 +167,9 @@ mod tests {
     fn counts_of_boxes_are_those_of_their_points() {
         let n = [5, 4, 6];
         let is_inside = |i: usize| (i * i + i / 7).is_multiple_of(3);
-        let of =
+        let signs =
             |before| SampledSigns { origin: [0.0; 3], steps: [1.0; 3], n_points: n, enough: 0.5, before };
-        let lattice = of(vec![Some(count_before(n, is_inside)), None]);
+        let lattice = signs(vec![Some(count_before(n, is_inside)), None]);
         let place = |i: usize| [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])];
         let inside_of = |low: usize, high: usize| -> Vec<bool> {
             let is_there = |i: &usize| place(*i).iter().all(|x| (low..=high).contains(x));
@@ -187,7 +190,7 @@ mod tests {
         }
         let between = Box3 { min: [0.25; 3], max: [0.75; 3] };
         assert!(!lattice.is_missed(0, &between, 1.0, true) && !lattice.is_missed(0, &between, 1.0, false));
-        let all = of(vec![Some(count_before(n, |_| true))]);
+        let all = signs(vec![Some(count_before(n, |_| true))]);
         let beside = Box3 { min: [-9.0; 3], max: [-8.0; 3] };
         assert_eq!(all.is_inside(0, &beside), Some(true));
     }

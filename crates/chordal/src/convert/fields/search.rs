@@ -15,108 +15,108 @@ use crate::explicit::Mesh;
 use crate::implicit::{Csg, Expr, Field, PrimitiveEvaluator, Tape};
 use crate::math::{Box3, greater};
 
-/// Rounds in which unproved faces are split. Measured: 0 to 5 on the models of the tests; faces still open
-/// then stay open.
+/// Rounds in which unproved faces are split. Measured: 0 to 5 on the models of the tests; faces that are
+/// open after more rounds stay open.
 const MOST_ROUNDS: usize = 10;
-/// If fewer than one face in so many is open, a mesh is tried once more,
+/// A finer mesh is tried if fewer than one face in this many is open. Chosen: if more are, the mesh is not near enough.
 const FEW: usize = 8;
-/// for this fraction of the length. Chosen: the rest, which the proof uses, is then twice as much.
+/// The finer mesh is built for this fraction of the length. Chosen: then the proof has the other half of it.
 const NEARER: f64 = 0.5;
-/// if the first one took fewer collapses than this. Chosen: a second that has to be finer takes several times
+/// A finer mesh is tried only if the first mesh took fewer collapses than this. Chosen: the finer one takes several times
 /// as long.
 const MOST_COLLAPSES: usize = 1 << 17;
-/// A proof is given up after so many rounds in a row with more open faces than before. Where it is hopeless,
-/// one round is enough, and boxes about the mesh would take too long.
+/// A proof is given up after this many consecutive rounds with more open faces than before. If it is hopeless,
+/// one round is enough, and boxes around the mesh would take too long.
 const HOPELESS: usize = 2;
-/// The same where all vertices are on their primitives. Measured: on long faces of nine capsules from one point, which
-/// are halved several times before they are proved, two rounds are worse,
+/// The same if all vertices are on their primitives, and [`SETTLED_FEW`] and [`SETTLED_GROWTH`] hold. Measured: long faces
+/// of nine capsules from one point are halved several times before they are proved, so that two rounds are worse.
 const SETTLED_WORSE: usize = 4;
-/// with fewer than one face in so many open, a quarter there,
+/// Fewer than one face in this many is open. Measured: a quarter on those capsules.
 const SETTLED_FEW: usize = 3;
-/// and with fewer than so many times the faces of the start, 1.5 there.
+/// There are fewer than this many times the faces of the start. Measured: 1.5 times on those capsules.
 const SETTLED_GROWTH: usize = 2;
-/// The first margin of a proof with a limit, relative to what samples suggest. Chosen: half of that of a mesh
-/// that is checked alone, where a looser proof is quicker; here the rest of the length saves splits.
+/// The first margin of a proof with a limit, relative to the distance that samples suggest. Chosen: half of the margin for
+/// a finished mesh, where a looser proof is quicker; here the rest of the length saves splits.
 const MARGIN: f64 = 0.5;
-/// The target, as a fraction of the length, where a proof has only values. Chosen: the rest is used to prove
-/// signs.
+/// The target, as a fraction of the length, if a proof has no slopes. Chosen: the rest is used to prove signs.
 const SAMPLED: f64 = 0.5;
-/// A proof beside which a measurement would do has as many evaluations as its mesh took, and at least so many points.
+/// If a measurement is also accepted, a proof may take as many evaluations as its mesh did, and at least this many points.
 /// Measured: two to three seconds of one core.
 const LEAST_PROOF: u64 = 1 << 25;
-/// So many points a triangle are allowed as well. Measured: the proofs of thin walls of gyroids, 36,000 and 68,000
+/// It may also take this many points a triangle. Measured: the proofs of thin walls of gyroids, 36,000 and 68,000
 /// triangles, take 1,600 and 2,250 in all.
 const PROOF_OF_FACE: u64 = 1 << 12;
-/// What a finer mesh takes, in that of the first, where a proof beside which a measurement would do may still afford it.
-/// Chosen: cells are the same, and triangles half as long.
+/// If a measurement is also accepted, a finer mesh is tried only if the remaining work is this many times that of the first
+/// mesh. Chosen: cells are the same, and triangles half as long.
 const FINER_WORK: u64 = 2;
-/// Where samples alone judge a mesh, triangles are split beyond this share of the length: between samples the surface is a
-/// little farther. Chosen: a tenth for what lies between them.
+/// If a mesh is only measured, triangles are split if they are farther than this share of the length. Chosen: a tenth is
+/// left for the surface between samples, which may be a little farther.
 const STRICTER: f64 = 0.9;
-/// A mesh that is too far by its samples is made again for half of the length as long as that brings it nearer by this factor.
-/// Chosen: a distance goes down with the length, unless what is missed is noise, or thinner than what is sampled.
+/// A mesh whose measured distance is too large is built again for half of the length, as long as that reduces the distance
+/// by this factor. Chosen: a distance falls with the length, unless the missed parts are noise, or thinner than the samples.
 const NEARER_BY: f64 = 0.75;
-/// Where splits have made this many times as many triangles, one for half of the length may have fewer. Chosen: on smooth
-/// surfaces that has twice as many, on flat ones no more.
+/// If splits have multiplied the triangles by more than this, a mesh for half of the length is tried, which may have fewer.
+/// Chosen: it has twice as many triangles on smooth surfaces, and no more on flat ones.
 const GROWN: f64 = 1.5;
-/// The most meshes made for a number of triangles.
+/// The most meshes that are built for a number of triangles. Chosen: each takes as long as a result.
 const MOST_TRIALS: usize = 10;
-/// A mesh with this fraction of the allowed triangles is good enough.
+/// A mesh with this fraction of the allowed triangles ends the search. Chosen: more trials gain little.
 const GOOD_COUNT: f64 = 0.97;
-/// The first tolerance for a number of triangles, relative to the longest side of the bounds.
+/// The first tolerance for a number of triangles, relative to the longest side of the bounds. Chosen: later ones correct it.
 const FIRST: f64 = 1.0 / 64.0;
-/// Boxes of this fraction of the longest side test whether slopes are known,
+/// The size of the boxes in which ranges of slopes are tested, relative to the longest side. Chosen: slopes hardly vary
+/// in so small a box.
 const SPOT: f64 = 1.0 / 4096.0;
-/// at these fractions of the bounds. Chosen: off the axes and planes of symmetry, where some primitives have
+/// The positions of these boxes in the bounds. Chosen: off the axes and planes of symmetry, where some primitives have
 /// no slope.
 const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.83, 0.53]];
-/// The box that cuts off the field is larger than the bounds by this fraction of their size. Chosen: within
-/// the cube of the grid.
-const AROUND: f64 = 1.0 / 64.0;
+/// The margin of the box that clips the field, relative to the size of the bounds. Chosen: the box is within the cube of
+/// the grid.
+const CLIP_MARGIN: f64 = 1.0 / 64.0;
 
 pub(super) type FieldMeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
 
-/// Finds a mesh within the limits, or the best.
-pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> FieldMeshResult {
+/// Finds a mesh within the limits; otherwise the failure has the best mesh.
+pub(in crate::convert) fn search(field: &Field, goal: &FieldMeshGoal, job: &Job) -> FieldMeshResult {
     let sign = clip_to_bounds(field);
     let (solid, tape) = (Csg::from_expr(&sign), Tape::new(&sign));
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
     let is_sampled = !has_gradient_ranges(&mut evaluator, &field.bounds())?;
     let mesher = FieldMesher { bounds: field.bounds(), is_sampled, tape: &tape, job };
-    let asks_no_proof = wanted.require == RequiredEvidence::Measured;
+    let asks_no_proof = goal.require == RequiredEvidence::Measured;
     let is_measured = asks_no_proof || !field.evidence().bounds_above();
-    let search = FieldMeshSearch { field, mesher: &mesher, wanted, is_measured, job };
-    let made = match (wanted.length, wanted.triangles) {
+    let search = FieldMeshSearch { field, mesher: &mesher, goal, is_measured, job };
+    let mesh = match (goal.length, goal.triangles) {
         (None, Some(most)) => search.by_count(evaluator, most),
         (Some(length), most) => {
-            search.by_length(evaluator, length).and_then(|made| search.check_triangles(made, most))
+            search.by_length(evaluator, length).and_then(|mesh| search.check_triangles(mesh, most))
         }
         (None, None) => Err(Failure::refused(RefusalCode::Budget, "the budget has no length and no count")),
     };
     match FaceMaterials::new(&solid, job) {
-        // Cuts along borders add triangles.
-        Some(materials) => materials
-            .paint(made, wanted.length)
-            .and_then(|made| search.check_triangles(made, wanted.triangles)),
-        None => made,
+        // Checked again, since cuts along borders add triangles.
+        Some(materials) => {
+            materials.paint(mesh, goal.length).and_then(|mesh| search.check_triangles(mesh, goal.triangles))
+        }
+        None => mesh,
     }
 }
 
 enum MeshAttempt<'s> {
     Proved(Bounded<Mesh>),
-    Open { left: Box<UnprovedMesh>, strategy: ProofStrategy, evaluator: PrimitiveEvaluator<'s> },
+    Open { unproved: Box<UnprovedMesh>, strategy: ProofStrategy, evaluator: PrimitiveEvaluator<'s> },
 }
 
-/// A mesh, and how far its proof came.
+/// A mesh, and the state of its proof.
 struct UnprovedMesh {
     mesh: Mesh,
-    /// Of this mesh, if a proof was begun.
+    /// The verdict on this mesh, if a proof was begun.
     verdict: Option<SandwichVerdict>,
-    /// A point where it is not proved, if known.
-    place: Option<[f64; 3]>,
-    /// The conditions for what is still tried, with the work that is left.
+    /// A point without a proof, if known.
+    open_at: Option<[f64; 3]>,
+    /// The job for further proofs, with the remaining work.
     proof: Job,
-    /// What was evaluated for the mesh, in points.
+    /// The evaluations that the mesh took, in points.
     work: u64,
 }
 
@@ -127,20 +127,20 @@ impl UnprovedMesh {
     }
 }
 
-/// A mesh that was split where samples are too far.
+/// A measured mesh, whose faces were split where samples are too far.
 struct SampledAttempt<'s> {
-    made: Bounded<Mesh>,
-    /// Its faces before splits.
+    mesh: Bounded<Mesh>,
+    /// The number of faces before splits.
     n_first: usize,
     evaluator: PrimitiveEvaluator<'s>,
 }
 
-/// What may still prove an open mesh.
+/// The next way to prove an open mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ProofStrategy {
     /// A finer mesh: few faces are open, and another mesh does not take long.
     FinerMesh,
-    /// Boxes about the mesh.
+    /// Boxes around the mesh.
     Boxes,
     Nothing,
 }
@@ -148,7 +148,7 @@ enum ProofStrategy {
 struct FieldMeshSearch<'s> {
     field: &'s Field,
     mesher: &'s FieldMesher<'s>,
-    wanted: &'s FieldMeshGoal,
+    goal: &'s FieldMeshGoal,
     /// Whether a proof is impossible or not required.
     is_measured: bool,
     job: &'s Job,
@@ -158,76 +158,80 @@ impl<'s> FieldMeshSearch<'s> {
     fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> FieldMeshResult {
         self.mesher.check_precision(length.get())?;
         if self.is_measured {
-            let made = self.by_samples(evaluator, length.get())?;
-            return if self.is_strict() { Err(Failure::Unmet(Box::new(made))) } else { Ok(made) };
+            let mesh = self.by_samples(evaluator, length.get())?;
+            return if self.is_strict() { Err(Failure::Unmet(Box::new(mesh))) } else { Ok(mesh) };
         }
-        // Without slopes signs are proved by values alone, on pieces as small as the rest of the length.
+        // Without slopes, signs are proved by values alone, on pieces as small as the rest of the length.
         let share = if self.mesher.is_sampled { SAMPLED } else { 1.0 };
-        let (left, strategy) = match self.attempt(evaluator, length, share)? {
-            MeshAttempt::Proved(made) => return Ok(made),
-            MeshAttempt::Open { left, strategy: ProofStrategy::FinerMesh, evaluator }
-                if left.proof.work_left() > FINER_WORK.saturating_mul(left.work) =>
+        let (unproved, strategy) = match self.attempt(evaluator, length, share)? {
+            MeshAttempt::Proved(mesh) => return Ok(mesh),
+            MeshAttempt::Open { unproved, strategy: ProofStrategy::FinerMesh, evaluator }
+                if unproved.proof.work_left() > FINER_WORK.saturating_mul(unproved.work) =>
             {
                 match self.attempt(evaluator, length, NEARER * share)? {
-                    MeshAttempt::Proved(made) => return Ok(made),
-                    // Where cells ended first, less is known of it.
-                    MeshAttempt::Open { left: finer, .. } if finer.verdict.is_none() => {
-                        (left, ProofStrategy::Nothing)
+                    MeshAttempt::Proved(mesh) => return Ok(mesh),
+                    // Its cells ran out before a proof could begin: the first mesh is better known.
+                    MeshAttempt::Open { unproved: finer, .. } if finer.verdict.is_none() => {
+                        (unproved, ProofStrategy::Nothing)
                     }
-                    // What is as open with more triangles is no better.
-                    MeshAttempt::Open { left: finer, .. } if finer.n_open() >= left.n_open() => {
-                        (left, ProofStrategy::Boxes)
+                    // As many open faces with more triangles is no gain.
+                    MeshAttempt::Open { unproved: finer, .. } if finer.n_open() >= unproved.n_open() => {
+                        (unproved, ProofStrategy::Boxes)
                     }
-                    MeshAttempt::Open { left, strategy, .. } => (left, strategy),
+                    MeshAttempt::Open { unproved, strategy, .. } => (unproved, strategy),
                 }
             }
-            MeshAttempt::Open { left, strategy, .. } => (left, strategy),
+            MeshAttempt::Open { unproved, strategy, .. } => (unproved, strategy),
         };
-        let mut beyond = None;
-        if strategy != ProofStrategy::Nothing && !left.proof.is_over() {
-            // Boxes about the mesh may prove what its two copies do not: solids that touch, and bounds beyond the
-            // wanted length.
+        let mut box_bound = None;
+        if strategy != ProofStrategy::Nothing && !unproved.proof.is_over() {
+            // Boxes around the mesh may prove cases that its two displaced copies cannot: solids that touch, and bounds
+            // beyond the length.
             let goal = Goal { max: Some(length), ..Goal::default() };
-            let bound = field_deviation(&left.mesh, self.field, &goal, &left.proof)?.bound;
+            let bound = field_deviation(&unproved.mesh, self.field, &goal, &unproved.proof)?.bound;
             if bound.at_most().is_some_and(|most| most <= length.get()) {
-                return Ok(Bounded { shape: left.mesh, bound });
+                return Ok(Bounded { shape: unproved.mesh, bound });
             }
-            beyond = Some(bound);
+            box_bound = Some(bound);
         }
-        match beyond {
-            // Nothing less would do, or it is certainly too far.
+        match box_bound {
+            // Only a proof is accepted, or the mesh is certainly too far.
             Some(mut bound) if self.is_strict() || bound.at_least() > length.get() => {
-                bound.open = self.places_of(&left);
-                Err(Failure::Unmet(Box::new(Bounded { shape: left.mesh, bound })))
+                bound.open = self.places_of(&unproved);
+                Err(Failure::Unmet(Box::new(Bounded { shape: unproved.mesh, bound })))
             }
-            _ => self.measured_instead(*left, length.get()),
+            _ => self.measured_instead(*unproved, length.get()),
         }
     }
 
-    /// Whether a measurement is not enough.
+    /// Whether only a proof is accepted.
     fn is_strict(&self) -> bool {
-        self.wanted.require == RequiredEvidence::Proved
+        self.goal.require == RequiredEvidence::Proved
     }
 
-    /// A mesh whose proof did not end, measured as a whole, with the places that the proof left open.
-    fn measured_instead(&self, left: UnprovedMesh, length: f64) -> FieldMeshResult {
-        let places = self.places_of(&left);
-        let mut made = self.measure(left.mesh)?;
-        made.bound.open = places;
+    /// An unproved mesh, measured as a whole, with the places that the proof left open.
+    fn measured_instead(&self, unproved: UnprovedMesh, length: f64) -> FieldMeshResult {
+        let places = self.places_of(&unproved);
+        let mut measured = self.measure(unproved.mesh)?;
+        measured.bound.open = places;
         if self.is_strict() {
-            made.bound.at = left.place.or(made.bound.at);
-            return Err(Failure::Unmet(Box::new(made)));
+            measured.bound.at = unproved.open_at.or(measured.bound.at);
+            return Err(Failure::Unmet(Box::new(measured)));
         }
-        if made.bound.at_least() <= length { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        if measured.bound.at_least() <= length {
+            Ok(measured)
+        } else {
+            Err(Failure::Unmet(Box::new(measured)))
+        }
     }
 
     /// The places that a proof left open, if one was begun.
-    fn places_of(&self, left: &UnprovedMesh) -> Option<Box<OpenPlaces>> {
-        let verdict = left.verdict.as_ref()?;
-        Some(Box::new(open_places(&left.mesh, verdict, self.field.sign(), self.job)))
+    fn places_of(&self, unproved: &UnprovedMesh) -> Option<Box<OpenPlaces>> {
+        let verdict = unproved.verdict.as_ref()?;
+        Some(Box::new(open_places(&unproved.mesh, verdict, self.field.sign(), self.job)))
     }
 
-    /// The conditions of a proof that begins now.
+    /// The job of a proof, with its limit of work.
     fn proof_job(&self, work: u64, n_faces: usize) -> Job {
         let of_faces = PROOF_OF_FACE.saturating_mul(n_faces as u64);
         let work = greater(work, greater(of_faces, LEAST_PROOF));
@@ -235,13 +239,13 @@ impl<'s> FieldMeshSearch<'s> {
         if is_unlimited { self.job.clone() } else { self.job.with_work_limit(work) }
     }
 
-    /// A mesh that is near enough by its samples. What samples miss at first, splits may not reach: where the mesh of a length
-    /// is too far, that of half of the length counts, and so on, so that what is met within a length is met within twice as
-    /// much. For that each is made as if its own length had been asked for.
+    /// A mesh that is near enough by its samples. Splits may not reach the parts that samples missed at first: if the mesh for a
+    /// length is too far, the mesh for half of the length is built, and so on. Each is built exactly as for a budget of its own
+    /// length, so that a result for a length is also one for twice the length.
     fn by_samples(&self, evaluator: PrimitiveEvaluator<'s>, length: f64) -> FieldMeshResult {
-        let SampledAttempt { made: mut best, n_first, mut evaluator } =
+        let SampledAttempt { mesh: mut best, n_first, mut evaluator } =
             self.sampled_attempt(evaluator, length)?;
-        let is_met = |made: &Bounded<Mesh>| made.bound.at_least() <= length;
+        let is_met = |mesh: &Bounded<Mesh>| mesh.bound.at_least() <= length;
         let n_grown = (GROWN * n_first as f64) as usize;
         let mut last = best.bound.at_least();
         let mut shorter = length;
@@ -253,7 +257,7 @@ impl<'s> FieldMeshSearch<'s> {
             }
             let next = match self.sampled_attempt(evaluator, shorter) {
                 Ok(next) => next,
-                // What takes more than the job has is no reason to give nothing.
+                // The job does not allow a finer mesh: the best so far is returned.
                 Err(Failure::Refused(refusal))
                     if matches!(refusal.code, RefusalCode::TooManyTriangles | RefusalCode::TooMuchMemory) =>
                 {
@@ -261,24 +265,24 @@ impl<'s> FieldMeshSearch<'s> {
                 }
                 Err(failure) => return Err(failure),
             };
-            let found = next.made.bound.at_least();
+            let distance = next.mesh.bound.at_least();
             let is_better = if was_met {
-                is_met(&next.made) && next.made.shape.faces().len() < best.shape.faces().len()
+                is_met(&next.mesh) && next.mesh.shape.faces().len() < best.shape.faces().len()
             } else {
-                found < best.bound.at_least()
+                distance < best.bound.at_least()
             };
             if is_better {
-                best = next.made;
+                best = next.mesh;
             }
-            if was_met || found > NEARER_BY * last || is_met(&best) {
+            if was_met || distance > NEARER_BY * last || is_met(&best) {
                 break;
             }
-            (last, evaluator) = (found, next.evaluator);
+            (last, evaluator) = (distance, next.evaluator);
         }
         Ok(best)
     }
 
-    /// Makes a mesh and measures it; faces from which the surface is seen to be too far are split. The best one counts.
+    /// Builds a mesh and measures it; faces that are too far from the surface are split. Returns the best of all rounds.
     fn sampled_attempt(
         &self,
         evaluator: PrimitiveEvaluator<'s>,
@@ -306,11 +310,11 @@ impl<'s> FieldMeshSearch<'s> {
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
         }
-        let made = best.expect("there is a first round");
-        Ok(SampledAttempt { made, n_first, evaluator: improved.into_evaluator() })
+        let mesh = best.expect("there is a first round");
+        Ok(SampledAttempt { mesh, n_first, evaluator: improved.into_evaluator() })
     }
 
-    /// Makes a mesh for a fraction of a length and proves it for all of it; unproved faces are split.
+    /// Builds a mesh for a fraction of a length and proves it for the length; unproved faces are split.
     fn attempt(
         &self,
         evaluator: PrimitiveEvaluator<'s>,
@@ -326,10 +330,10 @@ impl<'s> FieldMeshSearch<'s> {
             || proof.is_over()
         {
             let (mesh, _) = mesh_of(&improved);
-            let left = UnprovedMesh { mesh, verdict: None, place: improved.first_unsettled(), proof, work };
+            let open_at = improved.first_unsettled();
+            let unproved = Box::new(UnprovedMesh { mesh, verdict: None, open_at, proof, work });
             let evaluator = improved.into_evaluator();
-            let left = Box::new(left);
-            return Ok(MeshAttempt::Open { left, strategy: ProofStrategy::Nothing, evaluator });
+            return Ok(MeshAttempt::Open { unproved, strategy: ProofStrategy::Nothing, evaluator });
         }
         let csg = Csg::from_expr(self.field.sign());
         let mut judge = SandwichProver::new(&csg, &self.field.bounds(), &proof).map_err(leaf_failure)?;
@@ -345,7 +349,7 @@ impl<'s> FieldMeshSearch<'s> {
                 if let Some(bound) = sandwich_bound(&mesh, self.field, &verdict, self.job)? {
                     return Ok(MeshAttempt::Proved(Bounded { shape: mesh, bound }));
                 }
-                // A lower bound exceeds the upper one, as where a promise does not hold.
+                // A lower bound exceeds the upper one, as if a condition of the field does not hold.
                 is_contradicted = true;
                 judged = Some((mesh, verdict));
                 break;
@@ -354,7 +358,7 @@ impl<'s> FieldMeshSearch<'s> {
             judged = Some((mesh, verdict));
             open.sort_unstable();
             open.dedup();
-            // If a mesh is not near the surface at all, all of it stays open however small its faces are.
+            // A mesh that is not near the surface stays open however small its faces are.
             n_worse = if open.len() > n_open { n_worse + 1 } else { 0 };
             n_open = open.len();
             let is_near = is_settled
@@ -381,27 +385,26 @@ impl<'s> FieldMeshSearch<'s> {
         } else {
             ProofStrategy::Boxes
         };
-        let place = verdict.first_unproved_point(&mesh);
+        let open_at = verdict.first_unproved_point(&mesh);
         drop(judge);
-        let left = UnprovedMesh { mesh, verdict: Some(verdict), place, proof, work };
-        let left = Box::new(left);
-        Ok(MeshAttempt::Open { left, strategy, evaluator: improved.into_evaluator() })
+        let unproved = Box::new(UnprovedMesh { mesh, verdict: Some(verdict), open_at, proof, work });
+        Ok(MeshAttempt::Open { unproved, strategy, evaluator: improved.into_evaluator() })
     }
 
     fn measure(&self, mesh: Mesh) -> FieldMeshResult {
-        let found = measured_field_deviation(&mesh, self.field, (f64::INFINITY, 0), self.job)?.whole;
-        Ok(Bounded { shape: mesh, bound: found.bound })
+        let deviation = measured_field_deviation(&mesh, self.field, (f64::INFINITY, 0), self.job)?.whole;
+        Ok(Bounded { shape: mesh, bound: deviation.bound })
     }
 
-    fn check_triangles(&self, made: Bounded<Mesh>, most: Option<u64>) -> FieldMeshResult {
-        if most.is_none_or(|most| made.shape.faces().len() as u64 <= most) {
-            Ok(made)
+    fn check_triangles(&self, mesh: Bounded<Mesh>, most: Option<u64>) -> FieldMeshResult {
+        if most.is_none_or(|most| mesh.shape.faces().len() as u64 <= most) {
+            Ok(mesh)
         } else {
-            Err(Failure::Unmet(Box::new(made)))
+            Err(Failure::Unmet(Box::new(mesh)))
         }
     }
 
-    /// The finest mesh found with at most `most` triangles; their number goes like 1 over the tolerance.
+    /// The finest mesh found with at most `most` triangles. The search assumes that their number grows like 1/tolerance.
     fn by_count(&self, mut evaluator: PrimitiveEvaluator<'s>, most: u64) -> FieldMeshResult {
         let most = most.min(self.mesher.most_faces());
         let mut best: Option<(f64, Mesh)> = None;
@@ -443,8 +446,8 @@ impl<'s> FieldMeshSearch<'s> {
             return Err(Failure::refused(RefusalCode::Budget, message));
         };
         if self.is_measured {
-            let made = self.measure(mesh)?;
-            return if self.is_strict() { Err(Failure::Unmet(Box::new(made))) } else { Ok(made) };
+            let measured = self.measure(mesh)?;
+            return if self.is_strict() { Err(Failure::Unmet(Box::new(measured))) } else { Ok(measured) };
         }
         let work = evaluator.work();
         let proof = self.proof_job(work, mesh.faces().len());
@@ -457,12 +460,12 @@ impl<'s> FieldMeshSearch<'s> {
             return Ok(Bounded { shape: mesh, bound });
         }
         drop(judge);
-        let left = UnprovedMesh { mesh, verdict: Some(verdict), place: None, proof, work };
-        self.measured_instead(left, f64::INFINITY)
+        let unproved = UnprovedMesh { mesh, verdict: Some(verdict), open_at: None, proof, work };
+        self.measured_instead(unproved, f64::INFINITY)
     }
 }
 
-/// The surface as a mesh, with the half-edge face of each of its faces; of a field with materials with its labels.
+/// The surface as a mesh, and by face the number of its half-edge face. If the field has materials, faces have labels.
 fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
     let (surface, numbers) = improved.mesh();
     let mesh = Mesh::new(surface.positions, surface.faces).expect("its positions are finite");
@@ -470,31 +473,31 @@ fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
     (if is_plain { mesh } else { with_labels(mesh, &surface.labels) }, numbers)
 }
 
-/// The solid of a field within a box somewhat larger than its bounds, which cuts off what exceeds them.
+/// The sign of a field, clipped to a box somewhat larger than its bounds.
 pub(super) fn clip_to_bounds(field: &Field) -> Expr {
     let Box3 { min, max } = field.bounds();
     let mut sign = field.sign().clone();
     for (k, axis) in Expr::axes().iter().enumerate() {
-        let room = AROUND * (max[k] - min[k]);
-        sign = (Expr::constant(min[k] - room) - axis).max(&sign);
-        sign = (axis - (max[k] + room)).max(&sign);
+        let margin = CLIP_MARGIN * (max[k] - min[k]);
+        sign = (Expr::constant(min[k] - margin) - axis).max(&sign);
+        sign = (axis - (max[k] + margin)).max(&sign);
     }
     sign
 }
 
-/// Whether functions of the user have ranges of slopes at some test box; expressions have.
+/// Whether every primitive with leaves has a range of slopes in some test box; expressions always have.
 fn has_gradient_ranges(evaluator: &mut PrimitiveEvaluator, bounds: &Box3) -> Result<bool, Failure<Mesh>> {
     let primitives = evaluator.csg().primitives();
-    let mut left: Vec<u32> =
+    let mut without_range: Vec<u32> =
         (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
     let Box3 { min, max } = *bounds;
     let size = SPOT * longest(bounds);
     for shares in SPOTS {
         let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
         let spot = Box3 { min: corner, max: corner.map(|x| x + size) };
-        let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
-        let mut ranges = evaluator.dual_ranges(&questions).map_err(leaf_failure)?.into_iter();
-        left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
+        let queries: Vec<(u32, Box3)> = without_range.iter().map(|p| (*p, spot)).collect();
+        let mut ranges = evaluator.dual_ranges(&queries).map_err(leaf_failure)?.into_iter();
+        without_range.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
     }
-    Ok(left.is_empty())
+    Ok(without_range.is_empty())
 }

@@ -1,8 +1,8 @@
-//! `SizingField`: points where cells have to be smaller than elsewhere, and how small.
+//! `SizingField`: points at which cells have to be small, with their sizes.
 use crate::check::PointTree;
 use crate::math::Box3;
 
-/// A point where cells have to be smaller.
+/// A point that needs smaller cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::convert) struct SizingPoint {
     /// Its position.
@@ -11,7 +11,7 @@ pub(in crate::convert) struct SizingPoint {
     pub size: f64,
 }
 
-/// All points where cells have to be small.
+/// All points that need small cells.
 pub(super) struct SizingField<'p> {
     places: &'p [SizingPoint],
     /// A tree over their positions.

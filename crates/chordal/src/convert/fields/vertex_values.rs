@@ -33,17 +33,17 @@ impl VertexValues {
         self.first.push(NONE);
     }
 
-    /// The index of the value among all.
+    /// The index of a value in the order of [`VertexValues::all`].
     pub fn index(&self, vertex: u32, primitive: u32) -> Option<usize> {
         let mut segment = self.first[vertex as usize];
         while segment != NONE {
             let ValueRun { start, len, next } = self.segments[segment as usize];
             let part = start as usize..(start + len) as usize;
-            let found = match &self.primitives[part.clone()] {
-                [one] => (*one == primitive).then_some(0),
+            let position = match &self.primitives[part.clone()] {
+                [only] => (*only == primitive).then_some(0),
                 several => several.binary_search(&primitive).ok(),
             };
-            if let Some(k) = found {
+            if let Some(k) = position {
                 return Some(part.start + k);
             }
             segment = next;
@@ -60,7 +60,7 @@ impl VertexValues {
         self.index(vertex, primitive).map(|k| [self.values[k], self.noise[k]])
     }
 
-    /// The gradient there, if gradients are evaluated.
+    /// The gradient of a primitive at a vertex, if gradients are evaluated.
     pub fn gradient(&self, vertex: u32, primitive: u32) -> Option<[f64; 3]> {
         self.index(vertex, primitive).and_then(|k| self.gradients.get(k).copied())
     }
@@ -70,16 +70,16 @@ impl VertexValues {
         self.primitives.iter().copied().zip(self.values.iter().copied())
     }
 
-    /// Like [`VertexValues::extend`], with gradients; a table has them for all of its values or for none.
-    pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Dual<f64>], noise: &[f64]) {
+    /// Like [`VertexValues::extend`], with gradients; a table has gradients for all of its values or for none.
+    pub fn extend_slopes(&mut self, keys: &[(u32, u32)], slopes: &[Dual<f64>], noise: &[f64]) {
         let values: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
-        self.extend(questions, &values, noise);
+        self.extend(keys, &values, noise);
         self.gradients.extend(slopes.iter().map(|slope| slope.gradient));
     }
 
-    /// Adds new values; questions ascend by vertex and primitive.
-    pub fn extend(&mut self, questions: &[(u32, u32)], values: &[f64], noise: &[f64]) {
-        for same in questions.chunk_by(|a, b| a.0 == b.0) {
+    /// Adds new values; the keys, a vertex and a primitive, ascend.
+    pub fn extend(&mut self, keys: &[(u32, u32)], values: &[f64], noise: &[f64]) {
+        for same in keys.chunk_by(|a, b| a.0 == b.0) {
             let start = self.primitives.len() as u32;
             self.primitives.extend(same.iter().map(|(_, primitive)| *primitive));
             let first = &mut self.first[same[0].0 as usize];

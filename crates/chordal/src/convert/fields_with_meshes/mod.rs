@@ -1,6 +1,6 @@
 //! From a field with meshes among its leaves to triangles.
 //!
-//! The distance to a mesh has kinks everywhere around it, so nothing grows steadily across more than a
+//! The distance to a mesh has kinks everywhere around it, so no function grows steadily across more than a
 //! triangle, and a proof by growth (`convert/fields`) would take cells as small as the triangles. Two other
 //! ways need less:
 //!
@@ -28,14 +28,14 @@ pub use solid_tree::{SolidNode, SolidTree};
 /// The diagonal of a cell as a fraction of the length. Chosen: the rest is for parts of the surface in cells
 /// without triangles.
 const SHARE: f64 = 0.85;
-/// The most lattices for one length, each of half the step of the one before. A thin part between the samples
-/// of one lattice may be met by the next.
+/// The most lattices for one length, each of half the step of the one before. Chosen: a thin part between the samples
+/// of one lattice may be found by the next.
 const MOST_HALVINGS: usize = 2;
-/// Cells along the longest side of the first lattice for a number of triangles.
+/// Cells along the longest side of the first lattice for a number of triangles. Chosen: later tries correct it.
 const FIRST_CELLS: f64 = 48.0;
-/// The most lattices for a number of triangles.
+/// The most lattices for a number of triangles. Chosen: each costs a mesh.
 const MOST_TRIALS: usize = 6;
-/// A mesh with this fraction of the allowed triangles is good enough. Chosen: the count goes in steps.
+/// A mesh with this fraction of the allowed triangles ends the search. Chosen: the count changes in steps.
 const GOOD_COUNT: f64 = 0.8;
 
 type MeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
@@ -48,7 +48,7 @@ pub fn has_meshes(field: &Field) -> bool {
     })
 }
 
-/// Whether some mesh is not a solid: then it may have triangles that are no part of the surface.
+/// Whether some mesh is not a solid: then some of its triangles may be inner walls, which are not part of the surface.
 fn has_walls(field: &Field) -> bool {
     ExprGraph::from_expr(field.sign()).terms().iter().any(|term| {
         let Term::Leaf(leaf, _) = term else { return false };
@@ -57,21 +57,21 @@ fn has_walls(field: &Field) -> bool {
     })
 }
 
-/// Finds a mesh within the limits, or the best.
-pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> MeshResult {
-    let made = search_plain(field, wanted, job);
+/// Finds a mesh within the limits; otherwise the failure has the best mesh.
+pub(in crate::convert) fn search(field: &Field, goal: &FieldMeshGoal, job: &Job) -> MeshResult {
+    let mesh = search_plain(field, goal, job);
     let csg = Csg::from_expr(field.sign());
     match FaceMaterials::new(&csg, job) {
-        Some(materials) => materials.paint(made, wanted.length),
-        None => made,
+        Some(materials) => materials.paint(mesh, goal.length),
+        None => mesh,
     }
 }
 
-/// Gives the faces of a field's mesh the numbers of their materials, as the group `material`: each that of the surface
-/// that is nearest to its middle. A field without materials leaves the mesh as it is.
+/// Gives the faces of a field's mesh the numbers of their materials, as the group `material`: a face has the material of
+/// the surface that is nearest to its middle. If the field has no materials, the mesh stays as it is.
 ///
 /// # Errors
-/// Where a leaf of the field fails.
+/// If a leaf of the field fails.
 pub fn with_face_materials(
     made: Bounded<Mesh>,
     field: &Field,
@@ -84,47 +84,46 @@ pub fn with_face_materials(
     }
 }
 
-/// The same without materials.
-fn search_plain(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> MeshResult {
+/// [`search`] without materials.
+fn search_plain(field: &Field, goal: &FieldMeshGoal, job: &Job) -> MeshResult {
     if !field.evidence().bounds_above() {
         let message = "a function whose ranges are not known is not meshed together with triangles";
         return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     if let Some(placed) = PlacedMesh::from_field(field) {
-        let made = placed.triangles(field)?;
-        let most = wanted.triangles.unwrap_or(u64::MAX);
-        let fits = made.shape.faces().len() as u64 <= most.min(job.triangle_limit);
-        if fits || wanted.length.is_some() {
-            return judged(made, wanted);
+        let mesh = placed.triangles(field)?;
+        let most = goal.triangles.unwrap_or(u64::MAX);
+        let fits = mesh.shape.faces().len() as u64 <= most.min(job.triangle_limit);
+        if fits || goal.length.is_some() {
+            return judged(mesh, goal);
         }
     }
-    match (wanted.length, wanted.triangles) {
-        (Some(length), _) => judged(by_length(field, length, job)?, wanted),
+    match (goal.length, goal.triangles) {
+        (Some(length), _) => judged(by_length(field, length, job)?, goal),
         (None, Some(most)) => by_count(field, most.min(job.triangle_limit), job),
         (None, None) => Err(Failure::refused(RefusalCode::Budget, "the budget has no length and no count")),
     }
 }
 
-/// The mesh, or that it is beyond the budget.
-fn judged(made: Bounded<Mesh>, wanted: &FieldMeshGoal) -> MeshResult {
-    let fits = wanted.triangles.is_none_or(|most| made.shape.faces().len() as u64 <= most);
-    let near =
-        wanted.length.is_none_or(|length| made.bound.at_most().is_some_and(|most| most <= length.get()));
-    if fits && near { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+/// The mesh if it is within the budget, otherwise [`Failure::Unmet`] with it.
+fn judged(mesh: Bounded<Mesh>, goal: &FieldMeshGoal) -> MeshResult {
+    let fits = goal.triangles.is_none_or(|most| mesh.shape.faces().len() as u64 <= most);
+    let near = goal.length.is_none_or(|length| mesh.bound.at_most().is_some_and(|most| most <= length.get()));
+    if fits && near { Ok(mesh) } else { Err(Failure::Unmet(Box::new(mesh))) }
 }
 
 /// The best of a few lattices.
 fn by_length(field: &Field, length: Tolerance, job: &Job) -> MeshResult {
-    let upper = |made: &Bounded<Mesh>| made.bound.at_most().unwrap_or(f64::INFINITY);
+    let upper = |mesh: &Bounded<Mesh>| mesh.bound.at_most().unwrap_or(f64::INFINITY);
     // √3 steps are the diagonal of a cell.
     let mut step = SHARE * length.get() / sqrt_up(3.0);
     let mut best: Option<Bounded<Mesh>> = None;
     for _ in 0..MOST_HALVINGS {
         match (on_lattice(field, step, length.get(), job), &best) {
-            (Ok(made), _) if upper(&made) <= length.get() => return Ok(made),
-            (Ok(made), Some(old)) if upper(old) <= upper(&made) => {}
-            (Ok(made), _) => best = Some(made),
-            // A finer lattice is beyond the limits: what there is is the best.
+            (Ok(mesh), _) if upper(&mesh) <= length.get() => return Ok(mesh),
+            (Ok(mesh), Some(best_mesh)) if upper(best_mesh) <= upper(&mesh) => {}
+            (Ok(mesh), _) => best = Some(mesh),
+            // A finer lattice exceeds the job's limits: the last mesh is the best.
             (Err(Failure::Refused(_)), Some(_)) => break,
             (Err(failure), _) => return Err(failure),
         }
@@ -136,8 +135,8 @@ fn by_length(field: &Field, length: Tolerance, job: &Job) -> MeshResult {
     best.ok_or_else(|| Failure::refused(RefusalCode::Empty, "there is no surface: no sample is inside"))
 }
 
-/// The finest lattice found with at most `most` triangles, whose number goes like 1 over the square of the
-/// step.
+/// The mesh of the finest lattice found that has at most `most` triangles. The search assumes that their number grows
+/// like 1/step².
 fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
     let Box3 { min, max } = field.bounds();
     let longest = (0..3).fold(0.0, |far, k| greater(max[k] - min[k], far));
@@ -152,10 +151,10 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
         limited.triangle_limit = job.triangle_limit.min(most.saturating_mul(64));
         let made = match on_lattice(field, step, f64::INFINITY, &limited) {
             Ok(made) => made,
-            // So many that their number says little.
-            Err(Failure::Refused(why)) if why.code == RefusalCode::TooManyTriangles => {
+            // So many that the number is of no use for a prediction.
+            Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooManyTriangles => {
                 too_fine = greater(step, too_fine);
-                // Sixteen times as many triangles as four steps.
+                // A step four times as large gives a sixteenth of the triangles.
                 step *= 4.0;
                 continue;
             }
@@ -175,10 +174,10 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
         } else {
             too_fine = greater(step, too_fine);
         }
-        // A little coarser than predicted.
+        // A little coarser than predicted, to stay below the limit.
         step *= 1.02 * greater(ratio, 1.0 / 256.0).sqrt();
-        let is_known = step <= too_fine || best.as_ref().is_some_and(|(old, _)| step >= *old);
-        if is_known {
+        let is_outside = step <= too_fine || best.as_ref().is_some_and(|(old, _)| step >= *old);
+        if is_outside {
             let coarse = best.as_ref().map_or(4.0 * current, |(old, _)| *old);
             step = (coarse * greater(too_fine, coarse / 16.0)).sqrt();
         }
@@ -188,20 +187,20 @@ fn by_count(field: &Field, most: u64, job: &Job) -> MeshResult {
     })
 }
 
-/// The mesh of one lattice with its bound. Parts of the surface that no triangle is near are looked at more
-/// closely until they are within `enough`.
+/// The mesh of one lattice with its bound. Boxes with parts of the surface that are far from all triangles are halved
+/// until they are within `enough`.
 fn on_lattice(field: &Field, step: f64, enough: f64, job: &Job) -> MeshResult {
     let lattice = SignLattice::sample(field, step, job)?;
     let mesh = lattice.polygonize(job)?;
     let goal = CoverGoal { enough, has_walls: has_walls(field) };
     let cover = surface_cover::farthest(field, &lattice, &mesh, &goal, job)?;
     let most = greater(cover.most, lattice.cell_diagonal());
-    // Samples are off their places by rounding, and so are vertices.
+    // Rounding moves both samples and vertices.
     let most = add_up(most, mul_up(2.0, lattice.rounding()));
     let mut evidence = field.evidence();
     if cover.n_walls > 0 {
-        // What the proof needs is that the boxes hold no surface. Whoever made the mesh knows of films and gaps, and of boxes
-        // nothing.
+        // The proof assumes that these boxes contain no surface. The condition is worded for the author of the mesh, who knows
+        // about films and gaps, not about boxes.
         let sentence = format!(
             "nothing of the shape that lies along the triangles of a mesh which is open or crosses itself is thinner than \
              {:.1e}: no film, no gap and no bump that all samples around miss ({} places look as if there could be one)",

@@ -1,6 +1,6 @@
 //! `PlacedMesh`: a field that is one solid mesh under an affine map.
 //!
-//! Then its surface is the mapped triangles, and only their corners are rounded.
+//! Its surface is the mapped triangles; only their corners are rounded.
 use crate::budget::{Bound, Bounded, Failure, Reference, RefusalCode};
 use crate::convert::mesh_leaf::{MeshLeaf, MeshSource};
 use crate::explicit::{Mesh, position_id_by_bits};
@@ -15,16 +15,16 @@ pub(super) type LinearForm = [Interval; 4];
 /// A solid mesh, and the map from space to its coordinates.
 pub(super) struct PlacedMesh {
     leaf: Arc<dyn Leaf>,
-    /// `None` where the coordinates are those of space themselves.
+    /// `None` if it is the identity.
     map: Option<[LinearForm; 3]>,
 }
 
 impl PlacedMesh {
-    /// The mesh that the sign of a field is, if it is a solid's.
+    /// The mesh, if the sign of a field is that of one solid mesh.
     pub(super) fn from_field(field: &Field) -> Option<Self> {
         let graph = ExprGraph::from_expr(field.sign());
         let terms = graph.terms();
-        // Positive factors do not matter.
+        // Positive factors do not change the sign.
         let mut root = terms.len() - 1;
         let constant = |k: u32| if let Term::Const(value) = terms[k as usize] { Some(value) } else { None };
         let (leaf, at) = loop {
@@ -40,7 +40,7 @@ impl PlacedMesh {
         Self::new(&leaf, at.map(|term| forms[term as usize]))
     }
 
-    /// A mesh at three linear forms, if it was kept.
+    /// A mesh under the map of three linear forms, if the leaf has kept its mesh.
     pub(super) fn new(leaf: &Arc<dyn Leaf>, at: [Option<LinearForm>; 3]) -> Option<Self> {
         source_of(leaf)?;
         let map = [at[0]?, at[1]?, at[2]?];
@@ -58,16 +58,16 @@ impl PlacedMesh {
         let back = invert(map).ok_or_else(|| {
             Failure::refused(RefusalCode::Unsupported, "a mesh is mapped by what has no inverse")
         })?;
-        let (mut moved, mut off) = (Vec::with_capacity(bare.positions().len()), 0.0);
+        let (mut mapped, mut rounding) = (Vec::with_capacity(bare.positions().len()), 0.0);
         for p in bare.positions() {
             let from: [Interval; 3] = std::array::from_fn(|k| Interval::point(p[k]) - map[k][3]);
             let to: [Interval; 3] =
                 std::array::from_fn(|k| (back[k][0] * from[0] + back[k][1] * from[1]) + back[k][2] * from[2]);
             let middle = to.map(|x| x.midpoint().unwrap_or(f64::NAN));
-            // Half of each width would do.
+            // The full width instead of half of it, to be safe.
             let square = to.iter().fold(0.0, |sum, x| add_up(sum, mul_up(x.width(), x.width())));
-            off = greater(sqrt_up(square), off);
-            moved.push(middle);
+            rounding = greater(sqrt_up(square), rounding);
+            mapped.push(middle);
         }
         let [a, b, c] = back;
         let volume = (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]))
@@ -76,21 +76,21 @@ impl PlacedMesh {
             .faces()
             .iter()
             .map(|face| if volume.hi() < 0.0 { [face[0], face[2], face[1]] } else { *face });
-        let mesh = Mesh::new(moved, faces.collect());
+        let mesh = Mesh::new(mapped, faces.collect());
         let mesh = mesh.map_err(|error| Failure::refused(RefusalCode::NotFinite, error.to_string()))?;
-        if !off.is_finite() {
+        if !rounding.is_finite() {
             return Err(Failure::refused(RefusalCode::NotFinite, "a mesh is mapped beyond all numbers"));
         }
-        Ok(self.bounded(field, mesh, off, norm(&back)))
+        Ok(self.bounded(field, mesh, rounding, norm(&back)))
     }
 
-    /// The bound of triangles that are off by rounding, of a map that stretches by `norm` at most.
-    fn bounded(&self, field: &Field, shape: Mesh, off: f64, norm: f64) -> Bounded<Mesh> {
+    /// The triangles with the bound of their rounding, under a map that stretches vectors by `norm` at most.
+    fn bounded(&self, field: &Field, shape: Mesh, error: f64, norm: f64) -> Bounded<Mesh> {
         let lost = source_of(&self.leaf).and_then(|source| source.lost.clone());
         let rounding = match field.evidence() {
-            // What was lost is added as a length, and so is no promise here.
-            _ if lost.is_some() => Bound::proved(0.0, off, Reference::Field),
-            evidence => Bound::with_evidence(0.0, Some(off), evidence, Reference::Field),
+            // The loss of the source is added below as a length, so it is not a condition here.
+            _ if lost.is_some() => Bound::proved(0.0, error, Reference::Field),
+            evidence => Bound::with_evidence(0.0, Some(error), evidence, Reference::Field),
         };
         let scaled = lost.and_then(|lost| {
             let most = lost.at_most().map(|most| mul_up(most, norm)).filter(|most| most.is_finite())?;
@@ -104,15 +104,15 @@ impl PlacedMesh {
     }
 }
 
-/// The triangles, with one row for each position: what was read from a file of loose triangles is closed by its indices,
-/// too. Those with two corners at one place have no part in any side.
+/// The triangles, with one row for each position, so that a triangle soup becomes closed by its indices. Triangles with
+/// two corners at one position are left out.
 fn welded(mesh: &Mesh) -> Result<Mesh, Failure<Mesh>> {
     let ids = position_id_by_bits(mesh.positions());
     let corners = mesh.faces().iter().map(|face| face.map(|row| ids[row as usize]));
     let faces: Vec<[u32; 3]> = corners.filter(|[a, b, c]| a != b && b != c && c != a).collect();
     let mut is_used = vec![false; ids.len()];
     faces.as_flattened().iter().for_each(|id| is_used[*id as usize] = true);
-    // In the order of the file, so that a mesh without doubles stays as it is.
+    // In the order of the file, so that a mesh without duplicates stays the same.
     let mut row_of = vec![0; ids.len()];
     let mut positions = Vec::new();
     for (id, position) in mesh.positions().iter().enumerate().filter(|(id, _)| is_used[*id]) {
@@ -127,7 +127,7 @@ fn source_of(leaf: &Arc<dyn Leaf>) -> Option<&MeshSource> {
     leaf.as_any()?.downcast_ref::<MeshLeaf>()?.source()
 }
 
-/// Each term as a linear form, where it is one.
+/// Each term as a linear form, if it is one.
 pub(super) fn linear_forms(terms: &[Term]) -> Vec<Option<LinearForm>> {
     let zero = Interval::point(0.0);
     let mut forms: Vec<Option<LinearForm>> = Vec::with_capacity(terms.len());
@@ -161,7 +161,7 @@ pub(super) fn linear_forms(terms: &[Term]) -> Vec<Option<LinearForm>> {
     forms
 }
 
-/// The inverse of the linear part, enclosed; `None` where its determinant may be 0.
+/// The inverse of the linear part, enclosed; `None` if its determinant may be 0.
 fn invert(map: &[LinearForm; 3]) -> Option<[[Interval; 3]; 3]> {
     let minor = |i: usize, j: usize| {
         let ([a, b], [c, d]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
@@ -174,7 +174,7 @@ fn invert(map: &[LinearForm; 3]) -> Option<[[Interval; 3]; 3]> {
     Some(std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / volume)))
 }
 
-/// The most that a linear map stretches a vector: `‖A‖₂ ≤ √(‖A‖₁ · ‖A‖∞)`.
+/// An upper bound of the factor by which a linear map stretches vectors: `‖A‖₂ ≤ √(‖A‖₁ · ‖A‖∞)`.
 fn norm(rows: &[[Interval; 3]; 3]) -> f64 {
     let size = |i: usize, j: usize| rows[i][j].magnitude();
     let sum = |term: &dyn Fn(usize) -> f64| (0..3).fold(0.0, |sum, k| add_up(sum, term(k)));

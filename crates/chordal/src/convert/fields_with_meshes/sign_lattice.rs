@@ -1,7 +1,7 @@
-//! `SignLattice`: the sign of a field on a lattice of cubes, known everywhere and sampled near the surface.
+//! `SignLattice`: the sign of a field on a lattice of cubes, sampled near the surface and proved elsewhere.
 //!
-//! Blocks of samples whose range has one sign, all around them to the next samples, hold no surface in any of
-//! their cells. The others are halved down to blocks of 2³ samples; what is left of those covers the surface.
+//! If the range over a block of samples, extended to the samples around it, has one sign, its cells contain no
+//! surface. The other blocks are halved down to blocks of 2³ samples; those that remain cover the surface.
 use super::leaf_failure;
 use crate::budget::{Failure, Job, RefusalCode, par_map};
 use crate::convert::Polygonize;
@@ -19,12 +19,12 @@ const BLOCKS: usize = VOLUME / 8;
 /// Entries of the directory for bricks without samples: all outside, all inside.
 const OUTSIDE: u32 = u32::MAX;
 const INSIDE: u32 = u32::MAX - 1;
-/// Boxes of a task: enough to repay its start, and neighbours that share what they find.
+/// Boxes of a task. Chosen: enough to repay its start, and neighbours that share intermediate results.
 const TASK: usize = 256;
-/// Where the first sample lies beyond the bounds, as fractions of a step beyond the first one. Chosen: off the
-/// simple fractions, so that samples are seldom on faces that are parallel to an axis.
+/// The distance of the first sample from the bounds beyond one step, as fractions of a step. Chosen: no simple
+/// fractions, so that samples are seldom on faces that are parallel to an axis.
 const SHIFT: [f64; 3] = [0.381_966, 0.436_571, 0.291_503];
-/// Bytes for each triangle of a lattice's mesh: itself, its share of vertices, and of the tree and its making.
+/// Bytes for each triangle of a lattice's mesh: itself, its share of vertices, and of the tree and its construction.
 /// Measured: a tree takes 80.
 const BYTES_A_TRIANGLE: u64 = 200;
 
@@ -32,9 +32,9 @@ const BYTES_A_TRIANGLE: u64 = 200;
 pub(super) struct SignBrick {
     /// Its number along each index.
     pub at: [u32; 3],
-    /// A bit for each block of 2³ samples whose cells may hold a part of the surface.
+    /// A bit for each block of 2³ samples, set if its cells may contain a part of the surface.
     pub blocks: u64,
-    /// In single precision, with the sign of the value.
+    /// The values in single precision, with the same signs.
     values: Vec<f32>,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct SignLattice {
     n_doubtful: u64,
 }
 
-/// What the range of a field in a box says of its sides.
+/// The side of all points of a box, by the range of a field in it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum RangeSide {
     Inside,
@@ -78,9 +78,9 @@ impl SignLattice {
         check(lattice.size, &lattice.affine, &rule)?;
         let n_bricks = lattice.size.map(|n| n.div_ceil(BRICK));
         let n_entries: usize = n_bricks.iter().product();
-        // The directory, and the bits that are marched.
+        // The directory, and the sign bits for marching cubes.
         too_large(4 * n_entries as u64 + lattice.len() as u64 / 8, job)?;
-        let mut made = Self {
+        let mut sampled = Self {
             lattice,
             bricks: Vec::new(),
             directory: vec![OUTSIDE; n_entries],
@@ -90,35 +90,35 @@ impl SignLattice {
             n_doubtful: 0,
         };
         let tape = Tape::new(field.sign());
-        let near = made.bricks_near_surface(&tape, job)?;
+        let near = sampled.bricks_near_surface(&tape, job)?;
         if job.is_finishing() {
             return Err(unfinished());
         }
         too_large(near.len() as u64 * (4 * VOLUME + 64) as u64, job)?;
         let done = par_map(job, &near, |_, at| {
             let is_over = job.is_cancelled() || job.is_finishing();
-            if is_over { Ok((None, 0)) } else { made.sample_brick(&tape, *at) }
+            if is_over { Ok((None, 0)) } else { sampled.sample_brick(&tape, *at) }
         });
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        // A part of the bricks may be missing.
+        // Some bricks may be missing.
         if job.is_finishing() {
             return Err(unfinished());
         }
         for (result, at) in done.into_iter().zip(&near) {
             let (brick, n_doubtful) = result.map_err(|error| leaf_failure(&error))?;
-            let entry = made.entry(*at);
-            made.n_doubtful += n_doubtful;
+            let entry = sampled.entry(*at);
+            sampled.n_doubtful += n_doubtful;
             if let Some(brick) = brick {
-                made.directory[entry] = made.bricks.len() as u32;
-                made.bricks.push(brick);
+                sampled.directory[entry] = sampled.bricks.len() as u32;
+                sampled.bricks.push(brick);
             }
         }
-        Ok(made)
+        Ok(sampled)
     }
 
-    /// The bricks whose range has both signs, from large blocks to small ones; the others get their entries.
+    /// The bricks whose range has both signs, searched from large blocks to small ones; the entries of the others are set.
     fn bricks_near_surface(&mut self, tape: &Tape, job: &Job) -> Result<Vec<[u32; 3]>, Failure<Mesh>> {
         let widest = self.n_bricks.iter().fold(1, |most, n| (*n).max(most));
         let mut level = widest.next_power_of_two().trailing_zeros();
@@ -175,11 +175,11 @@ impl SignLattice {
     pub(super) fn hull(&self, [first, end]: [[usize; 3]; 2]) -> Box3 {
         let last: [usize; 3] = std::array::from_fn(|k| end[k].min(self.lattice.size[k]));
         let Box3 { min, max } = self.lattice.hull([first, last]);
-        let room = mul_up(self.step, 1.0 + f64::EPSILON);
-        Box3 { min: min.map(|x| -sub_up(room, x)), max: max.map(|x| crate::math::add_up(x, room)) }
+        let margin = mul_up(self.step, 1.0 + f64::EPSILON);
+        Box3 { min: min.map(|x| -sub_up(margin, x)), max: max.map(|x| crate::math::add_up(x, margin)) }
     }
 
-    /// Samples a brick, and how many signs of its samples rounding may decide.
+    /// Samples a brick; also returns the number of samples whose sign rounding may decide.
     fn sample_brick(&self, tape: &Tape, at: [u32; 3]) -> Result<(Option<SignBrick>, u64), LeafError> {
         let first = at.map(|k| k as usize * BRICK);
         let mut values = vec![self.step as f32; VOLUME];
@@ -213,7 +213,7 @@ impl SignLattice {
                 }
             }
         }
-        // 2. The samples of these by their ranges at a point, which know rounding.
+        // 2. The samples of these blocks by their ranges at points, which include rounding.
         let (mut blocks, mut rows, mut points) = (0_u64, Vec::new(), Vec::new());
         for at in &open {
             blocks |= 1 << block_of(*at);
@@ -239,7 +239,7 @@ impl SignLattice {
                 (_, Some(value)) => values[*row] = signed_f32(value),
             }
         }
-        // 3. Signs that ranges leave open are those of the values.
+        // 3. If a range leaves the sign open, it is that of the computed value.
         let mut computed = vec![0.0; doubtful.0.len()];
         tape.at(&doubtful.1, &mut computed)?;
         for (row, value) in doubtful.0.iter().zip(&computed) {
@@ -251,15 +251,15 @@ impl SignLattice {
 
     /// The triangles between the signs: closed, at least by indices.
     pub(super) fn polygonize(&self, job: &Job) -> Result<Mesh, Failure<Mesh>> {
-        let made: Isosurface<f64> = march(self, &self.lattice.affine, &self.rule, job)?;
-        if made.faces.is_empty() {
+        let isosurface: Isosurface<f64> = march(self, &self.lattice.affine, &self.rule, job)?;
+        if isosurface.faces.is_empty() {
             return Err(Failure::refused(
                 RefusalCode::Empty,
                 "there is no surface: no sample of the lattice is inside",
             ));
         }
-        too_large(BYTES_A_TRIANGLE * made.faces.len() as u64, job)?;
-        Ok(Mesh::by_construction(made.positions, made.faces))
+        too_large(BYTES_A_TRIANGLE * isosurface.faces.len() as u64, job)?;
+        Ok(Mesh::by_construction(isosurface.positions, isosurface.faces))
     }
 
     /// The diagonal of a cell, rounded up.
@@ -267,12 +267,12 @@ impl SignLattice {
         mul_up(sqrt_up(3.0), self.step)
     }
 
-    /// How far rounding moves samples and vertices.
+    /// The largest distance by which rounding moves samples and vertices.
     pub(super) fn rounding(&self) -> f64 {
         vertex_errors(&self.lattice.affine, &self.rule, self.lattice.size).1
     }
 
-    /// How many signs of samples rounding may decide.
+    /// The number of samples whose sign rounding may decide.
     pub(super) fn n_doubtful(&self) -> u64 {
         self.n_doubtful
     }
@@ -331,12 +331,12 @@ impl SampleSource for SignLattice {
     }
 }
 
-/// What ends a lattice of which the job wants no more: a coarser mesh is made instead.
+/// The failure of a lattice that is stopped because the job finishes: a coarser mesh is returned instead.
 fn unfinished() -> Failure<Mesh> {
     Failure::refused(RefusalCode::Empty, "the time ended before the cells that the length needs were sampled")
 }
 
-/// The sides of many boxes. They are unknown where the job ends first.
+/// The sides of many boxes; unknown for boxes that were not evaluated because the job ends.
 pub(super) fn range_sides(tape: &Tape, boxes: &[Box3], job: &Job) -> Result<Vec<RangeSide>, Failure<Mesh>> {
     let tasks: Vec<&[Box3]> = boxes.chunks(TASK).collect();
     let done = par_map(job, &tasks, |_, part| {
@@ -371,7 +371,7 @@ fn lattice_around(bounds: &Box3, step: f64) -> Result<Lattice, Failure<Mesh>> {
     Ok(Lattice { size: counts.map(|n| n as usize), affine })
 }
 
-/// Refuses what the job has no memory for.
+/// Refuses a number of bytes beyond the job's memory.
 pub(super) fn too_large(bytes: u64, job: &Job) -> Result<(), Failure<Mesh>> {
     if bytes <= job.memory_limit {
         return Ok(());
@@ -380,7 +380,7 @@ pub(super) fn too_large(bytes: u64, job: &Job) -> Result<(), Failure<Mesh>> {
     Err(Failure::refused(RefusalCode::TooMuchMemory, message))
 }
 
-/// In single precision; what is below 0 stays below.
+/// The value in single precision; values below 0 stay below 0.
 fn signed_f32(value: f64) -> f32 {
     let single = value as f32;
     if value < 0.0 && single == 0.0 { -f32::MIN_POSITIVE } else { single }
@@ -392,7 +392,7 @@ fn block_of(at: [usize; 3]) -> usize {
     i + 4 * (j + 4 * k)
 }
 
-/// The first sample in its brick of the block of a number.
+/// The first sample of a block in its brick, by the block's number.
 pub(super) fn block_at(number: usize) -> [usize; 3] {
     [number % 4, number / 4 % 4, number / 16].map(|x| 2 * x)
 }

@@ -1,8 +1,8 @@
 //! `SolidTree`: a field with closed meshes as unions, intersections and differences of solids.
 //!
-//! Its leaves are meshes, moved, and the largest parts of the field in which there is none. Each part becomes
-//! triangles by itself, and what combines triangles does the rest: the distance to a mesh, with its kinks
-//! everywhere, is never meshed.
+//! Its leaves are placed meshes, and the largest parts of the field without meshes. Each part is meshed separately,
+//! and the triangles are then combined by mesh booleans. So the distance to a mesh, with its kinks everywhere, is
+//! never meshed.
 use super::placed_mesh::{PlacedMesh, linear_forms};
 use crate::budget::{Bounded, Failure};
 use crate::convert::mesh_leaf::MeshLeaf;
@@ -15,39 +15,39 @@ use crate::math::{Box3, greater};
 /// A field as booleans of closed meshes and of fields without any.
 #[derive(Clone, Debug)]
 pub struct SolidTree {
-    /// Operands come before what combines them; the last is the whole.
+    /// Operands come before the nodes that combine them; the last node is the whole solid.
     pub nodes: Vec<SolidNode>,
 }
 
-/// A solid of a [`SolidTree`]. Numbers are those of nodes before it.
+/// A solid of a [`SolidTree`]. Numbers are indices of earlier nodes.
 #[derive(Clone, Debug)]
 pub enum SolidNode {
-    /// The triangles of a closed mesh where they are placed, with what placing them lost.
+    /// The placed triangles of a closed mesh, with the error of placing them.
     Triangles(Bounded<Mesh>),
-    /// A part without meshes, clipped to a box that holds the whole.
+    /// A part without meshes, clipped to a box that contains the whole solid.
     Field(Field),
-    /// What is in either.
+    /// All points of either solid.
     Union(usize, usize),
-    /// What is in both.
+    /// All points of both solids.
     Intersection(usize, usize),
-    /// What is in the first and not in the second.
+    /// All points of the first solid that are not in the second.
     Difference(usize, usize),
 }
 
-/// The room around the whole in the box that parts are clipped to, as a share of its longest side. Chosen: the sides of
-/// the box are to be far from all surfaces that count.
-const ROOM: f64 = 1.0 / 16.0;
+/// The margin of the box to which parts are clipped, as a share of its longest side. Chosen: the sides of the box have to
+/// be far from all relevant surfaces.
+const CLIP_MARGIN: f64 = 1.0 / 16.0;
 
 impl SolidTree {
-    /// The tree of a field. None where some mesh is not closed, where it is mapped by what is not affine, or where
-    /// something else than minima, maxima and complements joins a mesh with the rest (offsets, blends); and for a field
-    /// without meshes, or with one mesh alone.
+    /// The tree of a field. `None` if some mesh is not closed or its map is not affine, if a mesh is joined with the
+    /// rest by other operations than minima, maxima and complements (offsets, blends), and for a field without meshes
+    /// or with a single mesh.
     ///
-    /// The solid is the same, as far as [`Field::bounds`] is right: where a part is clipped off, every mesh and every
-    /// other part ends as well, so that nothing is inside. Cost: that of placing the meshes.
+    /// The solid is the same if [`Field::bounds`] is right: every part is clipped to the same box, beyond which no mesh
+    /// and no other part extends. Cost: that of placing the meshes.
     ///
     /// # Errors
-    /// Where a mesh is mapped by what has no inverse, or beyond all numbers.
+    /// If the map of a mesh has no inverse, or a placed coordinate is not finite.
     pub fn from_field(field: &Field) -> Result<Option<Self>, Failure<Mesh>> {
         let graph = ExprGraph::from_expr(field.sign());
         match TreeTerms::new(graph.terms(), field) {
@@ -57,7 +57,7 @@ impl SolidTree {
     }
 }
 
-/// The number of a node, and whether its complement is meant.
+/// The index of a node, and whether the solid is its complement.
 type SidedNode = (usize, bool);
 
 /// The terms of a field that is being taken apart.
@@ -68,14 +68,14 @@ struct TreeTerms<'a> {
     /// Whether a term depends on a mesh.
     has_mesh: Vec<bool>,
     forms: Vec<Option<super::placed_mesh::LinearForm>>,
-    /// The box of the whole, of all meshes, and room.
+    /// The box of the whole solid and of all meshes, with a margin.
     clip: Box3,
 }
 
 impl<'a> TreeTerms<'a> {
-    /// None where some mesh is not closed, or its place is no affine map.
+    /// `None` if some mesh is not closed, or its map is not affine.
     fn new(terms: &'a [Term], field: &'a Field) -> Option<Self> {
-        let mut own = Self {
+        let mut tree = Self {
             field,
             terms,
             exprs: expressions(terms),
@@ -89,15 +89,15 @@ impl<'a> TreeTerms<'a> {
             if !mesh.has_sides() || !mesh.is_closed() {
                 return None;
             }
-            let placed = own.placed(number)?;
-            let made = placed.triangles(field).ok()?;
-            own.clip = own.clip.union(made.shape.bounds());
+            let placed = tree.placed(number)?;
+            let mesh = placed.triangles(field).ok()?;
+            tree.clip = tree.clip.union(mesh.shape.bounds());
         }
-        let Box3 { min, max } = own.clip;
+        let Box3 { min, max } = tree.clip;
         let longest = (0..3).fold(0.0, |most, k| greater(max[k] - min[k], most));
-        let room = ROOM * longest;
-        own.clip = Box3 { min: min.map(|x| x - room), max: max.map(|x| x + room) };
-        (longest.is_finite() && own.has_mesh.last() == Some(&true)).then_some(own)
+        let margin = CLIP_MARGIN * longest;
+        tree.clip = Box3 { min: min.map(|x| x - margin), max: max.map(|x| x + margin) };
+        (longest.is_finite() && tree.has_mesh.last() == Some(&true)).then_some(tree)
     }
 
     fn placed(&self, leaf: usize) -> Option<PlacedMesh> {
@@ -107,7 +107,7 @@ impl<'a> TreeTerms<'a> {
 
     fn solids(&self) -> Result<Option<SolidTree>, Failure<Mesh>> {
         let root = self.terms.len() - 1;
-        // 1. What is a solid of the tree, from the whole down.
+        // 1. Marks the terms that are solids of the tree, from the root down.
         let mut is_solid = vec![false; self.terms.len()];
         is_solid[root] = true;
         for number in (0..=root).rev() {
@@ -115,19 +115,19 @@ impl<'a> TreeTerms<'a> {
                 self.mark_below(number, &mut is_solid);
             }
         }
-        // 2. Its nodes, from the leaves up.
+        // 2. Builds the nodes, from the leaves up.
         let mut nodes = Vec::new();
-        let mut made: Vec<Option<SidedNode>> = vec![None; self.terms.len()];
+        let mut node_of: Vec<Option<SidedNode>> = vec![None; self.terms.len()];
         for number in (0..=root).filter(|number| is_solid[*number]) {
-            let Some(node) = self.solid(number, &made, &mut nodes)? else { return Ok(None) };
-            made[number] = Some(node);
+            let Some(node) = self.solid(number, &node_of, &mut nodes)? else { return Ok(None) };
+            node_of[number] = Some(node);
         }
-        let is_whole = matches!(made[root], Some((_, false)));
+        let is_whole = matches!(node_of[root], Some((_, false)));
         let combines = !matches!(nodes.last(), None | Some(SolidNode::Triangles(_) | SolidNode::Field(_)));
         Ok((is_whole && combines).then_some(SolidTree { nodes }))
     }
 
-    /// Marks the terms that a solid is combined of.
+    /// Marks the operands of a term.
     fn mark_below(&self, number: usize, is_solid: &mut [bool]) {
         match self.shape_of(number) {
             TermShape::Same(below) | TermShape::Complement(below) => is_solid[below] = true,
@@ -141,7 +141,7 @@ impl<'a> TreeTerms<'a> {
         match &self.terms[number] {
             Term::Unary(Unary::Neg, below) => TermShape::Complement(*below as usize),
             _ if !self.has_mesh[number] => TermShape::Part,
-            // Positive factors do not matter.
+            // Positive factors do not change the solid.
             Term::Binary(Binary::Mul | Binary::Div, a, b) if is_positive(*b) => TermShape::Same(*a as usize),
             Term::Binary(Binary::Mul, a, b) if is_positive(*a) => TermShape::Same(*b as usize),
             Term::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
@@ -152,18 +152,18 @@ impl<'a> TreeTerms<'a> {
         }
     }
 
-    /// The solid of a term, made of those before it.
+    /// The node of a term, from those of earlier terms.
     fn solid(
         &self,
         number: usize,
-        made: &[Option<SidedNode>],
+        node_of: &[Option<SidedNode>],
         nodes: &mut Vec<SolidNode>,
     ) -> Result<Option<SidedNode>, Failure<Mesh>> {
         let node = match self.shape_of(number) {
-            TermShape::Same(below) => return Ok(made[below]),
-            TermShape::Complement(below) => return Ok(made[below].map(|(node, is_not)| (node, !is_not))),
+            TermShape::Same(below) => return Ok(node_of[below]),
+            TermShape::Complement(below) => return Ok(node_of[below].map(|(node, is_not)| (node, !is_not))),
             TermShape::Choice(op, a, b) => {
-                let (Some(a), Some(b)) = (made[a], made[b]) else { return Ok(None) };
+                let (Some(a), Some(b)) = (node_of[a], node_of[b]) else { return Ok(None) };
                 let (node, is_complement) = joined(a, b, op);
                 nodes.push(node);
                 return Ok(Some((nodes.len() - 1, is_complement)));
@@ -179,7 +179,7 @@ impl<'a> TreeTerms<'a> {
         Ok(Some((nodes.len() - 1, false)))
     }
 
-    /// The field of a term within the box.
+    /// The field of a term, clipped to the box.
     fn clipped(&self, term: usize) -> Result<Field, Failure<Mesh>> {
         let part = Field::new(self.exprs[term].clone());
         if part.is_within(&self.clip) {
@@ -196,16 +196,17 @@ impl<'a> TreeTerms<'a> {
     }
 }
 
-/// What a term is to a tree of solids.
+/// The role of a term in a tree of solids.
 enum TermShape {
+    /// The solid of another term.
     Same(usize),
     Complement(usize),
     /// A minimum or a maximum.
     Choice(Binary, usize, usize),
-    /// Something without meshes.
+    /// A part without meshes.
     Part,
     Mesh,
-    /// Something else, with a mesh below.
+    /// Another operation on a mesh.
     Other,
 }
 
@@ -214,7 +215,7 @@ fn joined((a, a_is_not): SidedNode, (b, b_is_not): SidedNode, op: Binary) -> (So
     match (op, a_is_not, b_is_not) {
         (Binary::Min, false, false) => (SolidNode::Union(a, b), false),
         (Binary::Min, true, true) => (SolidNode::Intersection(a, b), true),
-        // What is in a, or not in b, is all but what is in b alone.
+        // a ∪ ¬b is the complement of b − a.
         (Binary::Min, false, true) => (SolidNode::Difference(b, a), true),
         (Binary::Min, true, false) => (SolidNode::Difference(a, b), true),
         (_, false, false) => (SolidNode::Intersection(a, b), false),
@@ -227,10 +228,10 @@ fn joined((a, a_is_not): SidedNode, (b, b_is_not): SidedNode, op: Binary) -> (So
 /// Each term as an expression.
 fn expressions(terms: &[Term]) -> Vec<Expr> {
     let axes = Expr::axes();
-    let mut made: Vec<Expr> = Vec::with_capacity(terms.len());
+    let mut exprs: Vec<Expr> = Vec::with_capacity(terms.len());
     for term in terms {
-        let of = |k: &u32| &made[*k as usize];
-        made.push(match term {
+        let of = |k: &u32| &exprs[*k as usize];
+        exprs.push(match term {
             Term::Const(value) => Expr::constant(*value),
             Term::Axis(axis) => axes[usize::from(*axis)].clone(),
             Term::Unary(op, a) => Expr::unary(*op, of(a)),
@@ -238,7 +239,7 @@ fn expressions(terms: &[Term]) -> Vec<Expr> {
             Term::Leaf(leaf, at) => Expr::leaf(leaf.clone(), at.each_ref().map(|k| of(k).clone())),
         });
     }
-    made
+    exprs
 }
 
 fn meshes_below(terms: &[Term]) -> Vec<bool> {

@@ -1,12 +1,13 @@
-//! How far the surface of a field is from the triangles of its lattice, at most.
+//! An upper bound of the distance from the surface of a field to the triangles of its lattice.
 //!
-//! Let S be the boundary of where the field is negative. Every point of S lies in a block that ranges did not
-//! rule out. If a cell of it has corners on both sides, triangles pass through the cell, so S in it is within
-//! the cell's diagonal of them. Otherwise S in a box is within the distance of its middle from the triangles
-//! and half its diagonal; boxes where that is too much are halved as long as their ranges leave them.
+//! Let S be the boundary of the region where the field is negative. Every point of S lies in a block that ranges
+//! did not rule out. If a cell of the block has corners on both sides, triangles pass through the cell, so S in it
+//! is within the cell's diagonal of them. Otherwise the distance of S in a box is at most the distance of the box's
+//! middle from the triangles plus half its diagonal; boxes for which that is too much are halved as long as their
+//! ranges do not rule them out.
 //!
-//! A mesh that crosses itself has triangles inside of what it winds around, and near them its range has both
-//! signs. What is left of those is counted, and the bound rests on them being no surface.
+//! A mesh that crosses itself has triangles inside the solid that it bounds, and near them its range has both signs.
+//! The boxes that remain there are counted, and the bound holds on the condition that they contain no surface.
 use super::leaf_failure;
 use super::sign_lattice::{
     N_BLOCKS, RangeSide, SignLattice, block_at, half_diagonal, range_sides, too_large,
@@ -17,9 +18,9 @@ use crate::explicit::{Bvh, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, add_up};
 
-/// The most halvings of a cell. Chosen: a box is then smaller than the length that is asked for.
+/// The most halvings of a cell. Chosen: a box is then smaller than the length.
 const MOST_HALVINGS: usize = 4;
-/// The same where meshes have walls inside. Chosen: these are as large as a surface.
+/// The same if meshes have inner walls. Chosen: these are as large as a surface, and would take as many boxes.
 const WALL_HALVINGS: usize = 1;
 /// Boxes of a task.
 const TASK: usize = 256;
@@ -28,23 +29,23 @@ const TASK: usize = 256;
 pub(super) struct FarthestPart {
     /// No point of the surface is farther from the triangles.
     pub most: f64,
-    /// Where it may be so far.
+    /// A point near which it may be so far.
     pub at: Option<[f64; 3]>,
-    /// Boxes with triangles of a mesh that is not a solid, and samples of one side alone, that are taken to hold no
-    /// surface.
+    /// The number of boxes with triangles of a mesh that is not a solid, and with samples on one side only, that are assumed
+    /// to contain no surface.
     pub n_walls: u64,
 }
 
-/// How closely is looked.
+/// The limits of the search.
 pub(super) struct CoverGoal {
-    /// What is no farther from the triangles is not looked at more closely.
+    /// Boxes within this distance of the triangles are not halved.
     pub enough: f64,
-    /// Whether meshes that are not solids have walls inside, whose ranges have both signs though nothing changes
-    /// there.
+    /// Whether some meshes are not solids: near their inner walls, ranges have both signs although the side does not
+    /// change.
     pub has_walls: bool,
 }
 
-/// An upper bound for the distance from points of the surface to the triangles.
+/// An upper bound of the distance from points of the surface to the triangles.
 pub(super) fn farthest(
     field: &Field,
     lattice: &SignLattice,
@@ -56,8 +57,8 @@ pub(super) fn farthest(
     let CoverGoal { enough, has_walls } = *goal;
     let most_halvings = if has_walls { WALL_HALVINGS } else { MOST_HALVINGS };
     let tape = Tape::new(field.sign());
-    let mut found = FarthestPart { most: 0.0, at: None, n_walls: 0 };
-    // 1. Cells of the blocks, as far as no triangle passes through them and not all of the block is near.
+    let mut farthest_part = FarthestPart { most: 0.0, at: None, n_walls: 0 };
+    // 1. The cells of the blocks through which no triangle passes and that are not near enough.
     let of_bricks = par_map(job, &lattice.bricks, |_, brick| {
         let (mut cells, mut most, mut at) = (Vec::new(), 0.0, None);
         let blocks = (0..N_BLOCKS).filter(|number| brick.blocks >> number & 1 == 1);
@@ -86,46 +87,47 @@ pub(super) fn farthest(
     let mut waiting = Vec::new();
     for (cells, most, at) in of_bricks {
         waiting.extend(cells);
-        if most > found.most {
-            (found.most, found.at) = (most, at);
+        if most > farthest_part.most {
+            (farthest_part.most, farthest_part.at) = (most, at);
         }
     }
-    // 2. Those that are too far: ruled out, near enough, or halved.
+    // 2. Cells that are too far: ruled out, near enough, or halved.
     for halvings in 0..=most_halvings {
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        // Boxes, their halves, and what is found of both.
+        // Memory of the boxes, their halves, and the results for both.
         too_large(16 * 48 * waiting.len() as u64, job)?;
         let sides = range_sides(&tape, &waiting, job)?;
-        let left: Vec<Box3> = waiting
+        let undecided: Vec<Box3> = waiting
             .into_iter()
             .zip(sides)
             .filter_map(|(cell, side)| (side == RangeSide::Unknown).then_some(cell))
             .collect();
-        let tasks: Vec<&[Box3]> = left.chunks(TASK).collect();
+        let tasks: Vec<&[Box3]> = undecided.chunks(TASK).collect();
         let reaches: Vec<f64> =
             par_map(job, &tasks, |_, cells| cells.iter().map(|cell| reach(&bvh, cell)).collect::<Vec<f64>>())
                 .concat();
         waiting = Vec::new();
         let is_last = halvings == most_halvings || job.is_finishing();
-        let far = left.iter().zip(&reaches).filter(|(_, reach)| is_last && has_walls && **reach > enough);
+        let far =
+            undecided.iter().zip(&reaches).filter(|(_, reach)| is_last && has_walls && **reach > enough);
         let far: Vec<Box3> = far.map(|(cell, _)| *cell).collect();
         let mut are_walls = one_sided(&tape, &far, job)?.into_iter();
-        for (cell, reach) in left.iter().zip(reaches) {
+        for (cell, reach) in undecided.iter().zip(reaches) {
             if is_last && has_walls && reach > enough && are_walls.next().unwrap_or(false) {
-                found.n_walls += 1;
+                farthest_part.n_walls += 1;
             } else if reach > enough && !is_last {
                 waiting.extend(octants(cell));
-            } else if reach > found.most {
-                (found.most, found.at) = (reach, Some(cell.centre()));
+            } else if reach > farthest_part.most {
+                (farthest_part.most, farthest_part.at) = (reach, Some(cell.centre()));
             }
         }
         if waiting.is_empty() {
             break;
         }
     }
-    Ok(found)
+    Ok(farthest_part)
 }
 
 /// Whether the corners and the middle of each box are on one side.
@@ -144,17 +146,17 @@ fn one_sided(tape: &Tape, boxes: &[Box3], job: &Job) -> Result<Vec<bool>, Failur
         let is_one = |nine: &[f64]| nine.iter().all(|value| (*value < 0.0) == (nine[0] < 0.0));
         Ok(values.chunks(SAMPLES).map(is_one).collect::<Vec<bool>>())
     });
-    let mut all = Vec::with_capacity(boxes.len());
+    let mut are_one_sided = Vec::with_capacity(boxes.len());
     for part in done {
-        all.extend(part.map_err(|error: LeafError| leaf_failure(&error))?);
+        are_one_sided.extend(part.map_err(|error: LeafError| leaf_failure(&error))?);
     }
-    Ok(all)
+    Ok(are_one_sided)
 }
 
 /// The samples of a box: its corners and its middle.
 const SAMPLES: usize = 9;
 
-/// No point of a box is farther from the triangles.
+/// An upper bound of the distance from points of a box to the triangles.
 fn reach(bvh: &Bvh, cell: &Box3) -> f64 {
     let near = bvh.closest_distance_up(cell.centre()).unwrap_or(f64::INFINITY);
     add_up(near, half_diagonal(cell))

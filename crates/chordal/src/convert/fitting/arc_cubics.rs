@@ -1,20 +1,21 @@
-//! Cubics in the place of an arc of an ellipse.
+//! Approximates an arc of an ellipse by cubics.
 //!
-//! An ellipse is the image of the unit circle, and so are its cubics. An arc of the circle of `θ ≤ π/2` and the cubic with
-//! its ends, its end directions and handles of `4/3·tan(θ/4)` touch at the ends and in the middle; elsewhere the cubic is
-//! outside, by at most `2/27·sin⁶(θ/4)/cos²(θ/4)`. Points in the same direction from the centre are pairs that leave out
-//! none of either, and their images are apart by at most that times the longest half-axis.
+//! An ellipse is an affine image of the unit circle, and its cubics are images of the circle's. An arc of the circle of
+//! `θ ≤ π/2` and the cubic with its ends, its end directions and handles of `4/3·tan(θ/4)` touch at the ends and in the
+//! middle; elsewhere the cubic is outside, by at most `2/27·sin⁶(θ/4)/cos²(θ/4)`. Points in the same direction from the
+//! centre are paired, which covers both curves, and the distance of their images is at most that times the longest
+//! half-axis.
 //!
-//! *Rounding.* Points are off by `16·ε·R` in each coordinate, and handles by less: those are at most 0.7 of the angle times
-//! `|φ||w| + |v|`, of which `4·ε` are lost ([`super::super::curves::chord`]). What is allowed for a chord's roundings,
-//! `1024·ε·R`, covers it.
+//! *Rounding.* Points have errors of `16·ε·R` in each coordinate, and handles smaller ones: they are at most 0.7 of the
+//! angle times `|φ||w| + |v|`, with an error of `4·ε` of that ([`super::super::curves::chord`]). The `1024·ε·R` for a
+//! chord's roundings cover it.
 //!
 //! Source: M. Goldapp, *Approximation of circular arcs by cubic polynomials*, 1991.
 use crate::explicit::{Arc, Bezier};
 use crate::math::{dot, greater};
 
 /// The largest distance of the cubic of an arc from the unit circle, rounded up.
-fn off_unit_circle(turn_rad: f64) -> f64 {
+fn unit_circle_error(turn_rad: f64) -> f64 {
     let (sin, cos) = libm::sincos(turn_rad / 4.0);
     let cube = sin * sin * sin;
     // Nine roundings of half a step, and two functions of one each.
@@ -34,24 +35,24 @@ fn longest_axis<const D: usize>(u: [f64; D], v: [f64; D]) -> f64 {
     size * (0.5 * (a + c) + (half * half + b * b).sqrt()).sqrt() * (1.0 + 16.0 * f64::EPSILON)
 }
 
-/// The number of equal cubics that come within a length of an arc, as a float: it may be huge. And how near they come,
+/// The number of equal cubics that are within a length of an arc, as a float since it may be huge; and their distance,
 /// without rounding.
 pub(crate) fn count<const D: usize>(arc: &Arc<D>, length: f64) -> (f64, f64) {
     let turn = arc.sweep_rad().abs();
     let part = arc.part_about_middle(0.5, 0.5);
     let radius = longest_axis(part.to_middle, part.along);
-    let off = |n: f64| radius * off_unit_circle(turn / n);
+    let error = |n: f64| radius * unit_circle_error(turn / n);
     let least = greater(1.0, (turn / std::f64::consts::FRAC_PI_2).ceil());
     // sin(θ/4) < θ/4 and cos²(θ/4) > 0.85.
     let enough = 0.25 * turn * libm::cbrt((2.0 / 27.0 / 0.85 * radius / length).sqrt());
     let mut n = greater(least, (enough - 1.0).floor());
-    while off(n) > length && n < enough + 4.0 {
+    while error(n) > length && n < enough + 4.0 {
         n += 1.0;
     }
-    (n, off(n))
+    (n, error(n))
 }
 
-/// An arc as so many cubics.
+/// An arc as `n` equal cubics.
 pub(crate) fn cubics<const D: usize>(arc: &Arc<D>, n: usize) -> Vec<Bezier<D>> {
     let handle = 4.0 / 3.0 * libm::tan(arc.sweep_rad().abs() / n as f64 / 4.0);
     let joint = |i: usize| {
@@ -83,8 +84,8 @@ mod tests {
             let cubic = cubics(&arc, 1)[0];
             let far = (0..=2000).map(|i| length(cubic.at(f64::from(i) / 2000.0)) - 1.0);
             let most = far.fold(0.0, |most: f64, x| greater(most, x.abs()));
-            let said = off_unit_circle(turn);
-            assert!(most <= said + 1e-15 && most > said * 0.999 - 1e-15, "{turn}: {most} {said}");
+            let formula = unit_circle_error(turn);
+            assert!(most <= formula + 1e-15 && most > formula * 0.999 - 1e-15, "{turn}: {most} {formula}");
         }
     }
 

@@ -1,29 +1,30 @@
-//! `HermiteFit`: the cubic with given ends and end directions that comes nearest to points between them.
+//! `HermiteFit`: the cubic with given ends and end directions that is nearest to points between them.
 //!
-//! Its two handle lengths are all that is free. Each point is compared with the nearest place of the cubic, only across
-//! it, because a shift along it changes nothing: Gauss and Newton's method for the sum of squares of what is across,
-//! damped where a step does not help (K. Levenberg, 1944). With curves that bend one way this reaches the sixth order of
-//! C. de Boor, K. Höllig and M. Sabin, *High accuracy geometric Hermite interpolation*, 1987.
+//! The two handle lengths are its only unknowns. Each point is compared with its nearest point of the cubic, only across
+//! the cubic, because a shift along it changes nothing: the Gauss–Newton method for the sum of squares of the components
+//! across, damped if a step does not help (K. Levenberg, 1944). For curves that bend one way this reaches the sixth order
+//! of C. de Boor, K. Höllig and M. Sabin, *High accuracy geometric Hermite interpolation*, 1987.
 //!
-//! Nothing here is proved; the bound of the result is computed from its control points afterwards.
+//! The fit proves nothing; the bound of the result is computed from its control points afterwards.
 use super::least_squares::solve;
 use crate::explicit::Bezier;
 use crate::math::{difference, dot, greater, length, lesser};
 
-/// A cubic, and for each of the points its place on it.
+/// A cubic, and for each of the points its parameter on it.
 #[derive(Clone, Debug)]
 pub(crate) struct HermiteFit<const D: usize> {
     pub cubic: Bezier<D>,
     pub places: Vec<f64>,
 }
 
-/// Chosen: steps that help are quadratic, and random spans of curves stopped after 5 to 9.
+/// The most steps. Chosen: convergence is quadratic, and random spans of curves took 5 to 9.
 const MOST_STEPS: u32 = 24;
-/// Handles are between these parts of the points' length over three. Chosen.
+/// The least and the largest handle, as multiples of a third of the points' length. Chosen: shorter handles have no
+/// direction, longer ones loop.
 const HANDLES: [f64; 2] = [1e-3, 6.0];
 
 struct HermiteProblem<'a, const D: usize> {
-    /// Relative to the first, and divided by their size.
+    /// The points relative to the first one, divided by their size.
     points: Vec<[f64; D]>,
     directions: &'a [[f64; D]; 2],
     total: f64,
@@ -54,39 +55,40 @@ pub(crate) fn fit<const D: usize>(points: &[[f64; D]], directions: &[[f64; D]; 2
     for _ in 0..MOST_STEPS {
         let Some(next) = problem.step(&handles, &cost, damping) else { break };
         let mut moved = places.clone();
-        let tried = problem.cost(&next, &mut moved);
-        let gained = cost.sum - tried.sum;
-        if gained >= 0.0 {
-            // Chosen: the rest of it would change the distance by a millionth.
-            let is_done = gained <= 1e-6 * cost.sum;
-            (handles, places, cost) = (next, moved, tried);
+        let next_cost = problem.cost(&next, &mut moved);
+        let gain = cost.sum - next_cost.sum;
+        if gain >= 0.0 {
+            // Chosen: further steps would change the distance by a millionth.
+            let is_done = gain <= 1e-6 * cost.sum;
+            (handles, places, cost) = (next, moved, next_cost);
             damping *= 0.1;
             if is_done {
                 break;
             }
-        } else if damping > 1e6 || gained.is_nan() {
+        } else if damping > 1e6 || gain.is_nan() {
             break;
         } else {
             damping *= 30.0;
         }
     }
-    let handle =
-        |from: [f64; D], along: [f64; D], by: f64| std::array::from_fn(|k| from[k] + by * size * along[k]);
+    let handle = |from: [f64; D], direction: [f64; D], length: f64| {
+        std::array::from_fn(|k| from[k] + length * size * direction[k])
+    };
     let [a, b] = handles;
     let cubic =
         Bezier { control: [first, handle(first, directions[0], a), handle(last, directions[1], -b), last] };
     HermiteFit { cubic, places }
 }
 
-/// Places from 0 to 1 as the lengths of the chords before them.
+/// Parameters from 0 to 1 by chord length.
 fn chord_places<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
-    let mut at = 0.0;
+    let mut sum = 0.0;
     let mut places = vec![0.0];
     for pair in points.windows(2) {
-        at += length(difference(pair[1], pair[0]));
-        places.push(at);
+        sum += length(difference(pair[1], pair[0]));
+        places.push(sum);
     }
-    places.iter().map(|x| if at > 0.0 { x / at } else { 0.0 }).collect()
+    places.iter().map(|x| if sum > 0.0 { x / sum } else { 0.0 }).collect()
 }
 
 impl<const D: usize> HermiteProblem<'_, D> {
@@ -103,31 +105,31 @@ impl<const D: usize> HermiteProblem<'_, D> {
         }
     }
 
-    /// Moves the places to the feet of the points, and adds up what is across.
+    /// Moves the parameters to the feet of the points, and adds up the squares of the components across the cubic.
     fn cost(&self, handles: &[f64; 2], places: &mut [f64]) -> HermiteCost {
         let cubic = self.cubic(handles);
         let mut cost = HermiteCost { sum: 0.0, slope: [0.0; 2], matrix: [[0.0; 2]; 2] };
         for (point, place) in self.points.iter().zip(places.iter_mut()).skip(1).take(self.points.len() - 2) {
             *place = foot(&cubic, *point, *place);
             let s = *place;
-            let off = difference(cubic.at(s), *point);
+            let offset = difference(cubic.at(s), *point);
             let tangent = cubic.tangent(s);
             let square = dot(tangent, tangent);
             let across = |v: [f64; D]| -> [f64; D] {
                 let along = if square > 0.0 { dot(v, tangent) / square } else { 0.0 };
                 std::array::from_fn(|k| v[k] - along * tangent[k])
             };
-            let rest = across(off);
+            let residual = across(offset);
             let (first, second) = (3.0 * (1.0 - s) * (1.0 - s) * s, -3.0 * (1.0 - s) * s * s);
-            let by = [
+            let derivative = [
                 across(self.directions[0].map(|x| first * x)),
                 across(self.directions[1].map(|x| second * x)),
             ];
-            cost.sum += dot(rest, rest);
+            cost.sum += dot(residual, residual);
             for i in 0..2 {
-                cost.slope[i] += dot(by[i], rest);
+                cost.slope[i] += dot(derivative[i], residual);
                 for j in 0..2 {
-                    cost.matrix[i][j] += dot(by[i], by[j]);
+                    cost.matrix[i][j] += dot(derivative[i], derivative[j]);
                 }
             }
         }
@@ -146,18 +148,19 @@ impl<const D: usize> HermiteProblem<'_, D> {
     }
 }
 
-/// The place of a cubic that is nearest to a point, near a place: Newton's method on the derivative of the square.
+/// The parameter of a cubic's point that is nearest to a point, from a nearby parameter on: Newton's method on the
+/// derivative of the squared distance.
 pub(crate) fn foot<const D: usize>(cubic: &Bezier<D>, point: [f64; D], near: f64) -> f64 {
     let mut s = near;
-    // Chosen: the places come from before, and are nearly right.
+    // Chosen: the given parameters are nearly right already.
     for _ in 0..4 {
-        let off = difference(cubic.at(s), point);
+        let offset = difference(cubic.at(s), point);
         let (tangent, bend) = (cubic.tangent(s), cubic.second_derivative(s));
         let square = dot(tangent, tangent);
-        let curved = square + dot(off, bend);
-        // Where the square's own curvature is no help, the tangent alone is.
-        let by = if curved > 0.25 * square { curved } else { square };
-        let step = dot(off, tangent) / by;
+        let curved = square + dot(offset, bend);
+        // If the second derivative is too small or negative, the step uses the tangent alone.
+        let second_derivative = if curved > 0.25 * square { curved } else { square };
+        let step = dot(offset, tangent) / second_derivative;
         if !step.is_finite() {
             break;
         }

@@ -1,7 +1,7 @@
-//! Small systems of linear equations, as least squares lead to.
+//! Small systems of linear equations, as in least squares problems.
 
-/// The solution of `matrix · x = right` for several right sides, by elimination with the largest pivots; `None` where
-/// the matrix has no inverse in these numbers.
+/// The solution of `matrix · x = right` for several right sides, by elimination with partial pivoting; `None` if the
+/// matrix is numerically singular.
 pub(super) fn solve<const N: usize, const M: usize>(
     mut matrix: [[f64; N]; N],
     mut right: [[f64; M]; N],
@@ -12,28 +12,28 @@ pub(super) fn solve<const N: usize, const M: usize>(
         })?;
         matrix.swap(column, pivot);
         right.swap(column, pivot);
-        let by = matrix[column][column];
-        if !(by.abs() > 0.0 && by.is_finite()) {
+        let divisor = matrix[column][column];
+        if !(divisor.abs() > 0.0 && divisor.is_finite()) {
             return None;
         }
         for row in column + 1..N {
-            let times = matrix[row][column] / by;
+            let factor = matrix[row][column] / divisor;
             let (upper, lower) = matrix.split_at_mut(row);
             for (x, above) in lower[0].iter_mut().zip(&upper[column]).skip(column) {
-                *x -= times * above;
+                *x -= factor * above;
             }
             let (upper, lower) = right.split_at_mut(row);
             for (x, above) in lower[0].iter_mut().zip(&upper[column]) {
-                *x -= times * above;
+                *x -= factor * above;
             }
         }
     }
     for row in (0..N).rev() {
         let (solved, later) = right.split_at_mut(row + 1);
         for (k, x) in solved[row].iter_mut().enumerate() {
-            let known =
+            let sum_of_known =
                 later.iter().zip(&matrix[row][row + 1..]).fold(0.0, |sum, (y, factor)| sum + factor * y[k]);
-            *x = (*x - known) / matrix[row][row];
+            *x = (*x - sum_of_known) / matrix[row][row];
         }
     }
     right.as_flattened().iter().all(|x| x.is_finite()).then_some(right)

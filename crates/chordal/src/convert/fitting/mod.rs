@@ -1,4 +1,4 @@
-//! Fitting: cubic Bézier curves near curves and points, few of them, with a proved distance.
+//! Fitting: few cubic Bézier curves near curves and points, with a proved distance.
 pub(super) mod arc_cubics;
 pub(super) mod hermite;
 mod least_squares;

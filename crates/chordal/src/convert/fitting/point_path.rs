@@ -1,67 +1,67 @@
-//! `PointPath`: points in a row with their lengths and corners, and the direction of what runs through them.
+//! `PointPath`: a sequence of points with lengths and corners, and the direction of a smooth path through them.
 use super::least_squares::solve;
 use crate::budget::{Failure, RefusalCode};
 use crate::convert::curves::flatten::LARGEST;
 use crate::math::{difference, dot, greater, length};
 use std::ops::Range;
 
-/// Where a path through points has corners, at which it is not smooth.
+/// The corners of a path through points, at which it is not smooth.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Corners {
-    /// Where it turns by more than this angle between the segments before and after a point.
+    /// The points at which the angle between the segments before and after is larger than this.
     Sharper {
         /// Between 0 and 180.
         deg: f64,
     },
-    /// At the points with these indices.
+    /// The points with these indices.
     At(Vec<usize>),
 }
 
-/// Points of which no two in a row are equal. A closed path has its first point at the end again.
+/// Points without repetitions. A closed path has its first point at the end again.
 #[derive(Debug)]
 pub(crate) struct PointPath<const D: usize> {
     pub points: Vec<[f64; D]>,
     pub closed: bool,
     /// The length up to each point.
     lengths: Vec<f64>,
-    /// Where smooth runs start and end, in order: corners and the ends of an open path. A closed path without corners has
-    /// its first point twice.
+    /// The points at which smooth runs start and end, in order: corners and the ends of an open path. For a closed path
+    /// without corners, its first and its last point.
     stops: Vec<usize>,
     /// Whether it is closed and has no corner.
     smooth: bool,
 }
 
-/// Points on either side of a place that its direction is found from. Chosen.
+/// The most points on either side by which a direction is computed. Chosen: more points would hardly change it.
 const SIDE: usize = 16;
 
 impl<const D: usize> PointPath<D> {
     /// # Errors
-    /// When there is no point, a number is not finite or too large, or a corner's index or angle makes no sense.
+    /// If there is no point, a number is not finite or too large, or a corner's index or angle is out of range.
     pub fn new<T>(points: &[[f64; D]], closed: bool, corners: &Corners) -> Result<Self, Failure<T>> {
-        let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
-        if let Some(index) = points.iter().position(|p| !sane(p)) {
+        let is_in_range = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
+        if let Some(index) = points.iter().position(|p| !is_in_range(p)) {
             let message = format!("point {index} has a number that is not finite or beyond {LARGEST:e}");
             return Err(Failure::refused(RefusalCode::NotFinite, message));
         }
         if points.is_empty() {
             return Err(Failure::refused(RefusalCode::Empty, "a path needs a point"));
         }
-        let mut kept: Vec<usize> = Vec::with_capacity(points.len() + 1);
+        let mut distinct: Vec<usize> = Vec::with_capacity(points.len() + 1);
         for index in 0..points.len() {
-            if kept.last().is_none_or(|last| points[*last] != points[index]) {
-                kept.push(index);
+            if distinct.last().is_none_or(|last| points[*last] != points[index]) {
+                distinct.push(index);
             }
         }
-        while closed && kept.len() > 1 && points[kept[0]] == points[kept[kept.len() - 1]] {
-            kept.pop();
+        while closed && distinct.len() > 1 && points[distinct[0]] == points[distinct[distinct.len() - 1]] {
+            distinct.pop();
         }
-        let is_corner = are_corners(points, &kept, closed, corners)?;
+        let is_corner = are_corners(points, &distinct, closed, corners)?;
         // A closed path starts at a corner, if it has one.
         let first = if closed { is_corner.iter().position(|is| *is).unwrap_or(0) } else { 0 };
-        let n = kept.len();
+        let n = distinct.len();
         let in_order = |i: usize| (i + first) % n;
         let mut path = Self {
-            points: (0..n).map(|i| points[kept[in_order(i)]]).collect(),
+            points: (0..n).map(|i| points[distinct[in_order(i)]]).collect(),
             closed: closed && n > 1,
             lengths: vec![0.0],
             stops: (0..n).filter(|i| is_corner[in_order(*i)]).collect(),
@@ -90,7 +90,7 @@ impl<const D: usize> PointPath<D> {
         self.stops.windows(2).map(|pair| [pair[0], pair[1]])
     }
 
-    /// Whether the path goes on smoothly where it starts and ends.
+    /// Whether the path is closed and smooth at its first point, too.
     pub fn is_smooth(&self) -> bool {
         self.smooth
     }
@@ -100,8 +100,8 @@ impl<const D: usize> PointPath<D> {
         self.lengths[to] - self.lengths[from]
     }
 
-    /// The direction at a point, from the points of its smooth run within a length on the given sides of it: that of the
-    /// cubic polynomial by length that is nearest to them.
+    /// The direction at a point: that of the cubic polynomial in the path's length that fits best to the points of the smooth
+    /// run within a length on the given sides.
     pub fn direction(&self, at: usize, reach: f64, sides: Range<f64>) -> [f64; D] {
         let near = self.near(at, reach, &sides);
         let far = near.iter().fold(0.0, |far: f64, (u, _)| greater(far, u.abs()));
@@ -121,7 +121,7 @@ impl<const D: usize> PointPath<D> {
         if speed > 0.0 && speed.is_finite() { slope.map(|x| x / speed) } else { [0.0; D] }
     }
 
-    /// The lengths and steps from a point to itself and those near it.
+    /// The path lengths and offsets from a point to itself and to points near it.
     fn near(&self, at: usize, reach: f64, sides: &Range<f64>) -> Vec<(f64, [f64; D])> {
         let last = self.points.len() - 1;
         let mut near = vec![(0.0, [0.0; D])];
@@ -129,7 +129,7 @@ impl<const D: usize> PointPath<D> {
             if !is_on {
                 continue;
             }
-            // Candidates on this side, from the nearest on: up to the stop, or once around.
+            // The number of candidates on this side, from the nearest on: up to the next stop, or once around.
             let count = if self.smooth {
                 last - 1
             } else if side < 0.0 {
@@ -152,7 +152,7 @@ impl<const D: usize> PointPath<D> {
                     (length, index)
                 }
             };
-            // How many are within reach, by halving; one at least.
+            // The number within reach, by bisection; at least one.
             let (mut few, mut many) = (0, count + 1);
             while many - few > 1 {
                 let middle = few + (many - few) / 2;
@@ -173,11 +173,11 @@ impl<const D: usize> PointPath<D> {
 
 fn are_corners<const D: usize, T>(
     points: &[[f64; D]],
-    kept: &[usize],
+    distinct: &[usize],
     closed: bool,
     corners: &Corners,
 ) -> Result<Vec<bool>, Failure<T>> {
-    let n = kept.len();
+    let n = distinct.len();
     match corners {
         Corners::At(indices) => {
             if let Some(index) = indices.iter().find(|index| **index >= points.len()) {
@@ -186,9 +186,9 @@ fn are_corners<const D: usize, T>(
             }
             let mut is_corner = vec![false; n];
             for index in indices {
-                // A point that repeats the one before stands for it; the last ones of a closed path may repeat the first.
-                let at = kept.partition_point(|k| k <= index).saturating_sub(1);
-                let at = if points[kept[at]] == points[*index] { at } else { 0 };
+                // A point that repeats the one before has been merged into it; the last ones of a closed path may repeat the first.
+                let at = distinct.partition_point(|k| k <= index).saturating_sub(1);
+                let at = if points[distinct[at]] == points[*index] { at } else { 0 };
                 is_corner[at] = true;
             }
             Ok(is_corner)
@@ -203,13 +203,13 @@ fn are_corners<const D: usize, T>(
                 if n < 2 || !closed && (i == 0 || i + 1 == n) {
                     return false;
                 }
-                let [a, b, c] = [(i + n - 1) % n, i, (i + 1) % n].map(|i| points[kept[i]]);
+                let [a, b, c] = [(i + n - 1) % n, i, (i + 1) % n].map(|i| points[distinct[i]]);
                 let unit = |from: [f64; D], to: [f64; D]| {
-                    let way = difference(to, from);
-                    let size = way.iter().fold(0.0, |size: f64, x| greater(size, x.abs()));
-                    let way = way.map(|x| x / size);
-                    let far = length(way);
-                    way.map(|x| x / far)
+                    let step = difference(to, from);
+                    let size = step.iter().fold(0.0, |size: f64, x| greater(size, x.abs()));
+                    let step = step.map(|x| x / size);
+                    let norm = length(step);
+                    step.map(|x| x / norm)
                 };
                 *deg < 180.0 && dot(unit(a, b), unit(b, c)) < least
             };
@@ -218,7 +218,7 @@ fn are_corners<const D: usize, T>(
     }
 }
 
-/// The slope at 0 of the polynomial with `N` coefficients that is nearest to points, by the square.
+/// The slope at 0 of the polynomial with `N` coefficients that fits best to points, by least squares.
 fn slope<const N: usize, const D: usize>(points: &[(f64, [f64; D])]) -> Option<[f64; D]> {
     let (mut matrix, mut right) = ([[0.0; N]; N], [[0.0; D]; N]);
     for (u, p) in points {

@@ -1,4 +1,4 @@
-//! Cubics in the place of a rational piece: as long spans as the bound of each allows, from its start to its end.
+//! Approximates a rational piece by cubics, from its start to its end, each over as long a span as its bound allows.
 use super::hermite::fit;
 use super::least_squares::solve;
 use super::rational_error::{RUN, RationalPart, RunFactors};
@@ -7,9 +7,10 @@ use crate::explicit::Bezier;
 use crate::explicit::nurbs::RationalBezier;
 use crate::math::{difference, greater, length, lesser};
 
-/// Points of a span that the cubic is fitted to, its ends included. Chosen.
+/// Points of a span to which the cubic is fitted, its ends included. Chosen: several times the freedom of a cubic.
 const SAMPLES: usize = 14;
-/// Trials for the end of a span; bounds go down with the sixth power of its size, so that three or four are made.
+/// The most trials for the end of a span. Chosen: bounds fall with the sixth power of its size, so that three or four
+/// suffice.
 const TRIALS: u32 = 64;
 
 /// The cubics, and the largest bound of one.
@@ -19,7 +20,7 @@ pub(crate) struct CubicSpans<const D: usize> {
     pub at_most: f64,
 }
 
-/// Why there are none.
+/// The reason why there are no cubics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SpanFailure {
     /// More than allowed.
@@ -29,7 +30,7 @@ pub(crate) enum SpanFailure {
     Cancelled,
 }
 
-/// A rational piece that is taken apart.
+/// A rational piece that is divided into spans.
 struct RationalSpans<'a, const D: usize> {
     curve: &'a RationalBezier<D>,
     factors: RunFactors,
@@ -44,7 +45,7 @@ struct SpanEnd<const D: usize> {
     direction: [f64; D],
 }
 
-/// As few cubics as a greedy choice gives, each within `allowed` of the piece, and `most` at most.
+/// Few cubics by a greedy choice, each within `allowed` of the piece; at most `most` of them.
 pub(crate) fn cubics<const D: usize>(
     curve: &RationalBezier<D>,
     allowed: f64,
@@ -55,31 +56,31 @@ pub(crate) fn cubics<const D: usize>(
     points.extend(curve.ends());
     let spans =
         RationalSpans { curve, factors: RunFactors::new(curve.degree()), reach: coordinate_reach(&points) };
-    let mut made = CubicSpans { cubics: Vec::new(), at_most: 0.0 };
+    let mut spans_so_far = CubicSpans { cubics: Vec::new(), at_most: 0.0 };
     let mut from = spans.end_at(0.0);
     let mut step = 1.0;
     while from.at < 1.0 {
         if is_cancelled() {
             return Err(SpanFailure::Cancelled);
         }
-        if made.cubics.len() as u64 >= most {
+        if spans_so_far.cubics.len() as u64 >= most {
             return Err(SpanFailure::TooMany);
         }
         let (cubic, bound, to) = spans.longest(&from, step, allowed).ok_or(SpanFailure::BelowPrecision)?;
-        made.at_most = greater(bound, made.at_most);
-        made.cubics.push(cubic);
+        spans_so_far.at_most = greater(bound, spans_so_far.at_most);
+        spans_so_far.cubics.push(cubic);
         step = to.at - from.at;
         from = to;
     }
-    Ok(made)
+    Ok(spans_so_far)
 }
 
 impl<const D: usize> RationalSpans<'_, D> {
     fn end_at(&self, at: f64) -> SpanEnd<D> {
         let [tangent, _] = self.curve.derivatives(at);
         let speed = length(tangent);
-        // Where control points coincide, or weights let it nearly stand, it turns: a point nearby says where to.
-        // Chosen: a millionth of the piece's size.
+        // If control points coincide, or weights make the derivative nearly vanish, the tangent is unreliable, and points
+        // nearby give the direction. Chosen: a millionth of the piece's size.
         let direction = if speed > 1e-6 * self.reach && speed.is_finite() {
             tangent.map(|x| x / speed)
         } else {
@@ -88,15 +89,15 @@ impl<const D: usize> RationalSpans<'_, D> {
         SpanEnd { at, point: self.curve.at(at), direction }
     }
 
-    /// The direction between two points of the piece on both sides of `at`, or on one at its ends.
-    fn towards(&self, at: f64, by: f64) -> Option<[f64; D]> {
-        let (a, b) = (greater(0.0, at - by), lesser(at + by, 1.0));
-        let way = difference(self.curve.at(b), self.curve.at(a));
-        let far = length(way);
-        (far > 0.0 && far.is_finite()).then(|| way.map(|x| x / far))
+    /// The direction between two points of the piece on both sides of `at`, or on one side at the piece's ends.
+    fn towards(&self, at: f64, step: f64) -> Option<[f64; D]> {
+        let (a, b) = (greater(0.0, at - step), lesser(at + step, 1.0));
+        let chord = difference(self.curve.at(b), self.curve.at(a));
+        let norm = length(chord);
+        (norm > 0.0 && norm.is_finite()).then(|| chord.map(|x| x / norm))
     }
 
-    /// The longest span that is found from an end on, `step` being a guess.
+    /// The longest span found from an end on; `step` is a guess of its width.
     fn longest(&self, from: &SpanEnd<D>, step: f64, allowed: f64) -> Option<(Bezier<D>, f64, SpanEnd<D>)> {
         let mut best: Option<(Bezier<D>, f64, SpanEnd<D>)> = None;
         let (mut good, mut bad) = (from.at, f64::INFINITY);
@@ -120,13 +121,14 @@ impl<const D: usize> RationalSpans<'_, D> {
             } else {
                 bad = at;
             }
-            // The sixth root says where the bound would be just enough; from afar it is a guess, so never too far.
+            // The sixth root predicts the end at which the bound would be just small enough; since predictions from afar are
+            // unreliable, the step is limited.
             let ratio = if ratio > 0.0 { lesser(ratio, 2.0) } else { 0.5 };
             let next = from.at + (at - from.at) * greater(0.99 * ratio, 0.1);
             let next = lesser(next, 1.0);
             let inside = next > good && next < bad;
             at = if inside { next } else { 0.5 * (good + lesser(bad, 1.0)) };
-            // Two hundredths more of a span are not worth a trial. Chosen.
+            // Chosen: two hundredths more of a span are not worth a trial.
             if best.is_some() && lesser(at, bad) - good < 0.02 * (good - from.at) {
                 break;
             }
@@ -171,15 +173,15 @@ fn even_run() -> [f64; RUN + 1] {
     std::array::from_fn(|i| i as f64 / RUN as f64)
 }
 
-/// The coefficients of the `φ` that comes nearest to taking the places of the samples on the cubic to their parameters.
+/// The coefficients of the `φ` that maps the samples' parameters on the cubic to those on the piece, by least squares.
 fn run_through(places: &[f64], own: impl Fn(usize) -> f64) -> Option<[f64; RUN + 1]> {
     const INNER: usize = RUN - 1;
     let (mut matrix, mut right) = ([[0.0; INNER]; INNER], [[0.0; 1]; INNER]);
     for (i, s) in places.iter().enumerate() {
         let basis = bernstein_of_run(*s);
-        let rest = own(i) - basis[RUN];
+        let residual = own(i) - basis[RUN];
         for j in 0..INNER {
-            right[j][0] += basis[j + 1] * rest;
+            right[j][0] += basis[j + 1] * residual;
             for k in 0..INNER {
                 matrix[j][k] += basis[j + 1] * basis[k + 1];
             }
@@ -220,8 +222,8 @@ mod tests {
     }
 
     fn n(allowed: f64) -> (usize, f64) {
-        let made = cubics(&quarter(), allowed, u64::MAX, || false).unwrap();
-        (made.cubics.len(), made.at_most)
+        let spans = cubics(&quarter(), allowed, u64::MAX, || false).unwrap();
+        (spans.cubics.len(), spans.at_most)
     }
 
     #[test]
@@ -236,14 +238,14 @@ mod tests {
     #[test]
     fn the_bound_is_near_the_distance() {
         for allowed in [2.6e-4, 1e-6, 1e-8] {
-            let made = cubics(&quarter(), allowed, u64::MAX, || false).unwrap();
+            let spans = cubics(&quarter(), allowed, u64::MAX, || false).unwrap();
             let far = |c: &Bezier<2>| {
-                let off = (0..=1000).map(|i| (length(c.at(f64::from(i) / 1000.0)) - 1.0).abs());
-                off.fold(0.0, |most: f64, x| greater(most, x))
+                let distances = (0..=1000).map(|i| (length(c.at(f64::from(i) / 1000.0)) - 1.0).abs());
+                distances.fold(0.0, |most: f64, x| greater(most, x))
             };
-            let most = made.cubics.iter().map(far).fold(0.0, |most: f64, x| greater(most, x));
-            eprintln!("{allowed}: {most} of {}", made.at_most);
-            assert!(most <= made.at_most && made.at_most < 1.5 * most, "{most} {}", made.at_most);
+            let most = spans.cubics.iter().map(far).fold(0.0, |most: f64, x| greater(most, x));
+            eprintln!("{allowed}: {most} of {}", spans.at_most);
+            assert!(most <= spans.at_most && spans.at_most < 1.5 * most, "{most} {}", spans.at_most);
         }
     }
 }

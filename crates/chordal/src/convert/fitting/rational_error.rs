@@ -1,24 +1,25 @@
-//! A bound on the distance between a part of a rational piece and the cubic in its place.
+//! A bound of the distance between a part of a rational piece and the cubic that approximates it.
 //!
-//! The piece is `X/W`, of degree `n` in Bernstein form, the cubic `C`. They run differently along their way, and only what
-//! is across counts. So a polynomial `φ` of degree 5 with coefficients from 0 to 1, the first 0 and the last 1, says which
-//! point of the piece belongs to which of the cubic. As it runs from 0 to 1 without leaving that range, all points of both
-//! are in pairs, and the largest distance of a pair bounds the distance in both directions, however good `φ` is. It is
-//! `|X(φ) − C·W(φ)|/W(φ)`; the numerator is a polynomial of degree `5n + 3`, and so is the denominator if raised. Both
-//! are split into four parts, and in each the largest coefficient of the one over the least of the other is a bound.
+//! The piece is `X/W`, of degree `n` in Bernstein form, the cubic `C`. Their parameters run differently, and only the
+//! distance across matters. So a polynomial `φ` of degree 5 with coefficients from 0 to 1, the first 0 and the last 1, maps
+//! parameters of the cubic to parameters of the piece. Since it runs from 0 to 1 within that range, all points of both
+//! curves are paired, and the largest distance of a pair bounds the distance in both directions, for any such `φ`. It is
+//! `|X(φ) − C·W(φ)|/W(φ)`; the numerator is a polynomial of degree `5n + 3`, and so is the denominator after degree
+//! elevation. Both are split into four parts, and in each part the largest coefficient of the numerator over the least of
+//! the denominator is a bound.
 //!
 //! *Rounding.* All coefficients are weighted means of `X` and of products of `W` with control points, with factors that are
-//! positive and add up to 1. The part's coefficients are off by `8n·ε` of `R·W`; each of `n` steps of the composition adds
-//! `(14 + 10n)·ε`, the product with the cubic `(20n + 30)·ε`, differences to the first point `8·ε`, and splitting twice
-//! `4(5n + 3)·ε`: in each coordinate less than `(10n² + 70n + 60)·ε`, in all axes less than `64(n + 4)²·ε` of `R` times the
-//! largest weight, with `R` the sum over the axes. The denominator is off by that part of itself.
+//! positive and add up to 1. The errors are `8n·ε` of `R·W` for the part's coefficients; each of `n` steps of the
+//! composition adds `(14 + 10n)·ε`, the product with the cubic `(20n + 30)·ε`, differences to the first point `8·ε`, and
+//! splitting twice `4(5n + 3)·ε`: in each coordinate less than `(10n² + 70n + 60)·ε`, in all axes less than `64(n + 4)²·ε`
+//! of `R` times the largest weight, with `R` the sum over the axes. The denominator has the same relative error.
 use crate::explicit::Bezier;
 use crate::explicit::nurbs::{BernsteinRow, binomials};
 use crate::math::{greater, length, lesser};
 
-/// The degree of `φ`. Chosen: with it bounds are 5 to 8 % more than the distance on quarters of circles.
+/// The degree of `φ`. Chosen: with it bounds are 5 to 8 % larger than the distance on quarters of circles.
 pub(super) const RUN: usize = 5;
-/// Lengths below 1e-154 have squares that lose digits or vanish: nothing shorter than this is distinguished from 0.
+/// Squares of lengths below 1e-154 lose digits or vanish, so lengths below this are not distinguished from 0.
 const LEAST: f64 = 1e-150;
 
 /// Factors of products of polynomials in Bernstein form, for pieces of a degree.
@@ -46,16 +47,16 @@ impl RunFactors {
         let mut rows: Vec<Vec<[f64; N]>> = row.0.iter().map(|x| vec![*x]).collect();
         for (step, factors) in self.steps.iter().enumerate() {
             for i in 0..self.degree - step {
-                let mut made = vec![[0.0; N]; factors.len() + RUN];
+                let mut product = vec![[0.0; N]; factors.len() + RUN];
                 for (j, row) in factors.iter().enumerate() {
                     let (x, y) = (rows[i][j], rows[i + 1][j]);
                     for (k, factor) in row.iter().enumerate() {
                         for axis in 0..N {
-                            made[j + k][axis] += factor * ((1.0 - run[k]) * x[axis] + run[k] * y[axis]);
+                            product[j + k][axis] += factor * ((1.0 - run[k]) * x[axis] + run[k] * y[axis]);
                         }
                     }
                 }
-                rows[i] = made;
+                rows[i] = product;
             }
         }
         rows.swap_remove(0)
@@ -95,19 +96,18 @@ impl RunFactors {
                 }
             }
         }
-        // 3. Quarter by quarter.
-        // Derived at the head of this file.
-        let off = 64.0 * ((self.degree + 4) * (self.degree + 4)) as f64 * f64::EPSILON;
+        // 3. The bound of each quarter. The relative error is derived at the head of this file.
+        let relative = 64.0 * ((self.degree + 4) * (self.degree + 4)) as f64 * f64::EPSILON;
         let reach = cubic
             .control
             .iter()
             .fold(part.reach, |far, p| greater(far, p.iter().fold(0.0, |sum: f64, x| sum + x.abs())));
-        let rounding = off * reach * most + LEAST * greater(most, 1.0);
+        let rounding = relative * reach * most + LEAST * greater(most, 1.0);
         let ratio = |above: &[[f64; D]], below: &[[f64; 1]]| {
-            // No number is not small.
-            let more = |far: f64, one: f64| if one.is_nan() { f64::INFINITY } else { greater(one, far) };
-            let far = above.iter().map(|x| length(*x)).fold(0.0, more);
-            let least = below.iter().fold(f64::INFINITY, |least, [w]| lesser(*w, least)) * (1.0 - off);
+            // NaN counts as infinite.
+            let larger = |far: f64, x: f64| if x.is_nan() { f64::INFINITY } else { greater(x, far) };
+            let far = above.iter().map(|x| length(*x)).fold(0.0, larger);
+            let least = below.iter().fold(f64::INFINITY, |least, [w]| lesser(*w, least)) * (1.0 - relative);
             // A length of up to three squares has less than 8 half roundings.
             (far * (1.0 + 8.0 * f64::EPSILON) + rounding) / least
         };

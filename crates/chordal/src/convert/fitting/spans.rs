@@ -1,4 +1,4 @@
-//! `SpanSearch`: cubics through points in a row, each over as many of them as a judge allows.
+//! `SpanSearch`: cubics through a sequence of points, each over as many points as its bound allows.
 use super::hermite::{fit, foot};
 use super::point_path::PointPath;
 use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance};
@@ -7,12 +7,12 @@ use crate::math::{difference, greater, length, lesser};
 
 pub use super::point_path::Corners;
 
-/// How near a spline is to come to points or to a polyline, and where it may have corners.
+/// The largest distance of a spline from points or from a polyline, and its corners.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplineFit {
     /// The largest distance.
     pub length: Tolerance,
-    /// Where it is not smooth.
+    /// The points at which it is not smooth.
     pub corners: Corners,
 }
 
@@ -20,25 +20,27 @@ impl SplineFit {
     /// Within a length, with corners where points turn by more than 30 degrees.
     #[must_use]
     pub fn within(length: Tolerance) -> Self {
-        // Chosen: a circle of 12 points turns by as much.
+        // Chosen: the angle between the sides of a regular polygon with 12 corners.
         Self { length, corners: Corners::Sharper { deg: 30.0 } }
     }
 }
 
-/// Bytes of a point with its length, its place and its cubic.
+/// Bytes of a point with its length, its parameter and its cubic.
 const BYTES_PER_POINT: u64 = 256;
-/// Points of a span that a cubic is fitted to; all of them are judged. Chosen.
+/// The most points of a span to which a cubic is fitted; the bound covers all points. Chosen: more points would hardly
+/// change the cubic.
 const FITTED: usize = 48;
-/// From how much of a span directions at its ends are found, the first that does: noise wants more, bends less. Chosen; with
-/// the first alone a polyline of one cubic took two (`tests/fitting/polylines.rs`).
+/// The shares of a span by which the directions at its ends are computed; the first one that gives a cubic within the
+/// tolerance is taken. Chosen: noise needs more, bends need less; with the first alone a polyline of one cubic took two
+/// (`tests/fitting/polylines.rs`).
 const WINDOWS: [f64; 2] = [0.25, 0.08];
-/// The first guess of the number of segments in a span. Chosen.
+/// The first guess of the number of segments in a span. Chosen: it is doubled or halved as needed.
 const FIRST: usize = 8;
 
-/// A bound on the distance of points from a cubic with their places on it.
+/// A bound of the distance of points from a cubic, by their parameters on it.
 pub(crate) type SpanJudge<'a, const D: usize> = &'a dyn Fn(&[[f64; D]], &Bezier<D>, &[f64]) -> f64;
 
-/// What a spline is to be near, and how near.
+/// The shape to which a spline is fitted, and the largest distance from it.
 pub(crate) struct SplineTruth<'a, const D: usize> {
     pub length: Tolerance,
     pub reference: Reference,
@@ -54,24 +56,25 @@ struct FittedSpan<const D: usize> {
     bound: f64,
 }
 
-/// The smooth run that spans are searched in.
+/// The smooth run in which spans are searched.
 struct SpanSearch<'a, const D: usize> {
     path: &'a PointPath<D>,
     judge: SpanJudge<'a, D>,
     allowed: f64,
-    /// The last point of the run, and the direction there where it is given.
+    /// The last point of the run.
     end: usize,
+    /// The direction there, if it is given.
     end_direction: Option<[f64; D]>,
 }
 
-/// The path of cubics and lines through the points of a path, smooth but at corners.
+/// The path of cubics and lines through the points of a path, smooth except at corners.
 pub(crate) fn spline<const D: usize>(
     path: &PointPath<D>,
     truth: &SplineTruth<'_, D>,
     job: &Job,
 ) -> Result<Bounded<Curve<D>>, Failure<Curve<D>>> {
     let (length, reference) = (truth.length, truth.reference.clone());
-    let not_finite = |why: String| Failure::refused(RefusalCode::NotFinite, why);
+    let not_finite = |message: String| Failure::refused(RefusalCode::NotFinite, message);
     if path.points.len() < 2 {
         let shape = Curve::point(path.points[0]).map_err(|why| not_finite(why.to_string()))?;
         return Ok(Bounded { shape, bound: Bound::exact(reference) });
@@ -84,7 +87,8 @@ pub(crate) fn spline<const D: usize>(
         return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
     }
     let last = path.points.len() - 1;
-    // A smooth closed path goes on where it starts: by the points of an eighth of it. Chosen.
+    // A smooth closed path has one direction at its start and end, computed from the points of an eighth of it.
+    // Chosen: points enough for a mean, and all of them near.
     let around = path.is_smooth().then(|| path.direction(0, path.length([0, last]) / 16.0, -1.0..1.0));
     let (mut pieces, mut at_most) = (Vec::new(), 0.0);
     for [start, end] in path.runs() {
@@ -100,7 +104,7 @@ pub(crate) fn spline<const D: usize>(
                 return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
             let span = search.longest(at, direction, guess);
-            // A bound is a number or infinite.
+            // Bounds are never NaN.
             if span.bound > length.get() {
                 let message = format!(
                     "the length of {:e} is less than what rounding may cost at this distance from the origin, {:.3e}",
@@ -121,8 +125,8 @@ pub(crate) fn spline<const D: usize>(
 }
 
 impl<const D: usize> SpanSearch<'_, D> {
-    /// The longest span from a point on that is found to be allowed, by doubling or halving a guess and then halving what
-    /// is left between. A span of one segment is the last resort.
+    /// The longest span from a point on that is found to be allowed, by doubling or halving a guess and then bisection. If
+    /// none is allowed, a span of one segment.
     fn longest(&self, from: usize, direction: Option<[f64; D]>, guess: usize) -> FittedSpan<D> {
         let most = self.end - from;
         let span = |n: usize| self.span(from, from + n, direction);
@@ -181,8 +185,8 @@ impl<const D: usize> SpanSearch<'_, D> {
         })
     }
 
-    /// The directions at the ends of a span, from the points within a part of its length on each side, or twice that on
-    /// one side where the run starts or ends.
+    /// The directions at the ends of a span, by the points within a share of its length on each side, or within twice that on
+    /// one side at the start or end of the run.
     fn directions(&self, [from, to]: [usize; 2], given: Option<[f64; D]>, part: f64) -> [[f64; D]; 2] {
         let reach = part * self.path.length([from, to]);
         let start = given.unwrap_or_else(|| self.path.direction(from, 2.0 * reach, 0.0..1.0));
@@ -199,7 +203,7 @@ impl<const D: usize> SpanSearch<'_, D> {
         [or_chord(start), or_chord(end)]
     }
 
-    /// A cubic over one segment: with handles of a third of it, or shorter until it is allowed.
+    /// A cubic over one segment, with handles of a third of the segment, which are halved until it is allowed.
     fn one_segment(&self, points: &[[f64; D]], [u, v]: &[[f64; D]; 2]) -> (Bezier<D>, f64) {
         let (a, b) = (points[0], points[1]);
         let mut handle = length(difference(b, a)) / 3.0;
@@ -245,14 +249,14 @@ impl<const D: usize> SpanSearch<'_, D> {
         (fitted.cubic, bound)
     }
 
-    /// The piece of a span; a line where that runs from stop to stop and is no farther.
+    /// The piece of a span; a line if the span is a whole run between corners and the line is not much farther.
     fn piece(&self, span: &FittedSpan<D>, from: usize, run: [usize; 2]) -> (CurveSegment<D>, f64) {
         let points = &self.path.points[from..=span.to];
         let (a, b) = (points[0], points[points.len() - 1]);
         if [from, span.to] == run && self.end_direction.is_none() && a != b {
             let line = straight(a, b);
             let places = points.iter().map(|p| foot(&line, *p, 0.5)).collect();
-            // A line is simpler at twice the rounding.
+            // A line is simpler, so its bound may be twice as large.
             let bound = (self.judge)(points, &line, &in_order(places));
             if bound <= lesser(2.0 * span.bound, self.allowed) {
                 return (CurveSegment::Line([a, b]), bound);
@@ -267,7 +271,7 @@ fn straight<const D: usize>(a: [f64; D], b: [f64; D]) -> Bezier<D> {
     Bezier { control: [a, third(a, b), third(b, a), b] }
 }
 
-/// Places from 0 to 1 that never go back.
+/// The parameters clamped so that they run from 0 to 1 and never decrease.
 fn in_order(mut places: Vec<f64>) -> Vec<f64> {
     let mut least = 0.0;
     for place in &mut places {

@@ -1,11 +1,11 @@
 //! `FaceCells`: a lattice of patches, each cut into rows and columns of cells of its own.
 //!
-//! A point on a line belongs to the cells on both sides of it. Where neighbouring patches have different lines, a cell has
-//! corners of others on its sides.
+//! A point on a line belongs to the cells on both sides of it. If neighbouring patches have different lines, a cell has
+//! corners of other cells on its sides.
 use crate::math::{greater, lesser};
 
-/// Coordinates nearer to a line than this, in units of a patch, are moved onto it: slivers show nothing. Chosen: far
-/// below what is seen, and above rounding. What is moved counts.
+/// Coordinates nearer to a line than this, in units of a patch, are moved onto it: slivers show nothing. Chosen: too
+/// small to be seen, and above rounding. The move counts in the bound.
 const NEAR_LINE: f64 = 1e-10;
 
 /// The lines within all patches, in coordinates of the lattice.
@@ -14,7 +14,7 @@ pub(super) struct FaceCells {
     pub n: [usize; 2],
     /// By patch, row by row: its numbers of columns and rows of cells.
     parts: Vec<[usize; 2]>,
-    /// By patch: how many cells are in those before; and of all.
+    /// By patch: the number of cells in the patches before; at the end, the number of all cells.
     first: Vec<usize>,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct FaceCell {
     at: [usize; 2],
 }
 
-/// A rectangle, by direction from where to where.
+/// A rectangle, by direction: its two ends.
 pub(super) type Rectangle = [[f64; 2]; 2];
 
 impl FaceCells {
@@ -75,7 +75,7 @@ impl FaceCells {
         [[a, c], [b, c], [b, d], [a, d]]
     }
 
-    /// Columns or rows of patches whose closed range has a coordinate: one or two.
+    /// The first and the last column, or row, of patches whose closed range has a coordinate: one or two.
     fn patches_along(&self, k: usize, x: f64) -> [usize; 2] {
         let i = (x as usize).min(self.n[k] - 1);
         [if x == i as f64 { i.saturating_sub(1) } else { i }, i]
@@ -88,7 +88,7 @@ impl FaceCells {
         (c..=d).flat_map(move |j| (a..=b).map(move |i| j * columns + i))
     }
 
-    /// Columns or rows of a patch's cells whose closed range has a coordinate: one or two.
+    /// The first and the last column, or row, of a patch's cells whose closed range has a coordinate: one or two.
     fn cells_along(&self, patch: usize, k: usize, x: f64) -> [usize; 2] {
         let n = self.parts[patch][k];
         let part = (x - self.base(patch)[k] as f64) * n as f64;
@@ -121,13 +121,13 @@ impl FaceCells {
         cells
     }
 
-    /// What all cells with both points have in common; none where there is no such cell.
+    /// The intersection of all cells with both points; none if there is no such cell.
     pub fn common_rectangle(&self, ends: [[f64; 2]; 2]) -> Option<Rectangle> {
-        let all = self.cells_of(ends).into_iter().map(|cell| self.rectangle(cell));
-        all.reduce(|a, b| [0, 1].map(|k| [greater(a[k][0], b[k][0]), lesser(a[k][1], b[k][1])]))
+        let rectangles = self.cells_of(ends).into_iter().map(|cell| self.rectangle(cell));
+        rectangles.reduce(|a, b| [0, 1].map(|k| [greater(a[k][0], b[k][0]), lesser(a[k][1], b[k][1])]))
     }
 
-    /// The point, moved onto lines that it is near.
+    /// The point, moved onto near lines.
     pub fn snapped(&self, mut at: [f64; 2]) -> [f64; 2] {
         for x in &mut at {
             if (*x - x.round()).abs() < NEAR_LINE {
@@ -147,8 +147,8 @@ impl FaceCells {
         at
     }
 
-    /// A direction and a line across it that is between two points which have no cell in common: of borders of patches,
-    /// or else of a patch's lines, the middle one.
+    /// A direction and a line across it, between two points without a common cell: the middle one of the borders of
+    /// patches between them, or else of a patch's lines.
     pub fn line_between(&self, ends: [[f64; 2]; 2]) -> Option<(usize, f64)> {
         let range = |k: usize| {
             let [a, b] = ends.map(|end| end[k]);
@@ -180,9 +180,9 @@ impl FaceCells {
         (0..2).any(|k| a[k] == b[k] && (a[k] == 0.0 || a[k] == self.n[k] as f64))
     }
 
-    /// Visits the cells beside a cell, and none for each of its sides that is at the lattice's end.
+    /// Visits the cells beside a cell, and `None` for each of its sides at the lattice's end.
     pub fn for_neighbours(&self, cell: FaceCell, mut visit: impl FnMut(Option<FaceCell>)) {
-        // Along which direction a side is, and at which end of the other one.
+        // The direction of a side, and its end in the other direction.
         for (along, end) in [(0, 0), (1, 1), (0, 1), (1, 0)] {
             let across = 1 - along;
             let mut at = cell.at;
@@ -214,7 +214,7 @@ impl FaceCells {
         cell.at[k] == if end == 0 { 0 } else { self.parts[cell.patch][k] - 1 }
     }
 
-    /// Corners of other cells on the sides of one.
+    /// The corners of other cells on the sides of a cell.
     pub fn corners_on_sides(&self, cell: FaceCell) -> Vec<[f64; 2]> {
         let mut corners: Vec<[f64; 2]> = Vec::new();
         if !(0..2).any(|k| (0..2).any(|end| self.is_on_border(cell, k, end))) {

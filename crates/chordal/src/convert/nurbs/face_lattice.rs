@@ -1,6 +1,6 @@
-//! `FaceLattice`: a surface as a lattice of bicubic patches, and the cells into which these are cut.
+//! `FaceLattice`: a surface as a lattice of bicubic patches, which are cut into cells.
 //!
-//! *Lattice coordinates* are whole numbers where patches meet: `x` from column to column, `y` from row to row.
+//! *Lattice coordinates* are whole numbers on the borders of patches: `x` counts columns, `y` counts rows.
 use super::face_cells::FaceCells;
 use crate::convert::patches::derivative_bound::{PatchDerivatives, rounding};
 use crate::explicit::Patch;
@@ -8,15 +8,16 @@ use crate::explicit::nurbs::NurbsSurface;
 use crate::math::{difference, dot, greater, length, lesser};
 use glam::DVec3;
 
-/// The most parts of a patch in one direction. Chosen: errors go down with the square of it.
+/// The most parts of a patch in one direction. Chosen: errors fall with its square, so more would hardly ever help.
 const MOST_PARTS: f64 = 4096.0;
-/// Places in a patch where its bending is estimated, along one direction. Chosen: ends, middle, and between.
-const PLACES: usize = 5;
-/// More of a length than all of it that is as good as it: what triangles lose is estimated. Chosen.
-const NEARLY: f64 = 1.02;
-/// More than a whole number of parts that does not need another. Chosen.
-const SPARE: f64 = 0.02;
-/// Rounds in which parts are added until estimates fit. Chosen: each multiplies by what is missing.
+/// Samples of a patch's bending along one direction. Chosen: the ends, the middle, and one between each.
+const SAMPLES: usize = 5;
+/// An estimate within this factor of a length is close enough. Chosen: it is only an estimate.
+const TOLERATED: f64 = 1.02;
+/// An excess over a whole number of parts that adds no part. Chosen: as small as the error of the estimates.
+const TOLERATED_EXCESS: f64 = 0.02;
+/// Rounds that adapt the number of parts until estimates fit. Chosen: a few suffice, since each multiplies by the
+/// missing factor.
 const ROUNDS: usize = 12;
 
 /// A surface as patches and lines.
@@ -25,7 +26,7 @@ pub(super) struct FaceLattice {
     derivatives: Vec<PatchDerivatives>,
     /// Numbers of columns and rows of patches.
     pub n: [usize; 2],
-    /// By direction: the surface's parameters where patches meet.
+    /// By direction: the surface's parameters at the borders of patches.
     breaks: [Vec<f64>; 2],
     /// By direction, column and row: the surface's piece.
     piece_of: [Vec<usize>; 2],
@@ -34,13 +35,13 @@ pub(super) struct FaceLattice {
     speeds: Vec<[f64; 3]>,
     /// The largest speeds along both parameters.
     pub fastest: [f64; 2],
-    /// What rounding of parameters may cost, as a length.
+    /// The largest error from rounding of parameters, as a length.
     pub parameter_rounding: f64,
-    /// What rounding of triangles may cost.
+    /// The largest error from rounding of triangles.
     pub rounding: f64,
 }
 
-/// Into how many patches a piece of a surface is cut in a direction, and each of these into how many cells at most.
+/// The number of patches of a surface's piece in a direction, and the largest number of cells of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PieceCuts {
     pub patches: usize,
@@ -51,8 +52,8 @@ pub(super) struct PieceCuts {
 pub(super) type ParameterBox = [[f64; 2]; 2];
 
 impl FaceLattice {
-    /// The patches of a surface, row by row, with the number of parts of each of its pieces; of loops whose numbers are
-    /// rounded by their degree and largest numbers.
+    /// The patches of a surface, row by row, with the number of parts of each of its pieces. The degree and the largest
+    /// coordinates of the loops bound the rounding of their points.
     pub fn new(
         surface: &NurbsSurface,
         patches: Vec<Patch>,
@@ -87,7 +88,7 @@ impl FaceLattice {
             // Derivatives are means of these vectors, and so is their product of the products of all pairs.
             let product =
                 along_u.iter().flat_map(|a| along_v.iter().map(|b| dot(*a, *b).abs())).fold(0.0, greater);
-            // Lengths and products are rounded by a few parts in 2⁵², these ones of the lengths.
+            // Lengths are rounded by a few parts in 2⁵² of themselves, products by a few parts in 2⁵² of the lengths.
             let most = 3.0 * (1.0 + 16.0 * f64::EPSILON);
             let widths = [width(0, index % n[0]), width(1, index / n[0])];
             let [u, v] = [longest(&along_u), longest(&along_v)];
@@ -96,8 +97,9 @@ impl FaceLattice {
         };
         let speeds: Vec<[f64; 3]> = (0..patches.len()).map(speed).collect();
         let fastest = [0, 1].map(|k| speeds.iter().fold(0.0, |most: f64, s| greater(s[k], most)));
-        // Derived: a parameter is a weighted mean of control points, in as many steps as its degree, off by 8(p + 8) of its
-        // range's largest number; coordinates of the lattice lose 16 of the number of patches, each as wide as this.
+        // Derived: a parameter is a weighted mean of control points, in as many steps as its degree p. Its error is below
+        // 8(p + 8) roundings of its range's largest number; a lattice coordinate adds 16 roundings of the number of patches
+        // times the widest.
         let parameter_rounding = (0..2).fold(0.0, |sum, k| {
             let reach = greater(greater(breaks[k][0].abs(), breaks[k][n[k]].abs()), loops_reach[k]);
             let widest = (0..n[k]).fold(0.0, |most: f64, i| greater(width(k, i), most));
@@ -118,16 +120,15 @@ impl FaceLattice {
         }
     }
 
-    /// By patch: into how many parts it is to be cut along both directions, so that their triangles are expected within a
-    /// length.
-    pub fn needs(&self, wanted: f64) -> Vec<[f64; 2]> {
-        (0..self.patches.len()).map(|index| self.parts_of(index, wanted)).collect()
+    /// By patch: the number of parts along both directions for triangles with an expected distance within a length.
+    pub fn needs(&self, length: f64) -> Vec<[f64; 2]> {
+        (0..self.patches.len()).map(|index| self.parts_of(index, length)).collect()
     }
 
-    /// By direction: into how many patches each of the surface's pieces is best cut, and these into how many cells, where
-    /// patches need so many and pieces are in `least` at least.
+    /// By direction: the best number of patches for each of the surface's pieces, and of cells for each of these, by the
+    /// numbers that the patches need; a piece has at least `least` patches.
     ///
-    /// Cells are a power of two where that is possible: so patches that need fewer have every second of the lines.
+    /// The number of cells is a power of two, so that a patch that needs fewer has every second line of its neighbour.
     pub fn cuts_of_pieces(&self, needs: &[[f64; 2]], least: &[Vec<usize>; 2]) -> [Vec<PieceCuts>; 2] {
         [0, 1].map(|k| {
             let mut most = vec![0.0; least[k].len()];
@@ -137,18 +138,18 @@ impl FaceLattice {
             }
             let of = |(piece, least): (usize, &usize)| {
                 let n = self.piece_of[k].iter().filter(|of| **of == piece).count();
-                let wanted = whole_parts(most[piece] * n as f64);
+                let needed = whole_parts(most[piece] * n as f64);
                 let mut cells = 1;
-                while 2 * cells * least <= wanted {
+                while 2 * cells * least <= needed {
                     cells *= 2;
                 }
-                PieceCuts { patches: wanted.div_ceil(cells).max(*least), cells }
+                PieceCuts { patches: needed.div_ceil(cells).max(*least), cells }
             };
             least[k].iter().enumerate().map(of).collect()
         })
     }
 
-    /// Cuts patches into cells: those of their pieces, or a half, a quarter and so on where that is all they need.
+    /// Cuts patches into cells: as many as their piece has, or a half, a quarter and so on if they need no more.
     pub fn cut(&mut self, needs: &[[f64; 2]], pieces: &[Vec<PieceCuts>; 2]) {
         let parts = needs.iter().enumerate().map(|(index, need)| {
             let place = [index % self.n[0], index / self.n[0]];
@@ -175,18 +176,19 @@ impl FaceLattice {
     }
 
     /// The number of parts of a patch along both directions.
-    fn parts_of(&self, index: usize, wanted: f64) -> [f64; 2] {
-        // With half of the length for the bending along each direction there are fewest cells.
-        let few = [PLACES as f64; 2];
-        let [along_u, along_v, _] = self.worst_bending(index, few);
-        let squares = few[0] * few[0];
-        let mut parts = [along_u, along_v].map(|bent| greater((2.0 * bent * squares / wanted).sqrt(), 1.0));
+    fn parts_of(&self, index: usize, length: f64) -> [f64; 2] {
+        // The number of cells is least with half of the length for the bending along each direction.
+        let few_parts = [SAMPLES as f64; 2];
+        let [along_u, along_v, _] = self.worst_bending(index, few_parts);
+        let squares = few_parts[0] * few_parts[0];
+        let mut parts =
+            [along_u, along_v].map(|bending| greater((2.0 * bending * squares / length).sqrt(), 1.0));
         for _ in 0..ROUNDS {
-            let [.., both] = self.worst_bending(index, parts);
-            let is_done = both <= NEARLY * wanted && both * NEARLY >= wanted;
+            let [.., cell_bending] = self.worst_bending(index, parts);
+            let is_done = cell_bending <= TOLERATED * length && cell_bending * TOLERATED >= length;
             // Errors go with the square of the size.
-            let times = lesser((both / wanted).sqrt(), 8.0);
-            let next = parts.map(|n| lesser(greater(n * times, 1.0), MOST_PARTS));
+            let factor = lesser((cell_bending / length).sqrt(), 8.0);
+            let next = parts.map(|n| lesser(greater(n * factor, 1.0), MOST_PARTS));
             if is_done || next == parts {
                 break;
             }
@@ -195,15 +197,15 @@ impl FaceLattice {
         parts
     }
 
-    /// The most that is estimated of how far cells bend, of a patch cut into so many parts: their sides along both
-    /// directions, and the cells.
+    /// The largest estimated bending in a patch cut into so many parts: of cells' sides along both directions, and of the
+    /// cells.
     fn worst_bending(&self, index: usize, parts: [f64; 2]) -> [f64; 3] {
         let (patch, derivatives) = (&self.patches[index], &self.derivatives[index]);
         let mut worst = [0.0_f64; 3];
-        for j in 0..PLACES {
-            for i in 0..PLACES {
+        for j in 0..SAMPLES {
+            for i in 0..SAMPLES {
                 let size = parts.map(|n| 1.0 / n);
-                let at = [i, j].map(|k| k as f64 / (PLACES - 1) as f64);
+                let at = [i, j].map(|k| k as f64 / (SAMPLES - 1) as f64);
                 let from = [0, 1].map(|k| at[k] * (1.0 - size[k]));
                 let corner = |du: f64, dv: f64| [from[0] + du * size[0], from[1] + dv * size[1]];
                 let square = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
@@ -224,7 +226,7 @@ impl FaceLattice {
         self.cells.snapped([0, 1].map(|k| self.coordinate(k, parameters[k])))
     }
 
-    /// Moves points to the end of the range of a parameter where all of them are beyond it.
+    /// Moves points to the end of the range of a parameter if all of them are beyond it.
     pub fn cut_off(&self, k: usize, points: &mut [[f64; 2]]) {
         let [from, to] = [self.breaks[k][0], self.breaks[k][self.n[k]]];
         if points.iter().all(|p| p[k] < from) {
@@ -261,7 +263,7 @@ impl FaceLattice {
         self.patches[patch].at(u, v)
     }
 
-    /// Their unit normal there; none where tangents vanish.
+    /// The unit normal of the patches at lattice coordinates; none if tangents vanish.
     pub fn normal(&self, at: [f64; 2]) -> Option<[f64; 3]> {
         let (patch, [u, v]) = self.patch_and_place(at);
         self.patches[patch].normal(u, v)
@@ -278,7 +280,7 @@ impl FaceLattice {
         self.derivatives[patch].triangle_bound(corners.map(|at| self.place(patch, at)), at.map(DVec3::from))
     }
 
-    /// How far the image of a straight line within a patch is from the chord between its ends, without rounding.
+    /// The distance of the image of a straight line within a patch from the chord between its ends, without rounding.
     pub fn edge_bound(&self, patch: usize, ends: [[f64; 2]; 2], at: [[f64; 3]; 2]) -> f64 {
         let ends = ends.map(|at| self.place(patch, at));
         edge_bound(&self.derivatives[patch], ends, at.map(DVec3::from))
@@ -304,18 +306,19 @@ impl FaceLattice {
     }
 }
 
-/// How far the image of a straight line is from its chord: of a triangle with its third corner in the middle of a side
-/// nothing is left but that side.
+/// The distance of the image of a straight line from its chord: the bound of a degenerate triangle with its third corner
+/// in the middle of a side.
 fn edge_bound(derivatives: &PatchDerivatives, ends: [[f64; 2]; 2], at: [DVec3; 2]) -> f64 {
     let middle = std::array::from_fn(|k| 0.5 * (ends[0][k] + ends[1][k]));
     derivatives.triangle_bound([ends[0], ends[1], middle], [at[0], at[1], 0.5 * (at[0] + at[1])])
 }
 
 fn whole_parts(need: f64) -> usize {
-    greater((need - SPARE).ceil(), 1.0) as usize
+    greater((need - TOLERATED_EXCESS).ceil(), 1.0) as usize
 }
 
-/// The larger bound of the two triangles on each side of the diagonal from the first corner, and of the other one.
+/// The larger bound of the two triangles beside the diagonal from the first corner, and the same for the other
+/// diagonal.
 fn diagonal_bounds(derivatives: &PatchDerivatives, corners: [[f64; 2]; 4], at: [DVec3; 4]) -> [f64; 2] {
     let bound = |t: [usize; 3]| derivatives.triangle_bound(t.map(|k| corners[k]), t.map(|k| at[k]));
     [greater(bound([0, 1, 2]), bound([0, 2, 3])), greater(bound([0, 1, 3]), bound([1, 2, 3]))]

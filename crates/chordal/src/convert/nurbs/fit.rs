@@ -5,37 +5,37 @@ use crate::explicit::Patch;
 use crate::explicit::nurbs::{BernsteinRow, BezierNet, NurbsSurface, SurfaceJet};
 use crate::math::{difference, greater, length, lesser};
 
-/// Patches near a surface, and how far they are from it at most.
+/// Patches near a surface, and a bound for their distance from it.
 pub(in crate::convert) struct FittedSurface {
     /// Row by row.
     pub patches: Vec<Patch>,
     pub at_most: f64,
-    /// By direction and piece: into how many parts it is cut.
+    /// By direction and piece: its number of parts.
     pub cuts: [Vec<usize>; 2],
 }
 
 /// The most cuts of a piece in one direction. Chosen: errors go down with its fourth power, so that all digits of a
 /// double are reached long before.
 const MOST_CUTS: usize = 1 << 12;
-/// The most rounds of cuts. Chosen: a round reaches the length where the fourth power is right.
+/// The most rounds of cuts. Chosen: one round reaches the length once errors fall with the fourth power.
 const MOST_ROUNDS: usize = 24;
-/// Rounds without a nearer result before rounding is all that is left. Chosen.
+/// More rounds than this without a nearer result end the search. Chosen: then the rest of the error is rounding.
 const MOST_WORSE: usize = 2;
-/// The share of the length that errors along one direction may have. Chosen: both add up, with what is in between.
+/// The share of the length for errors along one direction. Chosen: both add up, with a rest for the middle.
 const ALONG: f64 = 0.4;
-/// Points closer than this, relative to the largest coordinate, at the two ends of a closed direction or along a side that
-/// is one point, are one. Chosen: some roundings of evaluation; the bound is of what is made of them.
+/// Points closer than this, relative to the largest coordinate, count as equal at the two ends of a closed direction or
+/// along a side. Chosen: some roundings of evaluation; the bound holds in any case, since it is of the final patches.
 const EQUAL: f64 = 1e-13;
 
-/// One surface on its way to patches.
+/// A surface while its patches are fitted.
 struct SurfaceFitter<'a> {
     net: BezierNet<'a>,
     factors: ProductFactors,
     /// By direction: whether the surface returns to its start.
     closes: [bool; 2],
-    /// By direction and end: the point that this whole side is, if it is one.
+    /// By direction and end: the point of this side, if all of it is one point.
     poles: [[Option<[f64; 3]>; 2]; 2],
-    /// By direction and piece: into how many parts it is cut.
+    /// By direction and piece: its number of parts.
     cuts: [Vec<usize>; 2],
 }
 
@@ -46,24 +46,24 @@ struct SubRectangle {
     part: [usize; 2],
 }
 
-/// Patches within a length of a surface, or as near as they come.
-pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) -> FittedSurface {
+/// Patches within a length of a surface, or the nearest that the limits allow.
+pub(in crate::convert) fn fit(surface: &NurbsSurface, length: f64, job: &Job) -> FittedSurface {
     let mut fitter = SurfaceFitter::new(surface);
     let most = (job.memory_limit / PATCH_BYTES).min(job.triangle_limit);
-    let (mut made, mut n_worse) = (fitter.patches(job), 0);
-    let mut best = (made.clone(), fitter.cuts.clone());
+    let (mut fitted, mut n_worse) = (fitter.patches(job), 0);
+    let mut best = (fitted.clone(), fitter.cuts.clone());
     for _ in 0..MOST_ROUNDS {
-        if farthest(&made) <= wanted || job.is_cancelled() || !fitter.cut_further(&made, wanted) {
+        if farthest(&fitted) <= length || job.is_cancelled() || !fitter.cut_further(&fitted, length) {
             break;
         }
         let count = fitter.cuts.each_ref().map(|of| of.iter().sum::<usize>() as u64);
         if count[0].saturating_mul(count[1]) > most {
             break;
         }
-        made = fitter.patches(job);
-        n_worse = if farthest(&made) < farthest(&best.0) { 0 } else { n_worse + 1 };
+        fitted = fitter.patches(job);
+        n_worse = if farthest(&fitted) < farthest(&best.0) { 0 } else { n_worse + 1 };
         if n_worse == 0 {
-            best = (made.clone(), fitter.cuts.clone());
+            best = (fitted.clone(), fitter.cuts.clone());
         }
         if n_worse > MOST_WORSE {
             break;
@@ -77,7 +77,7 @@ pub(in crate::convert) fn fit(surface: &NurbsSurface, wanted: f64, job: &Job) ->
     }
 }
 
-/// The patches of a surface whose pieces are cut into so many parts, by direction and piece.
+/// The patches of a surface, with these numbers of parts by direction and piece.
 pub(in crate::convert) fn fit_parts(
     surface: &NurbsSurface,
     cuts: [Vec<usize>; 2],
@@ -85,20 +85,23 @@ pub(in crate::convert) fn fit_parts(
 ) -> FittedSurface {
     let mut fitter = SurfaceFitter::new(surface);
     fitter.cuts = cuts;
-    let made = fitter.patches(job);
+    let fitted = fitter.patches(job);
     FittedSurface {
-        at_most: farthest(&made),
-        patches: made.into_iter().map(|(patch, _)| patch).collect(),
+        at_most: farthest(&fitted),
+        patches: fitted.into_iter().map(|(patch, _)| patch).collect(),
         cuts: fitter.cuts,
     }
 }
 
-/// The largest distance of patches; infinite where one is not known.
-fn farthest(made: &[(Patch, f64)]) -> f64 {
-    made.iter().fold(0.0, |far, (_, off)| if off.is_nan() { f64::INFINITY } else { greater(*off, far) })
+/// The largest distance of patches; infinite if one is not known.
+fn farthest(fitted: &[(Patch, f64)]) -> f64 {
+    fitted.iter().fold(
+        0.0,
+        |far, (_, distance)| if distance.is_nan() { f64::INFINITY } else { greater(*distance, far) },
+    )
 }
 
-/// A patch with its bound, and what is made of it while it is meshed.
+/// The memory of a patch with its bound, and of its triangles while it is meshed.
 const PATCH_BYTES: u64 = 2048;
 
 impl<'a> SurfaceFitter<'a> {
@@ -107,7 +110,7 @@ impl<'a> SurfaceFitter<'a> {
         let [n, m] = net.n_pieces();
         let bounds = surface.bounds();
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |far: f64, x| greater(x.abs(), far));
-        // The coefficients of a side are near those of the other where the surface closes.
+        // If the surface closes, the coefficients of one side are near those of the other.
         let near = |a: [f64; 3], b: [f64; 3]| distance(a, b) <= EQUAL * reach;
         let sides = net.sides();
         let is_closed = |k: usize| {
@@ -154,7 +157,7 @@ impl<'a> SurfaceFitter<'a> {
         (patch, distance)
     }
 
-    /// The position and derivatives at a corner; at a seam those along it are taken from its first side.
+    /// The position and derivatives at a corner; at a seam the derivatives along it are taken from its first side.
     fn corner(&self, SubRectangle { piece, part }: SubRectangle, end: [usize; 2]) -> SurfaceJet {
         let step = [0, 1].map(|k| part[k] + end[k]);
         let place = |k: usize| step[k] as f64 / self.cuts[k][piece[k]] as f64;
@@ -182,30 +185,31 @@ impl<'a> SurfaceFitter<'a> {
             };
             if let Some(point) = pole {
                 jet.position = point;
-                // Along the side nothing moves.
+                // The derivative along the side is 0.
                 if k == 0 { jet.v = [0.0; 3] } else { jet.u = [0.0; 3] }
             }
         }
         jet
     }
 
-    /// Cuts pieces in the directions in which parts are too far; whether any was cut.
-    fn cut_further(&mut self, made: &[(Patch, f64)], most: f64) -> bool {
+    /// Cuts pieces in the directions of parts that are too far; whether any was cut.
+    fn cut_further(&mut self, fitted: &[(Patch, f64)], most: f64) -> bool {
         let mut cuts = self.cuts.clone();
-        for (part, (patch, off)) in self.parts().into_iter().zip(made) {
-            if *off <= most {
+        for (part, (patch, distance)) in self.parts().into_iter().zip(fitted) {
+            if *distance <= most {
                 continue;
             }
             let errors = self.errors_along(part, patch);
-            let allowed = ALONG * most;
-            let is_clear = errors.iter().any(|error| *error > allowed);
+            let allowance = ALONG * most;
+            let is_clear = errors.iter().any(|error| *error > allowance);
             for k in 0..2 {
                 let now = self.cuts[k][part.piece[k]] as f64;
-                // Errors go with the fourth power of the size; where none is clear, between the sides.
-                let times = if errors[k] > allowed { (errors[k] / allowed).sqrt().sqrt() } else { 1.0 };
-                let times = if is_clear { times } else { 1.25 };
-                let more = (now * lesser(times, 8.0)).ceil();
-                let more = if times > 1.0 { greater(more, now + 1.0) } else { now };
+                // Errors go with the fourth power of the size. Without a clear error at the sides, it is between
+                // them.
+                let factor = if errors[k] > allowance { (errors[k] / allowance).sqrt().sqrt() } else { 1.0 };
+                let factor = if is_clear { factor } else { 1.25 };
+                let more = (now * lesser(factor, 8.0)).ceil();
+                let more = if factor > 1.0 { greater(more, now + 1.0) } else { now };
                 let best = &mut cuts[k][part.piece[k]];
                 *best = (*best).max(more as usize).min(MOST_CUTS);
             }
@@ -215,15 +219,16 @@ impl<'a> SurfaceFitter<'a> {
         is_more
     }
 
-    /// How far the middles of the patch's sides along `u`, and along `v`, are from the surface's points there, and in its
-    /// middle.
+    /// The larger distance of the middles of the patch's sides along `u` from the surface's points there, and the same
+    /// along `v`.
     fn errors_along(&self, SubRectangle { piece, part }: SubRectangle, patch: &Patch) -> [f64; 2] {
         let place = |k: usize, at: f64| (part[k] as f64 + at) / self.cuts[k][piece[k]] as f64;
-        let off = |u: f64, v: f64| {
+        let error_at = |u: f64, v: f64| {
             let there = self.net.jet(piece, [place(0, u), place(1, v)]).position;
             distance(there, patch.at(u, v))
         };
-        let [bottom, top, left, right] = [off(0.5, 0.0), off(0.5, 1.0), off(0.0, 0.5), off(1.0, 0.5)];
+        let [bottom, top, left, right] =
+            [error_at(0.5, 0.0), error_at(0.5, 1.0), error_at(0.0, 0.5), error_at(1.0, 0.5)];
         [greater(bottom, top), greater(left, right)]
     }
 }
@@ -236,7 +241,7 @@ fn point(x: &[f64; 4]) -> [f64; 3] {
     [x[0] / x[3], x[1] / x[3], x[2] / x[3]]
 }
 
-/// The rows of the part of a piece between two parameters from row to row.
+/// The rows of the part of a piece between two parameters across the rows.
 fn rows_part(rows: &[BernsteinRow<4>], c: f64, d: f64) -> Vec<BernsteinRow<4>> {
     let width = rows[0].0.len();
     let columns: Vec<BernsteinRow<4>> =
@@ -244,8 +249,8 @@ fn rows_part(rows: &[BernsteinRow<4>], c: f64, d: f64) -> Vec<BernsteinRow<4>> {
     (0..rows.len()).map(|j| BernsteinRow(columns.iter().map(|column| column.0[j]).collect())).collect()
 }
 
-/// The patch with these positions and derivatives at its corners, in thirds of its sides; each control point of a side
-/// depends on that side's ends alone.
+/// The patch with these positions and derivatives at its corners, the latter scaled by `[du, dv]`; each control point
+/// of a side depends on that side's ends alone.
 fn hermite_patch(corners: &[SurfaceJet; 4], [du, dv]: [f64; 2]) -> Patch {
     let control = |i: usize, j: usize| -> [f64; 3] {
         let (right, top) = (i > 1, j > 1);

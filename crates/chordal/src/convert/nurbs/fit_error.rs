@@ -1,32 +1,32 @@
-//! A bound on the distance between a part of a rational surface and the bicubic patch in its place.
+//! A bound on the distance between a part of a rational surface and the bicubic patch that replaces it.
 //!
 //! With numerator `X` and denominator `W` of the surface in Bernstein form, and the patch `H`, points of equal
 //! parameters are `|X − H·W| / W` apart. The numerator is a polynomial, of three degrees more than `X` in each
 //! direction; its coefficients are sums of products, and the largest of them bounds it everywhere, as the least weight
-//! bounds `W`. It vanishes twice at each side's ends, and goes down with the fourth power of the part's size. Points of
-//! equal parameters pair all of both surfaces, so that the bound holds in both directions.
+//! bounds `W`. It vanishes twice at each side's ends, and falls with the fourth power of the part's size. Points of
+//! equal parameters pair all points of both surfaces, so that the bound holds in both directions.
 //!
 //! *Rounding.* All coefficients of the surface are weighted means of control points times weights with positive
-//! factors: each coordinate is off by less than `8(p + q + 1)·ε` of `R·W`, `R` the largest coordinate of a control
+//! factors: the error of each coordinate is below `8(p + q + 1)·ε·R·W`, with `R` the largest coordinate of a control
 //! point of the surface or the patch, for the weights, the pieces and the parts. The patch is taken as it is, rounded
-//! numbers included. Differences to its corner and products lose `16·ε·R·W`, and sums, of 16 terms at most with factors
-//! that add up to 1, `24·ε`. Three coordinates of all are below `64(p + q + 4)·ε·R·W`, and so is the division by the
-//! least weight.
+//! numbers included. Differences to its corner and products add `16·ε·R·W`, and sums, of 16 terms at most with factors
+//! that add up to 1, `24·ε·R·W`. All of this for three coordinates, with the division by the least weight, is below
+//! `64(p + q + 4)·ε·R·W`.
 use crate::explicit::Patch;
 use crate::explicit::nurbs::{BernsteinRow, binomials};
 use crate::math::{greater, lesser};
 
-/// Lengths below 1e-154 have squares that lose digits or vanish, and products below the normal numbers lose less: nothing
-/// shorter than this is distinguished from 0.
+/// A length that counts as rounding. Derived: lengths below 1e-154 have squares that lose digits or vanish, and products
+/// below the normal numbers lose less.
 const LEAST: f64 = 1e-150;
 
-/// The factors of products of two polynomials in Bernstein form, of which the second is a cubic.
+/// The factors of products of two polynomials in Bernstein form, the second a cubic.
 #[derive(Debug)]
 pub(super) struct ProductFactors {
     degrees: [usize; 2],
     /// The largest coordinate of a control point of the surface.
     reach: f64,
-    /// By direction: of each coefficient of the first, those with the four of the second.
+    /// By direction, for each coefficient of the first: the factors with the four coefficients of the second.
     factors: [Vec<[f64; 4]>; 2],
 }
 
@@ -66,13 +66,13 @@ impl ProductFactors {
             }
         }
         let squares = sums.iter().map(|d| d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        // No number is not small.
+        // NaN counts as infinite.
         let more = |far: f64, one: f64| if one.is_nan() { f64::INFINITY } else { greater(one, far) };
         let largest_sq = squares.fold(0.0, more);
         if !(least > 0.0 && most.is_finite()) {
             return f64::INFINITY;
         }
-        // A patch's control points may be farther out than the surface's.
+        // A patch's control points may have larger coordinates than the surface's.
         let reach = patch
             .control
             .as_flattened()
@@ -81,7 +81,7 @@ impl ProductFactors {
             .fold(self.reach, |far, x| greater(x.abs(), far));
         // Derived at the head of this file.
         let rounding = 64.0 * (p + q + 4) as f64 * f64::EPSILON * reach * most + LEAST;
-        // The square root of three products and their sums, the sum and the quotient: derived, half a rounding each.
+        // Derived: half a rounding each for the square root, three products and their sums, the sum and the quotient.
         let bound = (largest_sq.sqrt() * (1.0 + 8.0 * f64::EPSILON) + rounding) / least;
         (bound * (1.0 + 4.0 * f64::EPSILON)).next_up()
     }

@@ -1,17 +1,18 @@
-//! Which vertices become one without a face that would vanish.
+//! Decides which vertices become one, so that no face vanishes.
 //!
-//! What is smaller than sewing is near, or thinner, has its vertices united with each other through those of its neighbours.
-//! Where nothing would be left of a face, unions count by their distance, the least first, and those that would unite two of
-//! its own places are left out.
+//! If a face is smaller or thinner than the sewing length, its vertices are united with each other through the vertices
+//! of its neighbours. If a face would vanish by this, unions are taken by their distance, the least first, and unions of
+//! two of its own places are left out.
 use super::sew::{SewnVertices, TrimmedFace};
 use super::trim_cells::FaceTriangles;
 use crate::explicit::DisjointSets;
 use crate::math::{Box3, difference, length};
 use std::collections::BTreeMap;
 
-/// What of a face's diagonal is one place of it, where it would vanish. Chosen: far above rounding, far below what is seen.
+/// In a face that would vanish, vertices within this fraction of its diagonal are one place. Chosen: far above rounding,
+/// and too small to be seen.
 const OWN_PLACE: f64 = 1e-6;
-/// Rounds in which more faces are found that would vanish. Chosen: each is a chain of neighbours longer.
+/// Rounds of the search for faces that would vanish. Chosen: each round follows chains of neighbours one face farther.
 const ROUNDS: usize = 8;
 
 /// A vertex that may not be united with others of its face.
@@ -21,7 +22,7 @@ struct KeptVertex {
     face: u32,
 }
 
-/// By vertex of all loops: the earliest that is the same.
+/// By vertex of all loops: the first vertex of its set.
 pub(super) fn same_vertices(
     faces: &[TrimmedFace<'_>],
     triangles: &[FaceTriangles],
@@ -53,8 +54,8 @@ pub(super) fn same_vertices(
         let mut sets = DisjointSets::new(positions.len());
         let mut members: BTreeMap<u32, Vec<KeptVertex>> = BTreeMap::new();
         for index in kept.keys() {
-            let own = first[*index as usize];
-            for vertex in own..own + faces[*index as usize].positions.len() as u32 {
+            let first_vertex = first[*index as usize];
+            for vertex in first_vertex..first_vertex + faces[*index as usize].positions.len() as u32 {
                 members.insert(vertex, vec![KeptVertex { vertex, face: *index }]);
             }
         }
@@ -63,19 +64,19 @@ pub(super) fn same_vertices(
             if roots[0] == roots[1] {
                 continue;
             }
-            let [one, other] = roots.map(|root| members.get(&root).map_or(&[][..], Vec::as_slice));
-            let is_kept = one.iter().any(|a| {
+            let [kept_in_a, other] = roots.map(|root| members.get(&root).map_or(&[][..], Vec::as_slice));
+            let is_kept = kept_in_a.iter().any(|a| {
                 let differs = |b: &KeptVertex| distance(a.vertex, b.vertex) > kept[&a.face];
                 other.iter().any(|b| a.face == b.face && differs(b))
             });
             if is_kept {
                 continue;
             }
-            let all: Vec<KeptVertex> =
+            let united: Vec<KeptVertex> =
                 roots.iter().filter_map(|root| members.remove(root)).flatten().collect();
             sets.union(*a, *b);
-            if !all.is_empty() {
-                members.insert(sets.find(*a), all);
+            if !united.is_empty() {
+                members.insert(sets.find(*a), united);
             }
         }
         same = (0..positions.len() as u32).map(|vertex| sets.find(vertex)).collect();
@@ -87,7 +88,7 @@ pub(super) fn same_vertices(
 fn is_flat(face: &TrimmedFace<'_>, triangles: &FaceTriangles, leader: impl Fn(u32) -> u32) -> bool {
     let n_border = face.positions.len() as u32;
     triangles.triangles.iter().all(|(corners, _)| {
-        // What is within a face is no vertex of another.
+        // A vertex within a face is no vertex of another.
         let at = corners.map(|k| if k < n_border { Ok(leader(k)) } else { Err(k) });
         at[0] == at[1] || at[1] == at[2] || at[2] == at[0]
     })

@@ -1,8 +1,9 @@
-//! Triangulates what polygons enclose, cell by cell.
+//! Triangulates the inside of polygons, cell by cell.
 //!
-//! Cells without an edge of a polygon are halved along a diagonal. All others are triangulated on their own, the edges
-//! in them kept and their corners and all vertices on their sides being vertices, so that neighbours fit. To the left of
-//! an edge is the inside; the rest of a cell, and cells without edges, follow from their neighbours.
+//! Cells without an edge of a polygon are halved along a diagonal. Every other cell has its own triangulation: it keeps
+//! the edges in the cell, and its vertices include the cell's corners and all vertices on the cell's sides, so that
+//! neighbours fit. The inside is to the left of an edge; the rest of a cell, and cells without edges, follow from their
+//! neighbours.
 use super::face_cells::FaceCell;
 use super::face_lattice::FaceLattice;
 use super::trim_loops::TrimPolygons;
@@ -11,8 +12,8 @@ use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Coordinates below this in size are too small for the triangulation's exact predicates; they become 0. Defined: by the
-/// crate, 1e-43 or so.
+/// Smaller coordinates become 0, since they are too small for the triangulation's exact predicates. Defined: the limit of
+/// the crate is about 1e-43.
 const SMALLEST: f64 = 1e-40;
 
 /// Triangles of a face.
@@ -27,7 +28,7 @@ pub(super) struct FaceTriangles {
     pub stray: Vec<([u32; 2], usize)>,
 }
 
-/// Why polygons enclose no area.
+/// The reason for which polygons enclose no area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TrimConflict {
     /// Two edges cross, or the same area is inside by one and outside by another.
@@ -36,7 +37,7 @@ pub(super) enum TrimConflict {
     Open,
 }
 
-/// What lies in a cell.
+/// The vertices and edges in a cell.
 #[derive(Default)]
 struct CellContent {
     vertices: Vec<u32>,
@@ -63,15 +64,15 @@ impl HasPosition for CellVertex {
     }
 }
 
-/// The edges of a cell, cut where vertices lie on them: those that bound something, from their first vertex with the
-/// inside to the left, and those that run both ways.
+/// The edges of a cell, cut at the vertices that lie on them: the edges that bound the inside, with the inside to the
+/// left, and the edges that run both ways.
 struct CellEdges {
     bounding: Vec<[u32; 2]>,
     both_ways: Vec<[u32; 2]>,
 }
 
-/// A mixed cell: its inner triangles, and whether what is beside an edge is inside: by edge on its sides, and by edge that
-/// runs both ways.
+/// A mixed cell: its inner triangles, and whether an edge has the inside beside it: for edges on the cell's sides, and
+/// for edges that run both ways.
 struct MixedCell {
     triangles: Vec<[u32; 3]>,
     borders: Vec<([u32; 2], bool)>,
@@ -87,7 +88,7 @@ struct CellTriangulator<'a> {
     by_place: BTreeMap<[u64; 2], u32>,
 }
 
-/// The triangles of what polygons enclose.
+/// The triangles inside of polygons.
 pub(super) fn triangulate(
     lattice: &FaceLattice,
     polygons: &TrimPolygons,
@@ -97,7 +98,7 @@ pub(super) fn triangulate(
         vertices: polygons.vertices.iter().map(|at| at.map(not_tiny)).collect(),
         by_place: BTreeMap::new(),
     };
-    // Vertices at one place are one.
+    // Vertices at the same place become one.
     let ids: Vec<u32> = (0..work.vertices.len() as u32)
         .map(|id| *work.by_place.entry(key(work.vertices[id as usize])).or_insert(id))
         .collect();
@@ -188,10 +189,10 @@ impl CellTriangulator<'_> {
                 continue;
             }
             match contents.get(&cell) {
-                // Vertices of neighbours on its sides, without an edge.
+                // A cell with vertices of neighbours on its sides, without an edge.
                 Some(content) => {
-                    let all = self.cell_triangles(cell, content)?;
-                    triangles.extend(all.into_iter().map(|t| (t, cell.patch)));
+                    let cell_triangles = self.cell_triangles(cell, content)?;
+                    triangles.extend(cell_triangles.into_iter().map(|t| (t, cell.patch)));
                 }
                 None => triangles.extend(self.halves(cell).map(|t| (t, cell.patch))),
             }
@@ -206,7 +207,7 @@ impl CellTriangulator<'_> {
         Ok(FaceTriangles { vertices: self.vertices, triangles, same, stray })
     }
 
-    /// Gives the state of cells beside edges for which it is known to cells without edges.
+    /// Gives cells without edges the known states beside edges, from neighbour to neighbour.
     fn spread(
         &self,
         borders: &BTreeMap<[u32; 2], bool>,
@@ -220,11 +221,11 @@ impl CellTriangulator<'_> {
         }
         while let Some((cell, is_inside)) = queue.pop_front() {
             let state = &mut states[cells.index(cell)];
-            let wanted = if is_inside { TrimCellState::Inside } else { TrimCellState::Outside };
+            let new_state = if is_inside { TrimCellState::Inside } else { TrimCellState::Outside };
             match *state {
-                TrimCellState::Unknown => *state = wanted,
+                TrimCellState::Unknown => *state = new_state,
                 TrimCellState::Mixed => continue,
-                known if known == wanted => continue,
+                known if known == new_state => continue,
                 _ => return Err(TrimConflict::Crossing),
             }
             let mut is_open = false;
@@ -255,15 +256,15 @@ impl CellTriangulator<'_> {
         cell: FaceCell,
         content: &CellContent,
     ) -> Result<(CellTriangulation, CellHandles), TrimConflict> {
-        let mut made = ConstrainedDelaunayTriangulation::new();
+        let mut triangulation = ConstrainedDelaunayTriangulation::new();
         let mut handles = BTreeMap::new();
         for id in self.corners(cell).into_iter().chain(content.vertices.iter().copied()) {
             let [x, y] = self.vertices[id as usize];
             let vertex = CellVertex { at: Point2::new(x, y), id };
-            let handle = made.insert(vertex).map_err(|_| TrimConflict::Crossing)?;
+            let handle = triangulation.insert(vertex).map_err(|_| TrimConflict::Crossing)?;
             handles.insert(id, handle);
         }
-        Ok((made, handles))
+        Ok((triangulation, handles))
     }
 
     /// All triangles of a cell that is inside.
@@ -272,8 +273,8 @@ impl CellTriangulator<'_> {
         cell: FaceCell,
         content: &CellContent,
     ) -> Result<Vec<[u32; 3]>, TrimConflict> {
-        let (made, _) = self.points(cell, content)?;
-        Ok(made.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().id)).collect())
+        let (triangulation, _) = self.points(cell, content)?;
+        Ok(triangulation.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().id)).collect())
     }
 
     fn edges_of(&self, content: &CellContent) -> Result<CellEdges, TrimConflict> {
@@ -285,40 +286,40 @@ impl CellTriangulator<'_> {
                 *net.entry(pair).or_default() += sign;
             }
         }
-        let mut made = CellEdges { bounding: Vec::new(), both_ways: Vec::new() };
+        let mut cell_edges = CellEdges { bounding: Vec::new(), both_ways: Vec::new() };
         for (pair, n) in net {
             match n {
-                0 => made.both_ways.push(pair),
-                1 => made.bounding.push(pair),
-                -1 => made.bounding.push([pair[1], pair[0]]),
+                0 => cell_edges.both_ways.push(pair),
+                1 => cell_edges.bounding.push(pair),
+                -1 => cell_edges.bounding.push([pair[1], pair[0]]),
                 _ => return Err(TrimConflict::Crossing),
             }
         }
-        Ok(made)
+        Ok(cell_edges)
     }
 
-    /// A cell with edges that bound something.
+    /// A cell with edges that bound the inside.
     fn mixed_cell(
         &mut self,
         cell: FaceCell,
         content: &CellContent,
         edges: &CellEdges,
     ) -> Result<MixedCell, TrimConflict> {
-        let (mut made, handles) = self.points(cell, content)?;
+        let (mut triangulation, handles) = self.points(cell, content)?;
         for [a, b] in edges.bounding.iter().chain(&edges.both_ways) {
             let [a, b] = [a, b].map(|id| handles[id]);
-            if !made.can_add_constraint(a, b) {
+            if !triangulation.can_add_constraint(a, b) {
                 return Err(TrimConflict::Crossing);
             }
-            made.add_constraint(a, b);
+            triangulation.add_constraint(a, b);
         }
-        let inside = inside_of(&made, &handles, &edges.bounding)?;
+        let inside = inside_of(&triangulation, &handles, &edges.bounding)?;
         let mut mixed = MixedCell {
             triangles: Vec::new(),
             borders: Vec::new(),
             both_ways: edges.both_ways.iter().map(|edge| (*edge, false)).collect(),
         };
-        for face in made.inner_faces() {
+        for face in triangulation.inner_faces() {
             let is_inside = inside[face.fix().index()] == Some(true);
             if is_inside {
                 mixed.triangles.push(face.vertices().map(|vertex| vertex.data().id));
@@ -366,19 +367,20 @@ impl CellTriangulator<'_> {
     }
 }
 
-/// By face of a triangulation: whether it is to the left of edges that bound something, or beside one that is.
+/// By face of a triangulation: whether it is inside, that is, to the left of bounding edges, or connected to such a face
+/// without an edge between.
 fn inside_of(
-    made: &CellTriangulation,
+    triangulation: &CellTriangulation,
     handles: &CellHandles,
     bounding: &[[u32; 2]],
 ) -> Result<Vec<Option<bool>>, TrimConflict> {
-    let mut inside: Vec<Option<bool>> = vec![None; made.num_all_faces()];
-    let mut walls = vec![false; made.num_undirected_edges()];
+    let mut inside: Vec<Option<bool>> = vec![None; triangulation.num_all_faces()];
+    let mut walls = vec![false; triangulation.num_undirected_edges()];
     let mut open = VecDeque::new();
     for ends in bounding {
         let [a, b] = ends.map(|id| handles[&id]);
-        let Some(edge) = made.get_edge_from_neighbors(a, b) else {
-            // A vertex lies on it.
+        let Some(edge) = triangulation.get_edge_from_neighbors(a, b) else {
+            // A vertex lies on the edge.
             return Err(TrimConflict::Crossing);
         };
         walls[edge.as_undirected().fix().index()] = true;
@@ -392,7 +394,7 @@ fn inside_of(
             Some(_) => return Err(TrimConflict::Crossing),
             None => inside[face.index()] = Some(value),
         }
-        for edge in made.face(face).adjacent_edges() {
+        for edge in triangulation.face(face).adjacent_edges() {
             if !walls[edge.as_undirected().fix().index()] {
                 open.extend(edge.rev().face().as_inner().map(|next| (next.fix(), value)));
             }

@@ -1,17 +1,18 @@
-//! Trim loops as polygons whose edges lie in cells of a lattice.
+//! Trim loops as polygons with edges in cells of a lattice.
 //!
-//! *Bound.* Let `c` be a part of a loop and `e` the edge in its place. The point of `e` nearest to `c(t)` moves with `t`
-//! without jumps; at both ends it then goes on to the vertex. Distance from a convex set is a convex function, so that
-//! of a point of `c` is at most the mean of its control points' distances, by the parts they have in it; that of an end
-//! is at most its distance from the vertex. Moving all points of all loops to their edges changes on which side of the
-//! loops a point lies only where the move sweeps over it, and nor does moving what is beyond the surface's range to the
-//! end of it; so a point of one area that is not in the other is, along a straight line of parameters, at most that far
-//! from both, the loop and its edge. The loop belongs to the truth; of edges, what is beside no triangle is counted by
-//! `uncovered.rs`.
+//! **Bound.** Let `c` be a part of a loop and `e` the edge that replaces it. The point of `e` nearest to `c(t)` moves
+//! with `t` without jumps; at both ends it then goes on to the vertex. The distance from a convex set is a convex
+//! function. So the distance of a point of `c` is at most the mean of its control points' distances, weighted by their
+//! shares in the point, and the distance of an end is at most its distance from the vertex.
 //!
-//! A step `(du, dv)` moves the surface by the root of `E·du² + 2F·du·dv + G·dv²` at most, `E` and `G` the squares of its
-//! largest speeds over the box of control points and edge, `F` the largest product of both derivatives; that is
-//! `√(1 + F/√(EG))` of the distance in the units `√E` and `√G`.
+//! Move all points of all loops to their edges. A point changes its side of the loops only if the move sweeps over it;
+//! the same holds for a move of points beyond the surface's range to the end of the range. So a point in only one of
+//! both areas is, along a straight line of parameters, at most that far from both the loop and its edge. The loop
+//! belongs to the surface; edges beside no triangle are counted by `uncovered.rs`.
+//!
+//! **Lengths.** A step `(du, dv)` moves the surface by the root of `E·du² + 2F·du·dv + G·dv²` at most. `E` and `G` are
+//! the squares of its largest speeds over the box of control points and edge, `F` is the largest product of both
+//! derivatives. That is at most `√(1 + F/√(EG))` times the distance in the units `√E` and `√G`.
 use super::face_lattice::FaceLattice;
 use crate::explicit::nurbs::{BernsteinRow, NurbsSurface};
 use crate::explicit::polygons::winding_number;
@@ -19,12 +20,14 @@ use crate::explicit::{Arc, Curve, CurveSegment};
 use crate::math::{Orientation, greater, lesser, orient2d, power_of_two};
 use std::f64::consts::FRAC_PI_2;
 
-/// Halvings of a loop's piece. Chosen: beyond, its parameters are next to each other.
+/// Halvings of a loop's piece. Chosen: after more, its parameters are next to each other.
 const DEEPEST: u32 = 60;
 
-/// Vertices of the loops of a face; beyond, edges stay as they are, and the bound says so. Chosen.
+/// The most vertices of a face's loops; then edges are cut no further, and the bound is larger. Chosen: they take some
+/// 100 MB.
 const MOST_VERTICES: usize = 1 << 22;
-/// Parts into which an edge is cut at once, fewer than this; into two where it is far off or not known how far. Chosen.
+/// An edge is cut into fewer parts than this at once, and into two if it needs more or an unknown number. Chosen: an
+/// estimate from so far away is not reliable.
 const MOST_AT_ONCE: f64 = 32.0;
 
 /// A piece of a loop.
@@ -33,10 +36,10 @@ pub(super) enum TrimPiece {
     Arc(Arc<2>),
 }
 
-/// The loops of a face by their pieces; what their numbers may be off.
+/// The loops of a face by their pieces, with the errors of their coordinates.
 pub(super) struct TrimPieces {
     pieces: Vec<TrimPiece>,
-    /// By loop: the pieces it has.
+    /// By loop: its pieces.
     pub loops: Vec<std::ops::Range<usize>>,
     pub slack: f64,
     pub degree: usize,
@@ -47,7 +50,7 @@ pub(super) struct TrimPieces {
 /// A vertex of a loop, in coordinates of the lattice.
 pub(super) type TrimPoint = [f64; 2];
 
-/// An edge between two vertices and the part of a loop for which it stands.
+/// An edge between two vertices, and the part of a loop that it replaces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrimEdge {
     pub piece: usize,
@@ -61,8 +64,8 @@ pub(super) struct TrimPolygons {
     pub vertices: Vec<TrimPoint>,
     /// By loop, in order.
     pub loops: Vec<Vec<TrimEdge>>,
-    /// How far the surface within the polygons is from that within the loops, at most.
-    pub off: f64,
+    /// A bound for the distance between the surface within the polygons and the surface within the loops.
+    pub loop_error: f64,
 }
 
 impl TrimPiece {
@@ -84,15 +87,15 @@ impl TrimPiece {
         }
     }
 
-    /// The larger ones of these numbers and those of the control points, by direction.
+    /// The larger of these numbers and the coordinates of the control points, by direction.
     fn reach(&self, least: [f64; 2]) -> [f64; 2] {
-        let all = match self {
+        let control_points = match self {
             Self::Rational { weighted, weights, .. } => {
                 weighted.0.iter().zip(&weights.0).map(|(x, [w])| x.map(|x| x / w)).collect()
             }
             Self::Arc(arc) => arc.bounds().to_vec(),
         };
-        all.iter().fold(least, |most, p| [0, 1].map(|k| greater(p[k].abs(), most[k])))
+        control_points.iter().fold(least, |most, p| [0, 1].map(|k| greater(p[k].abs(), most[k])))
     }
 
     pub fn at(&self, t: f64) -> [f64; 2] {
@@ -107,8 +110,8 @@ impl TrimPiece {
         }
     }
 
-    /// The largest part that all control points but the first and the last have in a point. Of a polynomial of degree `p`
-    /// it is `1 − 2^(1−p)`, in the middle; weights are at most as uneven as inner ones are heavier than those at the ends.
+    /// The largest share in a point of all control points but the first and the last. For a polynomial of degree `p` it is
+    /// `1 − 2^(1−p)`, in the middle; weights change it by at most the ratio of the heaviest inner one to the lighter end.
     fn inner_share(&self, [from, to]: [f64; 2]) -> f64 {
         match self {
             Self::Rational { weights, .. } => {
@@ -121,13 +124,13 @@ impl TrimPiece {
                 // Derived: each weight is a mean in as many steps as its degree, and some roundings more.
                 (inner / (inner + ends)) * (1.0 + (8 * p + 16) as f64 * f64::EPSILON)
             }
-            // As a rational quadratic the corner has the weight cos of half its angle, at most 1, so that its part is at most
-            // a half, and some roundings.
+            // As a rational quadratic the corner has the cosine of half the arc's angle as its weight, at most 1, so
+            // that its share is at most a half, and some roundings.
             Self::Arc(_) => 0.501,
         }
     }
 
-    /// Points whose convex hull contains a part; none where it is too large a part.
+    /// Points whose convex hull contains a part; none if the part is too large.
     fn hull(&self, [from, to]: [f64; 2]) -> Option<Vec<[f64; 2]>> {
         match self {
             Self::Rational { weighted, weights, .. } => {
@@ -140,7 +143,7 @@ impl TrimPiece {
                     return None;
                 }
                 let [a, b] = [arc.at(from), arc.at(to)];
-                // Where the tangents at both ends meet: beyond the middle of the chord.
+                // The crossing of the tangents at both ends is beyond the middle of the chord.
                 let (sin, cos) = libm::sincos(part.half_rad);
                 let over = sin * sin / cos;
                 let corner = std::array::from_fn(|k| 0.5 * (a[k] + b[k]) + over * part.to_middle[k]);
@@ -151,85 +154,86 @@ impl TrimPiece {
 }
 
 impl TrimPieces {
-    /// The loops; the border of the surface where there are none.
+    /// The loops; the border of the surface if there are none.
     pub fn new(surface: &NurbsSurface, loops: &[Curve<2>]) -> Self {
         let border = || {
             let [[a, b], [c, d]] = [0, 1].map(|k| surface.knots()[k].domain());
             let corners = [[a, c], [b, c], [b, d], [a, d]];
             (0..4).map(|k| CurveSegment::Line([corners[k], corners[(k + 1) % 4]])).collect::<Vec<_>>()
         };
-        let mut made = Self { pieces: Vec::new(), loops: Vec::new(), slack: 0.0, degree: 1, reach: [0.0; 2] };
+        let mut trim_pieces =
+            Self { pieces: Vec::new(), loops: Vec::new(), slack: 0.0, degree: 1, reach: [0.0; 2] };
         let mut add = |segments: &[CurveSegment<2>], slack: f64| {
-            let first = made.pieces.len();
-            made.pieces.extend(segments.iter().map(TrimPiece::new));
-            made.loops.push(first..made.pieces.len());
+            let first = trim_pieces.pieces.len();
+            trim_pieces.pieces.extend(segments.iter().map(TrimPiece::new));
+            trim_pieces.loops.push(first..trim_pieces.pieces.len());
             for segment in segments {
-                let (degree, own) = match segment {
+                let (degree, arc_slack) = match segment {
                     CurveSegment::Line(_) => (1, 0.0),
                     CurveSegment::Cubic(_) => (3, 0.0),
                     CurveSegment::Rational(curve) => (curve.degree(), 0.0),
-                    // Derived: sine, cosine and their products, of a radius that may be larger than the surface's range.
                     CurveSegment::Arc(arc) => {
                         let numbers = arc.axes().into_iter().chain([arc.centre()]);
                         let reach = numbers.flatten().fold(0.0, |sum: f64, x| sum + x.abs());
-                        // Derived: see above.
+                        // Derived: the roundings of sine, cosine and their products with the radius, which may be larger
+                        // than the surface's range.
                         (2, arc.slack() + 16.0 * f64::EPSILON * reach)
                     }
                 };
-                made.degree = made.degree.max(degree);
-                made.slack = greater(made.slack, slack + own);
+                trim_pieces.degree = trim_pieces.degree.max(degree);
+                trim_pieces.slack = greater(trim_pieces.slack, slack + arc_slack);
             }
         };
         if loops.is_empty() {
             add(&border(), 0.0);
         }
         loops.iter().for_each(|path| add(path.segments(), path.slack()));
-        for piece in &made.pieces {
-            made.reach = piece.reach(made.reach);
+        for piece in &trim_pieces.pieces {
+            trim_pieces.reach = piece.reach(trim_pieces.reach);
         }
-        made
+        trim_pieces
     }
 
     pub fn at(&self, piece: usize, t: f64) -> [f64; 2] {
         self.pieces[piece].at(t)
     }
 
-    /// How far the loops are from the chords of their pieces, at most: 0 where they are straight.
+    /// A bound for the distance of the loops from the chords of their pieces: 0 if they are straight.
     pub fn bulge(&self, lattice: &FaceLattice) -> f64 {
-        let off = |piece: usize| {
+        let distance_of = |piece: usize| {
             let ends = [0.0, 1.0].map(|t| self.lattice_point(lattice, piece, t));
-            self.off(lattice, &TrimEdge { piece, part: [0.0, 1.0], ends: [0; 2] }, ends)
+            self.edge_distance(lattice, &TrimEdge { piece, part: [0.0, 1.0], ends: [0; 2] }, ends)
         };
-        (0..self.pieces.len()).map(off).fold(0.0, greater)
+        (0..self.pieces.len()).map(distance_of).fold(0.0, greater)
     }
 
-    /// The loops as polygons whose edges lie in cells.
+    /// The loops as polygons with edges in cells.
     pub fn polygons(&self, lattice: &FaceLattice) -> TrimPolygons {
-        let mut made = TrimPolygons::default();
+        let mut polygons = TrimPolygons::default();
         for pieces in &self.loops {
-            let first = made.vertices.len() as u32;
+            let first = polygons.vertices.len() as u32;
             let n = pieces.len() as u32;
-            made.vertices.extend(pieces.clone().map(|piece| self.lattice_point(lattice, piece, 0.0)));
-            let whole = |(k, piece): (u32, usize)| TrimEdge {
+            polygons.vertices.extend(pieces.clone().map(|piece| self.lattice_point(lattice, piece, 0.0)));
+            let edge_of_piece = |(k, piece): (u32, usize)| TrimEdge {
                 piece,
                 part: [0.0, 1.0],
                 ends: [first + k, first + (k + 1) % n],
             };
-            made.loops.push((0..n).zip(pieces.clone()).map(whole).collect());
+            polygons.loops.push((0..n).zip(pieces.clone()).map(edge_of_piece).collect());
         }
-        self.refine(lattice, f64::INFINITY, &mut made);
-        made
+        self.refine(lattice, f64::INFINITY, &mut polygons);
+        polygons
     }
 
-    /// Cuts edges until they are in cells and as near to their loops as wanted, or as rounding allows.
-    pub fn refine(&self, lattice: &FaceLattice, wanted: f64, polygons: &mut TrimPolygons) {
-        let wanted = greater(wanted, lattice.parameter_rounding);
+    /// Cuts edges until they are in cells and within a length of their loops, or as near as rounding allows.
+    pub fn refine(&self, lattice: &FaceLattice, length: f64, polygons: &mut TrimPolygons) {
+        let length = greater(length, lattice.parameter_rounding);
         for edges in std::mem::take(&mut polygons.loops) {
-            let mut made = Vec::new();
+            let mut parts = Vec::new();
             for edge in edges {
-                self.cut(lattice, wanted, edge, 0, polygons, &mut made);
+                self.cut(lattice, length, edge, 0, polygons, &mut parts);
             }
-            polygons.loops.push(made);
+            polygons.loops.push(parts);
         }
     }
 
@@ -242,17 +246,17 @@ impl TrimPieces {
     fn cut(
         &self,
         lattice: &FaceLattice,
-        wanted: f64,
+        length: f64,
         edge: TrimEdge,
         depth: u32,
-        made: &mut TrimPolygons,
+        polygons: &mut TrimPolygons,
         edges: &mut Vec<TrimEdge>,
     ) {
-        let ends = edge.ends.map(|id| made.vertices[id as usize]);
+        let ends = edge.ends.map(|id| polygons.vertices[id as usize]);
         let [from, to] = edge.part;
         let middle = 0.5 * (from + to);
         let can_halve =
-            from < middle && middle < to && depth < DEEPEST && made.vertices.len() < MOST_VERTICES;
+            from < middle && middle < to && depth < DEEPEST && polygons.vertices.len() < MOST_VERTICES;
         let crossing = self.crossing(lattice, &edge, ends);
         let parts = match crossing {
             Some((at, part)) if can_halve => vec![(at, part)],
@@ -263,8 +267,8 @@ impl TrimPieces {
             }
             None if can_halve => {
                 // Errors go with the square of a part's size.
-                let n = if wanted.is_finite() {
-                    (self.off(lattice, &edge, ends) / wanted).sqrt().ceil()
+                let n = if length.is_finite() {
+                    (self.edge_distance(lattice, &edge, ends) / length).sqrt().ceil()
                 } else {
                     1.0
                 };
@@ -280,17 +284,17 @@ impl TrimPieces {
         }
         let (mut id, mut begin) = (edge.ends[0], from);
         for (at, part) in parts {
-            made.vertices.push(at);
-            let next = made.vertices.len() as u32 - 1;
-            let one = TrimEdge { part: [begin, part], ends: [id, next], ..edge };
-            self.cut(lattice, wanted, one, depth + 1, made, edges);
+            polygons.vertices.push(at);
+            let next = polygons.vertices.len() as u32 - 1;
+            let part_edge = TrimEdge { part: [begin, part], ends: [id, next], ..edge };
+            self.cut(lattice, length, part_edge, depth + 1, polygons, edges);
             (id, begin) = (next, part);
         }
         let last = TrimEdge { part: [begin, to], ends: [id, edge.ends[1]], ..edge };
-        self.cut(lattice, wanted, last, depth + 1, made, edges);
+        self.cut(lattice, length, last, depth + 1, polygons, edges);
     }
 
-    /// Where an edge's part crosses a line between its ends, if these are in no common cell.
+    /// The crossing of an edge's part with a line between its ends, if these are in no common cell.
     fn crossing(
         &self,
         lattice: &FaceLattice,
@@ -313,8 +317,8 @@ impl TrimPieces {
         Some((lattice.cells.snapped(at), to))
     }
 
-    /// How far an edge is from its part of the loop, at most, as a length on the surface.
-    fn off(&self, lattice: &FaceLattice, edge: &TrimEdge, ends: [TrimPoint; 2]) -> f64 {
+    /// A bound for the distance of an edge from its part of the loop, as a length on the surface.
+    fn edge_distance(&self, lattice: &FaceLattice, edge: &TrimEdge, ends: [TrimPoint; 2]) -> f64 {
         let Some(mut points) = self.pieces[edge.piece].hull(edge.part) else { return f64::INFINITY };
         for k in 0..2 {
             lattice.cut_off(k, &mut points);
@@ -329,13 +333,18 @@ impl TrimPieces {
         let speeds = lattice.speeds([range(0), range(1)]);
         let scaled = |p: [f64; 2]| [p[0] * speeds[0], p[1] * speeds[1]];
         let [a, b] = ends.map(scaled);
-        let off = points[..n].iter().map(|p| distance_to_segment(scaled(*p), a, b)).collect::<Vec<f64>>();
+        let distances =
+            points[..n].iter().map(|p| distance_to_segment(scaled(*p), a, b)).collect::<Vec<f64>>();
         let most = |all: &[f64]| {
-            all.iter()
-                .fold(0.0, |far: f64, off| if off.is_nan() { f64::INFINITY } else { greater(*off, far) })
+            all.iter().fold(
+                0.0,
+                |far: f64, distance| {
+                    if distance.is_nan() { f64::INFINITY } else { greater(*distance, far) }
+                },
+            )
         };
-        let at_ends = greater(most(&off[..1]), most(&off[n - 1..]));
-        let inner = if n > 2 { most(&off[1..n - 1]) } else { 0.0 };
+        let at_ends = greater(most(&distances[..1]), most(&distances[n - 1..]));
+        let inner = if n > 2 { most(&distances[1..n - 1]) } else { 0.0 };
         let along = at_ends + inner * self.pieces[edge.piece].inner_share(edge.part);
         let to_vertices = [(points[0], a), (points[n - 1], b)].map(|(p, end)| {
             let p = scaled(p);
@@ -348,14 +357,15 @@ impl TrimPieces {
         (1.0 + skew).sqrt() * farthest * (1.0 + 64.0 * f64::EPSILON)
     }
 
-    /// How far all polygons are from their loops, at most, as a length on the surface.
+    /// A bound for the distance of all polygons from their loops, as a length on the surface.
     pub fn distance(&self, lattice: &FaceLattice, polygons: &TrimPolygons) -> f64 {
         let edges = polygons.loops.iter().flatten();
-        let off =
-            |edge: &TrimEdge| self.off(lattice, edge, edge.ends.map(|id| polygons.vertices[id as usize]));
-        // Numbers of loops are off by a slack, along both directions.
+        let distance_of = |edge: &TrimEdge| {
+            self.edge_distance(lattice, edge, edge.ends.map(|id| polygons.vertices[id as usize]))
+        };
+        // Coordinates of loops have an error up to the slack, along both directions.
         let slack = self.slack * (lattice.fastest[0] + lattice.fastest[1]);
-        edges.map(off).fold(0.0, greater) + slack + 4.0 * lattice.parameter_rounding
+        edges.map(distance_of).fold(0.0, greater) + slack + 4.0 * lattice.parameter_rounding
     }
 }
 
@@ -364,16 +374,16 @@ fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let square = along[0] * along[0] + along[1] * along[1];
     let part = if square > 0.0 { (to[0] * along[0] + to[1] * along[1]) / square } else { 0.0 };
     let part = if part > 0.0 { lesser(part, 1.0) } else { 0.0 };
-    let off = [to[0] - part * along[0], to[1] - part * along[1]];
-    (off[0] * off[0] + off[1] * off[1]).sqrt()
+    let across = [to[0] - part * along[0], to[1] - part * along[1]];
+    (across[0] * across[0] + across[1] * across[1]).sqrt()
 }
 
-/// Edges of loops that are looked at for where two of them cross, when it is known that something is wrong. Chosen: all
-/// pairs of so many take a second.
+/// The most edges among which a crossing is sought, for a message about wrong loops. Chosen: all pairs of so many take
+/// a second.
 const MOST_CHECKED: usize = 1 << 14;
 
 impl TrimPieces {
-    /// A loop that runs the wrong way round, by how many others are around it; none where all are right.
+    /// A loop that runs the wrong way round, by the number of loops around it; none if all are right.
     pub fn backward(lattice: &FaceLattice, polygons: &TrimPolygons) -> Option<usize> {
         let loops = loops_of(lattice, polygons);
         let area = |p: &[[f64; 2]]| {
@@ -389,7 +399,7 @@ impl TrimPieces {
         })
     }
 
-    /// Parameters near which two edges cross; none where there are too many to look at.
+    /// Parameters near a crossing of two edges; none if there are too many edges.
     pub fn crossing_edges(lattice: &FaceLattice, polygons: &TrimPolygons) -> Option<[f64; 2]> {
         let edges: Vec<[[f64; 2]; 2]> = loops_of(lattice, polygons)
             .iter()

@@ -14,72 +14,72 @@ use crate::explicit::nurbs::TrimmedSurface;
 use crate::math::{Box3, difference, greater, length};
 use glam::DVec3;
 
-/// The parts of a length that go to patches, to loops, and to sewing. Chosen: the number of triangles goes like 1 over
-/// what is left.
+/// The shares of a length for patches, loops and sewing. Chosen: the number of triangles is inverse to the rest of the
+/// length.
 const PATCHES: f64 = 0.05;
 const LOOPS: f64 = 0.3;
 const SEWING: f64 = 0.25;
-/// What triangles are first expected to need. Chosen: a little less than what is left.
+/// The first share for triangles. Chosen: a little more than the rest, since the others seldom use their shares up.
 const TRIANGLES: f64 = 0.55;
-/// What goes to the loops of a plane, whose triangles lose nothing, or to the triangles between straight loops.
+/// The share for the loops of a plane, whose triangles are exact, or for the triangles between straight loops.
 const ONLY: f64 = 0.85;
-/// Below this something is as if it were straight.
+/// Loops and surfaces that bend by less than this share of the length count as straight.
 const STRAIGHT: f64 = 0.05;
-/// Faces nearer than this part of the whole are sewn even where the length would allow more: what is farther apart is
-/// meant so. Chosen.
+/// Sewing is limited to this part of the diagonal even if the length would allow more. Chosen: wider gaps are meant.
 const NEAREST: f64 = 1e-4;
-/// Cells of all faces. Chosen: as many take some GB and a minute; where the budget needs more, the mesh is coarser.
+/// The most cells of all faces. Chosen: so many take some GB and a minute; if the budget needs more, the mesh is coarser.
 const MOST_CELLS: u64 = 1 << 23;
-/// How much coarser it then becomes at once. Chosen.
+/// The length for triangles is then multiplied by this. Chosen: it halves the cells in each direction.
 const COARSER: f64 = 4.0;
-/// A mesh that uses less of the length than this is made again with larger triangles, so many times at most. Chosen.
+/// A mesh that uses less of the length than this is made again with larger triangles, so many times at most. Chosen:
+/// more rounds would save few triangles.
 const USED: f64 = 0.9;
 const LARGER: usize = 2;
-/// Rounds until what triangles are expected to need is what they need. Chosen.
+/// The most meshes until one is within the length. Chosen: estimates are close after a few.
 const ROUNDS: usize = 5;
 
-/// A mesh, and how far it is from its surfaces, at most.
+/// A mesh, and a bound for its distance from its surfaces.
 pub(in crate::convert) struct TrimmedMesh {
     pub mesh: Mesh,
     pub at_most: f64,
-    /// The middle of the triangle that is farthest, as far as is known.
+    /// The middle of the triangle with the largest bound, if there is one.
     pub worst: Option<[f64; 3]>,
 }
 
-/// The triangles of one face and what they lose.
+/// The triangles of one face and their errors.
 struct BoundedFace {
     triangles: Vec<[u32; 3]>,
-    /// What is left of loops as edges and vertices beside no triangle.
+    /// Edges and vertices of loops without a triangle beside them.
     stray: Vec<[u32; 2]>,
-    /// Of the vertices that are not on a loop.
+    /// The positions of the vertices that are not on a loop.
     inner: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
-    /// What triangles lose.
-    bent: f64,
-    /// What patches, polygons and rounding lose.
-    off: f64,
+    /// The error of triangles.
+    bending: f64,
+    /// The error of patches, polygons and rounding.
+    other_error: f64,
     worst: Option<[f64; 3]>,
 }
 
-/// A mesh within a length of surfaces, or the nearest that was reached.
+/// A mesh within a length of surfaces, or the nearest of all rounds.
 pub(in crate::convert) fn mesh_within(
     faces: &[TrimmedSurface],
-    wanted: f64,
+    length: f64,
     bounds: &Box3,
     job: &Job,
 ) -> Result<TrimmedMesh, Failure<Mesh>> {
     let fitted = par_map(job, faces, |_, face| {
         let pieces = TrimPieces::new(face.surface(), face.loops());
-        let fitted = fit(face.surface(), PATCHES * wanted, &job.clone().with_threads(1));
+        let fitted = fit(face.surface(), PATCHES * length, &job.clone().with_threads(1));
         PreparedFace::new(face, pieces, fitted)
     });
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let of = |face: &PreparedFace| face.lattice.rounding + 5.0 * face.lattice.parameter_rounding;
-    let rounding = fitted.iter().map(of);
+    let rounding_of = |face: &PreparedFace| face.lattice.rounding + 5.0 * face.lattice.parameter_rounding;
+    let rounding = fitted.iter().map(rounding_of);
     let rounding = rounding.fold(0.0, greater);
-    if rounding >= wanted {
+    if rounding >= length {
         let message = format!(
             "rounding alone can lose {rounding:.1e}, so no mesh in double precision can be proved to meet the budget"
         );
@@ -87,81 +87,81 @@ pub(in crate::convert) fn mesh_within(
     }
     let mut prepared = fitted;
     let near = {
-        let all = NEAREST * bounds.diagonal();
-        let part = SEWING * wanted;
-        if part < all { part } else { all }
+        let most_near = NEAREST * bounds.diagonal();
+        let sewing_share = SEWING * length;
+        if sewing_share < most_near { sewing_share } else { most_near }
     };
     let mut best: Option<TrimmedMesh> = None;
     let mut scale = 1.0;
     let most = (job.memory_limit / CELL_BYTES).min(job.triangle_limit).min(MOST_CELLS);
     'rounds: for round in 0..ROUNDS {
-        while cut(faces, &mut prepared, scale, wanted, job) > most {
+        while cut(faces, &mut prepared, scale, length, job) > most {
             if best.is_some() {
                 break 'rounds;
             }
             if job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            // Triangles that may lose more than all there is are as few as there can be: a few for each patch.
-            if scale * wanted > bounds.diagonal() {
+            // With a length above the diagonal the triangles are as few as possible: a few for each patch.
+            if scale * length > bounds.diagonal() {
                 return Err(too_many(&prepared, most, job));
             }
             scale *= COARSER;
         }
-        let (made, bent, kept) = one_round(faces, prepared, wanted, near, job)?;
-        prepared = kept;
-        let reached = made.at_most;
-        let is_better = best.as_ref().is_none_or(|best| match (reached <= wanted, best.at_most <= wanted) {
-            (true, true) => made.mesh.faces().len() < best.mesh.faces().len(),
-            (false, false) => reached < best.at_most,
+        let (round_mesh, bending, returned) = one_round(faces, prepared, length, near, job)?;
+        prepared = returned;
+        let at_most = round_mesh.at_most;
+        let is_better = best.as_ref().is_none_or(|best| match (at_most <= length, best.at_most <= length) {
+            (true, true) => round_mesh.mesh.faces().len() < best.mesh.faces().len(),
+            (false, false) => at_most < best.at_most,
             (is_met, _) => is_met,
         });
         if is_better {
-            best = Some(made);
+            best = Some(round_mesh);
         }
-        // What is left where patches, loops and sewing have taken theirs.
-        let left = wanted - (reached - bent);
-        let is_used = reached > USED * wanted || round >= LARGER;
-        if reached <= wanted && is_used || left <= 0.0 || bent <= 0.0 {
+        // The rest of the length after patches, loops and sewing.
+        let allowance = length - (at_most - bending);
+        let is_used = at_most > USED * length || round >= LARGER;
+        if at_most <= length && is_used || allowance <= 0.0 || bending <= 0.0 {
             break;
         }
-        // Errors go with what is expected.
-        scale *= 0.95 * left / bent;
+        // Errors are proportional to the expected length.
+        scale *= 0.95 * allowance / bending;
     }
     best.ok_or(Failure::Cancelled)
 }
 
-/// Cuts all faces into cells whose triangles are expected within a part of a length; how many.
+/// Cuts all faces into cells for triangles with an expected distance of a share of the length; the number of cells.
 fn cut(
     faces: &[TrimmedSurface],
     prepared: &mut Vec<PreparedFace>,
     scale: f64,
-    wanted: f64,
+    length: f64,
     job: &Job,
 ) -> u64 {
-    let all: Vec<(&TrimmedSurface, PreparedFace)> = faces.iter().zip(std::mem::take(prepared)).collect();
-    *prepared = par_map_owned(job, all, |(surface, mut face)| {
-        let is_straight = face.pieces.bulge(&face.lattice) <= STRAIGHT * wanted;
-        face.cut(surface, scale * wanted * if is_straight { ONLY } else { TRIANGLES }, job);
+    let pairs: Vec<(&TrimmedSurface, PreparedFace)> = faces.iter().zip(std::mem::take(prepared)).collect();
+    *prepared = par_map_owned(job, pairs, |(surface, mut face)| {
+        let is_straight = face.pieces.bulge(&face.lattice) <= STRAIGHT * length;
+        face.cut(surface, scale * length * if is_straight { ONLY } else { TRIANGLES }, job);
         face
     });
     let counts = prepared.iter().map(|face| face.lattice.cells.count() as u64);
     counts.fold(0, u64::saturating_add)
 }
 
-/// One mesh of faces that are cut into cells; what triangles lose of its bound.
+/// One mesh of faces that are cut into cells, and the part of its bound from triangles.
 fn one_round(
     surfaces: &[TrimmedSurface],
     prepared: Vec<PreparedFace>,
-    wanted: f64,
+    length: f64,
     near: f64,
     job: &Job,
 ) -> Result<(TrimmedMesh, f64, Vec<PreparedFace>), Failure<Mesh>> {
     let mut loops = Vec::new();
     let mut faces = Vec::with_capacity(prepared.len());
     for (prepared, surface) in prepared.into_iter().zip(surfaces) {
-        let is_flat = prepared.lattice.bending() <= STRAIGHT * wanted;
-        loops.push(wanted * if is_flat { ONLY } else { LOOPS });
+        let is_flat = prepared.lattice.bending() <= STRAIGHT * length;
+        loops.push(length * if is_flat { ONLY } else { LOOPS });
         let polygons = prepared.pieces.polygons(&prepared.lattice);
         let net = surface.surface().bezier_net();
         let mut face = TrimmedFace { net, prepared, polygons, positions: Vec::new() };
@@ -173,15 +173,15 @@ fn one_round(
         return Err(Failure::Cancelled);
     }
     let indices: Vec<usize> = (0..faces.len()).collect();
-    let made = par_map(job, &indices, |_, index| {
+    let results = par_map(job, &indices, |_, index| {
         triangulate(&faces[*index].prepared.lattice, &faces[*index].polygons)
     });
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let mut triangles = Vec::with_capacity(made.len());
-    for (index, one) in made.into_iter().enumerate() {
-        triangles.push(one.map_err(|conflict| refusal(index, &faces[index], conflict))?);
+    let mut triangles = Vec::with_capacity(results.len());
+    for (index, result) in results.into_iter().enumerate() {
+        triangles.push(result.map_err(|conflict| refusal(index, &faces[index], conflict))?);
     }
     let same = same_vertices(&faces, &triangles, &sewn);
     let moved = moved_to(&faces, &same);
@@ -194,13 +194,13 @@ fn one_round(
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
-    let bent = bounded.iter().fold(0.0, |most: f64, face| greater(face.bent, most));
+    let bending = bounded.iter().fold(0.0, |most: f64, face| greater(face.bending, most));
     let mesh = join(&faces, &sewn.first, &same, &moved, bounded)?;
-    let kept = faces.into_iter().map(|face| face.prepared).collect();
-    Ok((mesh, bent, kept))
+    let prepared = faces.into_iter().map(|face| face.prepared).collect();
+    Ok((mesh, bending, prepared))
 }
 
-/// Why there is no mesh where even the coarsest one has more cells than there may be.
+/// The refusal if even the coarsest mesh has too many cells.
 fn too_many(prepared: &[PreparedFace], most: u64, job: &Job) -> Failure<Mesh> {
     let least: u64 = prepared.iter().map(|face| face.lattice.cells.count() as u64).sum();
     let (code, limit) = if most < job.triangle_limit {
@@ -212,16 +212,16 @@ fn too_many(prepared: &[PreparedFace], most: u64, job: &Job) -> Failure<Mesh> {
     Failure::refused(code, message)
 }
 
-/// What a cell needs until its triangles are joined. Measured: some 150 bytes a triangle.
+/// The memory of a cell until its triangles are joined. Measured: some 150 bytes for a triangle.
 const CELL_BYTES: u64 = 400;
 
-/// Where each vertex of a loop goes: where the first one that is the same is.
+/// The new position of each vertex of a loop: the position of the first vertex of its set.
 fn moved_to(faces: &[TrimmedFace<'_>], same: &[u32]) -> Vec<[f64; 3]> {
-    let all: Vec<[f64; 3]> = faces.iter().flat_map(|face| face.positions.iter().copied()).collect();
-    same.iter().map(|leader| all[*leader as usize]).collect()
+    let positions: Vec<[f64; 3]> = faces.iter().flat_map(|face| face.positions.iter().copied()).collect();
+    same.iter().map(|leader| positions[*leader as usize]).collect()
 }
 
-/// The triangles of a face with what they lose.
+/// The triangles of a face with their errors.
 fn bounded_face(
     face: &TrimmedFace<'_>,
     triangles: &FaceTriangles,
@@ -239,43 +239,45 @@ fn bounded_face(
         .map(|k| length(difference(positions[k], targets[k])) * (1.0 + 8.0 * f64::EPSILON))
         .collect();
     let shift = |corners: &[u32]| {
-        let all = corners.iter().filter_map(|k| moved.get(*k as usize));
-        all.fold(0.0, |most: f64, moved| greater(*moved, most))
+        let moves = corners.iter().filter_map(|k| moved.get(*k as usize));
+        moves.fold(0.0, |most: f64, moved| greater(*moved, most))
     };
-    let (mut bent, mut worst) = (0.0, None);
+    let (mut bending, mut worst) = (0.0, None);
     for (corners, patch) in &triangles.triangles {
         let places = corners.map(|k| triangles.vertices[k as usize]);
         let at = corners.map(|k| positions[k as usize]);
         let bound = lattice.triangle_bound(*patch, places, at) + shift(corners);
-        if bound > bent {
-            bent = bound;
+        if bound > bending {
+            bending = bound;
             worst = Some(std::array::from_fn(|k| (at[0][k] + at[1][k] + at[2][k]) / 3.0));
         }
         if bound.is_nan() {
-            bent = f64::INFINITY;
+            bending = f64::INFINITY;
         }
     }
-    // Vertices of polygons that are no corner of a triangle, with the edges that are none's side.
+    // Vertices of polygons at no triangle, and edges beside no triangle.
     let mut is_used = vec![false; n_border];
     let corners = triangles.triangles.iter().flat_map(|(t, _)| t).filter(|k| (**k as usize) < n_border);
     corners.for_each(|k| is_used[*k as usize] = true);
     let alone = triangles.same.iter().filter(|k| !is_used[**k as usize]).map(|k| [*k; 2]);
     let stray: Vec<[u32; 2]> = triangles.stray.iter().map(|(edge, _)| *edge).chain(alone).collect();
-    let left = triangles.stray.iter().map(|(edge, patch)| {
+    let stray_bounds = triangles.stray.iter().map(|(edge, patch)| {
         let places = edge.map(|k| triangles.vertices[k as usize]);
         lattice.edge_bound(*patch, places, edge.map(|k| positions[k as usize]))
     });
-    let left = left.chain(std::iter::repeat(0.0)).zip(&stray).map(|(bent, edge)| bent + shift(edge));
-    bent = left.fold(bent, greater);
-    let off = face.prepared.off + face.polygons.off + lattice.rounding + lattice.parameter_rounding;
+    let stray_bounds =
+        stray_bounds.chain(std::iter::repeat(0.0)).zip(&stray).map(|(bending, edge)| bending + shift(edge));
+    bending = stray_bounds.fold(bending, greater);
+    let other_error =
+        face.prepared.patch_error + face.polygons.loop_error + lattice.rounding + lattice.parameter_rounding;
     let ordered = |t: [u32; 3]| if is_flipped { [t[0], t[2], t[1]] } else { t };
     BoundedFace {
         triangles: triangles.triangles.iter().map(|(t, _)| ordered(*t)).collect(),
         stray,
         inner: positions[n_border..].to_vec(),
         normals,
-        bent,
-        off,
+        bending,
+        other_error,
         worst,
     }
 }
@@ -288,27 +290,27 @@ fn join(
     moved: &[[f64; 3]],
     bounded: Vec<BoundedFace>,
 ) -> Result<TrimmedMesh, Failure<Mesh>> {
-    // Positions: those of loops by their first, then those within faces.
+    // The positions of loops' vertices, then of vertices within faces.
     let n_border = same.len() as u32;
     let mut positions: Vec<[f64; 3]> = moved.to_vec();
     let (mut corners, mut flat): (Vec<[u32; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
     let mut normals: Vec<[f64; 3]> = vec![[0.0; 3]; positions.len()];
     let (mut at_most, mut worst) = (0.0, None);
-    for (index, one) in bounded.iter().enumerate() {
-        let (first, own) = (first[index], faces[index].positions.len() as u32);
+    for (index, face) in bounded.iter().enumerate() {
+        let (first, n_loop_vertices) = (first[index], faces[index].positions.len() as u32);
         let inner = positions.len() as u32;
-        positions.extend_from_slice(&one.inner);
-        for (k, normal) in one.normals.iter().enumerate() {
+        positions.extend_from_slice(&face.inner);
+        for (k, normal) in face.normals.iter().enumerate() {
             let k = k as u32;
-            if k < own { normals[(first + k) as usize] = *normal } else { normals.push(*normal) }
+            if k < n_loop_vertices { normals[(first + k) as usize] = *normal } else { normals.push(*normal) }
         }
-        let number = |k: u32| if k < own { first + k } else { inner + (k - own) };
-        corners.extend(one.triangles.iter().map(|t| t.map(number)));
-        flat.extend(one.stray.iter().map(|[a, b]| [*a, *b, *b].map(number)));
+        let number = |k: u32| if k < n_loop_vertices { first + k } else { inner + (k - n_loop_vertices) };
+        corners.extend(face.triangles.iter().map(|t| t.map(number)));
+        flat.extend(face.stray.iter().map(|[a, b]| [*a, *b, *b].map(number)));
         // Derived: a few roundings of sums.
-        let total = (one.bent + one.off) * (1.0 + 8.0 * f64::EPSILON);
+        let total = (face.bending + face.other_error) * (1.0 + 8.0 * f64::EPSILON);
         if total > at_most || total.is_nan() {
-            (at_most, worst) = (if total.is_nan() { f64::INFINITY } else { total }, one.worst);
+            (at_most, worst) = (if total.is_nan() { f64::INFINITY } else { total }, face.worst);
         }
     }
     let leader = |k: u32| if k < n_border { same[k as usize] } else { k };
@@ -323,8 +325,8 @@ fn join(
     }
     flat.extend(dropped);
     if !flat.is_empty() {
-        let of = |all: &[[u32; 3]]| all.iter().map(|t| t.map(leader)).collect::<Vec<_>>();
-        at_most += uncovered(&of(&flat), &of(&kept), &positions);
+        let by_leader = |list: &[[u32; 3]]| list.iter().map(|t| t.map(leader)).collect::<Vec<_>>();
+        at_most += uncovered(&by_leader(&flat), &by_leader(&kept), &positions);
     }
     if !at_most.is_finite() {
         let message = "a patch near a surface would leave the range of numbers: the weights differ too much";
@@ -333,7 +335,7 @@ fn join(
     Ok(TrimmedMesh { mesh: shaded(&positions, &normals, kept, leader), at_most: at_most.next_up(), worst })
 }
 
-/// The mesh, with vertices split where normals differ.
+/// The mesh, with vertices split if their normals differ.
 fn shaded(
     positions: &[[f64; 3]],
     normals: &[[f64; 3]],
@@ -373,7 +375,7 @@ fn shaded(
     mesh_with_normals(points, faces, normals, is_split.then_some(ids))
 }
 
-/// What is said of loops that enclose no area.
+/// The refusal for loops that enclose no area.
 fn refusal(surface: usize, face: &TrimmedFace<'_>, conflict: TrimConflict) -> Failure<Mesh> {
     let (lattice, polygons) = (&face.prepared.lattice, &face.polygons);
     let message = if let Some([u, v]) = TrimPieces::crossing_edges(lattice, polygons) {

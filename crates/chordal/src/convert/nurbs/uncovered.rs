@@ -1,23 +1,25 @@
-//! What a mesh leaves of faces beside its triangles: triangles that sewing made flat, edges of loops that enclose nothing.
+//! The distance from a mesh of those parts of faces that have no triangle in it: triangles that sewing made flat, and
+//! edges of loops that enclose nothing.
 use crate::explicit::DisjointSets;
 use crate::math::{difference, greater, length, lesser};
 use std::collections::BTreeMap;
 
-/// Vertices of a mesh among which the nearest one is sought. Chosen: any of them gives a bound.
+/// The most vertices of a mesh for a search of the nearest. Chosen: any vertex gives a bound.
 const MOST_COMPARED: usize = 1 << 12;
 
-/// What is left of points that hang together.
+/// A connected set of flat triangles.
 #[derive(Default)]
 struct LooseComponent {
-    /// No walk within it is longer.
+    /// A bound for the length of a walk within the set.
     longest_walk: f64,
     is_attached: bool,
     vertex: u32,
 }
 
-/// How far the farthest point of flat triangles (edges and points have a corner twice or thrice) is from a mesh, at most.
+/// A bound for the distance of the points of flat triangles from a mesh; edges and points have a corner twice or thrice.
 ///
-/// Most are sides of its triangles. Others are reached from its vertices by walks along what hangs together.
+/// Most flat triangles consist of sides of the mesh. The others are reached from its vertices by walks along connected
+/// sets.
 pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64; 3]]) -> f64 {
     if flat.is_empty() {
         return 0.0;
@@ -51,12 +53,12 @@ pub(super) fn uncovered(flat: &[[u32; 3]], mesh: &[[u32; 3]], positions: &[[f64;
         let to = |other: u32| length(difference(positions[vertex as usize], positions[other as usize]));
         mesh.iter().step_by(step).map(|t| to(t[0])).fold(f64::INFINITY, lesser)
     };
-    let off = components.values().fold(0.0, |off: f64, component| {
+    let farthest = components.values().fold(0.0, |farthest: f64, component| {
         let jump = if component.is_attached { 0.0 } else { to_mesh(component.vertex) };
-        greater(off, component.longest_walk + jump)
+        greater(farthest, component.longest_walk + jump)
     });
-    // Derived: lengths to 4 roundings each, and the sum of all.
-    off * (1.0 + (8.0 + flat.len() as f64) * f64::EPSILON)
+    // Derived: 4 roundings for each length, and the roundings of the sum.
+    farthest * (1.0 + (8.0 + flat.len() as f64) * f64::EPSILON)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! `PatchAdjacency`: which sides of which patches are one curve, and which corners are therefore one vertex.
+//! `PatchAdjacency`: which sides of patches are one curve, and which corners are therefore one vertex.
 //!
-//! Two sides are the same curve when their four control points are equal, forwards or backwards. Corners are
+//! Two sides are the same curve if their four control points are equal, forwards or backwards. Corners are
 //! joined only along shared curves (and along sides that are one point): patches that merely touch in a point
 //! stay separate, so that no vertex becomes non-manifold.
 use crate::explicit::{DisjointSets, Patch, PatchEdgeUse, PatchSide, shared_sides};
@@ -29,12 +29,12 @@ pub(crate) enum SideBoundary {
 /// How the two boundary curves at a corner of a patch meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PatchCorner {
-    /// They meet nowhere else.
+    /// The curves meet nowhere else.
     Plain,
-    /// They also meet at the corner of another patch: the chord across the corner would be one edge for both
-    /// patches.
+    /// The same two curves also meet at the corner of another patch: a chord across the corner would be an edge of
+    /// both patches, so the corner must not be cut off.
     Whole,
-    /// They are one curve, folded at the corner: the vertex next to the corner is the same on both sides.
+    /// The curves are one, folded at the corner: the vertex next to the corner is the same on both sides.
     Folded,
 }
 
@@ -90,8 +90,8 @@ impl PatchAdjacency {
         for edge in &mut edges {
             edge.ends = use_ends(edge.uses[0]).map(|corner| number[corner as usize]);
         }
-        let meetings = classify_corners(&seams);
-        let mut adjacency = Self { edges, sides: seams, corners, corner_kinds: meetings, corner_positions };
+        let kinds = classify_corners(&seams);
+        let mut adjacency = Self { edges, sides: seams, corners, corner_kinds: kinds, corner_positions };
         adjacency.set_least_segments();
         adjacency
     }
@@ -116,14 +116,14 @@ pub(crate) fn classify_corners(seams: &[[SideBoundary; 4]]) -> Vec<[PatchCorner;
     let end = |seam: SideBoundary, side: PatchSide, starts: bool| match seam {
         SideBoundary::Edge { edge, reversed } => Some(2 * edge + u32::from(starts == reversed)),
         SideBoundary::Halves(halves) => {
-            // By rising parameter; top and left run against it.
+            // In the order of the parameter; top and left run against it.
             let against = !matches!(side, PatchSide::Bottom | PatchSide::Right);
             let (edge, reversed) = halves[usize::from(starts == against)];
             Some(2 * edge + u32::from(starts == reversed))
         }
         SideBoundary::Point => None,
     };
-    let mut found: Vec<([u32; 2], usize)> = Vec::new();
+    let mut curve_ends: Vec<([u32; 2], usize)> = Vec::new();
     for (patch, sides) in seams.iter().enumerate() {
         for corner in 0..4 {
             let before = (corner + 3) % 4;
@@ -132,20 +132,20 @@ pub(crate) fn classify_corners(seams: &[[SideBoundary; 4]]) -> Vec<[PatchCorner;
                 end(sides[before], PatchSide::ALL[before], false),
             );
             if let (Some(a), Some(b)) = (first, last) {
-                found.push((if a < b { [a, b] } else { [b, a] }, 4 * patch + corner));
+                curve_ends.push((if a < b { [a, b] } else { [b, a] }, 4 * patch + corner));
             }
         }
     }
-    found.sort_unstable();
-    let mut meetings = vec![[PatchCorner::Plain; 4]; seams.len()];
-    for run in found.chunk_by(|a, b| a.0 == b.0) {
+    curve_ends.sort_unstable();
+    let mut kinds = vec![[PatchCorner::Plain; 4]; seams.len()];
+    for run in curve_ends.chunk_by(|a, b| a.0 == b.0) {
         let [a, b] = run[0].0;
         if run.len() > 1 || a == b {
             let kind = if a == b { PatchCorner::Folded } else { PatchCorner::Whole };
-            run.iter().for_each(|(_, corner)| meetings[corner / 4][corner % 4] = kind);
+            run.iter().for_each(|(_, corner)| kinds[corner / 4][corner % 4] = kind);
         }
     }
-    meetings
+    kinds
 }
 
 /// The flat corner indices at the start and end of a side.

@@ -1,4 +1,4 @@
-//! `Allowance`: the error that tiles may have, and why none can keep to it.
+//! `Allowance`: the error that tiles may have, and the reasons why no mesh can meet it.
 use crate::budget::{Failure, Lens, Pixels, RefusalCode};
 use crate::explicit::Mesh;
 use crate::math::{Box3, lesser};
@@ -12,7 +12,7 @@ pub(crate) struct Allowance {
     pub(crate) pixels: Option<(Pixels, Lens)>,
     /// The largest distance between the unit normals of the triangles and those of the shape.
     pub(crate) normal_deviation: Option<f64>,
-    /// The part of the allowed length that is used, at most 1: what is left is for the views that follow.
+    /// The share of the allowed length that is used, at most 1; the rest is reserved for later views.
     pub(crate) share: f64,
 }
 
@@ -22,30 +22,30 @@ impl Allowance {
         Self { length: Some(length), pixels: None, normal_deviation: None, share: 1.0 }
     }
 
-    /// The length that is allowed in `place`; `None` where the eye is too close for any.
-    pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
+    /// The length that is allowed in a box; `None` if the eye is too close for any.
+    pub(crate) fn at(&self, bounds: &Box3) -> Option<f64> {
         let by_view = match &self.pixels {
-            Some((pixels, lens)) => lens.scale_at(place).length_of(*pixels)?,
+            Some((pixels, lens)) => lens.scale_at(bounds).length_of(*pixels)?,
             None => f64::MAX,
         };
         let by_length = self.length.unwrap_or(f64::MAX);
-        // Below 1, a product rounds to no more than the factor.
+        // With a share of at most 1, the rounded product is no more than the other factor.
         Some(self.share * lesser(by_length, by_view))
     }
 }
 
-/// Why no mesh can meet an allowance, and near where.
+/// The reason why no mesh can meet an allowance, with a box around the place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum InfeasibleTolerance {
     /// The eye is so near that no length is small enough.
     TooClose(Box3),
     /// Adding cells does not converge.
     NoConvergence(Box3),
-    /// Rounding alone exceeds the tolerance; with the rounding error.
+    /// Rounding alone exceeds the tolerance; the number is the rounding error.
     BelowRounding(Box3, f64),
 }
 
-/// The refusal of an allowance that nothing meets.
+/// The refusal of an allowance that no mesh can meet.
 pub(crate) fn refuse_tolerance(obstacle: InfeasibleTolerance) -> TessellationFailure {
     let centre = |place: Box3| place.centre().map(|x| format!("{x:.4}")).join(", ");
     match obstacle {

@@ -55,7 +55,7 @@ pub(crate) fn assemble(seams: &TileSeams, tiles: &[(PatchTile, PatchTileMesh)]) 
     drop_unreferenced(positions, faces, normals, split_ids)
 }
 
-/// The normals at the vertices on the border of a tile, in their order; zero where the surface has none.
+/// The normals at the vertices on the border of a tile, in the order of the border; zero if the surface has none.
 pub(crate) fn normals_on_border(
     subpatch: &Subpatch<'_>,
     adjacency: &PatchAdjacency,
@@ -75,8 +75,8 @@ pub(crate) fn normals_on_border(
             };
             let is_corner = (u == 0.0 || u == 1.0) && (v == 0.0 || v == 1.0);
             let before = PatchSide::ALL[(side as usize + 3) % 4];
-            // At a pole all directions meet; the normal at the middle of the collapsed side is used for
-            // all.
+            // At a pole all directions meet; the normal at the middle of the collapsed side is used for all of
+            // its vertices.
             let (u, v) = match (is_corner && is_point(side), is_corner && is_point(before)) {
                 (true, _) => side_parameters(side, 0.5),
                 (_, true) => side_parameters(before, 0.5),
@@ -92,34 +92,34 @@ pub(crate) fn normals_on_border(
     normals
 }
 
-/// The vertices on a sheet's border with the normals of that sheet, by vertex. The normals of other vertices on borders
-/// of tiles are written to `normals`.
+/// The vertices on borders of sheets with the sheet's normals, sorted by vertex. The normals of other vertices on
+/// borders of tiles are written to `normals`.
 fn border_normals(
     borders: &[Vec<BorderVertex>],
     tiles: &[(PatchTile, PatchTileMesh)],
     normals: &mut [[f64; 3]],
 ) -> Vec<BorderNormal> {
-    let mut seen = Vec::new();
+    let mut found = Vec::new();
     for ((tile, done), border) in tiles.iter().zip(borders) {
         for (vertex, &normal) in border.iter().zip(&done.border_normals) {
             match vertex.side {
-                // Only at corners has a pole a normal.
+                // A pole has a normal only at corners.
                 Some(_) if vertex.pole && normal == [0.0; 3] => {}
-                Some(side) => seen.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal }),
+                Some(side) => found.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal }),
                 None if normals[vertex.id as usize] == [0.0; 3] => normals[vertex.id as usize] = normal,
                 None => {}
             }
         }
     }
-    let mut seen = sort_by_vertex(&seen, normals.len(), |seen| seen.vertex);
+    let mut found = sort_by_vertex(&found, normals.len(), |found| found.vertex);
     // The sorts are stable, so the order of tiles is kept within a vertex.
-    seen.chunk_by_mut(|a, b| a.vertex == b.vertex).for_each(|run| run.sort_by_key(|s| (s.sheet, s.side)));
-    // Where tiles meet on a border, both begin a side there.
-    seen.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
-    seen
+    found.chunk_by_mut(|a, b| a.vertex == b.vertex).for_each(|run| run.sort_by_key(|s| (s.sheet, s.side)));
+    // Two tiles that meet on a border both have the vertex.
+    found.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
+    found
 }
 
-/// The items by vertex, those of one vertex in their order: counted, since there are as many vertices as items.
+/// The items sorted by vertex, stably: a counting sort, since there are about as many vertices as items.
 pub(crate) fn sort_by_vertex<T: Copy>(items: &[T], n_vertices: usize, vertex: impl Fn(&T) -> u32) -> Vec<T> {
     let Some(first) = items.first() else { return Vec::new() };
     let mut begin = vec![0_u32; n_vertices + 1];
@@ -173,8 +173,8 @@ impl NormalSplits {
                 if normal == DVec3::ZERO {
                     continue;
                 }
-                let known = groups.iter_mut().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
-                let target = if let Some(group) = known {
+                let same_group = groups.iter_mut().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
+                let target = if let Some(group) = same_group {
                     group.1 += normal;
                     group.2
                 } else {
@@ -206,8 +206,7 @@ impl NormalSplits {
     }
 }
 
-/// Gives each vertex without a surface normal the sum of its faces' normals, or the up direction where that
-/// vanishes too.
+/// Gives each vertex without a surface normal the sum of its faces' normals, or the z axis if the sum vanishes.
 pub(crate) fn fill_missing_normals(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
     if normals.iter().all(|n| *n != [0.0; 3]) {
         return;
@@ -243,7 +242,7 @@ fn drop_unreferenced(
     let kept = |list: Vec<[f64; 3]>| {
         list.into_iter().zip(&used).filter(|(_, used)| **used).map(|(x, _)| x).collect()
     };
-    // A position id must be a kept vertex: the first kept one of its group is used.
+    // A position id has to be the row of a remaining vertex: the first one of its group is used.
     let ids = ids.map(|ids| {
         let mut leader = vec![u32::MAX; ids.len()];
         let pairs = ids.iter().enumerate().filter(|(i, _)| used[*i]);

@@ -49,29 +49,29 @@ pub(crate) fn mesh_within(
 pub(crate) fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
     let Some(most) = mesh.bound.at_most() else { return false };
     let by_length = budget.length.is_none_or(|length| most <= length.get());
-    let by_pixels = |asked: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= asked);
-    let by_angle = |asked: f64| mesh.bound.angle_deg.is_some_and(|angle| angle <= asked);
+    let by_pixels = |limit: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= limit);
+    let by_angle = |limit: f64| mesh.bound.angle_deg.is_some_and(|angle| angle <= limit);
     by_length
-        && budget.pixels.is_none_or(|asked| by_pixels(asked.pixels.get()))
+        && budget.pixels.is_none_or(|limit| by_pixels(limit.pixels.get()))
         && budget.angle_deg.is_none_or(by_angle)
 }
 
-/// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 2.2 %. With 16,
-/// tests found small meshes whose bound was more than 1.15 times what a length reaches with as many
-/// triangles.
+/// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 2.2 %. Measured: with 16,
+/// there were small meshes whose bound was more than 1.15 times that of another length with as many triangles.
 const RUNGS: u32 = 32;
-/// A series of 100 octaves extends below the rounding of any shape.
+/// Octaves of the series. Derived: 100 octaves extend below the rounding of any shape.
 const OCTAVES: u32 = 100;
-/// How far a count may exceed that of a finer length, as seen on coarse meshes; the search goes down from
-/// there.
+/// The factor by which a count may exceed that of a finer length. Measured on coarse meshes; the search for the finest
+/// length starts beyond it.
 const COUNT_NOISE: u64 = 2;
-/// Meshes below this size have bounds well below their candidate length, so all coarser lengths are compared.
+/// Smaller meshes may have bounds well below their candidate length, so all coarser lengths are compared. Chosen: such
+/// meshes take little time.
 const SMALL: u64 = 2000;
 
-/// The mesh with the smallest bound among those of the series with at most `most` triangles.
+/// The mesh with the smallest bound among the meshes of the series that have at most `most` triangles.
 fn within_count(
     mesher: &PatchMesher<'_, '_>,
-    asked: &Allowance,
+    allowance: &Allowance,
     most: u64,
     job: &Job,
 ) -> Result<Bounded<Mesh>, TessellationFailure> {
@@ -85,7 +85,7 @@ fn within_count(
             Err(other) => Err(other),
         }
     };
-    // Go finer by octaves until even a noisy count cannot fit, then back one length at a time.
+    // Goes finer by quarter octaves until even a noisy count cannot fit, then back one length at a time.
     let mut fine = 0;
     while fine < ladder.n_rungs() && count(fine)? <= COUNT_NOISE.saturating_mul(most) {
         fine += RUNGS / 4;
@@ -101,7 +101,7 @@ fn within_count(
         if count <= most && best.as_ref().is_none_or(|best| proved.bound() < best.bound()) {
             best = Some(proved);
         } else if count > most && k == 0 && best.is_none() {
-            let best = mesher.finish(&mut proved, asked);
+            let best = mesher.finish(&mut proved, allowance);
             return Err(Failure::Unmet(Box::new(best)));
         }
         let settled =
@@ -111,7 +111,7 @@ fn within_count(
         }
     }
     match best {
-        Some(mut best) => Ok(mesher.finish(&mut best, asked)),
+        Some(mut best) => Ok(mesher.finish(&mut best, allowance)),
         None => Err(Failure::refused(RefusalCode::Budget, "no mesh of this surface has so few triangles")),
     }
 }

@@ -12,16 +12,16 @@ use glam::DVec3;
 /// Sample points of a 3 × 3 lattice.
 const PLACES: usize = 9;
 
-/// Cell shapes that are tried around the balanced one, as factors of its `√(width/height)`. Finer steps saved
-/// less than 1 % of the triangles on the teapot and on random patches.
+/// Cell shapes that are tried around the balanced one, as factors of its `√(width/height)`. Measured: finer steps
+/// save less than 1 % of the triangles on the teapot and on random patches.
 const STEPS: [f64; 3] = [0.65, 1.0, 1.55];
 
 /// Every step with both diagonals.
 const SHAPES: usize = 2 * STEPS.len();
 
-/// The contribution of third derivatives to the bound, as a fraction of their products with the sides of a
-/// cell. Measured on the cages of the tests: three times as much takes 8 % more triangles at a thousandth and
-/// 14 % at a hundredth, three fifths of it as many and 2 %.
+/// The contribution of third derivatives to the bound, as a fraction of their products with the sides of a cell.
+/// Measured on the cages of the tests: three times this share takes 8 % more triangles at a thousandth and 14 % at a
+/// hundredth; three fifths of it take as many, and 2 % more.
 const SHARE_OF_THIRD: f64 = 0.02;
 
 /// The largest number of cells in one direction of one tile; more are reached by halving the tile.
@@ -84,8 +84,8 @@ impl CellEstimator {
             third: third_differences(&places),
             balanced: balanced_aspect(&places),
         };
-        // The balanced cell, limited to the rectangle: for a cell that extends far beyond it, sliding would
-        // seem to help less than it does wherever the surface folds over itself.
+        // The balanced cell, limited to the rectangle: for a cell that extends far beyond it, sliding would seem
+        // to help less than it really does if the surface folds over itself.
         let square = probe.balanced * probe.balanced;
         let (du, dv) = if square > 1.0 { (1.0, 1.0 / square) } else { (square, 1.0) };
         for (k, (by_u, by_v, hessian)) in places.iter().enumerate() {
@@ -114,8 +114,7 @@ impl CellEstimator {
     fn normal_part(&self, k: usize, [uu, uv, vv]: [f64; 3]) -> f64 {
         let (a, b) = (self.uu[k] * uu, self.vv[k] * vv);
         let (c, a, b) = ((a + self.uv[k] * uv + b).abs(), a.abs(), b.abs());
-        // As `max_barycentric_quadratic`, without branches and less exactly: nothing depends on the last
-        // digits here.
+        // Like `max_barycentric_quadratic`, but without branches and less exact, since only an estimate is needed.
         let most = greater(a, b);
         let most = greater(c, most);
         let (x, y, z) = (b + c - a, c + a - b, a + b - c);
@@ -135,11 +134,11 @@ impl CellEstimator {
         let sign = if rising { 1.0 } else { -1.0 };
         let rest = &self.rest[usize::from(!rising)];
         let squares = [du * du, sign * du * dv, dv * dv];
-        let mut all = [0.0; PLACES];
+        let mut places = [0.0; PLACES];
         for k in 0..PLACES {
-            all[k] = self.normal_part(k, squares) + rest[k] * du * dv;
+            places[k] = self.normal_part(k, squares) + rest[k] * du * dv;
         }
-        largest(&all, 0..PLACES) + self.remainder(du, dv)
+        largest(&places, 0..PLACES) + self.remainder(du, dv)
     }
 
     /// The number of cells that meet `tolerance`. At a fixed shape the bound falls with the number of cells,
@@ -152,12 +151,12 @@ impl CellEstimator {
             let (ratio, rising) = (self.balanced * STEPS[option / 2], option % 2 == 0);
             let (sign, rest) = if rising { (1.0, &self.rest[0]) } else { (-1.0, &self.rest[1]) };
             let squares = [ratio * ratio, sign, 1.0 / (ratio * ratio)];
-            let mut all = [0.0; PLACES];
+            let mut bounds = [0.0; PLACES];
             for k in 0..PLACES {
-                all[k] = self.normal_part(k, squares) + rest[k];
+                bounds[k] = self.normal_part(k, squares) + rest[k];
             }
-            let column = |j: usize| largest(&[all[j], all[j + 3], all[j + 6]], 0..3);
-            let row = |i: usize| largest(&all, 3 * i..3 * i + 3);
+            let column = |j: usize| largest(&[bounds[j], bounds[j + 3], bounds[j + 6]], 0..3);
+            let row = |i: usize| largest(&bounds, 3 * i..3 * i + 3);
             let (columns, rows) = ([column(0), column(1), column(2)], [row(0), row(1), row(2)]);
             let halves = [
                 greater(columns[0], greater(columns[1], columns[2])),
@@ -175,16 +174,16 @@ impl CellEstimator {
         }
         let (ratio, rising) = shape;
         let scale = (best[0] / tolerance).sqrt();
-        // Each direction has at least one cell; then the other direction alone must make up for it. Done
-        // twice, because the remainder falls with the cube of the cell's size and not with its square.
-        let one = |x: f64| greater(x, 1.0);
-        let (mut n, mut m) = (one(scale / ratio), one(scale * ratio));
+        // Each direction has at least one cell; if that is more than needed, the other direction has to make up for it
+        // alone. Two rounds, because the remainder falls with the cube of the cell's size and not with its square.
+        let at_least_one = |x: f64| greater(x, 1.0);
+        let (mut n, mut m) = (at_least_one(scale / ratio), at_least_one(scale * ratio));
         for _ in 0..2 {
             let more = (self.bound(1.0 / n, 1.0 / m, rising) / tolerance).sqrt();
             (n, m) = match (n > 1.0, m > 1.0) {
-                (true, false) => (one(n * more), one(more)),
-                (false, true) => (one(more), one(m * more)),
-                _ => (one(n * more), one(m * more)),
+                (true, false) => (at_least_one(n * more), at_least_one(more)),
+                (false, true) => (at_least_one(more), at_least_one(m * more)),
+                _ => (at_least_one(n * more), at_least_one(m * more)),
             };
         }
         let (cells, ratio) = (n * m, (m / n).sqrt());
@@ -211,8 +210,8 @@ impl CellEstimator {
         };
         let mut n = clamp((need.cells.sqrt() / need.ratio).floor());
         let mut best: Option<(f64, f64)> = None;
-        // With one column too few, any number of rows may be needed, or none may be enough. So columns are
-        // added until rows near the expected number suffice, and once more.
+        // With one column too few, very many rows may be needed, or no number may be enough. So columns are added
+        // until a number of rows near the expected one suffices, and once more after that.
         for _ in 0..64 {
             let settled = best.is_some();
             if let Some(m) = self.rows(n, need, tolerance)
@@ -251,7 +250,7 @@ fn largest(list: &[f64], range: std::ops::Range<usize>) -> f64 {
     list[range].iter().fold(0.0, |most, x| greater(*x, most))
 }
 
-/// The power of two that scales `size` to between 1 and 2, as far as it is a normal number.
+/// The power of two that scales `size` to between 1 and 2, if that is a normal number.
 fn power_of_two_over(size: f64) -> f64 {
     let exponent = (size.to_bits() >> 52) as i64 - 1023;
     f64::from_bits(((1023 - exponent.clamp(-1000, 1000)) as u64) << 52)
@@ -306,8 +305,8 @@ fn balanced_aspect(places: &[SampleDerivatives; PLACES]) -> f64 {
     let across_sq = |bend: DVec3, chord: DVec3| {
         let (along, chord_sq, bend_sq) = (bend.dot(chord), chord.length_squared(), bend.length_squared());
         let across_sq = bend_sq - if chord_sq > 0.0 { along * along / chord_sq } else { 0.0 };
-        // At least a hundredth of the whole, below which the difference is noise; only the cell shape depends
-        // on it.
+        // Chosen: at least a hundredth of the length, below which the difference is noise; only the cell shape
+        // depends on it.
         greater(across_sq, 1e-4 * bend_sq)
     };
     let (u, v) = places.iter().fold((0.0, 0.0), |(u, v): (f64, f64), (by_u, by_v, hessian)| {

@@ -1,11 +1,11 @@
-//! Tiles that are kept from one view to the next.
+//! Keeps tiles from one view to the next.
 //!
-//! A tile's proof is a length and does not depend on the view. At the next view a tile *holds* when that length is still
-//! allowed over its box. A sheet is planned anew where one of its tiles does not hold, or where about half of its triangles
-//! would do; else its tiles stay. Of those, the ones with new vertices on their border, because a neighbour was planned
-//! anew, are built and proved again, for the length that is allowed now. The others are taken over as they are: everything
-//! that their proof depends on, their part of the surface, their cells and the vertices on their border, is the same bit
-//! for bit. So the bound of the mesh is proved for this view, as that of a mesh that keeps nothing is.
+//! A tile's proof is a length and does not depend on the view. At the next view a tile *holds* if that length is still
+//! allowed over its box. A sheet is planned anew if one of its tiles does not hold, or if about half of its triangles
+//! would suffice; otherwise its tiles stay. If a tile that stays has new vertices on its border, because a neighbour was
+//! planned anew, it is built and proved again, for the length that is allowed now. The others are reused unchanged: all
+//! data on which their proof depends, their part of the surface, their cells and the vertices on their border, are equal
+//! bit for bit. So the bound of the mesh is proved for this view, like that of a mesh built from nothing.
 use super::allowance::{Allowance, TessellationFailure};
 use super::mesher::{CertifiedTiles, PatchMesher, TilePlan};
 use super::plan;
@@ -14,14 +14,16 @@ use crate::budget::{Bounded, Failure, RefusalCode};
 use crate::explicit::Mesh;
 use crate::math::greater;
 
-/// The part of the allowed length for which tiles are planned, so that they hold while an eye comes nearer.
+/// The share of the allowed length for which tiles are planned. Chosen: smaller takes more triangles, larger holds for
+/// fewer views while the eye comes nearer.
 const SHARE: f64 = 0.75;
 
-/// A sheet is planned anew where this part of its cells would do. A tile's cells go as the inverse of its length.
+/// A sheet is planned anew if less than this share of its cells would suffice. Chosen; the number of a tile's cells is
+/// inversely proportional to its length.
 const FEW: f64 = 0.5;
 
 impl<'a> PatchMesher<'a, '_> {
-    /// The mesh for an allowance, made from the tiles of an earlier one as far as they hold, and its tiles.
+    /// The mesh for an allowance, built from the tiles of an earlier mesh as far as they hold, and its tiles.
     pub(crate) fn mesh_from(
         &self,
         before: Option<CertifiedTiles<'a>>,
@@ -29,7 +31,7 @@ impl<'a> PatchMesher<'a, '_> {
     ) -> Result<(Bounded<Mesh>, CertifiedTiles<'a>), TessellationFailure> {
         let planned = Allowance { share: SHARE, ..*allowance };
         let mut proved = match self.tiles_from(before, &planned, allowance) {
-            // What is left for later views may be what rounding and the job's limits need now.
+            // The share reserved for later views may be needed now, for rounding or the job's limits.
             Err(Failure::Refused(refusal)) if refusal.code != RefusalCode::TooClose => {
                 self.tiles_from(None, allowance, allowance)
             }
@@ -66,10 +68,10 @@ impl<'a> PlanBefore<'a> {
         Self { plan, done, is_kept }
     }
 
-    /// Finds the sheets whose tiles hold and are not too many, and gives those tiles the length that is allowed now.
+    /// Finds the sheets whose tiles hold and are not too many, and gives these tiles the length that is allowed now.
     fn mark_kept(&mut self, allowance: &Allowance, safety_factors: &mut [f64]) {
         let TilePlan { subpatches, tiles, .. } = &mut self.plan;
-        // By sheet, the cells of its tiles and those that would do.
+        // By sheet: the cells of its tiles, and the cells that would suffice.
         let mut cells = vec![[0.0; 2]; self.is_kept.len()];
         for (tile, done) in tiles.iter_mut().zip(&self.done) {
             let (sheet, rounding) =
@@ -83,14 +85,14 @@ impl<'a> PlanBefore<'a> {
                 continue;
             };
             tile.tolerance = tolerance;
-            let own = f64::from(tile.n) * f64::from(tile.m);
-            cells[sheet][0] += own;
-            cells[sheet][1] += own * (tile.planned / tolerance);
+            let n_cells = f64::from(tile.n) * f64::from(tile.m);
+            cells[sheet][0] += n_cells;
+            cells[sheet][1] += n_cells * (tile.planned / tolerance);
         }
         for (sheet, [present, enough]) in cells.into_iter().enumerate() {
             if self.is_kept[sheet] && greater(enough, 1.0) < FEW * present {
                 self.is_kept[sheet] = false;
-                // It was found for smaller subpatches.
+                // The factor was found for smaller subpatches.
                 safety_factors[sheet] = 1.0;
             }
         }
@@ -102,7 +104,7 @@ impl CertifiedTiles<'_> {
         self.tiles.len() as u64
     }
 
-    /// The number of tiles that were taken over.
+    /// The number of tiles that were reused.
     pub(crate) fn n_kept(&self) -> u64 {
         self.tiles.iter().filter(|(_, done)| done.is_kept).count() as u64
     }
@@ -116,7 +118,7 @@ mod tests {
     use crate::convert::patches::tile;
     use crate::explicit::Patch;
 
-    /// Sixteen patches that share sides, parts of one with hills.
+    /// Sixteen patches that share sides, parts of one patch with hills.
     fn patches() -> BezierPatches {
         let mut whole = Patch::flat([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
         let heights = [0.0, 0.7, -0.4, 0.1, 0.3, 0.9, -0.8, 0.2, 0.5, -0.6, 0.4, 0.0, -0.2, 0.6, 0.1, 0.3];

@@ -6,7 +6,7 @@
 //! polynomial of degree three that has the derivatives of `S` up to the third at the middle of the triangle's
 //! box, `H` its second derivative (a symmetric bilinear map into space) and `C` its third. On a side, `Q` is
 //! a cubic, whose distance from its chord is `μ(1−μ)` times half its second derivative in the middle and
-//! `(2μ−1)/12` of its third; inside only a multiple of `λ_1 λ_2 λ_3` is left, which the value at the centroid
+//! `(2μ−1)/12` of its third; inside, only a multiple of `λ_1 λ_2 λ_3` remains, which the value at the centroid
 //! determines. With `m_ij` the middle of a side and `q_i` the corners relative to the centroid,
 //!
 //! ```text
@@ -27,11 +27,11 @@
 //! `T(ψ(x))`, `ψ(λ)_k = λ_k (1 + Σ_j ±s_kj λ_j)`, which moves `T` by `Σ λ_i λ_j s_ij (V_j − V_i)`. For
 //! `|s_ij| ≤ 1` it is continuous, maps the triangle into itself, fixes its corners and maps every side to
 //! itself; so on the boundary it has degree 1, and it covers the whole triangle. Choosing `s_ij` removes from
-//! `W_ij` its part along the triangle's own edge `V_j − V_i`: only bending *across* an edge counts. What is
-//! left is at most the maximum of `Σ λ_i λ_j w_ij` with `w_ij = |W_ij across|`, which
-//! [`max_barycentric_quadratic`] gives in closed form.
+//! `W_ij` its part along the triangle's own edge `V_j − V_i`: only bending *across* an edge remains. It is at
+//! most the maximum of `Σ λ_i λ_j w_ij` with `w_ij = |W_ij across|`, which [`max_barycentric_quadratic`]
+//! gives in closed form.
 //!
-//! The pairing is defined on each triangle by itself, so the union over all triangles bounds the two-sided
+//! The pairing is defined on each triangle separately, so the union over all triangles bounds the two-sided
 //! Hausdorff distance of surface and mesh. A triangle of the parameter plane with two corners at one point of
 //! space (at a pole) has a segment for an image. It is left out of the mesh, and its segment is a side of the
 //! triangle next to it, so both directions still hold.
@@ -104,7 +104,7 @@ pub(crate) fn across(bend: DVec3, chord: DVec3) -> f64 {
 /// when `a, b, c` satisfy the triangle inequality; otherwise the maximum is a quarter of the largest, in the
 /// middle of its side. With `a ≥ b ≥ c` the denominator is `(c−(a−b))·(c+(a−b)) + 2c(a+b−c)`, a sum of
 /// positive terms, each computed to a few ulp (`a − b` is exact, because `b ≥ a/2` here), so nothing cancels.
-/// No value is above `a/3`, which is used where the denominator underflows.
+/// No value is above `a/3`, which is used if the denominator underflows.
 #[inline]
 pub(crate) fn max_barycentric_quadratic(a: f64, b: f64, c: f64) -> f64 {
     let (a, b) = if a < b { (b, a) } else { (a, b) };
@@ -237,7 +237,7 @@ impl PatchDerivatives {
         self.row(v).at(u)
     }
 
-    /// The remainder `R` for a triangle whose box is `du × dv`, when the derivatives are taken in its middle.
+    /// The remainder `R` for a triangle whose box is `du × dv`, if the derivatives are taken in its middle.
     #[inline]
     pub(crate) fn remainder(&self, du: f64, dv: f64) -> f64 {
         let [uuuv, uuvv, uvvv] = self.fourth;
@@ -246,7 +246,7 @@ impl PatchDerivatives {
     }
 
     /// The bound of one triangle by its corners in the parameter plane and in space, with the derivatives at the middle of
-    /// its box; without rounding, for which [`rounding`] allows.
+    /// its box; without rounding, which [`rounding`] covers.
     pub(crate) fn triangle_bound(&self, corners: [[f64; 2]; 3], at: [DVec3; 3]) -> f64 {
         let range = |k: usize| {
             let [x, y, z] = corners.map(|corner| corner[k]);
@@ -262,7 +262,7 @@ impl PatchDerivatives {
             let bend = jet.half_along([qu - pu, qv - pv], [0.5 * (pu + qu), 0.5 * (pv + qv)]);
             across(bend, at[j] - at[i])
         };
-        let slack = 4.0 * f64::EPSILON; // a parameter is off by at most an ulp of 1 at each end
+        let slack = 4.0 * f64::EPSILON; // the error of a parameter is at most an ulp of 1 at each end
         max_barycentric_quadratic(side(0, 1), side(1, 2), side(2, 0))
             + jet.third_order_bound(corners)
             + self.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)

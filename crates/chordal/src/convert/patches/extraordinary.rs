@@ -3,8 +3,8 @@ use super::derivative_bound::{ROUNDING, UNDERFLOW};
 pub(crate) use crate::explicit::cage::limit::ExtraordinaryQuad;
 
 impl ExtraordinaryQuad {
-    /// The point at a parameter of the unit square. Coordinates are checked beforehand to be so small that
-    /// nothing overflows.
+    /// The point at a parameter of the unit square. Coordinates are small enough by an earlier check that nothing
+    /// overflows.
     pub(crate) fn point(&self, u: f64, v: f64) -> [f64; 3] {
         self.at(u, v).map(|jet| jet.point).unwrap_or_default()
     }

@@ -6,27 +6,35 @@
 //! one on `M` (two triangles on either side of their diagonal, or a fan that goes around its middle once);
 //! let `P = π(M)`.
 //!
+//! ```text
+//!           .·· S ··.            π projects along N onto the plane. V bounds the heights of S over
+//!     .· '      |     ' ·.       the triangles of M; ε and δ bound the distance between the border
+//!   ·´_____M____|________`·      curves of S and their chords, the sides of M, in space and in the
+//!               |  N             plane.
+//!    |<---------x-------->|  P = π(M)
+//! ```
+//!
 //! *Surface to mesh.* The surface is divided into pieces, each in the convex hull of its control points. For
 //! a piece whose image lies in `P`, each point is above or below some triangle that the image touches, by no
 //! more than the largest height of a control point over that triangle's plane, since a height over a plane is
 //! a convex function: `V`. For other pieces the distance to any one triangle is convex as well, so that the
-//! largest distance of its control points from the best triangle is a bound.
+//! largest distance of the piece's control points from the best triangle is a bound.
 //!
 //! *Mesh to surface.* Let each side of `M` be the chord of a curve on the border of `S`, within `ε` of it in
-//! space and within `δ` in the plane, both by pairing a point of the curve with the nearest of the chord,
-//! which is continuous and covers the chord. Moving `π(∂S)` to `∂P` along these pairs moves nothing by more
-//! than `δ`. So around a point `x` of `P` that is not met on the way the curve `π(∂S)` winds as often as `∂P`
-//! does, once, and `x` is the image of a point of `S`; that is above or below the point of `M` over `x` by at
-//! most `V`. A point `m` of `M` over an `x` that is met is within `δ·sec` of the border of `M`, measured
-//! along `M`, whose triangles have a slope of at most `sec` against the plane, and the border is within `ε`
-//! of `S`: within `ε + δ·sec`. Where `P` is convex, more can be said. With the pairs in space `x` lies on the
-//! image of a segment from a point `q` of a chord to its `c` on the curve, and the segment from `π(q)` to `x`
-//! in `P`, so that `m` is off the segment's point over `x` by at most the slopes of both, and off `c` by at
-//! most `|q − c|·(1 + tan)`: within `ε·(1 + tan)`, `tan² = sec² − 1`. Hence the distance is at most the
-//! larger of `V` and the smaller of these.
+//! space and within `δ` in the plane, both by pairing a point of the curve with the nearest point of the chord,
+//! which is continuous and covers the chord. Moving `π(∂S)` to `∂P` along these pairs moves no point by more
+//! than `δ`. So around a point `x` of `P` that the moving curve does not pass, `π(∂S)` winds as often as `∂P`
+//! does, once, and `x` is the image of a point of `S`; that point is above or below the point of `M` over `x` by
+//! at most `V`. If the moving curve passes `x`, the point `m` of `M` over `x` is within `δ·sec` of the border of
+//! `M`, measured along `M`, whose triangles have a slope of at most `sec` against the plane, and the border is
+//! within `ε` of `S`: within `ε + δ·sec`. If `P` is convex, there is a second bound. With the pairs in space `x`
+//! lies on the image of a segment from a point `q` of a chord to its partner `c` on the curve, and the segment
+//! from `π(q)` to `x` lies in `P`. So the distance of `m` from the segment's point over `x` is at most the slopes
+//! of both, and its distance from `c` at most `|q − c|·(1 + tan)`: within `ε·(1 + tan)`, `tan² = sec² − 1`. Hence
+//! the distance is at most the larger of `V` and the smaller of these two.
 //!
-//! Where this does not apply, both `S` and the vertices of `M` lie in the hull of the one-ring, whose
-//! diagonal is a bound.
+//! If this does not apply, both `S` and the vertices of `M` lie in the hull of the one-ring, whose diagonal is
+//! a bound.
 //!
 //! **Rounding.** Everything is computed relative to a corner of the tile. The errors of that, of the vertices
 //! and of the control points are in [`ExtraordinaryQuad::rounding_error`] and in the rounding bound of each
@@ -118,7 +126,7 @@ pub(crate) fn is_flat(extraordinary: &ExtraordinaryQuad, tolerance: f64) -> bool
         .map(|place| FanTileVertex { place, at: extraordinary.point(place[0], place[1]) });
     let proof = ExtraordinaryProof { region: extraordinary, sides: &PatchSide::ALL, tolerance, pieces: 0 };
     let [a, b, c, d] = knots.map(|knot| knot.at);
-    // Sample points that can show at once that it is not.
+    // Four sample points on the sides and one in the middle, which may quickly show that it is not flat.
     let pairs = [([0.5, 0.0], [a, b]), ([1.0, 0.5], [b, c]), ([0.5, 1.0], [c, d]), ([0.0, 0.5], [d, a])];
     let is_far = |place: [f64; 2], near: &dyn Fn([f64; 3]) -> f64| {
         near(extraordinary.point(place[0], place[1])) > tolerance
@@ -140,7 +148,7 @@ struct ExtraordinaryProof<'a> {
     /// The side that contains the edge from each border vertex to the next.
     sides: &'a [PatchSide],
     tolerance: f64,
-    /// The number of pieces that are visited even where the tolerance is met.
+    /// The number of pieces that are visited even if the tolerance is met.
     pieces: usize,
 }
 
@@ -151,8 +159,9 @@ impl ExtraordinaryProof<'_> {
         let falling = vec![[0, 1, 3], [1, 2, 3]];
         let middle = DVec3::from(self.region.point(0.5, 0.5));
         let at = |k: usize| DVec3::from(knots[k].at);
-        let off = |a: usize, b: usize| (0.5 * (at(a) + at(b)) - middle).length_squared();
-        let (first, second) = if off(0, 2) <= off(1, 3) { (rising, falling) } else { (falling, rising) };
+        let distance_sq = |a: usize, b: usize| (0.5 * (at(a) + at(b)) - middle).length_squared();
+        let (first, second) =
+            if distance_sq(0, 2) <= distance_sq(1, 3) { (rising, falling) } else { (falling, rising) };
         let bound = self.bound(knots, &first);
         if bound <= self.tolerance {
             return (first, bound);
@@ -164,17 +173,17 @@ impl ExtraordinaryProof<'_> {
     fn bound(&self, knots: &[FanTileVertex], triangles: &[[u32; 3]]) -> f64 {
         let hull =
             Box3::from_points(self.region.ring().hull().iter().chain(knots.iter().map(|knot| &knot.at)));
-        let all = hull.diagonal();
-        if all <= self.tolerance {
-            return all;
+        let diagonal = hull.diagonal();
+        if diagonal <= self.tolerance {
+            return diagonal;
         }
         let sheets = RegionHeightField::new(self.region, knots, triangles);
         let bound = sheets.and_then(|graph| graph.bound(self, knots, hull.diagonal()));
-        bound.filter(|bound| *bound < all).unwrap_or(all)
+        bound.filter(|bound| *bound < diagonal).unwrap_or(diagonal)
     }
 }
 
-/// A triangle with its projection, as the proof needs it.
+/// A triangle with its projection, as used by the proof.
 struct ProjectedTriangle {
     corners: [[f64; 3]; 3],
     projected: [DVec2; 3],
@@ -195,10 +204,10 @@ struct RegionHeightField<'a> {
     border: Vec<DVec2>,
 }
 
-/// A triangle steeper than this (78°) against the plane gives no useful proof; chosen.
+/// The least cosine of a triangle's slope against the plane. Chosen: a steeper triangle (78°) gives no useful proof.
 const LEAST_COSINE: f64 = 0.2;
-/// A triangle whose doubled area is below this fraction of its longest edge squared is degenerate for the
-/// proof; chosen.
+/// A triangle whose doubled area is below this fraction of its longest edge squared counts as degenerate. Chosen: far
+/// above rounding, and below any useful shape.
 const LEAST_SHAPE: f64 = 1e-6;
 /// Roundings in a unit normal, with a margin: six products and differences of lengths up to an edge, and the
 /// quotient.
@@ -306,7 +315,7 @@ impl<'a> RegionHeightField<'a> {
         side: PatchSide,
         ends: [DVec3; 2],
     ) -> Option<(f64, f64)> {
-        // By the rising parameter along the side.
+        // In the order of the parameter along the side.
         let axis = usize::from(matches!(side, PatchSide::Left | PatchSide::Right));
         let (a, b) = (places[0][axis], places[1][axis]);
         let span = if a < b { [a, b] } else { [b, a] };
@@ -346,7 +355,7 @@ impl<'a> RegionHeightField<'a> {
                 RegionBoundary::Patches(patches) => (side_curves(patches, side, span), patches.off),
             };
             for curve in points {
-                // The quarters of a cubic are close to their control points.
+                // Quarters, since these are close to their control points.
                 for quarter in 0..4 {
                     let begin = 0.25 * f64::from(quarter);
                     let (space, plane) = far(&curve.part(begin, begin + 0.25).control);
@@ -416,9 +425,9 @@ impl<'a> RegionHeightField<'a> {
             let flat = self.project(self.local(point));
             (low, high) = (low.min(flat), high.max(flat));
         }
-        // The slack covers rounding: a dot product of three terms has five roundings of at most the largest
-        // term. The other term is chosen, far above the rounding of the operations on the box; a larger box
-        // only makes the bound worse.
+        // The slack covers rounding: a dot product of three terms has five roundings of at most the largest term.
+        // The first term is chosen, far above the rounding of the operations on the box; a larger box only makes the
+        // bound worse.
         let reach = low.abs().max(high.abs()).max_element();
         let slack = DVec2::splat(1e-9 * (high - low).length() + 64.0 * f64::EPSILON * reach);
         let (low, high) = (low - slack, high + slack);
@@ -445,7 +454,7 @@ impl<'a> RegionHeightField<'a> {
             }
             most
         };
-        // The nearest triangle is one that the box touches, except for parts that extend beyond.
+        // The nearest triangle is usually one that the box touches, so the others are tried only if there is none.
         let beside = match touched.is_empty() {
             true => self.faces.iter().fold(f64::INFINITY, farthest),
             false => touched.into_iter().fold(f64::INFINITY, farthest),
@@ -473,30 +482,30 @@ fn may_overlap(corners: [DVec2; 3], low: DVec2, high: DVec2) -> bool {
         return false;
     }
     let box_corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
-    let own = [a, b, c];
+    let corners_of_triangle = [a, b, c];
     (0..3).all(|k| {
-        let (p, along) = (own[k], own[(k + 1) % 3] - own[k]);
+        let (p, along) = (corners_of_triangle[k], corners_of_triangle[(k + 1) % 3] - corners_of_triangle[k]);
         let across = DVec2::new(-along.y, along.x);
         let side = |q: DVec2| across.dot(q - p);
-        // The whole box is beyond the line, with a margin for rounding, and the triangle is on it or before
-        // it.
-        // chosen far above rounding
-        let room = 1e-12 * along.length() * ((high - low).length() + (most - least).length());
-        let lone = side(own[(k + 2) % 3]);
-        let before = box_corners.iter().all(|corner| side(*corner) < -room) && lone >= 0.0;
-        let beyond = box_corners.iter().all(|corner| side(*corner) > room) && lone <= 0.0;
+        // The box is on one side of the line, with a margin for rounding, and the triangle on the other side. The
+        // margin is chosen far above rounding.
+        let margin = 1e-12 * along.length() * ((high - low).length() + (most - least).length());
+        let apex = side(corners_of_triangle[(k + 2) % 3]);
+        let before = box_corners.iter().all(|corner| side(*corner) < -margin) && apex >= 0.0;
+        let beyond = box_corners.iter().all(|corner| side(*corner) > margin) && apex <= 0.0;
         !before && !beyond
     })
 }
 
-/// A hull of the border's curve may be this fraction of a tolerance off its chord before it is subdivided;
-/// chosen.
+/// A hull of the border's curve is subdivided if it is farther from its chord than this fraction of the tolerance. Chosen:
+/// smaller takes more subdivisions for a slightly smaller bound.
 const FINE: f64 = 0.1;
 /// The largest depth of subdivision: 2⁻⁴⁵ of a face is below rounding.
 const DEEPEST: usize = 45;
-/// Pieces that are visited so that a valid bound also becomes tight; chosen.
+/// Pieces that are visited even after the tolerance is met, so that the bound becomes tight. Chosen: so few cost little
+/// time.
 const PIECES_FOR_TIGHTNESS: usize = 24;
-/// The largest number of pieces that are visited; chosen.
+/// The most pieces that are visited. Chosen: with more, a tile is refined instead.
 const MOST_PIECES: usize = 400;
 
 enum RegionBoundary<'a> {
@@ -513,7 +522,7 @@ impl<'a> RegionBoundary<'a> {
     }
 }
 
-/// The quarters on a side, by its rising parameter.
+/// The quarters on a side, in the order of its parameter.
 fn quarters_on(side: PatchSide) -> [usize; 2] {
     match side {
         PatchSide::Bottom => [0, 1],
@@ -536,7 +545,7 @@ fn side_curves(patches: &LimitPatches, side: PatchSide, [from, to]: [f64; 2]) ->
         let (low, high) = (from.max(span[0]), to.min(span[1]));
         if is_on && low < high {
             let curve = piece.patch.side(side);
-            // By the rising parameter.
+            // In the order of the parameter.
             let curve =
                 if matches!(side, PatchSide::Top | PatchSide::Left) { curve.reversed() } else { curve };
             let local = |x: f64| (x - span[0]) / (span[1] - span[0]);

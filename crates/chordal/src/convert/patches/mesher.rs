@@ -17,7 +17,7 @@ use crate::check;
 use crate::explicit::{Mesh, PatchSide};
 use crate::math::{greater, lesser, sub_down};
 
-/// A surface with everything that is needed to mesh it within any allowance.
+/// A surface with the data that are needed to mesh it within any allowance.
 pub(crate) struct PatchMesher<'a, 's> {
     pub(super) sheets: &'s (dyn PatchSurface<'a> + 's),
     pub(super) adjacency: &'s PatchAdjacency,
@@ -31,7 +31,8 @@ pub(crate) struct TilePlan<'a> {
     pub(crate) seams: TileSeams,
     /// The fewest cells in each direction, by sheet, that keep edges of different curves apart.
     pub(crate) min_cells: Vec<u32>,
-    /// By sheet: how much worse the proof of extraordinary subpatches was than expected; 1 at first.
+    /// By sheet: the factor by which the tolerance of extraordinary subpatches is reduced, because proofs were worse than
+    /// expected; 1 at first.
     pub(crate) safety_factors: Vec<f64>,
 }
 
@@ -43,15 +44,15 @@ pub(crate) struct CertifiedTiles<'a> {
     pub(super) safety_factors: Vec<f64>,
 }
 
-/// The largest number of refinement rounds; three are usual, and every round adds cells where they are
+/// The most refinement rounds. Chosen: three are usual, and every round adds cells where they are
 /// missing.
 const MOST_ROUNDS: usize = 64;
 
-/// A proof that was this much worse than its estimate will not succeed. Its square where an angle is limited:
-/// a triangle that is a millionth as long as another deviates by that much less.
+/// A tile whose safety factor exceeds this will not be proved. Chosen; its square if an angle is limited, since a
+/// triangle that is a millionth as long deviates by that much less.
 const MOST_STRAIN: f64 = 1e6;
 
-/// Tiles at which the distance is measured from below, at two points each: 20 ns a triangle.
+/// Tiles at which a lower bound of the distance is measured, at two points each. Chosen: it costs 20 ns a triangle.
 const SAMPLED_TILES: usize = 12;
 
 impl<'a, 's> PatchMesher<'a, 's> {
@@ -63,7 +64,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
         Self { sheets, adjacency, job }
     }
 
-    /// The longest diagonal of a sheet's hull; 1 where all sheets are points.
+    /// The longest diagonal of a sheet's hull; 1 if all sheets are points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
         let longest = self.sheets.longest_diagonal();
         if longest > 0.0 { longest } else { 1.0 }
@@ -76,24 +77,24 @@ impl<'a, 's> PatchMesher<'a, 's> {
         at == end && matches!(self.adjacency.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
     }
 
-    /// The tiles, with those halved whose normals still miss the limit although they have many cells: their
-    /// normals vary in one spot. `None` where there is no such tile.
+    /// The tiles, after halving those whose normals still miss the limit although they have many cells: their
+    /// normals vary in one spot. `None` if there is no such tile.
     fn split_where_normals_deviate(
         &self,
         planned: &TilePlan<'a>,
         done: &[Option<PatchTileMesh>],
         allowance: &Allowance,
     ) -> Option<Vec<PatchTile>> {
-        let is_odd = |(tile, done): (&PatchTile, &Option<PatchTileMesh>)| {
+        let varies_in_spot = |(tile, done): (&PatchTile, &Option<PatchTileMesh>)| {
             let misses = done.as_ref().is_some_and(|done| normal_deviation_ratio(done, allowance) > 0.0);
             misses && plan::split_tile(tile).len() > 1
         };
-        let odd: Vec<bool> = planned.tiles.iter().zip(done).map(is_odd).collect();
-        odd.contains(&true).then(|| {
-            let cut = |(tile, is_odd): (&PatchTile, bool)| {
-                if is_odd { plan::split_tile(tile) } else { vec![*tile] }
+        let is_split: Vec<bool> = planned.tiles.iter().zip(done).map(varies_in_spot).collect();
+        is_split.contains(&true).then(|| {
+            let cut = |(tile, varies_in_spot): (&PatchTile, bool)| {
+                if varies_in_spot { plan::split_tile(tile) } else { vec![*tile] }
             };
-            planned.tiles.iter().zip(odd).flat_map(cut).collect()
+            planned.tiles.iter().zip(is_split).flat_map(cut).collect()
         })
     }
 
@@ -109,7 +110,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
         self.prove_pending(planned, done, allowance)
     }
 
-    /// [`Self::prove`] where some tiles are built and proved already.
+    /// [`Self::prove`] for a plan of which some tiles are built and proved already.
     pub(super) fn prove_pending(
         &self,
         mut planned: TilePlan<'a>,
@@ -118,8 +119,8 @@ impl<'a, 's> PatchMesher<'a, 's> {
     ) -> Result<CertifiedTiles<'a>, TessellationFailure> {
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
-            // Extraordinary subpatches first: while one of them has to be divided, the others would be built
-            // in vain.
+            // Extraordinary subpatches first: if one of them has to be divided, the plan changes, and the other tiles
+            // would have been built in vain.
             self.build_pending(&planned, &mut done, allowance, SubpatchKind::Extraordinary)?;
             if let Some(safety_factors) = raised_safety_factors(&planned, &done, allowance) {
                 let is_kept = planned.safety_factors.iter().zip(&safety_factors).map(|(old, new)| old == new);
@@ -170,11 +171,11 @@ impl<'a, 's> PatchMesher<'a, 's> {
         ))
     }
 
-    /// Refuses a plan with too many cells, so that a wrong estimate of a rate cannot let the work run away.
+    /// Refuses a plan with too many cells, so that a wrong estimate of a rate cannot cause unlimited work.
     fn check_cells(&self, tiles: &[PatchTile]) -> Result<(), TessellationFailure> {
         let triangles: f64 = tiles.iter().map(|tile| 2.0 * f64::from(tile.n) * f64::from(tile.m)).sum();
         let limit = self.job.triangle_limit as f64;
-        // Twice, since strips between tiles of different rates have more or fewer triangles than the cells
+        // Twice the limit, since strips between tiles of different rates have more or fewer triangles than the cells
         // there.
         if triangles > 2.0 * limit {
             let message =
@@ -194,8 +195,8 @@ impl<'a, 's> PatchMesher<'a, 's> {
         let TilePlan { subpatches, tiles, seams, .. } = planned;
         let is_open =
             |i: &usize| done[*i].is_none() && subpatches[tiles[*i].subpatch as usize].kind() == kind;
-        let open: Vec<usize> = (0..tiles.len()).filter(is_open).collect();
-        let built = par_map(self.job, &open, |_, &i| {
+        let pending: Vec<usize> = (0..tiles.len()).filter(is_open).collect();
+        let built = par_map(self.job, &pending, |_, &i| {
             let subpatch = &subpatches[tiles[i].subpatch as usize];
             (!self.job.is_cancelled()).then(|| {
                 let done = tile::build(i, &tiles[i], subpatch, seams);
@@ -205,7 +206,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
                 PatchTileMesh { normal_deviation: turn, ..done }
             })
         });
-        for (i, built) in open.iter().zip(built) {
+        for (i, built) in pending.iter().zip(built) {
             done[*i] = Some(built.ok_or(Failure::Cancelled)?);
         }
         self.job.report(Progress {
@@ -216,7 +217,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
         Ok(())
     }
 
-    /// Adds cells to sheets with a triangle that has a vertex twice, a segment that no triangle has, or an
+    /// Adds cells to sheets with a triangle that has a vertex twice, a segment that no triangle covers, or an
     /// edge that coincides with another. Returns whether there were any. Three cells in each direction with
     /// whole corners are always enough, so few tiles are examined.
     fn separate_edges(&self, planned: &mut TilePlan<'_>, done: &mut [Option<PatchTileMesh>]) -> bool {
@@ -250,7 +251,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
         !again.is_empty()
     }
 
-    /// Segments on shared curves, sorted by their two vertices, with the number of sheets that meet there.
+    /// The segments on shared curves, sorted by their two vertices, with the number of sheets that meet there.
     fn shared_segments(&self, seams: &TileSeams) -> Vec<(u32, u32, usize)> {
         let mut list = Vec::new();
         for piece in &seams.pieces {
@@ -262,19 +263,20 @@ impl<'a, 's> PatchMesher<'a, 's> {
         list
     }
 
-    /// Gives tiles the normals on their borders, where they have none yet.
+    /// Gives tiles the normals on their borders, if they have none yet.
     fn add_normals(&self, proved: &mut CertifiedTiles<'_>) {
         let CertifiedTiles { subpatches, tiles, seams, .. } = proved;
-        let open: Vec<usize> = (0..tiles.len()).filter(|i| tiles[*i].1.border_normals.is_empty()).collect();
-        let made = par_map(self.job, &open, |_, &i| {
+        let pending: Vec<usize> =
+            (0..tiles.len()).filter(|i| tiles[*i].1.border_normals.is_empty()).collect();
+        let normals = par_map(self.job, &pending, |_, &i| {
             let tile = &tiles[i].0;
             let subpatch = &subpatches[tile.subpatch as usize];
             assemble::normals_on_border(subpatch, self.adjacency, seams, (i, tile))
         });
-        open.into_iter().zip(made).for_each(|(i, normals)| tiles[i].1.border_normals = normals);
+        pending.into_iter().zip(normals).for_each(|(i, normals)| tiles[i].1.border_normals = normals);
     }
 
-    /// The mesh with its bound; pixels at the view of the allowance.
+    /// The mesh with its bound; also in pixels, if the allowance has a view.
     pub(crate) fn finish(&self, proved: &mut CertifiedTiles<'_>, allowance: &Allowance) -> Bounded<Mesh> {
         self.add_normals(proved);
         let CertifiedTiles { subpatches, tiles, seams, .. } = proved;
@@ -306,7 +308,7 @@ impl<'a, 's> PatchMesher<'a, 's> {
 }
 
 impl TilePlan<'_> {
-    /// The number of triangles of the mesh, unless a proof needs more cells.
+    /// The number of triangles of the mesh, if no proof needs more cells.
     pub(crate) fn count(&self, mesher: &PatchMesher<'_, '_>) -> u64 {
         let per_tile = self.tiles.iter().enumerate().map(|(i, tile)| {
             let counts = PatchSide::ALL.map(|side| self.seams.count(i, side));
@@ -345,12 +347,12 @@ fn measure_lower_bound(
     let mut order: Vec<usize> = (0..tiles.len()).collect();
     order.sort_by(|a, b| tiles[*b].1.bound.total_cmp(&tiles[*a].1.bound).then(a.cmp(b)));
     let mut samples = Vec::new();
-    let mut off = 0.0;
+    let mut rounding = 0.0;
     for &i in order.iter().take(SAMPLED_TILES) {
         let (tile, done) = &tiles[i];
         let subpatch = &subpatches[tile.subpatch as usize];
         let slack = subpatch.rounding_error();
-        off = greater(slack, off);
+        rounding = greater(slack, rounding);
         let [a, b, c] = done.worst;
         // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
         let length_sq =
@@ -364,7 +366,7 @@ fn measure_lower_bound(
     }
     match check::surface_at_least(&samples, mesh) {
         Some((least, at)) => {
-            let least = sub_down(least, off);
+            let least = sub_down(least, rounding);
             (greater(least, 0.0), Some(samples[at]))
         }
         None => (0.0, samples.first().copied()),
@@ -377,8 +379,8 @@ fn is_coarse(tile: &PatchTile) -> bool {
 }
 
 /// The edges in coarse tiles that may coincide with others, sorted, with their patch, and the edges of other
-/// tiles with the same two vertices. Only of tiles that are new or share two vertices with one: edges of others coincide
-/// with none, as was found for an earlier view.
+/// tiles with the same two vertices. Only new tiles and those that share two vertices with a new one are examined: for
+/// the others an earlier view has shown that no edges coincide.
 fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(u32, u32, u32)> {
     let is_new = |index: usize| done[index].as_ref().is_none_or(|done| !done.is_kept);
     let borders: Vec<Vec<u32>> = (0..planned.tiles.len())
@@ -399,7 +401,7 @@ fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(
     for &index in &near {
         let tile = &planned.tiles[index];
         let Some(done) = done[index].as_ref().filter(|_| is_coarse(tile)) else { continue };
-        // Inner vertices belong to this tile alone: their edges coincide only where its border meets itself.
+        // Inner vertices belong to this tile alone: their edges coincide only if the tile's border meets itself.
         let inner = if has_duplicate(borders[index].clone()) { done.inner.len() } else { 0 };
         let ids: Vec<u32> = borders[index].iter().copied().chain((first_inner..).take(inner)).collect();
         first_inner += inner as u32;
@@ -413,20 +415,20 @@ fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(
     }
     let n_vertices = first_inner as usize;
     edges = sort_edges(&edges, n_vertices);
-    // Other tiles have edges with both ends on their border only along it.
-    let known = edges.len();
-    for index in near.into_iter().filter(|index| known > 0 && !is_coarse(&planned.tiles[*index])) {
+    // In other tiles, edges with both ends on the border run along it.
+    let n_coarse = edges.len();
+    for index in near.into_iter().filter(|index| n_coarse > 0 && !is_coarse(&planned.tiles[*index])) {
         let pieces = PatchSide::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
         for (a, b) in pieces.flat_map(|(piece, _)| segments(piece)) {
-            if edges[..known].binary_search_by_key(&(a, b), |edge| (edge.0, edge.1)).is_ok() {
+            if edges[..n_coarse].binary_search_by_key(&(a, b), |edge| (edge.0, edge.1)).is_ok() {
                 edges.push((a, b, planned.tiles[index].sheet));
             }
         }
     }
-    if edges.len() > known { sort_edges(&edges, n_vertices) } else { edges }
+    if edges.len() > n_coarse { sort_edges(&edges, n_vertices) } else { edges }
 }
 
-/// Sorted edges: first by their first vertex, which is counted.
+/// Sorts edges: first by their first vertex, with a counting sort.
 fn sort_edges(edges: &[(u32, u32, u32)], n_vertices: usize) -> Vec<(u32, u32, u32)> {
     let mut sorted = assemble::sort_by_vertex(edges, n_vertices, |edge| edge.0);
     sorted.chunk_by_mut(|a, b| a.0 == b.0).for_each(<[_]>::sort_unstable);
@@ -438,7 +440,7 @@ fn has_duplicate(mut ids: Vec<u32>) -> bool {
     ids.windows(2).any(|pair| pair[0] == pair[1])
 }
 
-/// The pairs of neighbouring vertices on a piece, the smaller first; none where the piece is a point.
+/// The pairs of neighbouring vertices on a piece, the smaller first; none if the piece is a point.
 fn segments(piece: &SeamSpan) -> impl Iterator<Item = (u32, u32)> {
     let pair = |k: u32| (piece.vertex(k), piece.vertex(k + 1));
     (0..piece.n).map(pair).filter(|(a, b)| a != b).map(|(a, b)| (a.min(b), a.max(b)))

@@ -2,7 +2,7 @@
 //! [`plan`] splits patches into tiles and chooses their rates by the bound of [`derivative_bound`], [`seams`]
 //! gives the sides of all tiles their shared points, [`tile`] triangulates and proves one tile, [`refine`]
 //! adds cells where a tile misses its tolerance, [`assemble`] numbers the vertices and computes normals.
-//! [`sheet_plan`] plans some sheets anew, and [`coherence`] says which, for one view after another.
+//! [`sheet_plan`] plans some sheets anew, and [`coherence`] chooses them, for one view after another.
 pub(super) mod adjacency;
 pub(super) mod allowance;
 pub(super) mod assemble;

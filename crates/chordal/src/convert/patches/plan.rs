@@ -1,8 +1,8 @@
 //! Splits patches into tiles and chooses their tessellation rates, so that few triangles meet the budget.
 //!
 //! A tile is a rectangle of one patch's parameter plane with `n × m` equal cells. The number of cells that a
-//! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer.
-//! None of this has to be exact: [`super::tile`] proves each tile afterwards and adds cells where they are
+//! rectangle needs is about `bound/tolerance`, so a rectangle is halved if its halves together need fewer.
+//! None of this has to be exact: [`super::tile`] proves each tile afterwards, and cells are added where they are
 //! missing.
 use super::adjacency::PatchCorner;
 use super::allowance::{Allowance, InfeasibleTolerance};
@@ -23,16 +23,16 @@ pub(crate) struct PatchTile {
     /// Cells along u and along v.
     pub(crate) n: u32,
     pub(crate) m: u32,
-    /// Whether the diagonal of cells runs from their first corner to the opposite one (or between the other
-    /// two).
+    /// Whether the diagonal of cells runs from their first corner to the opposite one, instead of between the other
+    /// two.
     pub(crate) rising: bool,
     /// The kinds of its corners, in the order of the sides that start there.
     pub(crate) corners: [PatchCorner; 4],
     /// The allowed length here, less rounding.
     pub(crate) tolerance: f64,
-    /// The one for which its cells were planned.
+    /// The tolerance for which its cells were planned.
     pub(crate) planned: f64,
-    /// How much worse its proof was than its estimate; 1 at first.
+    /// The factor by which the estimate's tolerance is reduced, because proofs were worse than estimates; 1 at first.
     pub(crate) safety_factor: f64,
 }
 
@@ -68,22 +68,22 @@ impl PatchTile {
         }
     }
 
-    /// The half of a side of its sheet that contains it, by rising parameter.
+    /// The half of a side of its sheet that contains it, in the order of the parameter.
     pub(crate) fn half(&self, side: PatchSide) -> usize {
         let span = if matches!(side, PatchSide::Bottom | PatchSide::Top) { self.u } else { self.v };
         usize::from(span[0] >= 0.5)
     }
 }
 
-/// A rectangle with fewer cells is never halved: the stitching would cost what it saves.
+/// A rectangle with fewer cells is never halved. Chosen: the stitching would cost as many triangles as it saves.
 const FEWEST_CELLS_TO_HALVE: f64 = 6.0;
-/// A rectangle with more cells is always halved, so that threads can share the work.
+/// A rectangle with more cells is always halved. Chosen: then threads can share the work.
 const MOST_CELLS: f64 = 4096.0;
-/// Halving must reduce the cells to this fraction, since tiles of different rates cost triangles where they
+/// Halving must reduce the cells to this fraction. Chosen: tiles of different rates cost triangles where they
 /// meet.
 const WORTH_HALVING: f64 = 0.93;
 
-/// A direction with fewer cells is not halved.
+/// A direction with fewer cells is not halved. Chosen: its halves would have one cell at most.
 const FEWEST_EACH_WAY: f64 = 2.0;
 /// The narrowest tile: one cell of this width bends by less than 60·2⁻⁶⁰ sizes, which is less than rounding.
 /// So the parameters of tiles, and one minus those, are exact.
@@ -93,7 +93,8 @@ fn is_broad([from, to]: [f64; 2]) -> bool {
     to - from > NARROWEST
 }
 
-/// A tile whose normals vary in one spot is halved in each direction with at least this many cells; chosen.
+/// A tile whose normals vary in one spot is halved in each direction with at least this many cells. Chosen: with fewer
+/// cells there is little to gain.
 const CELLS_TO_HALVE: u32 = 8;
 
 /// Halves a tile in each direction in which it has many cells.
@@ -120,7 +121,7 @@ pub(crate) fn tolerance(
 ) -> Result<f64, InfeasibleTolerance> {
     // Rounded down, so that tolerance and rounding together never exceed the allowed length.
     let tolerance = sub_down(allowance.at(&place).ok_or(InfeasibleTolerance::TooClose(place))?, rounding);
-    // Where rounding takes most of the budget, noise would decide how many cells are enough.
+    // If rounding takes most of the budget, noise would determine the number of cells.
     if tolerance < rounding {
         Err(InfeasibleTolerance::BelowRounding(place, rounding))
     } else {
@@ -146,8 +147,8 @@ pub(crate) fn split_into_tiles(
     while let Some(rectangle) = open.pop() {
         if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
             let halves = rectangle.halve(half, allowance, rounding)?;
-            // Estimates that are noise need not fall; then halving would go on to the narrowest tiles
-            // everywhere.
+            // Estimates that are noise may not fall; without this test halving would then go on to the narrowest
+            // tiles everywhere.
             if halves[0].estimate.cells + halves[1].estimate.cells < 1.2 * rectangle.estimate.cells {
                 open.extend(halves);
                 continue;
@@ -158,16 +159,16 @@ pub(crate) fn split_into_tiles(
     Ok(tiles)
 }
 
-/// About how many triangles a subpatch needs, without building tiles: rectangles are halved only while that
-/// pays.
+/// The approximate number of triangles that a subpatch needs, without building tiles: rectangles are halved only while
+/// that reduces it.
 pub(crate) fn estimate(subpatch: &Subpatch<'_>, allowance: &Allowance) -> Result<f64, InfeasibleTolerance> {
     let rounding = subpatch.rounding_error();
     let SubpatchShape::Bezier(patch) = &subpatch.shape else { return Ok(2.0) };
     let mut open = vec![TileCandidate::new(**patch, subpatch.u, subpatch.v, allowance, rounding)?];
-    let (mut cells, mut looked_at) = (0.0, 0);
+    let (mut cells, mut n_examined) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
-        looked_at += 1;
-        match rectangle.better_half().filter(|_| looked_at < MOST_LOOKS) {
+        n_examined += 1;
+        match rectangle.better_half().filter(|_| n_examined < MOST_LOOKS) {
             Some(half) => open.extend(rectangle.halve(half, allowance, rounding)?),
             None => cells += rectangle.estimate.cells,
         }
@@ -175,7 +176,7 @@ pub(crate) fn estimate(subpatch: &Subpatch<'_>, allowance: &Allowance) -> Result
     Ok(2.0 * cells)
 }
 
-/// The largest number of rectangles of one patch that an estimate examines.
+/// The most rectangles of one patch that an estimate examines. Chosen: an estimate should cost little beside the tile.
 const MOST_LOOKS: usize = 256;
 
 /// The direction in which a rectangle is halved.
@@ -209,8 +210,8 @@ impl TileCandidate {
         Ok(Self { part, u, v, tolerance, estimator: probe, estimate: need })
     }
 
-    /// The direction in which halves need fewer cells, where halving is worth it. A direction with one cell
-    /// has one in each half as well, and so twice as many in both, whatever the bound says.
+    /// The direction in which halves need fewer cells, if halving is worth it. A direction with one cell has one in each
+    /// half as well, so halving it doubles the cells whatever the bound is.
     fn better_half(&self) -> Option<ParameterAxis> {
         let [wide, tall] = self.estimate.after_halving;
         let [n, m] = self.estimate.each_way();
@@ -222,7 +223,7 @@ impl TileCandidate {
         (self.estimate.cells > FEWEST_CELLS_TO_HALVE && share < WORTH_HALVING).then_some(half)
     }
 
-    /// The direction with more cells, where there are too many cells for one thread.
+    /// The direction with more cells, if there are too many cells for one thread.
     fn longer_half(&self) -> Option<ParameterAxis> {
         let [n, m] = self.estimate.each_way();
         let (half, span) = if n >= m { (ParameterAxis::U, self.u) } else { (ParameterAxis::V, self.v) };

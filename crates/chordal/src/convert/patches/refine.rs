@@ -9,8 +9,8 @@ use crate::explicit::Patch;
 use crate::math::greater;
 use glam::DVec3;
 
-/// Adds cells to every tile that misses its tolerance: as many as would have met it if the estimate had been
-/// wrong by as much everywhere, and at least one row or column. Returns whether there was any.
+/// Adds cells to every tile that misses its tolerance: as many as would meet it if the estimate is wrong by the same
+/// factor everywhere, and at least one row or column. Returns whether there was such a tile.
 pub(crate) fn refine_missed(
     planned: &mut TilePlan<'_>,
     done: &mut [Option<PatchTileMesh>],
@@ -38,15 +38,15 @@ pub(crate) fn refine_missed(
         let part = subpatch.tile_patch(patch, tile);
         if by_turn > 0.0 && tile.safety_factor > LARGEST_STRAIN_BY_TURN {
             let [long, tall] = cell(&part, tile);
-            // Doubles the cells along their longer side, or along both.
+            // Halves the cells along their longer side, or along both.
             tile.n *= if tall > 2.0 * long { 1 } else { 2 };
             tile.m *= if long > 2.0 * tall { 1 } else { 2 };
             continue;
         }
         tile.safety_factor *= ratio * if round < 3 { 1.01 } else { 1.1 };
         let probe = CellEstimator::new(&part);
-        let wanted = tile.tolerance / tile.safety_factor;
-        let rates = probe.rates(&probe.estimate(wanted), wanted);
+        let reduced = tile.tolerance / tile.safety_factor;
+        let rates = probe.rates(&probe.estimate(reduced), reduced);
         let before = (tile.n, tile.m);
         (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
         if (tile.n, tile.m) == before {
@@ -56,8 +56,8 @@ pub(crate) fn refine_missed(
     missed
 }
 
-/// Where a tile with this safety factor still misses the angle, its cells have the wrong shape: the estimate
-/// only considers distances. Chosen.
+/// If a tile with this safety factor still misses the angle, its cells have the wrong shape, because the estimate only
+/// considers distances. Chosen: tiles of the right shape need less.
 const LARGEST_STRAIN_BY_TURN: f64 = 16.0;
 
 /// The width and height of the cells of a tile, from its corners.
@@ -68,9 +68,9 @@ fn cell(part: &Patch, tile: &PatchTile) -> [f64; 2] {
     [along((b - a).length(), (c - d).length(), tile.n), along((d - a).length(), (c - b).length(), tile.m)]
 }
 
-/// The factor by which a tile must reduce its distance where its normals miss the limit; 0 where they do not.
-/// A triangle's distance falls with the square of its normal's deviation. At most twice as many cells in each
-/// direction at once, since in folds normals do not converge.
+/// The factor by which a tile must reduce its distance if its normals miss the limit; 0 if they do not.
+/// A triangle's distance falls with the square of its normal's deviation. The factor allows at most twice as many cells
+/// in each direction at once, since in folds normals do not converge.
 pub(crate) fn normal_deviation_ratio(done: &PatchTileMesh, allowance: &Allowance) -> f64 {
     match (done.normal_deviation, allowance.normal_deviation) {
         (Some(turn), Some(allowed)) if turn > allowed => {
@@ -81,8 +81,8 @@ pub(crate) fn normal_deviation_ratio(done: &PatchTileMesh, allowance: &Allowance
     }
 }
 
-/// The safety factors, raised for sheets whose extraordinary subpatches miss their tolerance, so that those
-/// are subdivided; `None` where there are none.
+/// The safety factors, raised for sheets whose extraordinary subpatches miss their tolerance, so that these
+/// are subdivided; `None` if there are none.
 pub(crate) fn raised_safety_factors(
     planned: &TilePlan<'_>,
     done: &[Option<PatchTileMesh>],
@@ -101,8 +101,8 @@ pub(crate) fn raised_safety_factors(
             missed = true;
             let by_bound = (bound - rounding) / tile.tolerance;
             let ratio = greater(by_bound, by_turn);
-            // Only a small factor at once: a corner that is cut off deviates by far more than the next
-            // smaller one.
+            // Only a small factor at once: a large corner that is cut off deviates by far more than the next
+            // smaller one would.
             safety_factors[tile.sheet as usize] *=
                 if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
         }
@@ -110,7 +110,8 @@ pub(crate) fn raised_safety_factors(
     missed.then_some(safety_factors)
 }
 
-/// The factor for a sheet whose extraordinary subpatch missed by little, and otherwise; chosen: a halving
-/// brings a factor of 4.
+/// The factor for a sheet whose extraordinary subpatch missed the tolerance by less than this factor. Chosen: a halving
+/// gains a factor of 4.
 const LEAST_STRAIN: f64 = 1.25;
+/// The factor for all other sheets. Chosen, as above.
 const MOST_STRAIN_AT_ONCE: f64 = 2.0;

@@ -35,19 +35,22 @@ pub(crate) struct SeamSpan {
     pub(crate) first: u32,
 }
 
-/// One side of a tile, in its counter-clockwise direction, as pieces; `true` where a piece is run backwards.
+/// One side of a tile, in its counter-clockwise direction: a range of `links`.
 type SeamChain = Range<usize>;
 
-/// All pieces, and which of them make up the sides of each tile.
+/// All pieces, and the sides of each tile as chains of pieces.
 pub(crate) struct TileSeams {
     pub(crate) pieces: Vec<SeamSpan>,
+    /// By tile and side.
     chains: Vec<[SeamChain; 4]>,
+    /// A piece, and whether it is run backwards.
     links: Vec<(u32, bool)>,
     /// Positions of nodes (first) and of the points between (after them).
     pub(crate) positions: Vec<[f64; 3]>,
     n_nodes: usize,
-    /// The tiles on either side of each piece, with the fraction of the tile's side that it covers.
+    /// A piece, twice a tile beside it (plus one along v), and the fraction of the tile's side that the piece covers.
     demands: Vec<(u32, u32, f64)>,
+    /// By edge: its pieces, and the fewest segments.
     min_segments: Vec<(Range<usize>, u32)>,
 }
 
@@ -86,7 +89,13 @@ impl TileSeams {
         seams
     }
 
-    /// Splits one line at all ends of its entries and links the pieces to the entries.
+    /// Splits one line at all ends of its entries and links the pieces to the entries:
+    ///
+    /// ```text
+    ///   tiles on one side    |----------a----------|-----b-----|
+    ///   tiles on the other   |---c---|-----------d-------------|
+    ///   pieces               |---0---|------1------|-----2-----|
+    /// ```
     fn split_line(&mut self, run: &[TileSide], nodes: &mut SeamNodes<'_>) {
         let line = run[0].line;
         let breaks = breakpoints(run);
@@ -110,13 +119,13 @@ impl TileSeams {
         for entry in run {
             let length = entry.span[1] - entry.span[0];
             let first = self.links.len();
-            let mine = &number[index(entry.span[0])..index(entry.span[1])];
-            self.links.extend(mine.iter().map(|piece| (*piece, entry.backwards)));
+            let own_pieces = &number[index(entry.span[0])..index(entry.span[1])];
+            self.links.extend(own_pieces.iter().map(|piece| (*piece, entry.backwards)));
             if entry.backwards {
                 self.links[first..].reverse();
             }
             self.chains[entry.tile as usize][entry.side as usize] = first..self.links.len();
-            for &piece in mine {
+            for &piece in own_pieces {
                 let [a, b] = self.pieces[piece as usize].span;
                 self.demands.push((
                     piece,
@@ -128,7 +137,7 @@ impl TileSeams {
     }
 
     /// Gives every piece the larger rate of its two sides, numbers the points and computes their positions.
-    /// Returns for every tile whether a piece of its border changed.
+    /// Returns by tile whether a piece of its border changed.
     pub(crate) fn set_rates(
         &mut self,
         tiles: &[PatchTile],
@@ -205,16 +214,16 @@ impl TileSeams {
             .map(|(p, back)| (&self.pieces[*p as usize], *back))
     }
 
-    /// Whether the border of a tile has the same lines and spans as that of a tile of other seams, with the same vertices
-    /// in the same places bit for bit. Then vertices of the one coincide where those of the other do.
+    /// Whether the borders of a tile and of a tile of other seams have the same lines and spans, and the same vertex
+    /// positions bit for bit. Then vertices of one border coincide if those of the other do.
     pub(crate) fn has_same_border(&self, tile: usize, other: &Self, other_tile: usize) -> bool {
         let bits = |seams: &Self, piece: &SeamSpan, k: u32| {
             seams.positions[piece.vertex(k) as usize].map(f64::to_bits)
         };
         let same = |side: PatchSide| {
-            let (mut own, mut others) = (self.chain(tile, side), other.chain(other_tile, side));
+            let (mut chain, mut other_chain) = (self.chain(tile, side), other.chain(other_tile, side));
             loop {
-                match (own.next(), others.next()) {
+                match (chain.next(), other_chain.next()) {
                     (None, None) => return true,
                     (Some((a, back)), Some((b, other_back))) => {
                         let is_same = (a.line, a.span, a.n, back) == (b.line, b.span, b.n, other_back)
@@ -262,23 +271,23 @@ fn along_edge<'a>(
     subpatch: &'a Subpatch<'_>,
     edge: u32,
 ) -> Box<dyn Fn(f64) -> [f64; 3] + 'a> {
-    let found = PatchSide::ALL.into_iter().find_map(|side| {
+    let on_border = PatchSide::ALL.into_iter().find_map(|side| {
         let (is_border, against) =
             (tile.is_on_border(side), matches!(side, PatchSide::Top | PatchSide::Left));
         match adjacency.sides[tile.sheet as usize][side as usize] {
-            SideBoundary::Edge { edge: own, reversed } if own == edge && is_border => {
+            SideBoundary::Edge { edge: side_edge, reversed } if side_edge == edge && is_border => {
                 Some((side, against != reversed, [0.0, 1.0], reversed))
             }
             SideBoundary::Halves(halves) if is_border => {
                 let half = tile.half(side);
-                let (own, reversed) = halves[half];
+                let (side_edge, reversed) = halves[half];
                 let begin = 0.5 * half as f64;
-                (own == edge).then_some((side, against != reversed, [begin, begin + 0.5], reversed))
+                (side_edge == edge).then_some((side, against != reversed, [begin, begin + 0.5], reversed))
             }
             _ => None,
         }
     });
-    let Some((side, is_flipped, [from, to], reversed)) = found else {
+    let Some((side, is_flipped, [from, to], reversed)) = on_border else {
         return Box::new(|_| [0.0; 3]);
     };
     if let SubpatchShape::Bezier(patch) = &subpatch.shape
@@ -322,7 +331,7 @@ impl TileSide {
             PatchSide::Right => (tile.u[1], tile.v),
         };
         let against = matches!(side, PatchSide::Top | PatchSide::Left);
-        // The side's own direction is `against` the rising parameter for top and left; dyadic, so exact.
+        // Top and left run against the parameter. Parameters are dyadic, so 1 minus them is exact.
         let turned = |span: [f64; 2], flipped: bool| match flipped {
             true => [1.0 - span[1], 1.0 - span[0]],
             false => span,
@@ -351,10 +360,10 @@ impl TileSide {
     }
 }
 
-/// The vertices where pieces meet.
+/// The vertices at the ends of pieces.
 struct SeamNodes<'a> {
     adjacency: &'a PatchAdjacency,
-    /// By edge: the parameters strictly between its ends where tiles have corners, with their vertices.
+    /// By edge: the parameters of tiles' corners strictly between its ends, with their vertices.
     on_edges: Vec<Vec<(f64, u32)>>,
     /// Corners of tiles inside patches, sorted, with their vertices.
     inside: Vec<((u32, u64, u64), u32)>,
@@ -430,7 +439,7 @@ impl<'a> SeamNodes<'a> {
                 self.on_edge(edge, if reversed { 1.0 - along } else { along })
             }
             SideBoundary::Halves(halves) => {
-                // `along` is the side's own parameter; halves are numbered by the rising parameter.
+                // `along` is in the side's own direction; halves are in the order of the parameter.
                 let against = matches!(side, PatchSide::Top | PatchSide::Left);
                 let rising = if against { 1.0 - along } else { along };
                 let half = usize::from(rising >= 0.5);

@@ -1,4 +1,4 @@
-//! Plans the tiles of all sheets: anew, or those of some sheets while others are taken over with what is proved of them.
+//! Plans the tiles of all sheets, or of some sheets while the tiles of the others are reused with their proofs.
 use super::adjacency::PatchCorner;
 use super::allowance::{Allowance, InfeasibleTolerance, TessellationFailure, refuse_tolerance};
 use super::cell_estimate::CellEstimator;
@@ -11,7 +11,7 @@ use crate::budget::{Failure, RefusalCode, par_map};
 use crate::explicit::PatchSide;
 use crate::math::lesser;
 
-/// A plan with the tiles of it that are built, and the sheets that are taken over into the next one.
+/// A plan with its finished tiles, and the sheets that are kept in the next plan.
 pub(super) struct PlanBefore<'a> {
     pub(super) plan: TilePlan<'a>,
     pub(super) done: Vec<Option<PatchTileMesh>>,
@@ -19,14 +19,14 @@ pub(super) struct PlanBefore<'a> {
     pub(super) is_kept: Vec<bool>,
 }
 
-/// One sheet of a plan: its subpatches, and its tiles with their index in the plan before, if they were there.
+/// One sheet of a plan: its subpatches, and its tiles with their indices in the previous plan, if they were in it.
 #[derive(Default)]
 struct SheetPlan<'a> {
     subpatches: Vec<Subpatch<'a>>,
     tiles: Vec<(PatchTile, Option<usize>)>,
 }
 
-/// A plan with the tiles of it that are built already.
+/// A plan with its finished tiles.
 type PendingPlan<'a> = (TilePlan<'a>, Vec<Option<PatchTileMesh>>);
 
 /// Peak memory in bytes per triangle, everything included; measured on the teapot at 1e6 triangles.
@@ -42,7 +42,7 @@ impl<'a> PatchMesher<'a, '_> {
         Ok(self.join_sheets(sheets, safety_factors).0)
     }
 
-    /// [`Self::plan`], unless it needs more than the job allows: that is refused before the tiles are planned.
+    /// [`Self::plan`], but refuses plans that exceed the job's limits before the tiles are planned.
     pub(crate) fn plan_within_limits(
         &self,
         allowance: &Allowance,
@@ -55,8 +55,8 @@ impl<'a> PatchMesher<'a, '_> {
         Ok(self.join_sheets(sheets, safety_factors).0)
     }
 
-    /// Plans with these safety factors; the kept sheets of a plan before are taken over, and with them what is
-    /// built of their tiles, where the vertices on its border are still the same bit for bit.
+    /// Plans with these safety factors. The kept sheets of the previous plan are reused, and with them their finished tiles
+    /// if the vertices on the tile's border are still the same bit for bit.
     pub(super) fn plan_from(
         &self,
         before: PlanBefore<'a>,
@@ -68,11 +68,11 @@ impl<'a> PatchMesher<'a, '_> {
         let mut begin = vec![0; sheets.len()];
         for (index, subpatch) in plan.subpatches.into_iter().enumerate() {
             let sheet = subpatch.sheet as usize;
-            let own = &mut sheets[sheet].subpatches;
+            let subpatches = &mut sheets[sheet].subpatches;
             if is_kept[sheet] {
                 // The subpatches are listed sheet by sheet.
-                begin[sheet] = if own.is_empty() { index as u32 } else { begin[sheet] };
-                own.push(subpatch);
+                begin[sheet] = if subpatches.is_empty() { index as u32 } else { begin[sheet] };
+                subpatches.push(subpatch);
             }
         }
         let kept = plan.tiles.into_iter().enumerate().filter(|(_, tile)| is_kept[tile.sheet as usize]);
@@ -96,7 +96,7 @@ impl<'a> PatchMesher<'a, '_> {
         (0..self.sheets.count()).map(|_| SheetPlan::default()).collect()
     }
 
-    /// Cuts the sheets that are empty into subpatches, and returns which those were.
+    /// Cuts the sheets that have none yet into subpatches, and returns their indices.
     fn cut_sheets(
         &self,
         sheets: &mut [SheetPlan<'a>],
@@ -105,13 +105,13 @@ impl<'a> PatchMesher<'a, '_> {
     ) -> Result<Vec<usize>, TessellationFailure> {
         let open: Vec<usize> =
             (0..sheets.len()).filter(|sheet| sheets[*sheet].subpatches.is_empty()).collect();
-        let made = par_map(self.job, &open, |_, &sheet| match self.job.is_cancelled() {
+        let cut = par_map(self.job, &open, |_, &sheet| match self.job.is_cancelled() {
             true => Ok(Vec::new()),
             false => self.sheets.subpatches(sheet, allowance, safety_factors[sheet]),
         });
         self.not_cancelled()?;
-        for (sheet, made) in open.iter().zip(made) {
-            sheets[*sheet].subpatches = made.map_err(refuse_tolerance)?;
+        for (sheet, subpatches) in open.iter().zip(cut) {
+            sheets[*sheet].subpatches = subpatches.map_err(refuse_tolerance)?;
         }
         Ok(open)
     }
@@ -123,21 +123,22 @@ impl<'a> PatchMesher<'a, '_> {
         open: Vec<usize>,
         allowance: &Allowance,
     ) -> Result<(), TessellationFailure> {
-        let made = par_map(self.job, &open, |_, &sheet| {
+        let cut = par_map(self.job, &open, |_, &sheet| {
             let mut tiles = Vec::new();
             for (index, subpatch) in sheets[sheet].subpatches.iter().enumerate() {
                 if self.job.is_cancelled() {
                     break;
                 }
-                let own = plan::split_into_tiles(subpatch, allowance)?;
-                tiles
-                    .extend(own.into_iter().map(|tile| (PatchTile { subpatch: index as u32, ..tile }, None)));
+                let sheet_tiles = plan::split_into_tiles(subpatch, allowance)?;
+                tiles.extend(
+                    sheet_tiles.into_iter().map(|tile| (PatchTile { subpatch: index as u32, ..tile }, None)),
+                );
             }
             Ok(tiles)
         });
         self.not_cancelled()?;
-        for (sheet, made) in open.into_iter().zip(made) {
-            sheets[sheet].tiles = made.map_err(refuse_tolerance)?;
+        for (sheet, tiles) in open.into_iter().zip(cut) {
+            sheets[sheet].tiles = tiles.map_err(refuse_tolerance)?;
         }
         Ok(())
     }
@@ -146,7 +147,7 @@ impl<'a> PatchMesher<'a, '_> {
         if self.job.is_cancelled() { Err(Failure::Cancelled) } else { Ok(()) }
     }
 
-    /// Refuses, before the tiles of the open sheets are planned, what needs more than the job allows.
+    /// Refuses plans that exceed the job's limits, before the tiles of the open sheets are planned.
     fn check_limits(
         &self,
         sheets: &[SheetPlan<'a>],
@@ -157,20 +158,21 @@ impl<'a> PatchMesher<'a, '_> {
         let limit = lesser(triangles, memory / BYTES_PER_TRIANGLE);
         let kept = sheets.iter().flat_map(|sheet| &sheet.tiles);
         let kept: f64 = kept.map(|(tile, _)| 2.0 * f64::from(tile.n) * f64::from(tile.m)).sum();
-        let over = |one: &(dyn Fn(&Subpatch<'_>) -> Result<f64, InfeasibleTolerance> + Sync)| {
+        let total = |estimate: &(dyn Fn(&Subpatch<'_>) -> Result<f64, InfeasibleTolerance> + Sync)| {
             let parts = par_map(self.job, open, |_, &sheet| {
-                sheets[sheet].subpatches.iter().try_fold(0.0, |sum, subpatch| Ok(sum + one(subpatch)?))
+                sheets[sheet].subpatches.iter().try_fold(0.0, |sum, subpatch| Ok(sum + estimate(subpatch)?))
             });
             let sum = parts.into_iter().try_fold(kept, |sum, part| Ok(sum + part?));
             sum.map_err(refuse_tolerance)
         };
-        let mut needed = over(&|subpatch| {
+        // A quick estimate without halving; the exact one only if that exceeds the limit.
+        let mut needed = total(&|subpatch| {
             let SubpatchShape::Bezier(patch) = &subpatch.shape else { return Ok(2.0) };
             let tolerance = plan::tolerance(patch.bounds(), allowance, subpatch.rounding_error())?;
             Ok(2.0 * CellEstimator::new(patch).estimate(tolerance).cells)
         })?;
         if needed >= limit {
-            needed = over(&|subpatch| plan::estimate(subpatch, allowance))?;
+            needed = total(&|subpatch| plan::estimate(subpatch, allowance))?;
         }
         if needed > triangles {
             let message =
@@ -186,7 +188,7 @@ impl<'a> PatchMesher<'a, '_> {
         Ok(())
     }
 
-    /// The plan of all sheets, and the index of each tile in the plan before, if it was there.
+    /// The plan of all sheets, and by tile its index in the previous plan, if it was in it.
     fn join_sheets(
         &self,
         sheets: Vec<SheetPlan<'a>>,
@@ -213,11 +215,11 @@ impl<'a> PatchMesher<'a, '_> {
     ) -> TilePlan<'a> {
         for tile in &mut tiles {
             let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
-            let known = self.adjacency.corner_kinds[tile.sheet as usize];
-            let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+            let kinds = self.adjacency.corner_kinds[tile.sheet as usize];
+            let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
             let poles = PatchSide::ALL.map(|side| self.has_pole(tile, side));
-            tile.corners = std::array::from_fn(|k| match known[k] {
-                kind if kind != PatchCorner::Plain && ends[k] == places[k] => kind,
+            tile.corners = std::array::from_fn(|k| match kinds[k] {
+                kind if kind != PatchCorner::Plain && ends[k] == corners[k] => kind,
                 // All vertices of a pole are one, so edges from any of them coincide.
                 _ if poles[k] || poles[(k + 3) % 4] => PatchCorner::Whole,
                 _ => PatchCorner::Plain,

@@ -13,8 +13,8 @@ pub(crate) trait PatchSurface<'a>: Sync {
     /// The number of sheets.
     fn count(&self) -> usize;
 
-    /// The subpatches of a sheet: no larger than an allowance can use, divided by `safety_factor` where they are
-    /// extraordinary.
+    /// The subpatches of a sheet, as large as the allowance permits; for extraordinary ones it is divided by
+    /// `safety_factor`.
     fn subpatches(
         &self,
         sheet: usize,
@@ -25,7 +25,7 @@ pub(crate) trait PatchSurface<'a>: Sync {
     /// Which sides are the same curve.
     fn adjacency(&self) -> PatchAdjacency;
 
-    /// The longest diagonal of a box around a sheet; at least the length that rounding may lose.
+    /// The longest diagonal of a box around a sheet; at least the rounding error.
     fn longest_diagonal(&self) -> f64;
 
     /// The true shape that bounds refer to.
@@ -49,7 +49,7 @@ pub(crate) struct Subpatch<'a> {
     pub(crate) v: [f64; 2],
     pub(crate) shape: SubpatchShape<'a>,
     /// The largest distance of the shape from the surface.
-    pub(crate) off: f64,
+    pub(crate) slack: f64,
 }
 
 pub(crate) enum SubpatchShape<'a> {
@@ -112,7 +112,7 @@ impl Subpatch<'_> {
     /// The length that rounding may add to a bound.
     pub(crate) fn rounding_error(&self) -> f64 {
         match &self.shape {
-            SubpatchShape::Bezier(patch) => rounding(patch) + self.off,
+            SubpatchShape::Bezier(patch) => rounding(patch) + self.slack,
             SubpatchShape::Extraordinary(extraordinary) => extraordinary.rounding_error(),
         }
     }
@@ -138,7 +138,7 @@ impl<'a> PatchSurface<'a> for BezierPatches {
             u,
             v,
             shape: SubpatchShape::Bezier(Box::new(self.0[sheet])),
-            off: 0.0,
+            slack: 0.0,
         }])
     }
 
@@ -147,13 +147,12 @@ impl<'a> PatchSurface<'a> for BezierPatches {
     }
 
     fn longest_diagonal(&self) -> f64 {
-        // At least what rounding may lose, so that patches that are nearly points meet the first length of
-        // the series.
-        let own = |patch: &Patch| {
+        // At least the rounding error, so that patches that are nearly points meet the first length of the series.
+        let size_of = |patch: &Patch| {
             let (diagonal, lost) = (patch.bounds().diagonal(), rounding(patch));
             greater(diagonal, lost)
         };
-        self.0.iter().map(own).fold(0.0, |longest, d| greater(d, longest))
+        self.0.iter().map(size_of).fold(0.0, |longest, d| greater(d, longest))
     }
 
     fn reference(&self) -> Reference {

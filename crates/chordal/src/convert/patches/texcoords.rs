@@ -1,5 +1,5 @@
-//! Texture coordinates of a finished mesh: each vertex gets those of its sheet at its parameters, with one
-//! row for each side of a seam.
+//! Texture coordinates of a finished mesh: each vertex gets the coordinates of its sheet at its parameters, with
+//! one row for each side of a seam.
 use super::plan::PatchTile;
 use super::seams::TileSeams;
 use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
@@ -11,8 +11,8 @@ use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, 
 use crate::math::greater;
 use std::collections::BTreeMap;
 
-/// Texture coordinates at one vertex that differ by no more than this fraction of the largest are merged:
-/// chosen, far above the rounding of two sheets that meet (1e-14) and below what single precision resolves
+/// Texture coordinates at one vertex that differ by no more than this fraction of the largest are merged.
+/// Chosen: far above the rounding of two sheets that meet (1e-14) and below the resolution of single precision
 /// (6e-8).
 const SAME: f64 = 1e-10;
 
@@ -23,12 +23,12 @@ pub(crate) struct SheetTexcoords<'a> {
 }
 
 impl<'a> SheetTexcoords<'a> {
-    /// The sheets of a cage with that chart, which correspond to those of the cage.
+    /// The sheets of a chart, which correspond to those of its cage.
     pub(crate) fn from_chart(chart: &'a Chart) -> Option<Self> {
         Some(Self { chart, limit: chart.cage().limit().ok()? })
     }
 
-    /// One sheet; `None` where coordinates overflow or the face has none.
+    /// One sheet; `None` if coordinates overflow or the face has none.
     pub(crate) fn sheet(&self, sheet: usize) -> Option<LimitSheet> {
         self.chart.has_face(self.limit.face_of(sheet).0).then(|| self.limit.sheet(sheet).ok()).flatten()
     }
@@ -84,9 +84,9 @@ pub(crate) fn with_texcoords(
     split_by_texcoords(mesh, &corners.concat())
 }
 
-/// The mesh with one row for each distinct pair of texture coordinates that the corners have at a vertex;
-/// `corners` has three per triangle. The first pair keeps the vertex, each other one gets a vertex of its
-/// own, tied by `position_id`.
+/// The mesh with one row for each distinct pair of texture coordinates of the corners at a vertex; `corners` has
+/// three pairs per triangle. The first pair keeps the vertex, each other one gets a vertex of its own, tied by
+/// `position_id`.
 pub(crate) fn split_by_texcoords(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
     let largest = corners.as_flattened().iter().fold(0.0, |most, x| greater(x.abs(), most));
     let is_same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME * largest);
@@ -102,8 +102,8 @@ pub(crate) fn split_by_texcoords(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
             continue;
         }
         let others = more.entry(*vertex).or_default();
-        let known = others.iter().find(|other| rows[**other as usize].is_some_and(|row| is_same(row, value)));
-        if let Some(other) = known {
+        let same = others.iter().find(|other| rows[**other as usize].is_some_and(|row| is_same(row, value)));
+        if let Some(other) = same {
             *vertex = *other;
             continue;
         }

@@ -22,27 +22,27 @@ struct TileVertex {
 /// A finished tile. Local vertices: the border counter-clockwise from corner (0, 0), then inner rows.
 #[derive(Clone)]
 pub(crate) struct PatchTileMesh {
-    /// Triangles by local vertices; those that a pole makes degenerate are left out.
+    /// Triangles by local vertices; triangles that a pole makes degenerate are left out.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Positions and unit normals of the inner vertices; a zero normal where the patch has none.
+    /// Positions and unit normals of the inner vertices; a zero normal if the patch has none.
     pub(crate) inner: Vec<[f64; 3]>,
     pub(crate) inner_normals: Vec<[f64; 3]>,
     /// The largest distance, rounding included.
     pub(crate) bound: f64,
     /// The triangle with the largest bound: the patch's parameters at its corners.
     pub(crate) worst: [[f64; 2]; 3],
-    /// The largest distance found between the unit normals of the triangles and those of the surface; set
-    /// where the budget limits an angle.
+    /// The largest distance found between the unit normals of the triangles and those of the surface; set if the
+    /// budget limits an angle.
     pub(crate) normal_deviation: Option<f64>,
-    /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or
-    /// one that a pole makes a segment is left out and no other has that segment.
+    /// Whether there are too few cells: a triangle has the same vertex twice without a pole, or a triangle that a
+    /// pole makes a segment is left out and no other triangle has that segment.
     pub(crate) too_few: bool,
-    /// The surface's unit normals at the vertices of its border, in their order, as far as those have a normal there;
-    /// empty until the mesh is assembled.
+    /// The surface's unit normals at the vertices of its border, in the order of the border; zero where there is none.
+    /// Empty until the mesh is assembled.
     pub(crate) border_normals: Vec<[f64; 3]>,
     /// A box around its part of the surface.
     pub(crate) place: Box3,
-    /// Whether it was made for an earlier view.
+    /// Whether it was built for an earlier view.
     pub(crate) is_kept: bool,
 }
 
@@ -115,9 +115,9 @@ pub(crate) fn build(
     }
 }
 
-/// The largest distance between the unit normal of a triangle of a finished tile and that of the surface at
-/// one of its corners or in its middle. Triangles no longer than the allowed length are left out: they are
-/// not visible, and where a surface folds or comes to a point normals never converge.
+/// The largest distance between the unit normal of a triangle of a finished tile and the unit normal of the surface at
+/// one of its corners or in its middle. Triangles no longer than the allowed length are left out: they are not visible,
+/// and normals never converge at folds and tips of a surface.
 pub(crate) fn normal_deviation(
     (index, tile): (usize, &PatchTile),
     subpatch: &Subpatch<'_>,
@@ -146,13 +146,13 @@ pub(crate) fn normal_deviation(
     let mut most = 0.0;
     for t in &done.triangles {
         let [a, b, c] = t.map(|k| knots[k as usize]);
-        let is_seen =
+        let is_visible =
             [a.at - b.at, b.at - c.at, c.at - a.at].iter().any(|side| side.length() > tile.tolerance);
-        let own = is_seen.then(|| face_normal([a.at, b.at, c.at].map(Into::into))).flatten();
-        let Some(own) = own.map(DVec3::from) else { continue };
+        let face = is_visible.then(|| face_normal([a.at, b.at, c.at].map(Into::into))).flatten();
+        let Some(face) = face.map(DVec3::from) else { continue };
         let middle = normal((a.u + b.u + c.u) / 3.0, (a.v + b.v + c.v) / 3.0);
-        let seen = t.iter().map(|k| at_knots[*k as usize]).chain([middle]).flatten();
-        most = seen.map(|normal| (normal - own).length()).fold(most, greater);
+        let surface_normals = t.iter().map(|k| at_knots[*k as usize]).chain([middle]).flatten();
+        most = surface_normals.map(|normal| (normal - face).length()).fold(most, greater);
     }
     most
 }
@@ -173,7 +173,7 @@ impl TileTriangulator<'_> {
         (self.n, self.m) = (n, m);
         self.triangles.reserve(2 * (n - 1) * (m - 1) + self.border.len());
         self.add_inner_vertices(part);
-        // A folded corner needs a strip on the side that ends there.
+        // A folded corner needs a strip on the side that ends at it.
         let folded = |side: PatchSide| {
             n > 2 && m > 2 && self.tile.corners[(side as usize + 1) % 4] == PatchCorner::Folded
         };
@@ -219,8 +219,8 @@ impl TileTriangulator<'_> {
                 let by_u = rise[0] * (3.0 * s * s) + rise[1] * (6.0 * s * u) + rise[2] * (3.0 * u * u);
                 let normal = by_u.cross(by_v);
                 let length_sq = normal.length_squared();
-                // Far from underflow and from vanishing tangents the plain quotient is accurate; otherwise
-                // evaluate the patch.
+                // The plain quotient is accurate far from underflow and from vanishing tangents; otherwise the
+                // patch is evaluated.
                 let floor = 64.0 * f64::EPSILON * size;
                 let sound = length_sq > f64::MIN_POSITIVE * 1e60
                     && by_u.length_squared() > floor * floor
@@ -254,8 +254,8 @@ impl TileTriangulator<'_> {
         if id < self.border.len() { self.border[id] } else { self.inner[id - self.border.len()] }
     }
 
-    /// The local vertex at grid position `(i, j)`; on the border only where that side has as many segments as
-    /// the tile has cells, or at a corner.
+    /// The local vertex at grid position `(i, j)`. Positions on the border are valid only if that side has as many
+    /// segments as the tile has cells, or at a corner.
     fn grid_id(&self, i: usize, j: usize) -> u32 {
         let (n, m) = (self.n, self.m);
         let border = if j == 0 && i < n {
@@ -272,12 +272,20 @@ impl TileTriangulator<'_> {
         border as u32
     }
 
-    /// Adds equal cells over columns `i` and rows `j`, each split along the tile's diagonal. Where the range
-    /// leaves out the outermost rows or columns, strips connect the grid to the points of that side.
+    /// Adds equal cells over columns `i` and rows `j`, each split along the tile's diagonal. If the range leaves out an
+    /// outermost row or column, a strip connects the grid to the points of that side:
+    ///
+    /// ```text
+    ///   o--o--o--o--o--o     a side with more segments than cells
+    ///   |\/ \ /\/ \/\ /|     strip
+    ///   o---o----o-----o
+    ///   | / | /  |  /  |     equal cells
+    ///   o---o----o-----o
+    /// ```
     fn grid(&mut self, i: [usize; 2], j: [usize; 2]) {
         let (n, m) = (self.n, self.m);
         let (du, dv) = (1.0 / n as f64, 1.0 / m as f64);
-        // A parameter is off by at most an ulp of 1; the box of a cell is that much larger.
+        // The error of a parameter is at most an ulp of 1; the box of a cell is larger by that.
         let remainder = self.derivatives.remainder(du + 4.0 * f64::EPSILON, dv + 4.0 * f64::EPSILON);
         let mut low: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, j[0])).collect();
         for row in j[0]..j[1] {
@@ -307,7 +315,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// Where two stitched sides meet, joins the corner to vertex `inner` or cuts it off, whichever bends
+    /// At a corner of two stitched sides: joins the corner to vertex `inner`, or cuts the corner off, whichever bends
     /// less.
     fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
         let next = (side + 1) % 4;
@@ -338,7 +346,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// How the sides meet at a local vertex, if it is a corner.
+    /// The kind of corner at a local vertex.
     fn corner(&self, id: u32) -> PatchCorner {
         let corner = (0..4).find(|corner| self.sides[*corner] == id as usize);
         corner.map_or(PatchCorner::Plain, |corner| self.tile.corners[corner])
@@ -375,9 +383,9 @@ impl TileTriangulator<'_> {
     }
 
     /// Adds the triangles between two chains that run in the same direction, the second on the left of the
-    /// first: at every step the cross edge that bends less. Where the first chain starts or ends at a corner
-    /// that must not be cut off, that corner is joined to the inner vertex next to it. A folded corner at its
-    /// end is joined to two, so that its neighbour only connects to the other one.
+    /// first: at every step the cross edge that bends less. If the first chain starts or ends at a corner that must
+    /// not be cut off, the corner is joined to the inner vertex next to it. A folded corner at its end is joined to
+    /// two inner vertices, so that the corner's neighbour only connects to the second of them.
     fn strip(&mut self, outer: &[u32], inner: &[u32]) {
         let (mut i, mut j) = (0, 0);
         let last = inner.len() - 1;
@@ -415,7 +423,7 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// The bending across an edge; where nothing bends, its length: only the order matters.
+    /// The bending across an edge, and its length in parameters, which decides if nothing bends.
     fn bend_across_edge(&self, a: u32, b: u32) -> (f64, f64) {
         let (a, b) = (self.vertex(a), self.vertex(b));
         let (du, dv) = (b.u - a.u, b.v - a.v);
@@ -446,9 +454,8 @@ impl TileTriangulator<'_> {
         }
     }
 
-    /// Whether the image of an omitted triangle is not a side of a kept one. With three cells in each
-    /// direction no row of cells lies between two poles and every pole sees an inner vertex: this cannot
-    /// happen.
+    /// Whether the image of an omitted triangle is no side of another triangle. It cannot happen with three cells in each
+    /// direction, since then no row of cells lies between two poles and every pole is joined to an inner vertex.
     fn has_gap(&self) -> bool {
         if self.degenerate.is_empty() || self.n > 2 && self.m > 2 {
             return false;
@@ -461,11 +468,11 @@ impl TileTriangulator<'_> {
             let [a, b, c] = t.map(key);
             [[a, b], [b, c], [c, a]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
         };
-        let mut seen: Vec<_> = self.triangles.iter().flat_map(sides).collect();
+        let mut segments: Vec<_> = self.triangles.iter().flat_map(sides).collect();
         // A point is covered by a segment that contains it.
-        seen.extend(self.triangles.as_flattened().iter().map(|&local| [key(local); 2]));
-        seen.sort_unstable();
-        let has = |side: &[(bool, u32); 2]| seen.binary_search(side).is_ok();
+        segments.extend(self.triangles.as_flattened().iter().map(|&local| [key(local); 2]));
+        segments.sort_unstable();
+        let has = |side: &[(bool, u32); 2]| segments.binary_search(side).is_ok();
         !self.degenerate.iter().all(|t| sides(t).iter().all(has))
     }
 

@@ -7,7 +7,7 @@ use crate::explicit::PatchSide;
 #[derive(Clone, Copy)]
 pub(crate) struct BorderVertex {
     pub(crate) id: u32,
-    /// The side of the *patch* that it lies on, or that starts at it if it is a corner; `None` inside.
+    /// The side of the *patch* on which it lies, or that starts at it if it is a corner; `None` inside.
     pub(crate) side: Option<PatchSide>,
     /// On a side of no length.
     pub(crate) pole: bool,
@@ -30,7 +30,7 @@ pub(super) fn walk_side(
     seams: &TileSeams,
     mut visit: impl FnMut(f64, f64, BorderVertex),
 ) {
-    // The start and end of the tile's side on its line, by the rising parameter of the tile.
+    // The start and end of the tile's side on its line, in the order of the tile's parameter.
     let mut ends = [f64::NAN; 2];
     for (piece, backwards) in seams.chain(index, side) {
         let [from, to] = if backwards { [piece.span[1], piece.span[0]] } else { piece.span };

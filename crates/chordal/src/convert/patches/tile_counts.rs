@@ -1,4 +1,4 @@
-//! How many cells, inner vertices and triangles a tile has for the segments on its sides, known before it is built.
+//! The numbers of cells, inner vertices and triangles of a tile for the segments on its sides, before it is built.
 use super::plan::PatchTile;
 
 /// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length: by
@@ -10,8 +10,8 @@ pub(crate) fn count_triangles(tile: &PatchTile, counts: [u32; 4], poles: [bool; 
     (2 * (n - 1) * (m - 1) + border - 2).saturating_sub(flat)
 }
 
-/// Cells in each direction, given the segments on the sides: a tile without inner vertices can only join two
-/// opposite sides.
+/// Cells in each direction, given the segments on the sides. A tile without inner vertices can only join two opposite
+/// sides, so tiles whose other sides have several segments get at least two cells in each direction.
 pub(super) fn cell_counts(tile: &PatchTile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
     if tile.m == 1 && left == 1 && right == 1 {
         [tile.n, 1]

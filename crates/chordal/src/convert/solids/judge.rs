@@ -1,4 +1,4 @@
-//! `judged_against_field`: meshes that something else made, proved or measured against a field.
+//! `judged_against_field`: proves or measures given meshes against a field.
 use super::split::with_faces_split;
 use crate::budget::{Bounded, Failure, Job, ProofEffort, RequiredEvidence, Tolerance};
 use crate::check::{SandwichGoal, SandwichProver, SandwichVerdict, measured_field_deviation, sandwich_bound};
@@ -6,33 +6,34 @@ use crate::convert::fields::{leaf_failure, open_places};
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field};
 
-/// The first margin of the proof, relative to what samples suggest: that of meshes that are made for a field.
+/// The first margin of the proof, relative to the distance that samples suggest. Chosen: as for meshes by `field_to_mesh`.
 const MARGIN: f64 = 0.5;
-/// The evaluations of a proof beside which a measurement would do, for each triangle of the first mesh, in points. Chosen: about
-/// twice what proofs that end take, by their time.
+/// If a measurement is also accepted, the most evaluations of a proof, in points for each triangle of the first mesh. Chosen:
+/// about twice as many as successful proofs take, by their time.
 const WORK_OF_TRIANGLE: u64 = 1 << 12;
-/// And at least so many.
+/// The evaluations that are allowed in any case, in points. Chosen: so many cost little time.
 const LEAST_WORK: u64 = 1 << 22;
 /// The most rounds in which open faces are split. Chosen: a side is halved twice, or once more.
 const MOST_ROUNDS: usize = 4;
-/// The last mesh is split as long as less than one face in so many is open. Chosen: of a mesh that is too coarse more are.
+/// The last mesh is split as long as less than one face in this many is open. Chosen: if more are, the mesh is too coarse.
 const FEW: usize = 3;
-/// Any mesh is split before the next is asked for as long as less than one face in so many is open. Chosen: such faces are at
-/// single corners and thin triangles, as 3 of 1,752 were of five cones about a ball; a finer mesh has others of them.
+/// Any mesh is split before the next one is tried as long as less than one face in this many is open. Chosen: such faces
+/// are at single corners and thin triangles, like 3 of 1,752 on five cones around a ball; a finer mesh has others.
 const VERY_FEW: usize = 64;
 
-/// The first of several meshes that is proved to be within a length of the surface of a field; else one of them, measured, with
-/// the places that its proof leaves open, in the same form as from [`field_to_mesh`](crate::convert::field_to_mesh()): the
-/// last one if few of its faces are open, else the first, or if that is too far by its samples the next that was not asked for.
+/// The first of several meshes that is proved to be within a length of the surface of a field. If none is, one of them is
+/// measured, and returned with the places that its proof left open, in the same form as from
+/// [`field_to_mesh`](crate::convert::field_to_mesh()): the last one tried if few of its faces are open; otherwise the first
+/// one, or, if samples show that it is too far, the next ones that were not tried yet.
 ///
-/// Each mesh is asked for when those before it are not proved; a mesh's few open faces are split until it is. The proofs
-/// take so many evaluations for each triangle at most, unless nothing but a proof will do ([`RequiredEvidence::Proved`]) or
-/// [`ProofEffort::Full`] asks for their end. Whatever made the meshes, the bound is that of the judge.
+/// The next mesh is taken from the iterator only if those before it are not proved; if few faces of a mesh are open, they
+/// are split until it is proved. The number of evaluations is limited, unless only a proof is accepted
+/// ([`RequiredEvidence::Proved`]) or with [`ProofEffort::Full`]. The bound does not depend on the origin of the meshes.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the mesh where it is measured to be farther than the length, and where a proof is required and there
-/// is none; what [`field_deviation`](crate::check::field_deviation()) refuses, and an empty list of meshes;
-/// [`Failure::Cancelled`].
+/// [`Failure::Unmet`] with the mesh if it is measured to be farther than the length, or if a proof is required and there
+/// is none; [`Failure::Refused`] as for [`field_deviation`](crate::check::field_deviation()), and for an empty list of
+/// meshes; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::budget::RequiredEvidence;
@@ -60,40 +61,40 @@ pub fn judged_against_field(
             return Err(Failure::refused(crate::budget::RefusalCode::Empty, message));
         };
         let is_strict = require == RequiredEvidence::Proved;
-        let mut left = (first, None);
-        // A proof that cannot begin has no places that it leaves open.
-        let is_asked = require != RequiredEvidence::Measured && !job.is_finishing();
-        if is_asked && field.evidence().bounds_above() {
+        let mut unproved = (first, None);
+        // Without a proof there is no list of open places.
+        let may_prove = require != RequiredEvidence::Measured && !job.is_finishing();
+        if may_prove && field.evidence().bounds_above() {
             let csg = Csg::from_expr(field.sign());
-            let most = WORK_OF_TRIANGLE.saturating_mul(left.0.faces().len() as u64).max(LEAST_WORK);
+            let most = WORK_OF_TRIANGLE.saturating_mul(unproved.0.faces().len() as u64).max(LEAST_WORK);
             let is_unlimited = is_strict || job.proof_effort == ProofEffort::Full;
             let proof = if is_unlimited { job.clone() } else { job.with_work_limit(most) };
             let mut judge = SandwichProver::new(&csg, &field.bounds(), &proof).map_err(leaf_failure)?;
             let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
             let mut search = ProofSearch { field, judge: &mut judge, goal, proof: &proof, job };
-            match search.proved(left.0, meshes)? {
-                Ok(made) => return Ok(made),
+            match search.proved(unproved.0, meshes)? {
+                Ok(proved) => return Ok(proved),
                 Err((mesh, verdict)) => {
                     let places = open_places(&mesh, &verdict, field.sign(), job);
-                    left = (mesh, Some(Box::new(places)));
+                    unproved = (mesh, Some(Box::new(places)));
                 }
             }
         }
-        let (mut mesh, mut places) = left;
+        let (mut mesh, mut places) = unproved;
         let measured = |mesh: &Mesh| measured_field_deviation(mesh, field, (f64::INFINITY, 0), job);
         let mut bound = measured(&mesh)?.whole.bound;
-        // Where surfaces cross at a small angle, an edge is farther off than both.
+        // If surfaces cross at a small angle, their edge may be farther away than both of them.
         while bound.at_least() > length.get()
             && let Some(next) = meshes.next()
         {
-            // Nothing was proved of this one.
+            // There was no proof of this one.
             (mesh, places) = (next, None);
             bound = measured(&mesh)?.whole.bound;
         }
         bound.open = places;
         let is_met = !is_strict && bound.at_least() <= length.get();
-        let made = Bounded { shape: mesh, bound };
-        if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        let bounded = Bounded { shape: mesh, bound };
+        if is_met { Ok(bounded) } else { Err(Failure::Unmet(Box::new(bounded))) }
     })
 }
 
@@ -105,7 +106,7 @@ struct ProofSearch<'a, 'b> {
     job: &'a Job,
 }
 
-/// A mesh that is proved, or the last one with what its proof left open.
+/// A proved mesh, or the last mesh with the verdict of its proof.
 type Searched = Result<Result<Bounded<Mesh>, (Mesh, SandwichVerdict)>, Failure<Mesh>>;
 
 impl ProofSearch<'_, '_> {
@@ -114,16 +115,16 @@ impl ProofSearch<'_, '_> {
         let mut next = first;
         loop {
             let n_faces = next.faces().len();
-            let open = match self.prove(next)? {
-                Ok(made) => return Ok(Ok(made)),
-                Err(open) => open,
+            let unproved = match self.prove(next)? {
+                Ok(proved) => return Ok(Ok(proved)),
+                Err(unproved) => unproved,
             };
-            let first = first_open.get_or_insert_with(|| open.clone());
-            let open = match self.with_splits(open, VERY_FEW)? {
-                Ok(made) => return Ok(Ok(made)),
-                Err(open) => open,
+            let first = first_open.get_or_insert_with(|| unproved.clone());
+            let unproved = match self.with_splits(unproved, VERY_FEW)? {
+                Ok(proved) => return Ok(Ok(proved)),
+                Err(unproved) => unproved,
             };
-            // What is no finer is not proved either.
+            // A mesh with as many faces is no finer, and would not be proved either.
             let finer = if self.proof.is_over() {
                 None
             } else {
@@ -131,14 +132,14 @@ impl ProofSearch<'_, '_> {
             };
             match finer {
                 Some(finer) => next = finer,
-                // The first has the fewest triangles, and is as far from a proof.
-                None if !is_few(&open.0, &open_faces(&open.1), FEW) => return Ok(Err(first.clone())),
-                None => return self.with_splits(open, FEW),
+                // The first mesh has the fewest triangles, and is no farther from a proof.
+                None if !is_few(&unproved.0, &open_faces(&unproved.1), FEW) => return Ok(Err(first.clone())),
+                None => return self.with_splits(unproved, FEW),
             }
         }
     }
 
-    /// Splits open faces until all are proved, or that helps no more; as long as less than one in so many is open.
+    /// Splits open faces until all are proved, or splits stop helping, or more than one face in `few` is open.
     fn with_splits(&mut self, (mut mesh, mut verdict): (Mesh, SandwichVerdict), few: usize) -> Searched {
         let mut n_open = usize::MAX;
         for _ in 0..MOST_ROUNDS {
@@ -150,7 +151,7 @@ impl ProofSearch<'_, '_> {
             n_open = open.len();
             let Ok(split) = with_faces_split(&mesh, &open) else { break };
             match self.prove(split)? {
-                Ok(made) => return Ok(Ok(made)),
+                Ok(proved) => return Ok(Ok(proved)),
                 Err(open) => (mesh, verdict) = open,
             }
         }
@@ -178,7 +179,7 @@ fn open_faces(verdict: &SandwichVerdict) -> Vec<u32> {
     open
 }
 
-/// Whether one in so many faces is open at most.
+/// Whether at most one face in `few` is open.
 fn is_few(mesh: &Mesh, open: &[u32], few: usize) -> bool {
     few * open.len() <= mesh.faces().len()
 }

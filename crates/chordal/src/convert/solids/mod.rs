@@ -1,8 +1,8 @@
-//! Solids whose surfaces are known in closed form as triangles, and triangles of combinations of solids judged against
-//! their fields.
+//! Meshes of solids whose surfaces are known in closed form, and proofs of meshes of combined solids against their
+//! fields.
 //!
-//! Nothing is searched here: how many triangles a round surface takes for a length follows from its sagitta, and the
-//! bound from the numbers of the mesh. What combines the meshes ([`boolean`](crate::boolean)) comes after.
+//! There is no search here: the number of triangles of a round surface for a length follows from its sagitta, and the
+//! bound from the numbers of the mesh. The meshes are then combined by [`boolean`](crate::boolean).
 mod arcs;
 mod extruded;
 mod judge;
@@ -28,33 +28,33 @@ pub use judge::judged_against_field;
 /// Meshes solids within a length.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidMesher {
-    /// What surfaces may be off by.
+    /// The largest distance between a mesh and its surface.
     pub length: Tolerance,
-    /// A box that holds the whole: what has no ends is cut off well outside of it.
+    /// A box around the whole model: infinite solids are cut off well outside of it.
     pub room: Box3,
 }
 
-/// What a claim is above the distance that is known, as a share of it, so that those who prove it again have room: they look
-/// at displaced copies of the mesh, and a claim without room would take them endless cuts. Chosen: few more triangles.
-const CLAIM_ROOM: f64 = 1.0 / 16.0;
-/// The share of a length that counts are chosen for: without that room. Chosen: what is left is for rounding.
-const SHARE: f64 = (1.0 - 1.0 / (1 << 20) as f64) / (1.0 + CLAIM_ROOM);
+/// The margin between the stated bound and the known distance, as a share of the distance. A later proof against the field
+/// looks at displaced copies of the mesh, and without a margin would split without end. Chosen: it costs few triangles.
+const PROOF_MARGIN: f64 = 1.0 / 16.0;
+/// The share of the length for which numbers of triangles are chosen: without that margin. Chosen: 2⁻²⁰ is left for rounding.
+const SHARE: f64 = (1.0 - 1.0 / (1 << 20) as f64) / (1.0 + PROOF_MARGIN);
 
 /// Rounding of the coordinates of one solid relative to its largest one: derived, a sine or cosine (2 u), its angle
 /// (3 u, of at most π/2), a product and two sums are below 12 u; twice that.
 const ROUNDING: f64 = 12.0 * f64::EPSILON;
 
 impl SolidMesher {
-    /// The surface of a solid in its own coordinates. None for what has no mesh of its own: plane shapes that cross
-    /// themselves, curved profiles that cross the axis they are turned about, a ring that meets itself, twists whose walls are
-    /// thinner than the length so that they would cross, and what would take more than 65,536 segments a turn or a million
+    /// The surface of a solid in its own coordinates. `None` for solids without such a mesh: plane shapes that cross
+    /// themselves, curved profiles that cross their axis of revolution, a ring that meets itself, twists whose walls are so
+    /// thin that their triangles would cross, and solids that would take more than 65,536 segments a turn or a million
     /// quads.
     ///
     /// **Bound.** The Hausdorff distance between the surface and the triangles, *proved*, rounding included. Polyhedra are
-    /// exact but for rounding. Round walls have vertices on both axes, where others may be flush with them, and outside
-    /// between these; rounded boxes have all of them on the surface, balls and capsules outside. The bound of round
-    /// surfaces is a sixteenth above what is known of them, which is room for those who prove it again. Half-spaces and threads
-    /// have no ends: theirs holds in the room, and between the heights of the form.
+    /// exact up to rounding. Round walls have vertices on the surface on both axes, where flat sides may be flush with them,
+    /// and outside of it in between; rounded boxes have all vertices on the surface, balls and capsules outside. The bound of
+    /// round surfaces is a sixteenth larger than their distance, as a margin for later proofs. Half-spaces and threads are
+    /// infinite: their bounds hold in `room`, and between the heights of the form.
     ///
     /// **Triangles.** Closed, manifold, all facing outwards. **Cost.** Linear in the triangles.
     ///
@@ -74,7 +74,7 @@ impl SolidMesher {
     #[must_use]
     pub fn mesh(&self, form: &SolidForm) -> Option<Bounded<Mesh>> {
         let length = SHARE * self.length.get();
-        let made = match form {
+        let form_mesh = match form {
             SolidForm::Cuboid { half } => polyhedra::cuboid(*half),
             SolidForm::HalfSpace { normal, offset } => polyhedra::half_space(*normal, *offset, &self.room)?,
             SolidForm::Cone { bottom, top, half } => revolved::cone([*bottom, *top], *half, length)?,
@@ -92,37 +92,38 @@ impl SolidMesher {
             }
             SolidForm::Thread { profile, half } => thread::thread(profile, *half, length)?,
         };
-        let bounded = made.bounded()?;
-        // Walls of a twist that are thinner than its bound may change places.
+        let bounded = form_mesh.bounded()?;
+        // Opposite walls of a twist that is thinner than its bound may cross.
         let may_cross = matches!(form, SolidForm::Twisted { .. });
         if may_cross && self_intersections(&bounded.shape, &Job::default()).ok()?.count > 0 {
             return None;
         }
-        // The counts were chosen for it.
+        // The numbers of triangles were chosen for that length; this guards against rounding.
         bounded.bound.at_most().is_some_and(|most| most <= self.length.get()).then_some(bounded)
     }
 
-    /// A mesh under a map that keeps shapes: a rotation, a mirror, a translation, one scale. The bound is scaled, and
-    /// holds what rounding moves.
+    /// A mesh under a similarity: a rotation, a mirror, a translation, a uniform scale. The bound is scaled, and includes the
+    /// rounding of the map.
     #[must_use]
     pub fn placed(made: &Bounded<Mesh>, map: &Affine3) -> Option<Bounded<Mesh>> {
         placed::placed(made, map)
     }
 }
 
-/// Triangles of a solid, and what they are off by but for rounding.
+/// The triangles of a solid, and their error without rounding.
 struct FormMesh {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    /// The distance of the exact vertices' triangles from the surface, and of copies on one side of it, rounded up.
-    off: f64,
+    /// The distance between the surface and the triangles of exact vertices, and copies of them on one side of the
+    /// surface, rounded up.
+    error: f64,
 }
 
 impl FormMesh {
-    /// The mesh with its bound. None where a coordinate is not finite.
+    /// The mesh with its bound; `None` if a coordinate is not finite.
     fn bounded(self) -> Option<Bounded<Mesh>> {
         let reach = self.positions.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        let most = add_up(mul_up(self.off, 1.0 + CLAIM_ROOM), mul_up(ROUNDING, reach));
+        let most = add_up(mul_up(self.error, 1.0 + PROOF_MARGIN), mul_up(ROUNDING, reach));
         let mesh = Mesh::new(self.positions, self.faces).ok()?;
         Some(Bounded { shape: mesh, bound: Bound::proved(0.0, most, Reference::Field) })
     }

@@ -1,4 +1,4 @@
-//! Meshes under maps that keep shapes.
+//! Meshes under similarities.
 use super::ROUNDING;
 use crate::budget::{Bound, Bounded, Reference};
 use crate::explicit::Mesh;
@@ -12,11 +12,11 @@ pub(super) fn placed(made: &Bounded<Mesh>, map: &Affine3) -> Option<Bounded<Mesh
     let turned = |[a, b, c]: [u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
     let faces: Vec<[u32; 3]> = made.shape.faces().iter().map(|face| turned(*face)).collect();
     let rows = map.rows();
-    // Of a map that keeps shapes all columns are as long.
+    // The columns of a similarity are equally long.
     let scale = (rows[0][0] * rows[0][0] + rows[1][0] * rows[1][0] + rows[2][0] * rows[2][0]).sqrt();
-    // Derived: matrices made of rounded sines and unit vectors are off by some 20 roundings, and a length by 8 more.
+    // Derived: matrices of rounded sines and unit vectors have errors of some 20 roundings, and a length of 8 more.
     let scale = mul_up(scale, 1.0 + 64.0 * f64::EPSILON);
-    // Terms may be larger than what they add up to.
+    // Terms may be larger than their sum, so the size of the terms is taken.
     let reach =
         |points: &[[f64; 3]]| points.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
     let shift = rows.iter().fold(0.0, |most: f64, row| greater(row[3].abs(), most));

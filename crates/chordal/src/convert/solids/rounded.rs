@@ -1,4 +1,4 @@
-//! Boxes with rounded edges and corners, balls, and balls drawn along a segment.
+//! Boxes with rounded edges and corners, balls, and capsules.
 use super::arcs::{quarter, quarter_sides};
 use super::{FormMesh, ROUNDING};
 use crate::explicit::adjacency::{Twin, Twins, previous_in_face};
@@ -6,58 +6,59 @@ use crate::explicit::{Mesh, Topology};
 use crate::math::{add_up, cross, difference, div_up, dot, length as norm, mul_up, sub_down, sub_up};
 use std::collections::BTreeMap;
 
-/// Sides of a quarter beyond those of a circle that are tried. Measured: the middle of an octant takes half as many again.
+/// The most additional sides of a quarter that are tried, beyond those of a circle. Measured: the middle of an octant takes
+/// half as many again.
 const MOST_TRIALS: u32 = 1 << 14;
 
 /// All points nearer than a radius to the box of these half sizes, some of which may be 0.
 ///
-/// Corners lie on the surface where there is a flat or straight part, which so stays flush; those of a ball lie outside of it
-/// as far as its triangles are inside.
+/// If there are flat or straight parts, vertices lie on the surface, so that these parts stay flush. The vertices of a ball
+/// lie outside of it by as much as its triangles are inside.
 pub(super) fn rounded_cuboid(half: [f64; 3], radius: f64, length: f64) -> Option<FormMesh> {
     let is_ball = half == [0.0; 3];
-    let off_of = |n: u32| {
+    let error_of = |n: u32| {
         let sagitta = octant_sagitta(n);
-        let off = if is_ball { sagitta / (2.0 - sagitta) } else { sagitta };
-        // What corners have to move by until the middles of triangles are on the sphere ([`super::CLAIM_ROOM`]).
-        mul_up(off, div_up(1.0, sub_down(1.0, sagitta)))
+        let distance = if is_ball { sagitta / (2.0 - sagitta) } else { sagitta };
+        // Corners have to move farther until the middles of triangles are on the sphere ([`super::PROOF_MARGIN`]).
+        mul_up(distance, div_up(1.0, sub_down(1.0, sagitta)))
     };
-    // Triangles of an octant are up to √2 times as long as sides of a circle, and off by twice as much; half of that where
-    // corners lie outside.
+    // Triangles of an octant are up to √2 times as long as sides of a circle, and their error is up to twice as large; half
+    // of that if corners lie outside.
     let mut n = quarter_sides(radius, if is_ball { length } else { 0.5 * length })?;
     let first = n;
-    let mut off = off_of(n);
-    while radius * off + ROUNDING * radius > length {
+    let mut error = error_of(n);
+    while radius * error + ROUNDING * radius > length {
         n += 1;
-        off = off_of(n);
+        error = error_of(n);
         if n > first + MOST_TRIALS {
             return None;
         }
     }
     let sagitta = octant_sagitta(n);
-    let far = if is_ball { radius * (1.0 + sagitta / (2.0 - sagitta)) } else { radius };
+    let vertex_radius = if is_ball { radius * (1.0 + sagitta / (2.0 - sagitta)) } else { radius };
     let mut builder = RoundedBuilder {
         half,
-        radius: far,
+        radius: vertex_radius,
         n,
         quarter: quarter(n),
         rows: BTreeMap::new(),
         positions: Vec::new(),
     };
     let faces = builder.faces();
-    Some(FormMesh { positions: builder.positions, faces, off: mul_up(radius, off) })
+    Some(FormMesh { positions: builder.positions, faces, error: mul_up(radius, error) })
 }
 
 /// All points nearer than a radius to the segment between two points.
 ///
-/// It is the hull of the triangles of a ball at both ends, and so their sum with the segment. The distance of two convex solids
-/// is the largest difference of their support functions, to which the segment adds the same for both: the capsule is off by
-/// what its ball is off by. Balls are turned alike whatever the direction, so that rods that end in one point share the
-/// triangles there, and cuts leave no slivers.
+/// Its mesh is the convex hull of the mesh of a ball at both ends, which is the Minkowski sum of that mesh and the segment.
+/// The distance of two convex solids is the largest difference of their support functions; the segment adds the same to
+/// both, so the error of the capsule is that of its ball. Balls have the same orientation whatever the direction, so that
+/// rods that end in one point share the triangles there, and cuts leave no slivers.
 ///
 /// Source: R. Schneider, *Convex Bodies: The Brunn–Minkowski Theory*, 1993.
 pub(super) fn capsule([a, b]: [[f64; 3]; 2], radius: f64, length: f64) -> Option<FormMesh> {
     let ball = rounded_cuboid([0.0; 3], radius, length)?;
-    let off = ball.off;
+    let error = ball.error;
     let ball = Mesh::new(ball.positions, ball.faces).ok()?;
     let twins = Twins::new(&ball, Topology::Indices);
     let along = difference(b, a);
@@ -71,7 +72,7 @@ pub(super) fn capsule([a, b]: [[f64; 3]; 2], radius: f64, length: f64) -> Option
         });
         is_convex.then_some(usize::from(dot(normal, along) >= 0.0))
     });
-    // The end that each face is at; distances of sums are those of convex solids alone.
+    // By face: its end of the segment. A ball that is not convex is refused, since the argument above needs convexity.
     let ends: Vec<usize> = ends.collect::<Option<_>>()?;
     let n = ball.positions().len();
     let mut rows = vec![[None; 2]; n];
@@ -95,14 +96,14 @@ pub(super) fn capsule([a, b]: [[f64; 3]; 2], radius: f64, length: f64) -> Option
             }
         }
     }
-    // Derived: a side of a triangle is about 1/√n of the ball for n faces, and some roundings of the ball off, so a face that is
-    // parallel to the segment within that angle may be at the wrong end.
+    // Derived: for n faces, a side of a triangle is about 1/√n of the ball, with errors of some roundings of the ball, so a
+    // face that is parallel to the segment within that angle may be at the wrong end.
     let tilt = 32.0 * f64::EPSILON * (ball.faces().len() as f64).sqrt();
-    Some(FormMesh { positions, faces, off: add_up(off, mul_up(tilt, norm(along))) })
+    Some(FormMesh { positions, faces, error: add_up(error, mul_up(tilt, norm(along))) })
 }
 
-/// The direction of a point of the octant's lattice, whose indices add up to n: on each side of the octant the corners of a
-/// quarter circle.
+/// The direction of a point of the octant's triangular lattice, whose indices add up to n. On the sides of the octant,
+/// directions are the corners of a quarter circle.
 fn direction(quarter: &[[f64; 2]], index: [u32; 3]) -> [f64; 3] {
     // The sine of each share of a right angle.
     let sines = index.map(|k| quarter[k as usize][1]);
@@ -113,8 +114,8 @@ fn direction(quarter: &[[f64; 2]], index: [u32; 3]) -> [f64; 3] {
     sines.map(|x| x / size)
 }
 
-/// How deep the triangles of an octant with corners on the unit sphere are in it, rounded up: they are seen from its middle
-/// all around it, and a ray through one of them has the sphere between its vertices' distance and that of its plane.
+/// The largest depth below the unit sphere of the triangles of an octant with corners on it, rounded up. Every ray from the
+/// middle meets a triangle, at a distance between that of the triangle's plane and 1.
 fn octant_sagitta(n: u32) -> f64 {
     let quarter = quarter(n);
     let mut least = 1.0;
@@ -124,8 +125,8 @@ fn octant_sagitta(n: u32) -> f64 {
         let height = dot(normal, a) / norm(normal);
         least = if height < least { height } else { least };
     }
-    // Derived: corners are off by 8 u; a plane through corners of n sides a quarter tilts by that over their distance,
-    // which is above 1/n, and over the triangle's size this is as much again.
+    // Derived: corners have errors of 8 u; a plane through corners of n sides a quarter tilts by that over their distance,
+    // which is above 1/n, and over the triangle's size this gives the same error again.
     let rounding = 256.0 * f64::EPSILON;
     sub_up(1.0, least) + rounding
 }
@@ -147,7 +148,7 @@ struct RoundedBuilder {
     radius: f64,
     n: u32,
     quarter: Vec<[f64; 2]>,
-    /// Rows by the bits of their numbers: corners of a box without a size along an axis are one.
+    /// Rows by the bits of their coordinates: corners coincide if the box has no size along an axis.
     rows: BTreeMap<[u64; 3], u32>,
     positions: Vec<[f64; 3]>,
 }
@@ -170,14 +171,14 @@ impl RoundedBuilder {
         let n = self.n;
         let mut faces = Vec::new();
         for octant in 0..8_usize {
-            // An odd number of minus signs mirrors.
+            // An odd number of minus signs mirrors the octant.
             let is_mirrored = octant.count_ones() % 2 == 0;
             for face in octant_faces(n) {
                 let [a, b, c] = face.map(|index| self.row(octant, index));
                 faces.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
             }
         }
-        // Strips along each axis, between octants that differ in its sign alone.
+        // Strips along each axis, between octants that differ only in the sign of that axis.
         let half = self.half;
         for axis in (0..3).filter(|axis| half[*axis] > 0.0) {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -206,8 +207,9 @@ impl RoundedBuilder {
             for side in 0..2_usize {
                 let mut index = [0; 3];
                 index[axis] = n;
-                let corner =
-                    |own: &mut Self, a: usize, b: usize| own.row(side << axis | a << next | b << last, index);
+                let corner = |builder: &mut Self, a: usize, b: usize| {
+                    builder.row(side << axis | a << next | b << last, index)
+                };
                 let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(u, v)| corner(self, u, v));
                 faces.extend(if side == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
             }

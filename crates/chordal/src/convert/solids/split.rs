@@ -1,22 +1,23 @@
-//! `with_faces_split`: a mesh with some faces cut in two, and their neighbours with them.
+//! `with_faces_split`: splits some faces of a mesh, and their neighbours as far as needed.
 use crate::explicit::{InvalidMesh, Mesh};
 use crate::math::{difference, dot};
 use std::collections::BTreeMap;
 
-/// The mesh with a vertex in the middle of the longest side of each of these faces. Faces at such a side are cut from there,
-/// so that each side still has two faces. Positions and faces alone.
+/// The mesh with a vertex in the middle of the longest side of each of these faces. All faces at such a side are split at
+/// the vertex, so that there are no T-junctions. The result has positions and faces only.
 pub(super) fn with_faces_split(mesh: &Mesh, faces: &[u32]) -> Result<Mesh, InvalidMesh> {
     let mut positions = mesh.positions().to_vec();
     let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
     for face in faces {
-        let reach = |[a, b]: [u32; 2]| {
-            let along = difference(mesh.positions()[b as usize], mesh.positions()[a as usize]);
-            dot(along, along)
+        let length_sq = |[a, b]: [u32; 2]| {
+            let vector = difference(mesh.positions()[b as usize], mesh.positions()[a as usize]);
+            dot(vector, vector)
         };
-        let own = sides(mesh.faces()[*face as usize]);
-        let longest =
-            own.into_iter().reduce(|best, side| if reach(side) > reach(best) { side } else { best });
+        let face_sides = sides(mesh.faces()[*face as usize]);
+        let longest = face_sides
+            .into_iter()
+            .reduce(|best, side| if length_sq(side) > length_sq(best) { side } else { best });
         let Some([a, b]) = longest else { continue };
         middles.entry([a, b]).or_insert_with(|| {
             let (p, q) = (positions[a as usize], positions[b as usize]);

@@ -7,37 +7,46 @@ use std::f64::consts::{PI, TAU};
 
 /// The most vertices. Chosen: some hundred megabytes.
 const MOST: f64 = 1_048_576.0;
-/// The turns beyond both ends. Chosen: the ends of the mesh, which reach over two turns, lie outside by one.
+/// The turns beyond both ends. Chosen: the fans that close the mesh extend over two turns, and are one turn outside.
 const BEYOND: f64 = 3.0;
-/// The most parts of a flank. Chosen: more of them pay only where a turn is as high as it is wide.
+/// The most parts of a flank. Chosen: more parts save triangles only if a turn is as high as it is wide.
 const MOST_PARTS: u32 = 4;
 /// The most rows of a turn. Chosen: as many as a circle has sides.
 const MOST_AROUND: u32 = 1 << 16;
 
-/// A thread from below minus a height to above it, where two fans close it.
+/// A thread from below minus a height to above the height; a fan closes it at each end.
 ///
 /// Its surface is R(θ) q + θ pitch / 2π for the points q of a profile over one turn. For each direction θ of a turn there is
-/// a row of the profile's corners, and two triangles fill what is between two rows and two corners.
+/// a row of the profile's corners; two triangles form a quad between two rows and two corners.
+///
+/// ```text
+///    corner k + 1   o-----o      rows at −α and α;
+///                   |   / |      p in one of the triangles,
+///                   | p   |      paired with the surface's point
+///    corner k       o-----o      at the same direction Θ
+///                  −α     α
+/// ```
 ///
 /// **Bound.** Let two rows be at −α and α, and p = Σ λᵢ vᵢ a point of a triangle between them and between two corners of the
 /// radii r₀ and r₁. It is paired with the point of the surface at its own direction Θ and at the radius Σ λᵢ rᵢ. Along the
-/// radius these differ by Σ λᵢ rᵢ − |p|, which is from 0 to (1 − cos α) times the larger radius, as cos α Σ λᵢ rᵢ is what p
-/// reaches along the middle direction. Along the axis they differ by pitch / 2π times Σ λᵢ θᵢ − Θ. With
-/// u = Σ λᵢ θᵢ / α, and v the same weighed by the radii, Θ = atan(v tan α). That is from v α to v α + (tan α − α) where v ≥ 0,
-/// and |u − v| ≤ 2 (√κ − 1) / (√κ + 1) for the ratio κ of the radii, which is what other weights of two numbers change at most.
-/// On the borders of a quad this map to the surface is one to one and onto, so it reaches every point of the surface.
+/// radius these differ by Σ λᵢ rᵢ − |p|, which is from 0 to (1 − cos α) times the larger radius, since the component of p
+/// along the middle direction is cos α Σ λᵢ rᵢ. Along the axis they differ by pitch / 2π times Σ λᵢ θᵢ − Θ. With
+/// u = Σ λᵢ θᵢ / α, and v the same weighted by the radii, Θ = atan(v tan α). That is from v α to v α + (tan α − α) if v ≥ 0,
+/// and |u − v| ≤ 2 (√κ − 1) / (√κ + 1) for the ratio κ of the radii, the largest change of a mean of two numbers by other
+/// weights. On the borders of a quad this map to the surface is one to one and onto, so it reaches every point of the
+/// surface.
 ///
-/// None where a fan would leave the thread, which has few digits left at its root then.
+/// `None` if a fan would leave the thread; its root then has too small a radius for its pitch.
 pub(super) fn thread(profile: &ThreadProfile, half: f64, length: f64) -> Option<FormMesh> {
     let pitch = profile.pitch;
     let corners = profile.corners();
-    // From the middle of a turn on the axis every flank is seen, which rises by 1/√3 of what the radius does.
+    // From the middle of a turn on the axis every flank is visible, since its slope is 1/√3.
     if corners.iter().any(|q| q[0] < pitch) {
         return None;
     }
     let rows = (1..=MOST_PARTS)
         .filter_map(|parts| ThreadRows::new(pitch, &with_parts(&corners, pitch, parts), length));
-    let ThreadRows { around, row, off } = rows.min_by_key(|rows| rows.around as usize * rows.row.len())?;
+    let ThreadRows { around, row, error } = rows.min_by_key(|rows| rows.around as usize * rows.row.len())?;
     let turns = (half / pitch).ceil() + BEYOND;
     if 2.0 * turns * f64::from(around) * row.len() as f64 > MOST {
         return None;
@@ -52,7 +61,7 @@ pub(super) fn thread(profile: &ThreadProfile, half: f64, length: f64) -> Option<
     }
     let (n_rows, around) = (2 * turns as u32 * around as u32 + 1, around as u32);
     let at = |row: u32, corner: u32| row * n_row + corner;
-    // The corner above, which for the last one is the first of the next turn.
+    // The corner above; above the last corner is the first one of the next turn.
     let above =
         |row: u32, corner: u32| if corner + 1 < n_row { at(row, corner + 1) } else { at(row + around, 0) };
     let mut faces = Vec::new();
@@ -77,20 +86,20 @@ pub(super) fn thread(profile: &ThreadProfile, half: f64, length: f64) -> Option<
         let k = end - around + k;
         faces.push([last, at(k, n_row - 1), at(k + 1, n_row - 1)]);
     }
-    Some(FormMesh { positions, faces, off })
+    Some(FormMesh { positions, faces, error })
 }
 
-/// The rows of a turn, and what triangles between them are off by.
+/// The rows of a turn, and the error of the triangles between them.
 struct ThreadRows {
-    /// How many there are.
+    /// The number of rows.
     around: u32,
-    /// One of them: the radius and the height of its vertices.
+    /// A row: the radius and the height of its vertices.
     row: Vec<[f64; 2]>,
-    off: f64,
+    error: f64,
 }
 
 impl ThreadRows {
-    /// The fewest rows of these vertices that are within a length. None where there are too many.
+    /// The fewest rows of these vertices whose error is within a length; `None` if there are too many.
     fn new(pitch: f64, row: &[[f64; 2]], length: f64) -> Option<Self> {
         let next = row.iter().cycle().skip(1);
         let (mut widest, mut ratio) = (0.0, 1.0);
@@ -100,24 +109,24 @@ impl ThreadRows {
         }
         let root = ratio.sqrt();
         let skew = 2.0 * (root - 1.0) / (root + 1.0);
-        let off = |around: u32| {
+        let error = |around: u32| {
             let half = 0.5 * TAU / f64::from(around);
             let s = sin(0.5 * half);
             let across = 2.0 * widest * s * s;
-            // The difference of the tangent and its angle cancels digits: t³/2 is more, up to 45°.
+            // The difference between the tangent and the angle would lose digits: t³/2 is larger, up to 45°.
             let t = sin(half) / sin(0.5 * PI - half);
             let along = pitch / TAU * (0.5 * t * t * t + half * skew);
             // Derived: sines (2 u each), products, sums and a root are below 64 u together.
             mul_up((across * across + along * along).sqrt(), 1.0 + 64.0 * f64::EPSILON)
         };
-        // The same in each quarter, so that rows lie on both axes, where others may be flush with them.
+        // Multiples of four, so that rows lie on both axes, where flat sides may be flush with them.
         let mut rows = (2..=MOST_AROUND / 4).map(|quarter| 4 * quarter);
-        let around = rows.find(|around| off(*around) <= length)?;
-        Some(Self { around, row: row.to_vec(), off: off(around) })
+        let around = rows.find(|around| error(*around) <= length)?;
+        Some(Self { around, row: row.to_vec(), error: error(around) })
     }
 }
 
-/// The corners of a profile for one turn, with so many parts between corners of different radii.
+/// The corners of a profile for one turn, with `parts` parts between corners of different radii.
 fn with_parts(corners: &[[f64; 2]], pitch: f64, parts: u32) -> Vec<[f64; 2]> {
     let above = [corners[0][0], corners[0][1] + pitch];
     let next = corners.iter().skip(1).chain(std::iter::once(&above));

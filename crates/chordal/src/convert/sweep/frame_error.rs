@@ -1,47 +1,47 @@
 //! A bound on the difference between a spline of frames along a path and the frames that do not rotate about it.
 //!
-//! The path is `X/W`, and `D = X′W − XW′` its direction: `T = D/|D|`. The spline has numerators `σ, ρ, τ` for the vectors to the
-//! side, up and ahead, with a denominator `w`. From `ρ/w` comes a frame that is exactly perpendicular to the path: `r`, along
-//! `q = ρ/w − (ρ·T/w)·T`, and `r×T`. All that follows are polynomials, and their Bernstein coefficients in intervals bound
-//! them over a piece.
+//! The path is `X/W`, and `D = X′W − XW′` its direction: `T = D/|D|`. The spline has numerators `σ, ρ, τ` for the vectors to
+//! the side, up and ahead, with a denominator `w`. From `ρ/w` comes a frame that is exactly perpendicular to the path: `r`,
+//! along `q = ρ/w − (ρ·T/w)·T`, and `r×T`. All quantities below are polynomials, and their Bernstein coefficients in
+//! intervals bound them over a piece.
 //!
-//! *Vectors.* `ρ/w` is off `r` by its part along the path, `ρ·D/(w|D|)`, and by its length, where `| |q| − 1 | ≤ | |q|² − 1 |`.
-//! `σ/w` has a part along the path, `σ·D/(w|D|)`, one along `r`, from `σ·ρ/w²`, and the rest of its length is along `r×T`
-//! since `σ·(ρ×D) > 0`. `τ/w` has a part across the path, `|τ×D|/(w|D|)`, and the rest of its length is along it since
-//! `τ·D > 0`.
+//! *Vectors.* `ρ/w` differs from `r` by its part along the path, `ρ·D/(w|D|)`, and by its length, with
+//! `| |q| − 1 | ≤ | |q|² − 1 |`. `σ/w` has a part along the path, `σ·D/(w|D|)`, and a part along `r`, from `σ·ρ/w²`; the rest
+//! of its length is along `r×T`, since `σ·(ρ×D) > 0`. `τ/w` has a part across the path, `|τ×D|/(w|D|)`; the rest of its
+//! length is along the path, since `τ·D > 0`.
 //!
-//! *Twist.* A frame that does not rotate about the path has `r′·(T×r) = 0` (R. L. Bishop, 1975), and any other one is that
-//! turned about `T` by the integral of `ω = r′·(T×r)`. Of the frame above it is
+//! *Twist.* A frame that does not rotate about the path has `r′·(T×r) = 0` (R. L. Bishop, 1975). Any other frame is such a
+//! frame, turned about `T` by the integral of `ω = r′·(T×r)`. For the frame above
 //! `ω = (|D|²·det(ρ′, D, ρ) − (ρ·D)·det(D′, D, ρ)) / (|D|·(|ρ|²|D|² − (ρ·D)²))`,
-//! whose numerator vanishes as the spline nears a frame that does not rotate. The integral of `|ω|` over all pieces before
-//! bounds the angle between the two, and so the distance of two unit vectors. Where a twist is spread evenly over the length,
-//! `k` a unit, `ω − k|D|/W²` stands in its place.
+//! and its numerator vanishes as the spline approaches a frame that does not rotate. The integral of `|ω|` over all pieces
+//! before bounds the angle between the two, and so the distance of two unit vectors. If a twist is spread evenly over the
+//! length, `k` for each unit, `ω − k|D|/W²` replaces `ω`.
 //!
-//! *Joins.* Where the direction jumps by `α` between two pieces (a rounding), the frame is turned by the least rotation that
-//! takes one direction to the other. `ρ/w` is the same on both sides, its parts across the two directions differ by `2α` of
-//! a length next to 1, unit vectors along them by `4α`, and the rotation by another `α`; `8α` covers all.
+//! *Joins.* If the direction jumps by `α` between two pieces (a rounding), the frame is turned by the least rotation that
+//! takes one direction to the other. `ρ/w` is the same on both sides. Its parts across the two directions differ by `2α` of
+//! a length next to 1, unit vectors along them by `4α`, and the rotation adds another `α`; `8α` covers the sum.
 use super::interval_polynomial::{IntervalPolynomial, IntervalVector, cross, dot, largest};
 use crate::explicit::nurbs::EnclosedPiece;
 use crate::math::{Interval, add_up, exponent, greater, mul_up, power_of_two};
 
-/// How far frames are off over a piece.
+/// The errors of frames over a piece.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::convert) struct FrameError {
     /// Points of the path.
     pub position: f64,
     /// The unit vectors to the side, up, and ahead.
     pub vectors: [f64; 3],
-    /// The angle that the twist grows by, in radians.
+    /// The growth of the twist's angle, in radians.
     pub twist: f64,
     /// The directions at both ends, of any length.
     pub directions: [[Interval; 3]; 2],
 }
 
-/// Halvings of a piece while its direction is not known to be one. Chosen: a sixteenth of an arc is nearly straight.
+/// Halvings of a piece until its direction is known not to vanish. Chosen: a sixteenth of an arc is nearly straight.
 const HALVINGS: usize = 4;
 
-/// The errors over a piece of the path and the piece of the spline of frames (point, side, up, ahead) for it, both seen from
-/// one origin, and a twist per unit of length that is wanted. `None` where the path may stop, or the frames are none.
+/// The errors of a piece of the spline of frames (point, side, up, ahead) over its piece of the path, both relative to one
+/// origin, for a given twist per unit of length. `None` if the path may stop, or if the vectors may not form a frame.
 pub(in crate::convert) fn frame_error(
     path: &EnclosedPiece<3>,
     frames: &EnclosedPiece<12>,
@@ -85,7 +85,7 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     let point = IntervalPolynomial::vector(&frames.points, 0);
     let apart: IntervalVector = std::array::from_fn(|k| x[k].times(&w).minus(&point[k].times(&w_path)));
     let position = quotient(largest(&apart), &[least_path, least]);
-    // 2. The direction, of a length next to 1: squares of it stay in range.
+    // 2. The direction, scaled to a length next to 1, so that its squares stay in range.
     let (w_slope, is_plain) = (w_path.derivative(), path.weights.is_none());
     let direction: IntervalVector = std::array::from_fn(|k| {
         let slope = x[k].derivative();
@@ -112,7 +112,7 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     let a = part(&along);
     let up_long = add_up(long(&up), mul_up(a, a));
     let up_off = add_up(a, up_long);
-    // The vectors must be nearly what they are to be, for all that follows.
+    // The vectors must be nearly orthonormal for the steps below.
     if up_off.is_nan() || up_off >= 0.25 {
         return None;
     }
@@ -154,7 +154,7 @@ fn whole(path: &EnclosedPiece<3>, frames: &EnclosedPiece<12>, spread: f64) -> Op
     all.iter().all(|x| x.is_finite()).then_some(found)
 }
 
-/// Divided by numbers above 0, upwards.
+/// Divided by numbers above 0, rounded up.
 fn quotient(x: f64, by: &[f64]) -> f64 {
     by.iter().fold(x, |x, by| crate::math::div_up(x, *by))
 }
@@ -163,18 +163,18 @@ fn sum(all: &[f64]) -> f64 {
     all.iter().fold(0.0, |sum, x| add_up(sum, *x))
 }
 
-/// The largest angle between two directions, in radians; infinite where it may be a right one.
+/// The largest angle between two directions, in radians; infinite if it may be a right angle.
 pub(in crate::convert) fn turn_between(a: &[Interval; 3], b: &[Interval; 3]) -> f64 {
     let product = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
     let square = |v: &[Interval; 3]| v[0].square() + v[1].square() + v[2].square();
     let crossed = square(&[product(1, 2), product(2, 0), product(0, 1)]).sqrt();
     let cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let sine = crossed / (square(a).sqrt() * square(b).sqrt());
-    // An angle below a right one is at most π/2 times its sine; 1.6 is above that.
+    // An angle below a right angle is at most π/2 times its sine; 1.6 is above π/2.
     if cosine.lo() > 0.0 && sine.is_defined() { mul_up(1.6, sine.hi()) } else { f64::INFINITY }
 }
 
-/// The largest angle about the path between the frame at the start of a piece and that of an up vector, in radians.
+/// The largest angle about the path between the frame at the start of a piece and the frame of an up vector, in radians.
 pub(in crate::convert) fn start_turn(
     frames: &EnclosedPiece<12>,
     direction: &[Interval; 3],

@@ -1,31 +1,31 @@
 //! Splines of frames along a path: curves of twelve coordinates, the point and the vectors to the side, up and ahead.
 //!
 //! Along a line and along an arc of a circle they are exact, with the knots and weights of the path itself: the vectors are
-//! constant, or affine images of the path. Elsewhere they are quintic, with the positions and two derivatives of the frames
-//! where pieces meet.
+//! constant, or affine images of the path. On other paths they are quintic, with the positions and two derivatives of the
+//! frames at the ends of pieces.
 use super::moving_frame::{
     PathJet, VectorJet, angle_about, frame_jet, part_length, path_jet, transported, turned, unit, unit_across,
 };
 use crate::explicit::nurbs::{BernsteinRow, InvalidNurbs, KnotVector, NurbsCurve};
 use crate::math::{cross, difference, dot, length};
 
-/// The degree of splines that are fitted.
+/// The degree of fitted splines.
 const QUINTIC: usize = 5;
 
-/// A path, its pieces, and the up vector where it starts.
+/// A path, its pieces, and the up vector at its start.
 pub(in crate::convert) struct FramedPath<'a> {
     pub path: &'a NurbsCurve<3>,
     pub pieces: Vec<NurbsCurve<3>>,
     /// Across the path.
     pub up: [f64; 3],
-    /// Whether it returns to its start, in the same direction.
+    /// Whether the path returns to its start, in the same direction.
     pub is_closed: bool,
 }
 
 /// Frames along a path.
 pub(in crate::convert) struct FrameSpline {
     pub curve: NurbsCurve<12>,
-    /// For each of its pieces, the piece of the path and the part of it, from and to.
+    /// For each piece of the spline, the piece of the path, and the start and end of the part in it.
     pub places: Vec<(usize, [f64; 2])>,
     /// The twist for each unit of length that closes the frame of a closed path.
     pub spread: f64,
@@ -49,20 +49,20 @@ impl FramedPath<'_> {
         Ok(FrameSpline { curve, places, spread: 0.0 })
     }
 
-    /// Frames that are the same everywhere: those of a line.
+    /// The constant frames of a line.
     pub fn straight(&self) -> Result<FrameSpline, InvalidNurbs> {
         let tangent = self.start().tangent[0];
         let vectors = [cross(self.up, tangent), self.up, tangent];
         self.own(|_| vectors)
     }
 
-    /// Frames of the circle that the path follows where it starts; `None` where it is straight there.
+    /// Frames of the circle that the path follows at its start; `None` if the path is straight there.
     pub fn circular(&self) -> Option<Result<FrameSpline, InvalidNurbs>> {
         let PathJet { point, velocity, acceleration, .. } = self.start();
         let binormal = cross(velocity, acceleration);
         let (speed, bent) = (length(velocity), length(binormal));
         let radius = speed * speed * speed / bent;
-        // No number is not finite.
+        // NaN is not finite.
         if !radius.is_finite() {
             return None;
         }
@@ -83,9 +83,9 @@ impl FramedPath<'_> {
         path_jet(&self.pieces[0], self.path.knots().piece(0)[0])
     }
 
-    /// Quintic frames, each piece of the path in so many equal parts; the index of a piece where there is no frame.
+    /// Quintic frames, each piece of the path in so many equal parts; the error is the index of a piece without a frame.
     pub fn fitted(&self, parts: &[usize]) -> Result<FrameSpline, usize> {
-        // 1. The places where frames are, and the up vectors there, without rotation.
+        // 1. The places of frames, and their up vectors, without rotation.
         let mut places = Vec::new();
         for (piece, n) in parts.iter().enumerate() {
             places.extend((0..*n).map(|k| (piece, [k, k + 1].map(|k| k as f64 / *n as f64))));
@@ -97,12 +97,12 @@ impl FramedPath<'_> {
         let (mut ups, mut lengths) = (vec![self.up], vec![0.0]);
         for (k, place) in places.iter().enumerate() {
             let piece = &self.pieces[place.0];
-            // Across the direction of this piece, where those of two differ by rounding.
+            // Across the direction of this piece, since the directions of two pieces differ by rounding.
             let from = unit_across(ups[k], path_jet(piece, span(place)[0]).tangent[0]);
             ups.push(transported(piece, span(place), from));
             lengths.push(lengths[k] + part_length(piece, span(place)));
         }
-        // 2. What is missing from a full turn is spread over the length of a closed path.
+        // 2. The angle that is missing from a full turn is spread over the length of a closed path.
         let mut spread = 0.0;
         if self.is_closed {
             let tangent = self.start().tangent[0];
@@ -121,7 +121,7 @@ impl FramedPath<'_> {
                 let [side, up, ahead] = frame_jet(&jet, up, spread);
                 [[jet.point, jet.velocity, jet.acceleration], side, up, ahead]
             });
-            // No number where the path stops.
+            // NaN if the path stops.
             if !jets.as_flattened().as_flattened().as_flattened().iter().all(|x| x.is_finite()) {
                 return Err(place.0);
             }
@@ -132,7 +132,7 @@ impl FramedPath<'_> {
                 rows[0] = BernsteinRow(elevated.control().to_vec()).part(place.1[0], place.1[1]).0;
             }
             let row = (0..=QUINTIC).map(|i| coordinates(rows.each_ref().map(|row| row[i])));
-            // Pieces share what is between them.
+            // Pieces share the control points between them.
             control.extend(row.skip(usize::from(k > 0)));
             knots.extend(vec![ends[0]; QUINTIC]);
         }
@@ -143,7 +143,7 @@ impl FramedPath<'_> {
         let [from, to] = self.path.knots().domain();
         knots.insert(0, from);
         knots.extend(vec![to; QUINTIC + 1]);
-        // Parts that are too short for their knots to stay apart.
+        // Some parts are too short for distinct knots.
         let crowded = |_| places[0].0;
         let knots = KnotVector::new(QUINTIC, knots).map_err(crowded)?;
         let curve = NurbsCurve::new(knots, control, vec![1.0; last + 1]).map_err(crowded)?;
@@ -157,13 +157,13 @@ impl FramedPath<'_> {
         let to = path_jet(last, last.knots().domain()[1]);
         let all = pieces.iter().flat_map(|piece| piece.control().as_flattened());
         let reach = all.fold(0.0, |most: f64, x| crate::math::greater(x.abs(), most));
-        // Chosen: some roundings, and what ten digits in a file leave of a direction.
+        // Chosen: some roundings, and the error of a direction with ten digits in a file.
         length(difference(to.point, from.point)) <= 1e-12 * reach
             && length(difference(to.tangent[0], from.tangent[0])) <= 1e-9
     }
 }
 
-/// The quintic with these values and derivatives at its ends, which are so far apart.
+/// The quintic with these values and derivatives at its ends, over an interval of this length.
 fn quintic([from, to]: [VectorJet; 2], width: f64) -> Vec<[f64; 3]> {
     let at = |jet: &VectorJet, first: f64, second: f64| -> [f64; 3] {
         std::array::from_fn(|k| jet[0][k] + first * width * jet[1][k] + second * width * width * jet[2][k])

@@ -1,20 +1,20 @@
-//! `IntervalPolynomial`: sums and products of polynomials in Bernstein form whose coefficients are intervals.
+//! `IntervalPolynomial`: sums and products of polynomials in Bernstein form, with intervals as coefficients.
 //!
-//! Coefficients are kept times their binomial coefficients, so that a product is a convolution (the scaled Bernstein basis;
+//! Coefficients are multiplied by binomial coefficients, so that a product is a convolution (the scaled Bernstein basis;
 //! R. T. Farouki, V. T. Rajan, *Algorithms for polynomials in Bernstein form*, 1988).
 use crate::explicit::nurbs::{IntervalRow, interval_binomials};
 use crate::math::Interval;
 
-/// A polynomial over `[0, 1]`; the exact coefficients are somewhere in these intervals.
+/// A polynomial over `[0, 1]`; the exact coefficients are in these intervals.
 #[derive(Clone, Debug)]
 pub(super) struct IntervalPolynomial(Vec<Interval>);
 
-/// A vector of them.
+/// A vector of polynomials.
 pub(super) type IntervalVector = [IntervalPolynomial; 3];
 
 /// The binomial coefficients `n` over 0 to `n`.
 fn binomials(n: usize) -> Vec<Interval> {
-    // Below 2⁵³ all of them are numbers: 56 over 28 is 7.6e15.
+    // All of them are below 2⁵³, hence exact: 56 over 28 is 7.6e15.
     if n > 56 {
         return interval_binomials(n);
     }
@@ -49,13 +49,13 @@ impl IntervalPolynomial {
     }
 
     pub fn times(&self, other: &Self) -> Self {
-        let mut made = vec![Interval::point(0.0); self.degree() + other.degree() + 1];
+        let mut product = vec![Interval::point(0.0); self.degree() + other.degree() + 1];
         for (i, x) in self.0.iter().enumerate() {
             for (j, y) in other.0.iter().enumerate() {
-                made[i + j] = made[i + j] + *x * *y;
+                product[i + j] = product[i + j] + *x * *y;
             }
         }
-        Self(made)
+        Self(product)
     }
 
     pub fn scaled(&self, by: f64) -> Self {
@@ -63,7 +63,7 @@ impl IntervalPolynomial {
     }
 
     fn raised(&self, degree: usize) -> Self {
-        // 1 has the binomial coefficients themselves.
+        // The coefficients of 1 are the binomial coefficients themselves.
         if degree == self.degree() {
             return self.clone();
         }
@@ -89,7 +89,7 @@ impl IntervalPolynomial {
         if n == 0 {
             return Self::constant(0.0);
         }
-        // n·(cᵢ₊₁ − cᵢ)·C(n − 1, i), where cᵢ·C(n, i) is kept: (i + 1)·[i + 1] − (n − i)·[i].
+        // n·(cᵢ₊₁ − cᵢ)·C(n − 1, i), by the stored [i] = cᵢ·C(n, i): (i + 1)·[i + 1] − (n − i)·[i].
         let of = |i: usize| {
             Interval::point((i + 1) as f64) * self.0[i + 1] - Interval::point((n - i) as f64) * self.0[i]
         };

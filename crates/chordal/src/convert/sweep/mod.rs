@@ -1,4 +1,4 @@
-//! Profiles that are swept along paths: frames along a path, and how far they are from those that do not rotate.
+//! Profiles swept along paths: frames along a path, and a bound for their distance from frames that do not rotate.
 pub(super) mod frame_error;
 pub(super) mod frame_spline;
 mod interval_polynomial;

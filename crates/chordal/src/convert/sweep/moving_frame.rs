@@ -1,9 +1,9 @@
-//! Frames along a path that do not rotate about it, computed: positions, derivatives, and transport from place to place.
+//! Approximate frames along a path that do not rotate about it: positions, derivatives, and transport along the path.
 //!
 //! A step is two reflections (W. Wang, B. Jüttler, D. Zheng, Y. Liu, *Computation of Rotation Minimizing Frames*, 2008); its
-//! error has even powers of the step only, since the step back undoes it, and goes like the fourth. Three numbers of steps
-//! take the fourth and the sixth power away (L. F. Richardson, 1911). How good it is need not be known here: what is made of
-//! these frames is judged by `frame_error.rs`.
+//! error has even powers of the step only, since the step back undoes it, and goes like the fourth. Results with three
+//! numbers of steps cancel the fourth and the sixth power (L. F. Richardson, 1911). No bound of the error is needed here:
+//! `frame_error.rs` bounds the error of the splines through these frames.
 use crate::explicit::nurbs::{InvalidNurbs, NurbsCurve};
 use crate::math::{cross, difference, dot, length};
 
@@ -24,7 +24,7 @@ fn plus(a: [f64; 3], by: f64, b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + by * b[k])
 }
 
-/// A vector of length 1 along another one; that itself where it has no length.
+/// A vector of length 1 along another; the zero vector stays.
 pub(in crate::convert) fn unit(v: [f64; 3]) -> [f64; 3] {
     crate::math::unit(v).unwrap_or(v)
 }
@@ -34,7 +34,7 @@ pub(in crate::convert) fn unit_across(v: [f64; 3], tangent: [f64; 3]) -> [f64; 3
     unit(plus(v, -dot(v, tangent), tangent))
 }
 
-/// The pieces of a curve between its knots, each a curve of its own.
+/// The pieces of a curve between its knots, each as a curve.
 pub(in crate::convert) fn pieces(path: &NurbsCurve<3>) -> Result<Vec<NurbsCurve<3>>, InvalidNurbs> {
     let piece = |k: usize| {
         let [a, b] = path.knots().piece(k);
@@ -60,8 +60,8 @@ pub(in crate::convert) fn path_jet(piece: &NurbsCurve<3>, t: f64) -> PathJet {
 fn reflected(piece: &NurbsCurve<3>, [a, b]: [f64; 2], steps: usize, up: [f64; 3]) -> [f64; 3] {
     let at = |k: usize| {
         let t = a + (b - a) * (k as f64 / steps as f64);
-        let found = piece.derivatives(if k == steps { b } else { t }, 1);
-        (found[0], unit(found[1]))
+        let derivatives = piece.derivatives(if k == steps { b } else { t }, 1);
+        (derivatives[0], unit(derivatives[1]))
     };
     let (mut from, mut up) = (at(0), up);
     for k in 1..=steps {
@@ -78,7 +78,7 @@ fn reflected(piece: &NurbsCurve<3>, [a, b]: [f64; 2], steps: usize, up: [f64; 3]
     up
 }
 
-/// The angle from one vector to another one about a direction, in radians.
+/// The angle from one vector to another about a direction, in radians.
 pub(in crate::convert) fn angle_about(tangent: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     libm::atan2(dot(cross(from, to), tangent), dot(from, to))
 }
@@ -95,7 +95,7 @@ pub(in crate::convert) fn transported(piece: &NurbsCurve<3>, span: [f64; 2], up:
     let end = unit(piece.derivatives(span[1], 1)[1]);
     let tries = [2, 4, 8].map(|steps| unit_across(reflected(piece, span, steps, up), end));
     let angle = |k: usize| angle_about(end, tries[0], tries[k]);
-    // Derived: halving the step divides the error by 16, and what is left by 64.
+    // Derived: halving the step divides the fourth power by 16, and the sixth by 64.
     let first = angle(1) + angle(1) / 15.0;
     let second = angle(2) + (angle(2) - angle(1)) / 15.0;
     unit_across(turned(tries[0], end, second + (second - first) / 63.0), end)
@@ -113,8 +113,8 @@ pub(in crate::convert) fn part_length(piece: &NurbsCurve<3>, [a, b]: [f64; 2]) -
     half * rule.iter().map(|(x, w)| w * length(piece.derivatives(middle + half * x, 1)[1])).sum::<f64>()
 }
 
-/// The vectors to the side, up and ahead with their derivatives: of the frame with this up vector that twists by `spread` for
-/// each unit of length.
+/// The vectors to the side, up and ahead with their derivatives, of the frame with this up vector and a twist of `spread`
+/// for each unit of length.
 pub(in crate::convert) fn frame_jet(jet: &PathJet, up: [f64; 3], spread: f64) -> [VectorJet; 3] {
     let [t, dt, ddt] = jet.tangent;
     let [speed, grows] = jet.speed.map(|x| spread * x);

@@ -1,4 +1,4 @@
-//! Assembles proved leaves into one mesh, with normals shared where the surface is smooth.
+//! Assembles proved leaves into one mesh, with shared normals on smooth parts of the surface.
 use super::mesher::CertifiedLeaves;
 use crate::budget::{Job, par_map};
 use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
@@ -9,8 +9,8 @@ use glam::DVec3;
 /// A vertex, a sheet, and the corner of a leaf of the sheet at that vertex.
 type SheetVertex = (u32, u32, u32);
 
-/// The mesh of all leaves. Where the normals of sheets differ at a vertex, each smooth group gets its own
-/// vertex, tied by `position_id`.
+/// The mesh of all leaves. If the normals of sheets differ at a vertex, each smooth group gets a separate vertex with the
+/// same `position_id`.
 pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
     let CertifiedLeaves { cells, vertices, leaves, texcoords } = proved;
     let sheet_of = |leaf: usize| cells[leaves[leaf].0.cell as usize].sheet;
@@ -40,8 +40,8 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
             if normal == DVec3::ZERO {
                 continue;
             }
-            let known = groups.iter().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
-            let target = known.map(|group| group.1).unwrap_or_else(|| {
+            let group = groups.iter().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
+            let target = group.map(|group| group.1).unwrap_or_else(|| {
                 let target = if groups.is_empty() { vertex } else { positions.len() as u32 };
                 if target != vertex {
                     positions.push(positions[vertex as usize]);
@@ -73,7 +73,7 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
     let mut order: Vec<u32> = (0..leaves.len() as u32).collect();
     order.sort_by_key(|leaf| sheet_of(*leaf as usize));
     let runs: Vec<&[u32]> = order.chunk_by(|a, b| sheet_of(*a as usize) == sheet_of(*b as usize)).collect();
-    let found = par_map(job, &runs, |_, run| {
+    let normals_of_runs = par_map(job, &runs, |_, run| {
         let sheet = run.first().and_then(|leaf| texcoords.sheet(sheet_of(*leaf as usize) as usize));
         let of_leaf = |leaf: &u32| {
             let leaf = &leaves[*leaf as usize].0;
@@ -82,6 +82,9 @@ pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
         run.iter().map(of_leaf).collect::<Vec<_>>()
     });
     let mut corners = vec![[[0.0; 2]; 3]; leaves.len()];
-    order.into_iter().zip(found.into_iter().flatten()).for_each(|(leaf, own)| corners[leaf as usize] = own);
+    order
+        .into_iter()
+        .zip(normals_of_runs.into_iter().flatten())
+        .for_each(|(leaf, own)| corners[leaf as usize] = own);
     texcoords::split_by_texcoords(mesh, corners.as_flattened())
 }

@@ -12,7 +12,7 @@ use crate::math::{greater, lesser, sub_down};
 
 /// Peak memory in bytes per triangle, everything included: 500 were measured on a torus at 5e5 triangles.
 const BYTES_PER_TRIANGLE: f64 = 700.0;
-/// Leaves at which the distance is measured from below, at two points each.
+/// The number of leaves with samples for the lower bound of the distance, two points in each.
 const SAMPLED_LEAVES: usize = 12;
 
 /// The mesh that meets a budget.
@@ -27,9 +27,9 @@ pub(crate) fn mesh_within(
         normal_deviation: None,
         share: 1.0,
     };
-    let asked = budget.triangles.unwrap_or(u64::MAX);
+    let requested = budget.triangles.unwrap_or(u64::MAX);
     if allowance.length.is_none() && allowance.pixels.is_none() {
-        return within_count(mesher, &allowance, asked, job);
+        return within_count(mesher, &allowance, requested, job);
     }
     let (triangles, memory) = (job.triangle_limit as f64, job.memory_limit as f64);
     let needed = mesher.estimate(&allowance)?;
@@ -43,17 +43,17 @@ pub(crate) fn mesh_within(
         return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
     }
     let most = triangle_limit(job);
-    if let Some(proved) = mesher.refine(&allowance, lesser(asked, most))? {
+    if let Some(proved) = mesher.refine(&allowance, lesser(requested, most))? {
         return Ok(finish(&proved, &allowance, job));
     }
-    if asked > most {
+    if requested > most {
         return Err(too_many(most as f64 + 1.0, triangles));
     }
-    let best = within_count(mesher, &allowance, asked, job).or_else(|failure| match failure {
+    let best = within_count(mesher, &allowance, requested, job).or_else(|failure| match failure {
         Failure::Unmet(best) => Ok(*best),
         other => Err(other),
     })?;
-    if best.shape.faces().len() as u64 <= asked && meets(&best, budget) {
+    if best.shape.faces().len() as u64 <= requested && meets(&best, budget) {
         return Ok(best);
     }
     Err(Failure::Unmet(Box::new(best)))
@@ -124,7 +124,7 @@ fn finish(proved: &CertifiedLeaves<'_>, allowance: &Allowance, job: &Job) -> Bou
 }
 
 /// The measured lower bound of the distance and its location: at the middles of the worst triangles and of
-/// their sides that bend most.
+/// the sides with the largest bending.
 fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
     let mut order: Vec<usize> = (0..proved.leaves.len()).collect();
     order.sort_by(|a, b| proved.leaves[*b].1.bound.total_cmp(&proved.leaves[*a].1.bound).then(a.cmp(b)));

@@ -1,4 +1,4 @@
-//! `LoopCell`: a triangle of a sheet on which the surface is one polynomial, or is not yet subdivided into
+//! `LoopCell`: a triangle of a sheet, with a surface that is one polynomial, or is not yet subdivided into
 //! polynomials.
 use crate::convert::patches::derivative_bound::UNDERFLOW;
 use crate::explicit::cage::limit::{ExtraordinaryTriangle, LimitQuartic, TrianglePatchTree};
@@ -10,7 +10,7 @@ pub(crate) struct LoopCell<'a> {
     pub(crate) shape: LoopCellShape<'a>,
     /// Its origin on the sheet.
     pub(crate) begin: [f64; 2],
-    /// Its width as a fraction of the sheet's; negative where it is rotated by half a turn.
+    /// Its width as a fraction of the sheet's; negative if it is rotated by half a turn.
     pub(crate) scale: f64,
 }
 
@@ -23,8 +23,8 @@ pub(crate) enum LoopCellShape<'a> {
 /// Rounding of values computed from a polynomial, as a fraction of its largest coordinate; derived in
 /// [`super::derivative_bound`].
 const ROUNDING: f64 = 4096.0 * f64::EPSILON;
-/// The additional rounding per point of a one-ring where a limit is reached after ninety rounds, of two
-/// roundings per point each.
+/// The additional rounding per point of a one-ring for a limit that is reached after ninety rounds, of two roundings
+/// per point each.
 const ROUNDING_BY_POINT: f64 = 256.0 * f64::EPSILON;
 
 impl<'a> LoopCellShape<'a> {
@@ -80,7 +80,7 @@ impl<'a> LoopCell<'a> {
         Box3::from_points(self.shape.hull())
     }
 
-    /// The quarters of an extraordinary cell; empty where coordinates overflow.
+    /// The quarters of an extraordinary cell; empty if coordinates overflow.
     pub(crate) fn quarters(&self) -> Vec<Self> {
         let LoopCellShape::Extraordinary(extraordinary) = self.shape else { return Vec::new() };
         let Ok(quarters) = extraordinary.quarters() else { return Vec::new() };

@@ -23,17 +23,17 @@
 //! so both directions are bounded.
 //!
 //! **Rounding.** With `P` the largest coordinate and errors in units of `2⁻⁵³ P`: a control point of a part
-//! is four means of three deep, 16; a second difference times 12 is off by 12·(4·16 + 8) + 48 = 912 a
-//! coordinate, 1600 as a length; the half of it, across a side, by 950, of which the barycentric maximum
-//! takes a third of each, and `ε` by 3200, of which an eighth of three counts, 1200. Vertices are off by 40.
-//! Together below 4096, half of what
-//! [`LoopCellShape::rounding_error`](super::cell::LoopCellShape::rounding_error) takes.
+//! takes four means of three, one after another: 16. A second difference times 12 has an error of
+//! 12·(4·16 + 8) + 48 = 912 for each coordinate, 1600 as a length. The half of it, across a side, has 950, and the
+//! barycentric maximum takes a third of each; `ε` has 3200, and an eighth of three counts, 1200. Vertices have an
+//! error of 40. The sum is below 4096, half of
+//! [`LoopCellShape::rounding_error`](super::cell::LoopCellShape::rounding_error).
 use crate::convert::patches::derivative_bound::{across, max_barycentric_quadratic};
 use crate::explicit::cage::limit::Quartic;
 use crate::math::greater;
 use glam::DVec3;
 
-/// A bound, and how much each side bends: the first from the first corner to the second.
+/// A bound, and the bending of each side: the first from the first corner to the second.
 pub(crate) struct SecondDerivativeBound {
     pub(crate) bound: f64,
     pub(crate) sides: [f64; 3],
@@ -70,12 +70,12 @@ impl SecondDerivativeBound {
                 (low, high) = (low.min(second), high.max(second));
             }
             let centre = 0.5 * low + 0.5 * high;
-            let off = seconds.iter().map(|second| (*second - centre).length());
-            let off = off.fold(0.0, |most: f64, off| greater(off, most));
+            let distances = seconds.iter().map(|second| (*second - centre).length());
+            let farthest = distances.fold(0.0, |most: f64, distance| greater(distance, most));
             let chord = DVec3::from(corners[(side + 1) % 3]) - DVec3::from(corners[side]);
             by_side[side] = across(0.5 * centre, chord);
-            spread += off / 8.0;
-            sides[side] = by_side[side] + 0.5 * off;
+            spread += farthest / 8.0;
+            sides[side] = by_side[side] + 0.5 * farthest;
         }
         let [a, b, c] = by_side;
         Self { bound: max_barycentric_quadratic(a, b, c) + spread, sides }

@@ -5,7 +5,7 @@
 //! the projection into the plane of `M`.
 //!
 //! *Surface to mesh.* The distance from the convex `M` is a convex function, so over a piece of `S` in the
-//! hull of control points it is no more than the largest distance of these: `V` over all pieces.
+//! hull of control points it is no more than the largest distance of these; `V` is the largest over all pieces.
 //!
 //! *Mesh to surface.* Let a side of `M` be within `ε` of its curve in space and within `δ` in the plane, both
 //! by pairing a point of the curve with the nearest of the side, which is continuous and covers the side.
@@ -18,11 +18,11 @@
 //! and curves are subdivided, the worst first, until that is within a tolerance or some point of the surface
 //! shows that it is not.
 //!
-//! **Rounding.** Vertices off by `e` move the ends of curves by as much, which adds `e` to each of `V`, `ε`,
-//! `δ` and leaves `e` of a side's ends uncovered: [`LoopLeaf`](super::leaf::LoopLeaf) adds `4 e`. The
-//! distance from `M` is rounded up; those from sides are sums of three products relative to a corner, off by
-//! some roundings of the distance from there, [`NEAR_SIDE`]. The unit normal is off by some roundings times
-//! the square of the longest side over twice the area.
+//! **Rounding.** An error `e` of vertices moves the ends of curves by as much. This adds `e` to each of `V`, `ε`,
+//! `δ` and leaves `e` of a side's ends uncovered: [`LoopLeaf`](super::leaf::LoopLeaf) adds `4 e`. The distance
+//! from `M` is rounded up. Distances from sides are sums of three products relative to a corner, with an error of
+//! some roundings of the distance from that corner, [`NEAR_SIDE`]. The error of the unit normal is some roundings
+//! times the square of the longest side over twice the area.
 use super::cell::LoopCellShape;
 use crate::check::distance_up;
 use crate::explicit::InvalidCage;
@@ -31,12 +31,12 @@ use crate::math::{PriorityItem, branch_and_bound, lesser};
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
-/// The largest number of pieces that are visited; chosen.
+/// The largest number of visited pieces. Chosen: a leaf that needs more is split instead.
 const MOST_PIECES: usize = 300;
 /// The largest depth of subdivision: 2⁻⁴⁵ of a face is below rounding.
 const DEEPEST: usize = 45;
-/// A triangle with less area than this fraction of its longest side squared has no plane for the proof;
-/// chosen.
+/// A triangle with less area than this fraction of its longest side squared has no plane for the proof. Chosen: the
+/// roundings of its normal would be too large.
 const LEAST_SHAPE: f64 = 1e-6;
 /// Roundings in a unit normal, with a margin: six products and differences of lengths up to a side, and the
 /// quotient.
@@ -159,8 +159,8 @@ impl FlatTriangle {
         let mut open = BinaryHeap::new();
         open.push(self.queue_curve(side, curve, 0));
         let (mut space, mut plane) = (0.0_f64, 0.0_f64);
-        // The largest distances in space and in the plane may belong to two pieces, so all pieces that are
-        // left are included then.
+        // The largest distances in space and in the plane may belong to two pieces, so all remaining pieces are
+        // included then.
         let take =
             |item: &LoopQueueEntry<(LoopSideCurve<'_>, [f64; 2])>, space: &mut f64, plane: &mut f64| {
                 (*space, *plane) = (space.max(item.piece.1[0]), plane.max(item.piece.1[1]));
@@ -175,7 +175,7 @@ impl FlatTriangle {
             let depth = item.depth + 1;
             match item.piece.0 {
                 LoopSideCurve::Quartic(points, off) => {
-                    // Subdivided until little is left to gain.
+                    // Subdivided until the gain would be small.
                     if depth > HALVINGS {
                         take(
                             &LoopQueueEntry {
@@ -248,18 +248,19 @@ impl FlatTriangle {
                 let flat = from - normal * from.dot(normal);
                 to_segment(flat, b - a) + slack + 3.0 * tilt * from.length()
             });
-            // A projection onto a plane that contains the side moves nothing away from it.
+            // A projection onto a plane that contains the side moves no point away from it.
             most = [most[0].max(space), most[1].max(lesser(plane, space))];
         }
         most
     }
 }
 
-/// A computed distance times this is a lower bound of the exact one; chosen far above rounding.
+/// A computed distance times this is a lower bound of the exact one. Chosen: far above rounding.
 const ALMOST: f64 = 1.0 - 1e-9;
-/// A curve may be this fraction of a tolerance off its side before it is subdivided; chosen.
+/// The distance of a curve from its side, as a fraction of the tolerance, that needs no subdivision. Chosen: a smaller
+/// one gains little.
 const FINE: f64 = 0.1;
-/// Halvings of a quartic, after which it is within a percent or so of its control points; chosen.
+/// Halvings of a quartic. Chosen: then it is within about a percent of its control points.
 const HALVINGS: usize = 3;
 
 fn piece_error(shape: LoopCellShape<'_>) -> f64 {

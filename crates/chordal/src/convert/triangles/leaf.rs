@@ -30,18 +30,18 @@ pub(crate) struct LoopLeaf {
 /// The result of certifying a leaf.
 #[derive(Clone, Copy)]
 pub(crate) struct LeafBound {
-    /// An upper bound of the distance between surface and triangle; where the tolerance is not met, possibly
-    /// only a value that shows that.
+    /// An upper bound of the distance between surface and triangle; if the tolerance is not met, possibly only a
+    /// value that shows that.
     pub(crate) bound: f64,
     pub(crate) is_met: bool,
-    /// How much each side bends.
+    /// The bending of each side.
     pub(crate) sides: [f64; 3],
     /// The bounding box of the part.
     pub(crate) place: Box3,
 }
 
-/// A bound by second derivatives that misses the tolerance by more than this factor will hardly be met by
-/// heights; chosen.
+/// If a bound by second derivatives misses the tolerance by more than this factor, heights are not tried. Chosen: they
+/// would hardly meet it either.
 const WORTH_A_LOOK: f64 = 4.0;
 
 impl LoopLeaf {
@@ -78,53 +78,55 @@ impl LoopLeaf {
         SecondDerivativeBound::from_quartic(&polynomial.quartic.part(self.places), &corners).bound
     }
 
-    /// The distance from its part of the surface, and whether that is within an allowance; where no mesh can
-    /// meet it, also what is known anyway.
+    /// The distance from its part of the surface, and whether that is within an allowance. The error, if no mesh can meet
+    /// the allowance, includes the bound so far.
     pub(crate) fn certify(
         &self,
         cell: &LoopCell<'_>,
         vertices: &[LoopVertex],
         allowance: &Allowance,
     ) -> Result<LeafBound, Box<(InfeasibleTolerance, LeafBound)>> {
-        let own = self.vertices.map(|vertex| vertices[vertex as usize]);
-        let off = own.iter().fold(0.0_f64, |most, vertex| most.max(vertex.off));
+        let corner_vertices = self.vertices.map(|vertex| vertices[vertex as usize]);
+        let vertex_error = corner_vertices.iter().fold(0.0_f64, |most, vertex| most.max(vertex.off));
         // The proofs derive each of these terms.
-        let lost = 2.0 * cell.shape.rounding_error() + 4.0 * off;
-        let corners = own.map(|vertex| vertex.at);
+        let rounding_error = 2.0 * cell.shape.rounding_error() + 4.0 * vertex_error;
+        let corners = corner_vertices.map(|vertex| vertex.at);
         match cell.shape {
             LoopCellShape::Polynomial(polynomial) => {
                 let part = polynomial.quartic.part(self.places);
                 let place = Box3::from_points(part.control.iter().chain(&corners));
                 let bend = SecondDerivativeBound::from_quartic(&part, &corners);
-                let mut found =
-                    LeafBound { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
-                let tolerance =
-                    tolerance(place, allowance, lost).map_err(|obstacle| Box::new((obstacle, found)))?;
-                found.is_met = bend.bound <= tolerance;
-                if !found.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
+                let mut leaf_bound =
+                    LeafBound { bound: bend.bound + rounding_error, is_met: false, sides: bend.sides, place };
+                let tolerance = tolerance(place, allowance, rounding_error)
+                    .map_err(|obstacle| Box::new((obstacle, leaf_bound)))?;
+                leaf_bound.is_met = bend.bound <= tolerance;
+                if !leaf_bound.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
                     let flat = FlatTriangle::new(corners, tolerance);
                     let bound = flat.bound(LoopPiece::Quartic(Box::new(part), polynomial.off));
-                    found.is_met = bound <= tolerance;
-                    found.bound = if bound < bend.bound { bound + lost } else { found.bound };
+                    leaf_bound.is_met = bound <= tolerance;
+                    leaf_bound.bound =
+                        if bound < bend.bound { bound + rounding_error } else { leaf_bound.bound };
                 }
-                Ok(found)
+                Ok(leaf_bound)
             }
             LoopCellShape::Extraordinary(_) => {
                 let place = cell.bounding_box();
                 let reach = place.diagonal();
-                let mut found = LeafBound { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
-                let tolerance =
-                    tolerance(place, allowance, lost).map_err(|obstacle| Box::new((obstacle, found)))?;
+                let mut leaf_bound =
+                    LeafBound { bound: reach + rounding_error, is_met: false, sides: [1.0; 3], place };
+                let tolerance = tolerance(place, allowance, rounding_error)
+                    .map_err(|obstacle| Box::new((obstacle, leaf_bound)))?;
                 // The hull contains the surface and its vertices.
-                found.is_met = reach <= tolerance;
-                if !found.is_met {
+                leaf_bound.is_met = reach <= tolerance;
+                if !leaf_bound.is_met {
                     let bound =
                         FlatTriangle::new(corners, tolerance).bound(LoopPiece::Extraordinary(cell.shape));
-                    // Before rounding is added: a bound above the tolerance need not cover all.
-                    found.is_met = bound <= tolerance;
-                    found.bound = if bound < reach { bound + lost } else { found.bound };
+                    // Compared before rounding is added: a bound above the tolerance need not hold for all points.
+                    leaf_bound.is_met = bound <= tolerance;
+                    leaf_bound.bound = if bound < reach { bound + rounding_error } else { leaf_bound.bound };
                 }
-                Ok(found)
+                Ok(leaf_bound)
             }
         }
     }

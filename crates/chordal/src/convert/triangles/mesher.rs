@@ -33,17 +33,19 @@ pub(crate) struct CertifiedLeaves<'a> {
 /// The largest number of passes; each halves the width of the worst leaf in one direction.
 const MOST_PASSES: usize = 400;
 /// The narrowest leaf, in its longer direction: 2⁻⁴⁰ of a sheet is below any useful length. In the other
-/// direction parameters may round in the end, by less than is allowed for.
+/// direction parameters may be rounded in the end, by less than the proof allows.
 const NARROWEST: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Rounds of flipping diagonals between new leaves after each pass; chosen.
+/// Rounds of flipping diagonals between new leaves after each pass. Chosen: a third would flip few.
 const FLIPS: usize = 2;
-/// A diagonal is flipped where the worse of both leaves improves by this factor; chosen.
+/// A diagonal is flipped if the worse of both leaves improves by this factor. Chosen: smaller gains save no triangles.
 const WORTH_A_FLIP: f64 = 0.97;
-/// A leaf that misses its tolerance by this factor has more than its worst side split at once; chosen.
+/// If a leaf misses its tolerance by this factor, more than its worst side is split at once. Chosen: it needs several
+/// splits anyway.
 const FAR_OFF: f64 = 8.0;
-/// Those sides whose bending is at least this fraction of the worst; chosen.
+/// Then the sides with at least this fraction of the worst bending are split. Chosen: they would be split soon.
 const ALSO_BENT: f64 = 0.6;
-/// The weight of a side shared with an extraordinary leaf: all sides of that leaf would be split; chosen.
+/// The weight of a side shared with an extraordinary leaf. Chosen: less than 1, since all sides of that leaf would be
+/// split.
 const UNWANTED: f64 = 0.5;
 
 impl<'a> LoopMesher<'a> {
@@ -79,8 +81,7 @@ impl<'a> LoopMesher<'a> {
         Self { cells, leaves, vertices, texcoords: None, n_edges, job }
     }
 
-    /// The longest diagonal of a sheet's hull, at least what rounding may lose; 1 where all sheets are
-    /// points.
+    /// The longest diagonal of a sheet's hull, at least the error of rounding; 1 if all sheets are points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
         let longest = self.cells.iter().fold(0.0_f64, |most, cell| {
             most.max(cell.bounding_box().diagonal()).max(cell.shape.rounding_error())
@@ -88,7 +89,7 @@ impl<'a> LoopMesher<'a> {
         if longest > 0.0 { longest } else { 1.0 }
     }
 
-    /// About how many triangles an allowance needs at least, estimated from whole sheets.
+    /// An estimate of the least number of triangles for an allowance, from whole sheets.
     pub(crate) fn estimate(&self, allowance: &Allowance) -> Result<f64, TessellationFailure> {
         let of_leaf = |leaf: &LoopLeaf| -> Result<f64, InfeasibleTolerance> {
             let cell = &self.cells[leaf.cell as usize];
@@ -117,8 +118,7 @@ impl<'a> LoopMesher<'a> {
         parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse_tolerance)?))
     }
 
-    /// Splits sides until every leaf is within its allowance; `None` where that takes more than `most`
-    /// triangles.
+    /// Splits sides until every leaf is within its allowance; `None` if that takes more than `most` triangles.
     pub(crate) fn refine(
         &self,
         allowance: &Allowance,
@@ -196,7 +196,7 @@ impl<'a> LoopRefinement<'a> {
             match leaf.certify(cell, &self.vertices, allowance) {
                 Ok(found) if !found.is_met && is_narrow => Err(too_small()),
                 Err(refused) => match *refused {
-                    // Smaller ones may be farther from the eye.
+                    // Smaller leaves may be farther from the eye.
                     (InfeasibleTolerance::TooClose(_), found) if !is_narrow => Ok(found),
                     (obstacle, _) => Err(refuse_tolerance(obstacle)),
                 },
@@ -209,9 +209,9 @@ impl<'a> LoopRefinement<'a> {
         Ok(())
     }
 
-    /// The sides to split. Of extraordinary leaves all sides or none; of other leaves that are far off, those
-    /// that bend most. Of the remaining leaves one side each, the worst first, and no other side of its
-    /// neighbour in the same pass: that may be enough for both.
+    /// The sides to split. For extraordinary leaves these are all sides or none; for other leaves far above their allowance
+    /// the sides with the largest bending. For every other leaf it is one side, the worst first, and no other side of its
+    /// neighbour in the same pass: that one split may suffice for both.
     fn sides_to_split(&self, allowance: &Allowance) -> SideSplits {
         let mut marked = SideSplits::new();
         let is_rough =
@@ -221,21 +221,24 @@ impl<'a> LoopRefinement<'a> {
         let rough_sides: BTreeSet<[u32; 3]> =
             extraordinary.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
         // The factor, the leaf, and the side.
-        let mut wanted: Vec<(f64, usize, [u32; 3])> = Vec::new();
-        for (index, (leaf, found)) in self.leaves.iter().enumerate() {
-            let Some(found) = found.as_ref().filter(|found| !found.is_met) else { continue };
+        let mut single_sides: Vec<(f64, usize, [u32; 3])> = Vec::new();
+        for (index, (leaf, leaf_bound)) in self.leaves.iter().enumerate() {
+            let Some(leaf_bound) = leaf_bound.as_ref().filter(|leaf_bound| !leaf_bound.is_met) else {
+                continue;
+            };
             let is_shared = [0, 1, 2].map(|side| rough_sides.contains(&leaf.side(side)));
             let bends =
-                [0, 1, 2].map(|side| found.sides[side] * if is_shared[side] { UNWANTED } else { 1.0 });
+                [0, 1, 2].map(|side| leaf_bound.sides[side] * if is_shared[side] { UNWANTED } else { 1.0 });
             let worst = (1..3).fold(0, |worst, side| if bends[side] > bends[worst] { side } else { worst });
-            let is_far = allowance.at(&found.place).is_none_or(|allowed| found.bound > FAR_OFF * allowed);
+            let is_far =
+                allowance.at(&leaf_bound.place).is_none_or(|allowed| leaf_bound.bound > FAR_OFF * allowed);
             if is_far || is_rough(leaf) {
                 let split = (0..3).filter(|side| bends[*side] >= ALSO_BENT * bends[worst] || is_rough(leaf));
                 split.for_each(|side| _ = marked.insert(leaf.side(side), u32::MAX));
             } else if is_shared[worst] {
                 marked.insert(leaf.side(worst), u32::MAX);
             } else {
-                wanted.push((bends[worst], index, leaf.side(worst)));
+                single_sides.push((bends[worst], index, leaf.side(worst)));
             }
         }
         loop {
@@ -251,7 +254,7 @@ impl<'a> LoopRefinement<'a> {
             }
         }
         let mut owners: BTreeMap<[u32; 3], Vec<usize>> =
-            wanted.iter().map(|(_, _, side)| (*side, Vec::new())).collect();
+            single_sides.iter().map(|(_, _, side)| (*side, Vec::new())).collect();
         let mut is_busy = vec![false; self.leaves.len()];
         for (index, (leaf, _)) in self.leaves.iter().enumerate() {
             for side in 0..3 {
@@ -262,8 +265,8 @@ impl<'a> LoopRefinement<'a> {
                 }
             }
         }
-        wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (_, _, side) in wanted {
+        single_sides.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, _, side) in single_sides {
             let owners = &owners[&side];
             if owners.iter().all(|owner| !is_busy[*owner]) {
                 owners.iter().for_each(|owner| is_busy[*owner] = true);
@@ -276,21 +279,21 @@ impl<'a> LoopRefinement<'a> {
     /// Splits these sides in the middle.
     fn split(&mut self, mut marked: SideSplits, job: &Job) {
         // Each vertex is computed from the first leaf with its side.
-        let mut made: Vec<(usize, usize)> = Vec::with_capacity(marked.len());
+        let mut new_vertices: Vec<(usize, usize)> = Vec::with_capacity(marked.len());
         for (index, (leaf, _)) in self.leaves.iter().enumerate() {
             for side in 0..3 {
                 if let Some(vertex) = marked.get_mut(&leaf.side(side)).filter(|vertex| **vertex == u32::MAX) {
-                    *vertex = (self.vertices.len() + made.len()) as u32;
-                    made.push((index, side));
+                    *vertex = (self.vertices.len() + new_vertices.len()) as u32;
+                    new_vertices.push((index, side));
                 }
             }
         }
-        let made = par_map(job, &made, |_, (index, side)| {
+        let new_vertices = par_map(job, &new_vertices, |_, (index, side)| {
             let leaf = &self.leaves[*index].0;
             let shape = &self.cells[leaf.cell as usize].shape;
             LoopVertex { at: shape.point(leaf.middle(*side)), off: shape.rounding_error() }
         });
-        self.vertices.extend(made);
+        self.vertices.extend(new_vertices);
         let leaves = std::mem::take(&mut self.leaves);
         self.leaves.reserve(leaves.len() + 2 * marked.len());
         for (leaf, found) in leaves {
@@ -310,7 +313,7 @@ impl<'a> LoopRefinement<'a> {
         }
     }
 
-    /// Flips diagonals between new leaves of one cell where that brings them nearer to the surface.
+    /// Flips diagonals between new leaves of one cell if that brings them nearer to the surface.
     fn flip(&mut self, job: &Job) {
         let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
         for (index, (leaf, found)) in self.leaves.iter().enumerate() {
@@ -343,7 +346,7 @@ impl<'a> LoopRefinement<'a> {
         }
     }
 
-    /// Two leaves with the flipped diagonal, where that is better, and the factor of improvement.
+    /// Two leaves with the flipped diagonal, if that is better, and the factor of improvement.
     fn flip_if_better(&self, [(first, s), (second, t)]: [(usize, usize); 2]) -> Option<(f64, [LoopLeaf; 2])> {
         let (one, two) = (&self.leaves[first].0, &self.leaves[second].0);
         let inside = self.interior_line(one);
@@ -406,7 +409,7 @@ impl<'a> LoopRefinement<'a> {
         }
     }
 
-    /// Halves a leaf at the middle of the side that bends most, and its halves where they must be split.
+    /// Halves a leaf at the middle of the side with the largest bending, and its halves if they must be split.
     fn halve(&mut self, leaf: LoopLeaf, new: [Option<u32>; 3], bends: [f64; 3]) {
         let worst =
             (0..3).filter(|side| new[*side].is_some()).reduce(|a, b| if bends[b] > bends[a] { b } else { a });

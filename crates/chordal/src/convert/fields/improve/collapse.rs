@@ -1,4 +1,4 @@
-//! Rounds of edge collapses: vertices are removed as long as all changed edges and faces stay within the aim.
+//! Rounds of edge collapses: vertices are removed if all changed edges and faces stay within the aim.
 use super::sample::PrimitiveSample;
 use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
 use crate::budget::par_map;
@@ -6,17 +6,18 @@ use crate::explicit::{next_in_face, previous_in_face};
 use crate::math::greater;
 use glam::DVec3;
 
-/// The most rounds: an independent set has at least a tenth of the vertices, so that this is far more than
+/// The most rounds. Chosen: an independent set has at least a tenth of the vertices, so that this is far more than
 /// any surface takes.
 const MOST_ROUNDS: usize = 400;
-/// Vertices with more faces are left alone. Chosen: such a vertex visits all of them for each of its edges.
+/// Vertices with more faces are not removed. Chosen: an estimate visits all faces for each of the vertex's edges.
 const MOST_FACES: usize = 64;
-/// A crease is closed where the angle between its faces is below a quarter of that between its primitives; by
-/// squares.
-const SHUT: f64 = 1.0 / 16.0;
+/// A crease counts as closed if the angle between its faces is below a quarter of that between its primitives. The
+/// number is for squares of angles.
+const CLOSED: f64 = 1.0 / 16.0;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
-/// Costs below this fraction of the aim count as equal: then the length decides.
+/// Costs below this fraction of the aim count as equal, and the shorter edge is taken. Chosen: so small a difference
+/// does not count beside the aim.
 const ALIKE: f64 = 0.05;
 
 /// A vertex with the half-edge along which it collapses.
@@ -27,7 +28,16 @@ struct CollapseEstimate {
     length: f64,
 }
 
-/// The star of a vertex that collapses along a half-edge: its half-edges from that one on, and their ends.
+/// The star of a vertex `v` that collapses along a half-edge into `ring[0]`: `sides[i]` runs from `v` to `ring[i]`.
+///
+/// ```text
+///   ring[2] ---- ring[1]       The faces of sides[0] and of sides[n − 1] vanish; the face of sides[i]
+///      | \  [1]  / |           becomes (ring[0], ring[i], ring[i + 1]), for i from 1 to n − 2.
+///      |   \   /   |
+///      |     v --- ring[0]     The edges from ring[0] to ring[2] … ring[n − 2] are new ("spokes");
+///      |   /   \   |           those to ring[1] and ring[n − 1] exist already.
+///   ring[3] ---- ring[4]
+/// ```
 #[derive(Default)]
 pub(super) struct VertexStar {
     pub sides: Vec<u32>,
@@ -35,39 +45,41 @@ pub(super) struct VertexStar {
 }
 
 impl SurfaceImprover<'_> {
-    /// Collapses until no vertex can be removed, or none of some.
+    /// Collapses until no vertex can be removed, or none of those marked in `among`.
     pub(super) fn collapse_all(&mut self, among: Option<&[bool]>) -> Result<(), ImproveError> {
         let mut star = VertexStar::default();
-        let mut list: Vec<CollapseEstimate> = Vec::new();
+        let mut estimates: Vec<CollapseEstimate> = Vec::new();
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
             if self.job.is_finishing() {
                 break;
             }
             // Estimates of the last round whose surroundings are unchanged stay valid.
-            list.retain(|one| {
-                self.surface.has_face(one.h / 3) && !self.is_open[self.surface.start(one.h) as usize]
+            estimates.retain(|estimate| {
+                self.surface.has_face(estimate.h / 3)
+                    && !self.is_open[self.surface.start(estimate.h) as usize]
             });
-            list.extend(self.estimated_collapses(among));
-            // What is left of the last round is in order; bits of numbers that are not negative are in their order.
-            list.sort_by_key(|one| (one.cost.to_bits(), one.length.to_bits(), one.h));
+            estimates.extend(self.estimated_collapses(among));
+            // The estimates kept from the last round are sorted already; bits of non-negative numbers sort like the numbers.
+            estimates
+                .sort_by_key(|estimate| (estimate.cost.to_bits(), estimate.length.to_bits(), estimate.h));
             let mut faces = Vec::new();
             let (mut chosen, mut rest) = (Vec::new(), Vec::new());
-            for one in list.drain(..) {
+            for estimate in estimates.drain(..) {
                 faces.clear();
-                faces.extend(self.surface.one_ring(self.surface.start(one.h)).map(|h| h / 3));
-                if self.claim_faces(&faces) { chosen.push(one) } else { rest.push(one) }
+                faces.extend(self.surface.one_ring(self.surface.start(estimate.h)).map(|h| h / 3));
+                if self.claim_faces(&faces) { chosen.push(estimate) } else { rest.push(estimate) }
             }
             if chosen.is_empty() {
                 break;
             }
             self.collapse_edges(&chosen, &mut star)?;
-            list = rest;
+            estimates = rest;
         }
         Ok(())
     }
 
-    /// The best collapses of all open vertices, which are open no more.
+    /// The best collapses of all open vertices, which are then no longer open.
     fn estimated_collapses(&mut self, among: Option<&[bool]>) -> Vec<CollapseEstimate> {
         let n = self.surface.vertex_slots() as u32;
         let may_collapse = |v: u32| among.is_none_or(|among| among[v as usize]);
@@ -119,11 +131,12 @@ impl SurfaceImprover<'_> {
                 continue;
             }
             self.gather_star(h, star);
-            let most = best.as_ref().map_or(self.limit, |one| one.cost);
+            let most = best.as_ref().map_or(self.limit, |estimate| estimate.cost);
             let Some(cost) = self.estimated_cost(star, most) else { continue };
             let length = (self.at(star.ring[0]) - self.at(v)).length_squared();
-            let is_better =
-                best.as_ref().is_none_or(|one| cost < one.cost || cost == one.cost && length < one.length);
+            let is_better = best.as_ref().is_none_or(|estimate| {
+                cost < estimate.cost || cost == estimate.cost && length < estimate.length
+            });
             if is_better {
                 best = Some(CollapseEstimate { h, cost, length });
             }
@@ -131,7 +144,7 @@ impl SurfaceImprover<'_> {
         best
     }
 
-    /// The estimated error of the new faces, relative to the aim; `None` if it is more than `most`.
+    /// The estimated error of the new edges, relative to the aim; `None` if it is more than `most`.
     fn estimated_cost(&self, star: &VertexStar, most: f64) -> Option<f64> {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -148,16 +161,16 @@ impl SurfaceImprover<'_> {
             if i + 1 < n - 1 {
                 let after = self.label_of(star.sides[i + 1]);
                 let distance = self.estimate(b, ring[i + 1], label);
-                let off = if label == after {
+                let excess = if label == after {
                     distance.abs() / self.aim_of([b, ring[i + 1]])
                 } else {
                     let other = self.estimate(b, ring[i + 1], after);
                     self.crease_excess([b, ring[i + 1]], [label, after], [distance, other])
                 };
-                if !(off <= most) {
+                if !(excess <= most) {
                     return None;
                 }
-                cost = greater(off, cost);
+                cost = greater(excess, cost);
             }
         }
         Some(cost)
@@ -166,23 +179,23 @@ impl SurfaceImprover<'_> {
     /// Samples collapses, and performs those that stay within the aim.
     fn collapse_edges(
         &mut self,
-        list: &[CollapseEstimate],
+        estimates: &[CollapseEstimate],
         star: &mut VertexStar,
     ) -> Result<(), ImproveError> {
-        let mut asks: Vec<(FaceLabel, DVec3)> = Vec::new();
-        for one in list {
-            self.gather_star(one.h, star);
-            self.for_each_sample_point(star, |label, at| asks.push((label, at)));
+        let mut queries: Vec<(FaceLabel, DVec3)> = Vec::new();
+        for estimate in estimates {
+            self.gather_star(estimate.h, star);
+            self.for_each_sample_point(star, |label, at| queries.push((label, at)));
         }
-        let samples = self.sample(&asks)?;
+        let samples = self.sample(&queries)?;
         let mut from = 0;
-        for one in list {
-            self.gather_star(one.h, star);
+        for estimate in estimates {
+            self.gather_star(estimate.h, star);
             let mut n = 0;
             self.for_each_sample_point(star, |_, _| n += 1);
             let samples = &samples[from..from + n];
             from += n;
-            if self.surface.can_collapse(one.h)
+            if self.surface.can_collapse(estimate.h)
                 && self.is_within_aim(star, samples)
                 && !self.closes_crease(star)
                 && !self.would_intersect(star)
@@ -215,8 +228,8 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// The first and the last of the ring are already joined to the end. Where the removed face there has
-    /// another label than the face that takes its place, the edge becomes a crease or ceases to be one. Gives
+    /// The edges from `ring[0]` to `ring[1]` and to `ring[n − 1]` exist already. If the removed face at such an edge has
+    /// another label than the face that takes its place, the edge becomes a crease or ceases to be one. Returns
     /// the index in the ring, and the new label.
     fn sides_that_change(&self, star: &VertexStar) -> [Option<(usize, FaceLabel)>; 2] {
         let n = star.ring.len();
@@ -233,13 +246,13 @@ impl SurfaceImprover<'_> {
         [next_in_face(star.sides[0]), previous_in_face(t)].map(|h| self.surface.twin(h))
     }
 
-    /// The signed distances of the new edges' middles from the primitives before and after them, by index in
-    /// the ring.
+    /// By index in the ring: the signed distances of the spoke's middle from the primitives of the faces before and after
+    /// it.
     fn spoke_distances(&self, star: &VertexStar, samples: &[PrimitiveSample]) -> Vec<[f64; 2]> {
         let n = star.ring.len();
         let mut spokes = vec![[f64::NAN; 2]; n];
         let t = self.surface.twin(star.sides[0]);
-        // The first and the last are existing edges.
+        // The first and the last spoke are existing edges.
         let first = self.middle_of(next_in_face(star.sides[0]));
         let last = self.middle_of(previous_in_face(t));
         let outer = self.outer(star).map(|h| self.middle_of(h));
@@ -257,7 +270,7 @@ impl SurfaceImprover<'_> {
         spokes
     }
 
-    /// Whether all new edges and faces are within the aim, and the faces along their primitives.
+    /// Whether all new edges and faces are within the aim, and the faces are oriented like their primitives.
     fn is_within_aim(&self, star: &VertexStar, samples: &[PrimitiveSample]) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -267,8 +280,8 @@ impl SurfaceImprover<'_> {
             let corners = [b, ring[i], ring[i + 1]];
             let sample = samples[i - 1];
             let middles = [spokes[i][1], self.middle_of(next_in_face(star.sides[i])), spokes[i + 1][0]];
-            let off = self.distances(corners, label, middles, sample.distance);
-            if !(off.largest() <= self.limit * self.aim_of(corners))
+            let distances = self.distances(corners, label, middles, sample.distance);
+            if !(distances.largest() <= self.limit * self.aim_of(corners))
                 || !self.faces_along(corners.map(|v| self.at(v)), sample.normal)
             {
                 return false;
@@ -287,7 +300,7 @@ impl SurfaceImprover<'_> {
         })
     }
 
-    /// Whether faces would coincide at a crease, where the solid is thinner than the edges are long.
+    /// Whether faces would coincide at a crease, as where the solid is thinner than the edges are long.
     fn closes_crease(&self, star: &VertexStar) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -296,16 +309,16 @@ impl SurfaceImprover<'_> {
             (self.label_of(star.sides[i]), area_normal(points).normalize_or_zero())
         };
         let old = |h: u32| (self.label_of(h), area_normal(self.points(h / 3)).normalize_or_zero());
-        let is_shut = |x: (FaceLabel, DVec3), y: (FaceLabel, DVec3), v: u32| {
+        let is_closed = |x: (FaceLabel, DVec3), y: (FaceLabel, DVec3), v: u32| {
             let (Some(p), Some(q)) = (self.constraint(v, x.0), self.constraint(v, y.0)) else { return false };
-            x.0 != y.0 && 1.0 + x.1.dot(y.1) < SHUT * (1.0 + p.normal.dot(q.normal))
+            x.0 != y.0 && 1.0 + x.1.dot(y.1) < CLOSED * (1.0 + p.normal.dot(q.normal))
         };
         let outer = self.outer(star);
         (1..n - 1).any(|i| {
             let beyond = self.surface.twin(next_in_face(star.sides[i]));
-            is_shut(new(i), old(beyond), ring[i]) || i + 1 < n - 1 && is_shut(new(i), new(i + 1), b)
-        }) || is_shut(old(outer[0]), new(1), b)
-            || is_shut(new(n - 2), old(outer[1]), b)
+            is_closed(new(i), old(beyond), ring[i]) || i + 1 < n - 1 && is_closed(new(i), new(i + 1), b)
+        }) || is_closed(old(outer[0]), new(1), b)
+            || is_closed(new(n - 2), old(outer[1]), b)
     }
 
     pub(super) fn would_intersect(&mut self, star: &VertexStar) -> bool {
@@ -322,7 +335,7 @@ impl SurfaceImprover<'_> {
         let n = star.ring.len();
         let t = self.surface.twin(star.sides[0]);
         let mut spokes = self.spoke_distances(star, samples);
-        // Unsampled edges stay so.
+        // Existing edges that are unsampled stay unsampled.
         let changes = self.sides_that_change(star);
         if changes[0].is_none() {
             spokes[1][1] = self.middle[next_in_face(star.sides[0]) as usize];

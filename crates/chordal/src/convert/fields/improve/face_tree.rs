@@ -1,14 +1,14 @@
-//! `FaceTree`: boxes around faces, eight to a node, updated as the faces change.
+//! `FaceTree`: a bounding volume hierarchy of faces with eight children a node, updated as faces change.
 use glam::DVec3;
 
 /// No node, no face.
 const NONE: u32 = u32::MAX;
-/// Set in a child that is a node; else it is a face.
+/// The bit that marks a child as a node; otherwise it is a face.
 const NODE: u32 = 1 << 31;
-/// Children of a node, which are compared at once.
+/// Children of a node. Chosen: their boxes are compared at once, in SIMD registers.
 const WIDE: usize = 8;
-/// Nodes that wait on the way through the tree, of seven a level. Chosen: nine levels hold 10⁸ faces.
-const OPEN: usize = 64;
+/// The size of the stack of a traversal, of which each level needs seven. Chosen: nine levels hold 10⁸ faces.
+const STACK: usize = 64;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +61,7 @@ impl FaceTreeNode {
         (0..6).for_each(|e| self.ends[e][k] = ends[e]);
     }
 
-    /// Grows the box of a child; whether that was needed.
+    /// Grows the box of a child; returns whether it has changed.
     fn grow(&mut self, k: usize, ends: &PackedBox) -> bool {
         let mut grew = false;
         for e in 0..6 {
@@ -79,7 +79,7 @@ impl FaceTreeNode {
 pub(super) struct FaceTree {
     nodes: Vec<FaceTreeNode>,
     /// By face: its node, and its child number there.
-    place: Vec<(u32, u32)>,
+    slot_of: Vec<(u32, u32)>,
     origin: DVec3,
     scale: f64,
     n_built: usize,
@@ -88,44 +88,45 @@ pub(super) struct FaceTree {
 impl FaceTree {
     /// Builds a tree of faces with their boxes; other slots up to `n_slots` are empty.
     pub fn build(faces: &mut [(u32, FaceBox)], n_slots: usize) -> Self {
-        let whole = faces.iter().fold(FaceBox::EMPTY, |all, (_, one)| all.union(*one));
-        let size = (whole.max - whole.min).max_element();
+        let hull = faces.iter().fold(FaceBox::EMPTY, |hull, (_, bounds)| hull.union(*bounds));
+        let size = (hull.max - hull.min).max_element();
         let mut tree = Self {
             nodes: Vec::with_capacity(faces.len() / 4 + 1),
-            place: vec![(NONE, 0); n_slots],
-            origin: if faces.is_empty() { DVec3::ZERO } else { whole.min },
+            slot_of: vec![(NONE, 0); n_slots],
+            origin: if faces.is_empty() { DVec3::ZERO } else { hull.min },
             scale: if size > 0.0 { 1.0 / size } else { 1.0 },
             n_built: faces.len(),
         };
         tree.nodes.push(FaceTreeNode::new((NONE, 0)));
-        let mut open = vec![(0_u32, 0_usize, faces.len())];
-        while let Some((node, from, to)) = open.pop() {
+        let mut pending = vec![(0_u32, 0_usize, faces.len())];
+        while let Some((node, from, to)) = pending.pop() {
             if to - from <= WIDE {
                 for (k, (face, bounds)) in faces[from..to].iter().enumerate() {
                     let ends = tree.ends(bounds);
-                    let at = &mut tree.nodes[node as usize];
-                    at.set(k, &ends);
-                    at.children[k] = *face;
-                    tree.place[*face as usize] = (node, k as u32);
+                    let parent = &mut tree.nodes[node as usize];
+                    parent.set(k, &ends);
+                    parent.children[k] = *face;
+                    tree.slot_of[*face as usize] = (node, k as u32);
                 }
                 continue;
             }
             let mut cuts = [from, 0, 0, 0, 0, 0, 0, 0, to];
             for step in [WIDE, WIDE / 2, WIDE / 4] {
-                for at in (0..WIDE).step_by(step) {
-                    cuts[at + step / 2] = halve(&mut faces[cuts[at]..cuts[at + step]]) + cuts[at];
+                for k in (0..WIDE).step_by(step) {
+                    cuts[k + step / 2] = halve(&mut faces[cuts[k]..cuts[k + step]]) + cuts[k];
                 }
             }
             for k in 0..WIDE {
                 let (from, to) = (cuts[k], cuts[k + 1]);
                 let child = tree.nodes.len() as u32;
                 tree.nodes.push(FaceTreeNode::new((node, k as u32)));
-                let bounds = faces[from..to].iter().fold(FaceBox::EMPTY, |all, (_, one)| all.union(*one));
+                let bounds =
+                    faces[from..to].iter().fold(FaceBox::EMPTY, |hull, (_, bounds)| hull.union(*bounds));
                 let ends = tree.ends(&bounds);
-                let at = &mut tree.nodes[node as usize];
-                at.set(k, &ends);
-                at.children[k] = NODE | child;
-                open.push((child, from, to));
+                let parent = &mut tree.nodes[node as usize];
+                parent.set(k, &ends);
+                parent.children[k] = NODE | child;
+                pending.push((child, from, to));
             }
         }
         tree
@@ -138,8 +139,8 @@ impl FaceTree {
 
     #[inline]
     fn ends(&self, bounds: &FaceBox) -> PackedBox {
-        // Coordinates in the frame are about 1 and less: moved by more than their rounding to f32, 2⁻²⁴, and
-        // that of the frame.
+        // Ends are moved outward by more than their rounding to f32, 2⁻²⁴, and the rounding of the frame, since
+        // coordinates in the frame are about 1 or less.
         const OUTWARD: f64 = 1.0 / (1 << 22) as f64;
         let low = (bounds.min - self.origin) * self.scale;
         let high = (bounds.max - self.origin) * self.scale;
@@ -149,7 +150,7 @@ impl FaceTree {
 
     /// Updates the box of a changed face.
     pub fn update(&mut self, face: u32, bounds: &FaceBox) {
-        let (node, k) = self.place[face as usize];
+        let (node, k) = self.slot_of[face as usize];
         let ends = self.ends(bounds);
         let at = &mut self.nodes[node as usize];
         at.set(k as usize, &ends);
@@ -164,20 +165,20 @@ impl FaceTree {
 
     /// Removes a face.
     pub fn remove(&mut self, face: u32) {
-        let (node, k) = self.place[face as usize];
+        let (node, k) = self.slot_of[face as usize];
         self.nodes[node as usize].set(k as usize, &NOTHING);
     }
 
-    /// Adds the face of the next number beside another one.
+    /// Adds the face with the next number beside another face.
     pub fn add(&mut self, beside: u32, bounds: &FaceBox) {
-        let face = self.place.len() as u32;
-        let (node, k) = self.place[beside as usize];
+        let face = self.slot_of.len() as u32;
+        let (node, k) = self.slot_of[beside as usize];
         let ends = self.ends(bounds);
         let free = self.nodes[node as usize].children.iter().position(|child| *child == NONE);
-        let place = if let Some(free) = free {
+        let slot_of = if let Some(free) = free {
             (node, free as u32)
         } else {
-            // Both go into a new node in place of `beside`.
+            // The node is full: both faces go into a new node in place of `beside`.
             let child = self.nodes.len() as u32;
             let mut new = FaceTreeNode::new((node, k));
             let at = &mut self.nodes[node as usize];
@@ -185,14 +186,14 @@ impl FaceTree {
             new.children[0] = beside;
             at.children[k as usize] = NODE | child;
             self.nodes.push(new);
-            self.place[beside as usize] = (child, 0);
+            self.slot_of[beside as usize] = (child, 0);
             (child, 1)
         };
-        self.place.push(place);
-        let at = &mut self.nodes[place.0 as usize];
-        at.children[place.1 as usize] = face;
-        at.set(place.1 as usize, &ends);
-        self.grow(at_parent(&self.nodes, place.0), &ends);
+        self.slot_of.push(slot_of);
+        let at = &mut self.nodes[slot_of.0 as usize];
+        at.children[slot_of.1 as usize] = face;
+        at.set(slot_of.1 as usize, &ends);
+        self.grow(at_parent(&self.nodes, slot_of.0), &ends);
     }
 
     /// Visits the faces whose boxes may meet a box.
@@ -201,14 +202,14 @@ impl FaceTree {
         let [a, b, c, d, e, f] = self.ends(bounds);
         // Each low end against the other's high end.
         let against = [-d, -e, -f, -a, -b, -c];
-        // What does not fit goes to the heap, as where splits have made the tree deep.
-        let (mut open, mut n_open, mut more) =
-            ([0_u32; OPEN], usize::from(!self.nodes.is_empty()), Vec::new());
+        // Nodes that do not fit on the stack go to the heap; this happens if splits have made the tree deep.
+        let (mut stack, mut n_stack, mut overflow) =
+            ([0_u32; STACK], usize::from(!self.nodes.is_empty()), Vec::new());
         loop {
-            let number = if n_open > 0 {
-                n_open -= 1;
-                open[n_open]
-            } else if let Some(number) = more.pop() {
+            let number = if n_stack > 0 {
+                n_stack -= 1;
+                stack[n_stack]
+            } else if let Some(number) = overflow.pop() {
                 number
             } else {
                 break;
@@ -225,11 +226,11 @@ impl FaceTree {
                     let child = node.children[k];
                     if child & NODE == 0 {
                         near(child);
-                    } else if child != NONE && n_open < OPEN {
-                        open[n_open] = child & !NODE;
-                        n_open += 1;
+                    } else if child != NONE && n_stack < STACK {
+                        stack[n_stack] = child & !NODE;
+                        n_stack += 1;
                     } else if child != NONE {
-                        more.push(child & !NODE);
+                        overflow.push(child & !NODE);
                     }
                 }
             }
@@ -300,9 +301,11 @@ mod tests {
                         }
                     });
                     found.sort_unstable();
-                    let all = boxes.iter().enumerate();
-                    let expected: Vec<usize> =
-                        all.filter(|(_, b)| b.is_some_and(|b| b.meets(&query))).map(|(f, _)| f).collect();
+                    let numbered = boxes.iter().enumerate();
+                    let expected: Vec<usize> = numbered
+                        .filter(|(_, b)| b.is_some_and(|b| b.meets(&query)))
+                        .map(|(f, _)| f)
+                        .collect();
                     assert_eq!(found, expected);
                 }
             }

@@ -1,17 +1,17 @@
-//! Rounds of edge flips: for smaller errors, and where these are small for better angles.
+//! Rounds of edge flips: for smaller errors, and for better angles if errors are small.
 use super::{ImproveError, SurfaceImprover, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
 use crate::math::{greater, lesser};
 use glam::DVec3;
 
-/// The most rounds; each flips most of the remaining edges.
+/// The most rounds. Chosen: each round flips most of the remaining edges.
 const MOST_ROUNDS: usize = 6;
 
 /// An edge with the gain of flipping it.
 struct FlipEstimate {
     h: u32,
     gain: f64,
-    /// Whether the flip replaces a triangle that stands on the surface, or gains much: then samples need not
+    /// Whether the flip replaces a triangle that stands on edge, or gains much: then samples need not
     /// confirm it.
     is_urgent: bool,
 }
@@ -22,20 +22,20 @@ impl SurfaceImprover<'_> {
             if self.job.is_finishing() {
                 break;
             }
-            let open = self.changed_edges();
-            if open.is_empty() {
+            let edges = self.changed_edges();
+            if edges.is_empty() {
                 break;
             }
             self.next_round()?;
-            let mut flips: Vec<FlipEstimate> = open.iter().filter_map(|h| self.estimate_flip(*h)).collect();
+            let mut flips: Vec<FlipEstimate> = edges.iter().filter_map(|h| self.estimate_flip(*h)).collect();
             flips.sort_unstable_by(|x, y| y.gain.total_cmp(&x.gain).then(x.h.cmp(&y.h)));
             flips.retain(|flip| {
-                let takes = self.claim_faces(&[flip.h / 3, self.surface.twin(flip.h) / 3]);
-                if !takes {
-                    // Tried in the next round, whatever the earlier flips do.
+                let is_claimed = self.claim_faces(&[flip.h / 3, self.surface.twin(flip.h) / 3]);
+                if !is_claimed {
+                    // Its faces are taken by a better flip: it is tried again in the next round.
                     self.changed.push(flip.h / 3);
                 }
-                takes
+                is_claimed
             });
             self.flip_edges(&flips)?;
         }
@@ -59,7 +59,7 @@ impl SurfaceImprover<'_> {
         edges
     }
 
-    /// The flip of an edge, if it is worth it by estimates.
+    /// The flip of an edge, if estimates show a gain.
     fn estimate_flip(&self, h: u32) -> Option<FlipEstimate> {
         let t = self.surface.twin(h);
         let label = self.label_of(h);
@@ -69,22 +69,23 @@ impl SurfaceImprover<'_> {
         let (a, b, c, d) =
             (self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t));
         let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.at(v));
-        let known = self.middle[h as usize];
-        let old = if known.is_nan() { self.estimate(a, b, label).abs() } else { known.abs() };
+        let sampled = self.middle[h as usize];
+        let old = if sampled.is_nan() { self.estimate(a, b, label).abs() } else { sampled.abs() };
         let new = self.estimate(c, d, label).abs();
         let before = worse(quality([pa, pb, pc]), quality([pb, pa, pd]));
         let after = worse(quality([pa, pd, pc]), quality([pd, pb, pc]));
         let normal = self.constraint(a, label)?.normal + self.constraint(b, label)?.normal;
         let normal = normal.normalize_or_zero();
-        let fits = |points: [[DVec3; 3]; 2]| points.iter().all(|one| self.faces_along(*one, normal));
+        let fits =
+            |triangles: [[DVec3; 3]; 2]| triangles.iter().all(|points| self.faces_along(*points, normal));
         let aim = self.aim_of([a, b, c, d]);
-        let small = 0.25 * aim; // Below that angles count.
-        // A triangle that stands on the surface is worse than any error.
-        let rights = !fits([[pa, pb, pc], [pb, pa, pd]]);
-        let gain = if rights {
+        let small = 0.25 * aim; // Below this, angles decide.
+        // A triangle that stands on edge is worse than any error.
+        let rights_triangle = !fits([[pa, pb, pc], [pb, pa, pd]]);
+        let gain = if rights_triangle {
             1.0 + old / aim
         } else if old > small || new > small {
-            // Thin triangles are fine where they gain much.
+            // Thin triangles are accepted if the error falls clearly.
             if !(new < 0.9 * old && after > 0.0) {
                 return None;
             }
@@ -99,19 +100,19 @@ impl SurfaceImprover<'_> {
         (fits && self.surface.can_flip(h)).then_some(FlipEstimate {
             h,
             gain,
-            is_urgent: rights || gain > 1.0,
+            is_urgent: rights_triangle || gain > 1.0,
         })
     }
 
     /// Samples flips, and performs those that are confirmed.
     fn flip_edges(&mut self, flips: &[FlipEstimate]) -> Result<(), ImproveError> {
-        let mut asks = Vec::with_capacity(3 * flips.len());
+        let mut queries = Vec::with_capacity(3 * flips.len());
         for FlipEstimate { h, .. } in flips {
             let label = self.label_of(*h);
             let [a, b, c, d] = self.diamond(*h).map(|v| self.at(v));
-            asks.extend([(label, 0.5 * (c + d)), (label, (a + d + c) / 3.0), (label, (d + b + c) / 3.0)]);
+            queries.extend([(label, 0.5 * (c + d)), (label, (a + d + c) / 3.0), (label, (d + b + c) / 3.0)]);
         }
-        let samples = self.sample(&asks)?;
+        let samples = self.sample(&queries)?;
         for (FlipEstimate { h, is_urgent, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
             let t = self.surface.twin(*h);
             let label = self.label_of(*h);
@@ -122,13 +123,13 @@ impl SurfaceImprover<'_> {
             let middle = samples[0].distance;
             let new = self.flipped_triangles(*h);
             let faces = new.map(|(face, _)| face);
-            let off = [
+            let errors = [
                 self.distances(faces[0], label, [ad, middle, ca], samples[1].distance).largest(),
                 self.distances(faces[1], label, [db, bc, middle], samples[2].distance).largest(),
             ];
             let (before, after) = (
                 greater(self.face_distances(*h / 3).largest(), self.face_distances(t / 3).largest()),
-                greater(off[0], off[1]),
+                greater(errors[0], errors[1]),
             );
             let improves = *is_urgent || after <= 0.25 * self.aim_of([a, b, c, d]) || after < before;
             let fits = self.faces_along(new[0].1, samples[1].normal)
@@ -151,7 +152,7 @@ impl SurfaceImprover<'_> {
                 (next_in_face(t), kept[3]),
                 (previous_in_face(t), kept[0]),
             ];
-            slots.into_iter().for_each(|(side, known)| self.middle[side as usize] = known);
+            slots.into_iter().for_each(|(side, distance)| self.middle[side as usize] = distance);
             self.centre[*h as usize / 3] = samples[1].distance;
             self.centre[t as usize / 3] = samples[2].distance;
             for face in [*h / 3, t / 3] {
@@ -169,7 +170,7 @@ impl SurfaceImprover<'_> {
         [[a, d, c], [d, b, c]].map(|face| (face, face.map(|v| self.at(v))))
     }
 
-    /// The ends of an edge, and its opposite corners on its own side and on the other.
+    /// The ends of an edge, and the apexes of its two faces.
     fn diamond(&self, h: u32) -> [u32; 4] {
         let t = self.surface.twin(h);
         [self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t)]

@@ -1,4 +1,4 @@
-//! Whether new faces would intersect others: exact triangle tests where boxes meet.
+//! Whether new faces would intersect others: exact tests of the triangles whose boxes meet.
 use super::SurfaceImprover;
 use super::face_tree::{FaceBox, FaceTree};
 use crate::budget::par_map;
@@ -21,7 +21,7 @@ impl SurfaceImprover<'_> {
         self.tree = FaceTree::build(&mut faces, self.surface.face_slots());
     }
 
-    /// Rebuilds the tree where many of its faces are gone or new, since its boxes are loose then.
+    /// Rebuilds the tree if many of its faces are removed or new, since its boxes are loose then.
     pub(super) fn refresh_tree(&mut self) {
         let (now, then) = (self.surface.n_faces(), self.tree.n_built());
         if 4 * now < 3 * then || now > 2 * then {
@@ -35,7 +35,7 @@ impl SurfaceImprover<'_> {
         self.tree.update(face, &bounds);
     }
 
-    /// Updates the tree after the next face was made.
+    /// Adds the newest face to the tree, beside another face.
     pub(super) fn add_to_tree(&mut self, face: u32, beside: u32) {
         let bounds = FaceBox::from_points(&self.points(face));
         self.tree.add(beside, &bounds);
@@ -50,14 +50,14 @@ impl SurfaceImprover<'_> {
         }
         let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
         let crosses = |face: &u32| {
-            let own = [(self.surface.corners(*face), self.points(*face))];
-            self.meets_any(&own, &[*face])
+            let triangle = [(self.surface.corners(*face), self.points(*face))];
+            self.meets_any(&triangle, &[*face])
         };
         let of_chunk = |_, part: &&[u32]| part.iter().copied().filter(crosses).collect::<Vec<u32>>();
         par_map(self.job, &chunks, of_chunk).concat()
     }
 
-    /// All faces that intersect others; `None` where their boxes take more memory than there is.
+    /// All faces that intersect others; `None` if their boxes would take too much memory.
     fn all_crossing(&self) -> Option<Vec<u32>> {
         let (surface, numbers) = self.mesh();
         let mesh = Mesh::by_construction(surface.positions, surface.faces);
@@ -66,42 +66,42 @@ impl SurfaceImprover<'_> {
             let face = boxes.faces()[slot as usize];
             (mesh.faces()[face as usize], mesh.corners(face as usize))
         };
-        let found = boxes.pairs(self.job, |found: &mut Vec<u32>, slots| {
+        let parts = boxes.pairs(self.job, |crossing: &mut Vec<u32>, slots| {
             let [(a, p), (b, q)] = slots.map(triangle);
             if triangles_intersect([a, b], [p, q]) {
-                found.extend(slots.map(|slot| numbers[boxes.faces()[slot as usize] as usize]));
+                crossing.extend(slots.map(|slot| numbers[boxes.faces()[slot as usize] as usize]));
             }
         });
-        let mut crossing = found?.concat();
+        let mut crossing = parts?.concat();
         crossing.sort_unstable();
         crossing.dedup();
         Some(crossing)
     }
 
-    /// Whether new triangles would intersect remaining faces, or each other. Exact.
-    pub(super) fn crosses(&mut self, new: &IndexedTriangles, gone: &[u32]) -> bool {
+    /// Whether new triangles would intersect faces other than the removed ones, or each other. Exact.
+    pub(super) fn crosses(&mut self, new: &IndexedTriangles, removed: &[u32]) -> bool {
         self.counts.sheet_tests += 1;
-        let refused = self.meets_any(new, gone);
+        let refused = self.meets_any(new, removed);
         self.counts.sheet_refusals += usize::from(refused);
         refused
     }
 
-    fn meets_any(&self, new: &IndexedTriangles, gone: &[u32]) -> bool {
-        let whole =
-            new.iter().fold(FaceBox::EMPTY, |all, (_, points)| all.union(FaceBox::from_points(points)));
-        let mut found = false;
-        self.tree.for_each_near(&whole, |face| {
-            if found || !self.surface.has_face(face) || gone.contains(&face) {
+    fn meets_any(&self, new: &IndexedTriangles, removed: &[u32]) -> bool {
+        let hull =
+            new.iter().fold(FaceBox::EMPTY, |hull, (_, points)| hull.union(FaceBox::from_points(points)));
+        let mut intersects = false;
+        self.tree.for_each_near(&hull, |face| {
+            if intersects || !self.surface.has_face(face) || removed.contains(&face) {
                 return;
             }
             let (ids, points) = (self.surface.corners(face), self.points(face));
             let bounds = FaceBox::from_points(&points);
             for (new_ids, new_points) in new {
-                found |= FaceBox::from_points(new_points).meets(&bounds)
+                intersects |= FaceBox::from_points(new_points).meets(&bounds)
                     && faces_intersect([*new_ids, ids], [new_points, &points]);
             }
         });
-        found
+        intersects
             || new.iter().enumerate().any(|(k, (ids, points))| {
                 new[..k].iter().any(|(other_ids, other)| faces_intersect([*ids, *other_ids], [points, other]))
             })

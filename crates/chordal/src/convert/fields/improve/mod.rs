@@ -1,9 +1,9 @@
-//! `SurfaceImprover`: from a closed surface near that of a CSG tree to one on it, of few triangles.
+//! `SurfaceImprover`: turns a closed surface near that of a CSG tree into one of few triangles with vertices on it.
 //!
-//! Newton steps move vertices onto their primitives, onto creases where two meet and onto corners where three
-//! do. Then edges are split, flipped and collapsed until every edge and face lies within the aimed distance
-//! of its primitive, by samples. Operations whose faces do not overlap are batched, so that all their samples
-//! are one call of the primitives.
+//! Newton steps move vertices onto their primitives: onto creases if there are two, and onto corners if there are
+//! three. Then edges are split, flipped and collapsed until every edge and face is within the aimed distance of its
+//! primitive, by samples. Operations whose faces do not overlap are batched, so that all their samples are one call
+//! of the evaluator.
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "what is no number counts as too far")]
 #![allow(clippy::needless_range_loop, reason = "positions in a ring name its edges and its faces alike")]
 mod collapse;
@@ -26,10 +26,10 @@ use glam::DVec3;
 use sample::PrimitiveSample;
 use split::MOST_REPAIRS;
 
-/// A primitive and its outer side: twice its number, plus one where it occurs as its complement.
+/// A primitive and its outer side: twice its number, plus one if it occurs as its complement.
 pub(crate) type FaceLabel = u32;
 
-/// A closed, oriented, embedded 2-manifold whose faces each belong to a primitive.
+/// A closed, oriented, embedded 2-manifold, each of whose faces belongs to a primitive.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LabelledSurface {
     pub positions: Vec<[f64; 3]>,
@@ -38,7 +38,7 @@ pub(crate) struct LabelledSurface {
     pub labels: Vec<FaceLabel>,
 }
 
-/// Why a surface could not be improved.
+/// The reason why a surface could not be improved.
 #[derive(Debug)]
 pub(crate) enum ImproveError {
     /// It is not a closed, oriented 2-manifold.
@@ -46,7 +46,7 @@ pub(crate) enum ImproveError {
     Leaf(LeafError),
     /// It needs more triangles than this limit of the job.
     TooMany(u64),
-    /// It needs more bytes than the job allows: about so many.
+    /// It needs about this many bytes, which is more than the job allows.
     TooLarge(u64),
     Cancelled,
 }
@@ -57,15 +57,15 @@ impl From<LeafError> for ImproveError {
     }
 }
 
-/// A blocked position: of a vertex that could not reach its target, or an edge that could not be split.
+/// The place of a vertex that could not reach its target, or of an edge that could not be split.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockedPlace {
     pub at: [f64; 3],
-    /// How far the edges at the vertex reach along each axis, or that edge.
+    /// The extent along each axis of the edges at the vertex, or of that edge.
     pub extent: [f64; 3],
 }
 
-/// The distance and normal of a vertex on one of its primitives.
+/// One of the primitives of a vertex, with its distance and normal there.
 #[derive(Clone, Copy, Debug)]
 struct VertexConstraint {
     label: FaceLabel,
@@ -100,13 +100,13 @@ pub(crate) struct SurfaceImprover<'a> {
     /// By vertex: the allowed error of its faces.
     aim_at: Vec<f64>,
     /// By vertex: the start and the number of its constraints.
-    place: Vec<(u32, u32)>,
+    run: Vec<(u32, u32)>,
     constraints: Vec<VertexConstraint>,
-    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN if unsampled.
+    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN if not sampled.
     middle: Vec<f64>,
-    /// By face: the same for its centroid.
+    /// By face: the signed distance of its centroid; NaN if not sampled.
     centre: Vec<f64>,
-    /// By vertex: whether to try its collapse.
+    /// By vertex: whether its collapse is to be tried.
     is_open: Vec<bool>,
     /// The largest error that collapses may leave, relative to the aim.
     limit: f64,
@@ -118,19 +118,19 @@ pub(crate) struct SurfaceImprover<'a> {
     claimed_in: Vec<u32>,
     round: u32,
     tree: FaceTree,
-    /// The limit of the job, or the number at first, of which collapses leave few.
+    /// The most faces: the limit of the job, or the number at the start if that is larger, since collapses remove most.
     most_faces: u64,
-    /// Whether blocked vertices may stop on the way.
+    /// Whether blocked vertices may stop on the way to their targets.
     goes_by_parts: bool,
     /// Vertices that could not reach their targets at first.
     blocked: Vec<BlockedPlace>,
-    /// Half-edges that the last round of splits was for.
+    /// The half-edges that the last round tried to split.
     stuck: Vec<u32>,
     pub counts: ImproveCounts,
 }
 
-/// The allowed error of edges and faces, relative to the tolerance: the rest is for what samples miss.
-/// Measured: with it proofs end after 0 to 2 rounds of splits on most models.
+/// The allowed error of edges and faces, relative to the tolerance: the rest is for errors that samples miss.
+/// Measured: with it, proofs end after 0 to 2 rounds of splits on most models.
 const AIM: f64 = 0.85;
 
 impl<'a> SurfaceImprover<'a> {
@@ -152,7 +152,7 @@ impl<'a> SurfaceImprover<'a> {
             label: raw.labels.clone(),
             position: raw.positions.iter().map(|p| DVec3::from(*p)).collect(),
             aim_at: vec![AIM * tol; raw.positions.len()],
-            place: Vec::with_capacity(raw.positions.len()),
+            run: Vec::with_capacity(raw.positions.len()),
             constraints: Vec::with_capacity(raw.positions.len() + raw.positions.len() / 2),
             middle: vec![f64::NAN; 3 * n_faces],
             centre: vec![f64::NAN; n_faces],
@@ -173,8 +173,8 @@ impl<'a> SurfaceImprover<'a> {
         for v in 0..raw.positions.len() as u32 {
             labels.clear();
             labels.extend(this.surface.one_ring(v).map(|h| this.label[h as usize / 3]));
-            let place = this.new_place(&mut labels);
-            this.place.push(place);
+            let run = this.new_run(&mut labels);
+            this.run.push(run);
         }
         this.place_vertices()?;
         this.weld()?;
@@ -186,7 +186,7 @@ impl<'a> SurfaceImprover<'a> {
         self.evaluator
     }
 
-    /// What was evaluated for it so far, in points.
+    /// The evaluations so far, in points.
     pub fn work(&self) -> u64 {
         self.evaluator.work()
     }
@@ -196,23 +196,22 @@ impl<'a> SurfaceImprover<'a> {
         self.evaluator.csg()
     }
 
-    /// Splits until every edge and face is within the aim, except for blocked ones, whose positions it
-    /// returns.
+    /// Splits until every edge and face is within the aim, except for blocked ones, whose places are returned.
     pub fn refine(&mut self) -> Result<Vec<BlockedPlace>, ImproveError> {
         self.aim_at_walls()?;
         self.split_far(MOST_REPAIRS)?;
         let is_far = |h: u32| self.edge_excess(h) > 1.0 || !(self.face_excess(h / 3) <= 1.0);
-        let there = self.stuck.iter().filter(|h| self.surface.has_face(**h / 3) && is_far(**h));
+        let remaining = self.stuck.iter().filter(|h| self.surface.has_face(**h / 3) && is_far(**h));
         let place = |h: &u32| {
             let [a, b] = [self.surface.start(*h), self.surface.end(*h)];
             let extent = (self.at(b) - self.at(a)).abs().to_array();
             BlockedPlace { at: self.middle_point(a, b).to_array(), extent }
         };
-        Ok(there.map(place).collect())
+        Ok(remaining.map(place).collect())
     }
 
     /// Splits, flips and collapses the result of [`Self::refine`] until every edge and face is within the aim
-    /// and few are left.
+    /// and few faces remain.
     pub fn improve(&mut self) -> Result<(), ImproveError> {
         self.remove_unsettled()?;
         let mut last = self.surface.n_faces();
@@ -222,7 +221,7 @@ impl<'a> SurfaceImprover<'a> {
             self.collapse_all(None)?;
             self.flip_all()?;
             let now = self.surface.n_faces();
-            // Less than 3 % in a cycle: further cycles gain less.
+            // A cycle that removes less than 3 % of the faces is the last, since further ones gain less.
             if cycle > 0 && now * 100 > last * 97 || self.job.is_finishing() {
                 break;
             }
@@ -238,22 +237,22 @@ impl<'a> SurfaceImprover<'a> {
         Ok(())
     }
 
-    /// Splits faces, by the numbers from [`Self::mesh`], and repairs their surroundings. Returns how many
-    /// were split: none where their edges are too short, or other sheets block them.
+    /// Splits faces, given by the numbers from [`Self::mesh`], and the surroundings as far as needed. Returns how many
+    /// were split. Faces whose edges are too short, or that other sheets block, are not.
     pub fn split_faces(&mut self, faces: &[u32]) -> Result<usize, ImproveError> {
         self.next_round()?;
-        let there: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
-        let edges: Vec<u32> = there.iter().flat_map(|f| sides(3 * *f)).collect();
+        let remaining: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
+        let edges: Vec<u32> = remaining.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;
-        let worst: Vec<u32> = there.iter().map(|f| self.worst_side(*f)).collect();
+        let worst: Vec<u32> = remaining.iter().map(|f| self.worst_side(*f)).collect();
         self.goes_by_parts = true;
         let n = self.split_edges(&worst)?;
         self.goes_by_parts = false;
         self.flip_all()?;
-        // A repair could destroy what is already proved.
+        // Without repairs, which could destroy faces that are already proved.
         self.split_far(0)?;
-        let off = self.unsettled();
-        self.settle(&off)?;
+        let unsettled = self.unsettled();
+        self.settle(&unsettled)?;
         Ok(n)
     }
 
@@ -266,7 +265,7 @@ impl<'a> SurfaceImprover<'a> {
         self.at(v).to_array()
     }
 
-    /// A vertex as a place where cells are too large.
+    /// The place of a vertex, with the extent of its edges.
     pub fn place_of(&self, v: u32) -> BlockedPlace {
         BlockedPlace { at: self.position(v), extent: self.extent_around(v, &self.position) }
     }
@@ -281,7 +280,7 @@ impl<'a> SurfaceImprover<'a> {
         ((a + b + c) / 3.0).to_array()
     }
 
-    /// A face, and how far it reaches.
+    /// The place of a face, with its extent.
     pub fn place_of_face(&self, face: u32) -> BlockedPlace {
         let [a, b, c] = self.surface.corners(face).map(|v| self.at(v));
         let extent = (a.max(b).max(c) - a.min(b).min(c)).to_array();
@@ -293,18 +292,18 @@ impl<'a> SurfaceImprover<'a> {
         self.aim
     }
 
-    /// Vertices that could not reach their targets, at first.
+    /// Vertices that could not reach their targets at first.
     pub fn blocked(&self) -> &[BlockedPlace] {
         &self.blocked
     }
 
-    /// The number of vertices off their primitives, since others block them or their Newton steps do not
+    /// The number of vertices that are not on their primitives, because others block them or their Newton steps do not
     /// converge.
     pub fn n_unsettled(&self) -> usize {
         self.unsettled().len()
     }
 
-    /// One of them.
+    /// The position of the first of these vertices.
     pub fn first_unsettled(&self) -> Option<[f64; 3]> {
         self.unsettled().first().map(|v| self.at(*v).to_array())
     }
@@ -313,7 +312,7 @@ impl<'a> SurfaceImprover<'a> {
         self.surface.n_faces()
     }
 
-    /// The surface with vertices and faces in the order of their creation, and the half-edge face of each
+    /// The surface, with vertices and faces in the order of their creation, and by face the number of its half-edge
     /// face.
     pub fn mesh(&self) -> (LabelledSurface, Vec<u32>) {
         let mut number = vec![u32::MAX; self.position.len()];
@@ -324,33 +323,33 @@ impl<'a> SurfaceImprover<'a> {
                 positions.push(at.to_array());
             }
         }
-        let there: Vec<u32> =
+        let remaining: Vec<u32> =
             (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)).collect();
-        let faces = there.iter().map(|f| self.surface.corners(*f).map(|v| number[v as usize])).collect();
-        let labels = there.iter().map(|f| self.label[*f as usize]).collect();
-        (LabelledSurface { positions, faces, labels }, there)
+        let faces = remaining.iter().map(|f| self.surface.corners(*f).map(|v| number[v as usize])).collect();
+        let labels = remaining.iter().map(|f| self.label[*f as usize]).collect();
+        (LabelledSurface { positions, faces, labels }, remaining)
     }
 
     /// Adds unmeasured constraints for a vertex on these primitives.
-    fn new_place(&mut self, labels: &mut Vec<FaceLabel>) -> (u32, u32) {
+    fn new_run(&mut self, labels: &mut Vec<FaceLabel>) -> (u32, u32) {
         labels.sort_unstable();
         labels.dedup();
-        let place = (self.constraints.len() as u32, labels.len() as u32);
+        let run = (self.constraints.len() as u32, labels.len() as u32);
         let at =
             |label: &FaceLabel| VertexConstraint { label: *label, distance: f64::NAN, normal: DVec3::ZERO };
         self.constraints.extend(labels.iter().map(at));
-        place
+        run
     }
 
     /// The constraints of a vertex, one for each of its primitives.
     #[inline]
     fn constraints_of(&self, v: u32) -> &[VertexConstraint] {
-        let (first, n) = self.place[v as usize];
+        let (first, n) = self.run[v as usize];
         &self.constraints[first as usize..(first + n) as usize]
     }
 
     fn constraints_of_mut(&mut self, v: u32) -> &mut [VertexConstraint] {
-        let (first, n) = self.place[v as usize];
+        let (first, n) = self.run[v as usize];
         &mut self.constraints[first as usize..(first + n) as usize]
     }
 
@@ -399,14 +398,14 @@ impl<'a> SurfaceImprover<'a> {
 
     /// Claims the faces of a list, if none is claimed in this round yet.
     fn claim_faces(&mut self, faces: &[u32]) -> bool {
-        let free = faces.iter().all(|f| self.claimed_in[*f as usize] != self.round);
-        if free {
+        let are_free = faces.iter().all(|f| self.claimed_in[*f as usize] != self.round);
+        if are_free {
             faces.iter().for_each(|f| self.claimed_in[*f as usize] = self.round);
         }
-        free
+        are_free
     }
 
-    /// Marks the surroundings of a changed face for flips, collapses and checks.
+    /// Marks a changed face and its vertices for flips, collapses and checks.
     fn open_around(&mut self, face: u32) {
         self.changed.push(face);
         self.is_verified[face as usize] = false;
@@ -416,17 +415,17 @@ impl<'a> SurfaceImprover<'a> {
     }
 
     /// Samples the primitives of these labels.
-    fn sample(&mut self, asks: &[(FaceLabel, DVec3)]) -> Result<Vec<PrimitiveSample>, LeafError> {
-        sample::sample(&mut self.evaluator, asks)
+    fn sample(&mut self, queries: &[(FaceLabel, DVec3)]) -> Result<Vec<PrimitiveSample>, LeafError> {
+        sample::sample(&mut self.evaluator, queries)
     }
 }
 
-/// The approximate bytes of a face here: half-edges with their middles, half a vertex with its labels, its
+/// The approximate bytes of a face here: half-edges with their middles, half a vertex with its constraints, its
 /// entries in the tree and in lists.
 const BYTES_A_FACE: u64 = 320;
-/// The most checks by all samples; the proof finds what is off then.
+/// The most rounds of checks by all samples. Chosen: the proof finds the errors that remain.
 const MOST_CHECKS: usize = 12;
-/// The most cycles of splits, flips and collapses; the first two do nearly all.
+/// The most cycles of splits, flips and collapses. Chosen: the first two do nearly all of the work.
 const MOST_CYCLES: usize = 4;
 
 /// Twice the area of a triangle times its normal.

@@ -4,15 +4,15 @@ use crate::implicit::{LeafError, PrimitiveEvaluator};
 use crate::math::greater;
 use glam::DVec3;
 
-/// The most steps: each doubles the digits.
+/// The most steps. Chosen: each step doubles the digits.
 const MOST_STEPS: usize = 5;
-/// Steps more where functions of the user are saturated, and the first ones have to be taken back. Chosen: each way back
+/// Additional steps for leaves that are saturated, so that the first steps have to be taken back. Chosen: each step back
 /// halves the distance.
 const MOST_BACK: usize = 5;
 /// The iteration ends at a step of this fraction of the tolerance. Chosen: far below any measured length, and
 /// above the rounding of coordinates.
 const AT_REST: f64 = 1e-9;
-/// Added to the squares of unit normals, so that parallel ones give a step: far below the square of the sine
+/// Added to the squares of unit normals, so that parallel normals give a step. Chosen: far below the square of the sine
 /// of a degree, 3e-4.
 const DAMPING: f64 = 1e-9;
 
@@ -21,53 +21,53 @@ const DAMPING: f64 = 1e-9;
 pub(super) struct ProjectionBatch {
     pub at: Vec<DVec3>,
     /// By point: the start and the number of its constraints.
-    pub place: Vec<(u32, u32)>,
-    pub on: Vec<VertexConstraint>,
+    pub run: Vec<(u32, u32)>,
+    pub constraints: Vec<VertexConstraint>,
 }
 
 impl ProjectionBatch {
     pub fn push(&mut self, at: DVec3, labels: impl Iterator<Item = FaceLabel>) {
-        let first = self.on.len() as u32;
+        let first = self.constraints.len() as u32;
         let none = |label| VertexConstraint { label, distance: f64::NAN, normal: DVec3::ZERO };
-        self.on.extend(labels.map(none));
+        self.constraints.extend(labels.map(none));
         self.at.push(at);
-        self.place.push((first, self.on.len() as u32 - first));
+        self.run.push((first, self.constraints.len() as u32 - first));
     }
 
     pub fn constraints_of(&self, k: usize) -> &[VertexConstraint] {
-        let (first, n) = self.place[k];
-        &self.on[first as usize..(first + n) as usize]
+        let (first, n) = self.run[k];
+        &self.constraints[first as usize..(first + n) as usize]
     }
 
-    /// Moves each point by the shortest steps onto all of its primitives at once. Distances and normals are
-    /// those at the end.
+    /// Moves each point by shortest steps onto all of its primitives at once. Afterwards its constraints have the distances
+    /// and normals at its final position.
     pub fn project(&mut self, evaluator: &mut PrimitiveEvaluator, tol: f64) -> Result<(), LeafError> {
-        let mut open: Vec<u32> = (0..self.at.len() as u32).collect();
+        let mut active: Vec<u32> = (0..self.at.len() as u32).collect();
         let guarded = self.guarded(evaluator);
-        // Of those that are guarded: where the last step began, and how far that was from the surface.
+        // For guarded points: the start of the last step, and its distance from the surface.
         let mut before: Vec<(DVec3, f64)> =
             self.at.iter().map(|at| (*at, f64::INFINITY)).filter(|_| !guarded.is_empty()).collect();
         let most_steps = if guarded.is_empty() { MOST_STEPS } else { MOST_STEPS + MOST_BACK };
         for step in 0..=most_steps {
-            self.measure(evaluator, &open)?;
+            self.measure(evaluator, &active)?;
             if step == most_steps {
                 break;
             }
-            open.retain(|k| {
+            active.retain(|k| {
                 if guarded.get(*k as usize) == Some(&true) {
-                    let off = self.constraints_of(*k as usize)[0].distance.abs();
-                    // Nearer than that, last digits of single precision go up and down.
-                    let is_far = !(off <= SETTLED * tol);
-                    let (from, was) = &mut before[*k as usize];
+                    let distance = self.constraints_of(*k as usize)[0].distance.abs();
+                    // Nearer than that, distances fluctuate by the last digits of single precision.
+                    let is_far = !(distance <= SETTLED * tol);
+                    let (from, last_distance) = &mut before[*k as usize];
                     let at = self.at[*k as usize];
-                    if is_far && !(off < *was) && at != *from {
+                    if is_far && !(distance < *last_distance) && at != *from {
                         self.at[*k as usize] = 0.5 * (*from + at);
                         return true;
                     }
                     if !is_far && step >= MOST_STEPS {
                         return false;
                     }
-                    (*from, *was) = (at, off);
+                    (*from, *last_distance) = (at, distance);
                 } else if step >= MOST_STEPS {
                     return false;
                 }
@@ -79,45 +79,51 @@ impl ProjectionBatch {
                 }
                 moves
             });
-            if open.is_empty() {
+            if active.is_empty() {
                 break;
             }
         }
         Ok(())
     }
 
-    /// By point: whether its steps are taken back halfway where they lead away, as those of functions that are saturated do:
-    /// an occupancy is flat beside its surface, and a plane through its values there ends far beyond. That is for points on
-    /// one function of the user; without any the list is empty.
+    /// By point: whether a step that leads away from the surface is taken back halfway. Saturated functions have such steps: an
+    /// occupancy is flat beside its surface, so that a Newton step from there leads far beyond it. Points with a single
+    /// primitive that has leaves are guarded; if there are none, the list is empty.
     fn guarded(&self, evaluator: &PrimitiveEvaluator) -> Vec<bool> {
         let primitives = evaluator.csg().primitives();
         let has_leaves = |on: &VertexConstraint| primitives[on.label as usize / 2].tape().has_leaves();
-        let is_guarded = |k: usize| matches!(self.constraints_of(k), [one] if has_leaves(one));
+        let is_guarded = |k: usize| matches!(self.constraints_of(k), [only] if has_leaves(only));
         let guarded: Vec<bool> = (0..self.at.len()).map(is_guarded).collect();
         if guarded.contains(&true) { guarded } else { Vec::new() }
     }
 
-    fn measure(&mut self, evaluator: &mut PrimitiveEvaluator, open: &[u32]) -> Result<(), LeafError> {
-        let mut asks = Vec::with_capacity(open.len());
-        for k in open {
-            asks.extend(self.constraints_of(*k as usize).iter().map(|on| (on.label, self.at[*k as usize])));
+    fn measure(&mut self, evaluator: &mut PrimitiveEvaluator, points: &[u32]) -> Result<(), LeafError> {
+        let mut queries = Vec::with_capacity(points.len());
+        for k in points {
+            queries.extend(
+                self.constraints_of(*k as usize)
+                    .iter()
+                    .map(|constraints| (constraints.label, self.at[*k as usize])),
+            );
         }
-        let mut samples = sample::sample(evaluator, &asks)?.into_iter();
-        for k in open {
-            let (first, n) = self.place[*k as usize];
-            for (on, sample) in self.on[first as usize..(first + n) as usize].iter_mut().zip(&mut samples) {
-                (on.distance, on.normal) = (sample.distance, sample.normal);
+        let mut samples = sample::sample(evaluator, &queries)?.into_iter();
+        for k in points {
+            let (first, n) = self.run[*k as usize];
+            for (constraints, sample) in
+                self.constraints[first as usize..(first + n) as usize].iter_mut().zip(&mut samples)
+            {
+                (constraints.distance, constraints.normal) = (sample.distance, sample.normal);
             }
         }
         Ok(())
     }
 }
 
-/// The shortest vector that takes a point onto all tangent planes: `−Nᵀ (N Nᵀ)⁻¹ r`.
-pub(super) fn shortest_step(on: &[VertexConstraint]) -> DVec3 {
-    match on {
+/// The shortest vector that moves a point onto all tangent planes: `−Nᵀ (N Nᵀ)⁻¹ r`.
+pub(super) fn shortest_step(constraints: &[VertexConstraint]) -> DVec3 {
+    match constraints {
         [] => DVec3::ZERO,
-        [one] => -one.distance * one.normal,
+        [only] => -only.distance * only.normal,
         [a, b] => {
             let cos = a.normal.dot(b.normal);
             let square = 1.0 + DAMPING;
@@ -127,13 +133,13 @@ pub(super) fn shortest_step(on: &[VertexConstraint]) -> DVec3 {
             u * a.normal + v * b.normal
         }
         _ => {
-            // (NᵀN + damping)⁻¹ Nᵀ r, which is the same.
+            // (NᵀN + damping)⁻¹ Nᵀ r, which is equal to it and has rank 3 for any number of planes.
             let (mut rows, mut right) = ([DVec3::ZERO; 3], DVec3::ZERO);
-            for one in on {
+            for constraint in constraints {
                 for k in 0..3 {
-                    rows[k] += one.normal[k] * one.normal;
+                    rows[k] += constraint.normal[k] * constraint.normal;
                 }
-                right -= one.distance * one.normal;
+                right -= constraint.distance * constraint.normal;
             }
             (0..3).for_each(|k| rows[k][k] += DAMPING);
             let inverse = [rows[1].cross(rows[2]), rows[2].cross(rows[0]), rows[0].cross(rows[1])];
@@ -144,15 +150,15 @@ pub(super) fn shortest_step(on: &[VertexConstraint]) -> DVec3 {
 }
 
 impl SurfaceImprover<'_> {
-    /// Moves all vertices to their targets: first together; those in crossings go back, and then one by one
-    /// as far as they can.
+    /// Moves all vertices to their targets: first all at once; vertices of crossing faces are moved back, and then forward one
+    /// by one as far as possible.
     pub(super) fn place_vertices(&mut self) -> Result<(), ImproveError> {
         let mut targets = ProjectionBatch {
             at: self.position.clone(),
-            place: self.place.clone(),
-            on: std::mem::take(&mut self.constraints),
+            run: self.run.clone(),
+            constraints: std::mem::take(&mut self.constraints),
         };
-        let before = targets.on.clone();
+        let before = targets.constraints.clone();
         targets.project(&mut self.evaluator, self.tol)?;
         let mut is_away = vec![false; self.position.len()];
         let raw = self.position.clone();
@@ -167,13 +173,13 @@ impl SurfaceImprover<'_> {
                 is_away[v as usize] = true;
             }
         }
-        self.constraints = targets.on;
+        self.constraints = targets.constraints;
         let away: Vec<u32> = (0..raw.len() as u32).filter(|v| is_away[*v as usize]).collect();
         self.measure_vertices(&away)?;
         self.rebuild_tree();
         self.untangle(&raw, &mut is_away)?;
-        let held = (0..raw.len() as u32).filter(|v| is_away[*v as usize]);
-        self.blocked = held
+        let blocked = (0..raw.len() as u32).filter(|v| is_away[*v as usize]);
+        self.blocked = blocked
             .map(|v| BlockedPlace { at: raw[v as usize].to_array(), extent: self.extent_around(v, &raw) })
             .collect();
         Ok(())
@@ -185,7 +191,7 @@ impl SurfaceImprover<'_> {
         self.surface.one_ring(v).map(length).fold(0.0, |m, x| greater(x, m))
     }
 
-    /// How far the edges at a vertex reach along each axis.
+    /// The extent of the edges at a vertex along each axis.
     pub(super) fn extent_around(&self, v: u32, at: &[DVec3]) -> [f64; 3] {
         let reach = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).abs();
         self.surface.one_ring(v).map(reach).fold(DVec3::ZERO, DVec3::max).to_array()
@@ -193,11 +199,11 @@ impl SurfaceImprover<'_> {
 
     /// Samples vertices at their positions.
     pub(super) fn measure_vertices(&mut self, vertices: &[u32]) -> Result<(), LeafError> {
-        let mut asks = Vec::new();
+        let mut queries = Vec::new();
         for v in vertices {
-            asks.extend(self.constraints_of(*v).iter().map(|on| (on.label, self.at(*v))));
+            queries.extend(self.constraints_of(*v).iter().map(|on| (on.label, self.at(*v))));
         }
-        let mut samples = self.sample(&asks)?.into_iter();
+        let mut samples = self.sample(&queries)?.into_iter();
         for v in vertices {
             for (on, sample) in self.constraints_of_mut(*v).iter_mut().zip(&mut samples) {
                 (on.distance, on.normal) = (sample.distance, sample.normal);
@@ -206,10 +212,10 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Moves vertices in crossings back until there are none, then forward as far as they can go.
+    /// Moves vertices of crossing faces back until no faces cross, then forward as far as possible.
     fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), ImproveError> {
         let mut suspects: Vec<u32> = (0..self.surface.face_slots() as u32).collect();
-        let mut back: Vec<u32> = Vec::new();
+        let mut moved_back: Vec<u32> = Vec::new();
         while !suspects.is_empty() {
             self.next_round()?;
             let crossing = self.find_crossing(&suspects);
@@ -228,42 +234,43 @@ impl SurfaceImprover<'_> {
             suspects.sort_unstable();
             suspects.dedup();
             suspects.iter().for_each(|f| self.grow_tree(*f));
-            back.extend(moved);
+            moved_back.extend(moved);
         }
-        back.sort_unstable();
-        back.dedup();
-        self.measure_vertices(&back)?;
-        self.settle(&back)?;
-        for v in back {
-            let off = self.constraints_of(v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
-            is_away[v as usize] = off;
+        moved_back.sort_unstable();
+        moved_back.dedup();
+        self.measure_vertices(&moved_back)?;
+        self.settle(&moved_back)?;
+        for v in moved_back {
+            let is_off = self.constraints_of(v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
+            is_away[v as usize] = is_off;
         }
         Ok(())
     }
 
-    /// Moves vertices to their targets one by one, all the way or in part, as long as no sheet blocks them.
+    /// Moves vertices to their targets one by one, all the way or in part, unless another sheet blocks them.
     pub(super) fn settle(&mut self, vertices: &[u32]) -> Result<(), ImproveError> {
-        let mut left = vertices.to_vec();
+        let mut remaining = vertices.to_vec();
         for _ in 0..3 {
-            if left.is_empty() {
+            if remaining.is_empty() {
                 break;
             }
             let mut targets = ProjectionBatch::default();
-            left.iter()
+            remaining
+                .iter()
                 .for_each(|v| targets.push(self.at(*v), self.constraints_of(*v).iter().map(|on| on.label)));
             targets.project(&mut self.evaluator, self.tol)?;
             let mut moved = Vec::new();
             let mut next = Vec::new();
-            for (k, v) in left.iter().enumerate() {
+            for (k, v) in remaining.iter().enumerate() {
                 let (from, to) = (self.at(*v), targets.at[k]);
                 let reach = self.size_around(*v, &self.position);
                 let reach = greater(reach, 4.0 * self.tol);
                 if !((to - from).length() <= reach) {
                     continue;
                 }
-                for part in [1.0, 0.5, 0.25] {
-                    if self.may_move(*v, from + part * (to - from)) {
-                        self.move_vertex(*v, from + part * (to - from));
+                for share in [1.0, 0.5, 0.25] {
+                    if self.may_move(*v, from + share * (to - from)) {
+                        self.move_vertex(*v, from + share * (to - from));
                         moved.push(*v);
                         break;
                     }
@@ -273,7 +280,7 @@ impl SurfaceImprover<'_> {
                 }
             }
             self.measure_vertices(&moved)?;
-            left = next;
+            remaining = next;
             if moved.is_empty() {
                 break;
             }
@@ -295,8 +302,8 @@ impl SurfaceImprover<'_> {
             let points = corners.map(|w| if w == v { to } else { self.at(w) });
             new.push((corners, points));
         }
-        let gone: Vec<u32> = self.surface.one_ring(v).map(|h| h / 3).collect();
-        !self.crosses(&new, &gone)
+        let removed: Vec<u32> = self.surface.one_ring(v).map(|h| h / 3).collect();
+        !self.crosses(&new, &removed)
     }
 
     /// Moves a vertex; the samples of its faces are discarded.
@@ -310,5 +317,6 @@ impl SurfaceImprover<'_> {
     }
 }
 
-/// A vertex is at its target if its error is below this fraction of the aim.
+/// A vertex is at its target if its error is below this fraction of the aim. Chosen: so small an error does not count
+/// beside the aim.
 pub(super) const SETTLED: f64 = 0.02;

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A primitive at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitiveSample {
-    /// The value over the length of the gradient, positive outside; NaN if that is not a number.
+    /// The value over the length of the gradient, positive outside; NaN if it is unknown.
     pub distance: f64,
     /// Outward; zero without a gradient.
     pub normal: DVec3,
@@ -14,11 +14,12 @@ pub(super) struct PrimitiveSample {
 
 pub(super) fn sample(
     evaluator: &mut PrimitiveEvaluator,
-    asks: &[(FaceLabel, DVec3)],
+    queries: &[(FaceLabel, DVec3)],
 ) -> Result<Vec<PrimitiveSample>, LeafError> {
-    let questions: Vec<(u32, [f64; 3])> = asks.iter().map(|(label, at)| (label / 2, at.to_array())).collect();
-    let slopes = evaluator.duals(&questions)?;
-    let of = |((label, _), slope): (&(FaceLabel, DVec3), &crate::implicit::Dual<f64>)| {
+    let unlabelled: Vec<(u32, [f64; 3])> =
+        queries.iter().map(|(label, at)| (label / 2, at.to_array())).collect();
+    let slopes = evaluator.duals(&unlabelled)?;
+    let labelled = |((label, _), slope): (&(FaceLabel, DVec3), &crate::implicit::Dual<f64>)| {
         let sign = if label % 2 == 1 { -1.0 } else { 1.0 };
         let gradient = sign * DVec3::from(slope.gradient);
         let size = gradient.length();
@@ -26,9 +27,9 @@ pub(super) fn sample(
         if size > 0.0 && size.is_finite() {
             PrimitiveSample { distance: value / size, normal: gradient / size }
         } else {
-            // Without a gradient it is on the surface, or its distance is unknown.
+            // Without a gradient, the point is on the surface, or its distance is unknown.
             PrimitiveSample { distance: if value == 0.0 { 0.0 } else { f64::NAN }, normal: DVec3::ZERO }
         }
     };
-    Ok(asks.iter().zip(&slopes).map(of).collect())
+    Ok(queries.iter().zip(&slopes).map(labelled).collect())
 }

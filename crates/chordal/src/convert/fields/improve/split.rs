@@ -1,26 +1,27 @@
-//! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
+//! Rounds of edge splits: they add vertices on the primitives where edges or faces are too far from these.
 use super::newton::{ProjectionBatch, SETTLED};
 use super::{FaceLabel, ImproveError, SurfaceImprover, VertexConstraint, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
 use crate::math::lesser;
 use glam::DVec3;
 
-/// The most rounds: each halves edges, and quarters the error.
+/// The most rounds. Chosen: each halves edges, and quarters the error.
 const MOST_ROUNDS: usize = 40;
-/// The most repairs in one call.
+/// The most repairs in one call. Chosen: later ones gain little.
 pub(super) const MOST_REPAIRS: usize = 3;
-/// A repair may leave this fraction of the error. Chosen: less would be undone by the following splits.
+/// The error that the collapses of a repair may leave, relative to the largest one. Chosen: a gain smaller than that would
+/// be undone by the following splits.
 const REPAIRED: f64 = 0.7;
-/// And at most this many times the aim: beyond, whole parts would vanish. Chosen.
-const MOST_OFF: f64 = 2.0;
-/// The most sides flipped for one split. Chosen: slivers along a crease are neighbours.
+/// They may leave at most this many times the aim. Chosen: with more, whole parts would vanish.
+const MOST_EXCESS: f64 = 2.0;
+/// The most sides flipped for one split. Chosen: along a crease, many slivers lie side by side.
 const MOST_FLIPS: usize = 12;
 /// Edges shorter than this fraction of the aim are not split. Chosen: the tolerance needs nothing that small.
 const SHORTEST: f64 = 0.25;
 
 impl SurfaceImprover<'_> {
-    /// Splits edges, then faces, until no error is above the aim. Where splits are blocked, repairs make
-    /// room, at most so often.
+    /// Splits edges, then faces, until no error is above the aim. If all splits are blocked, a repair makes
+    /// space for them, at most `most_repairs` times.
     pub(super) fn split_far(&mut self, most_repairs: usize) -> Result<(), ImproveError> {
         let mut n_repairs = 0;
         for _ in 0..MOST_ROUNDS {
@@ -51,18 +52,18 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Where splits would fold the surface, its triangles stand on edge: flips and collapses that reduce the
+    /// If splits would fold the surface, some triangles stand on edge. Flips and collapses that reduce the
     /// error, even if not to the aim, remove them.
     fn repair(&mut self, far: &[u32]) -> Result<(), ImproveError> {
         let excess = far.iter().fold(1.0, |most, h| {
-            let one = self.edge_excess(*h);
-            if one > most && one.is_finite() { one } else { most }
+            let this_excess = self.edge_excess(*h);
+            if this_excess > most && this_excess.is_finite() { this_excess } else { most }
         });
         for h in far {
             self.changed.extend([*h / 3, self.surface.twin(*h) / 3]);
         }
         self.flip_all()?;
-        // What is farther away would lose triangles that it gets back at once.
+        // Only vertices nearby may collapse: elsewhere the following splits would restore the triangles at once.
         let mut is_near = vec![false; self.is_open.len()];
         for h in far.iter().filter(|h| self.surface.has_face(**h / 3)) {
             for face in [*h / 3, self.surface.twin(*h) / 3] {
@@ -73,14 +74,14 @@ impl SurfaceImprover<'_> {
         }
         self.is_open.copy_from_slice(&is_near);
         let limit = REPAIRED * excess;
-        self.limit = lesser(limit, MOST_OFF);
-        let done = self.collapse_all(Some(&is_near));
+        self.limit = lesser(limit, MOST_EXCESS);
+        let result = self.collapse_all(Some(&is_near));
         self.limit = 1.0;
         self.is_open.fill(true);
-        done
+        result
     }
 
-    /// Edges with an error above the aim, worst first. Those whose estimate is near the limit are sampled.
+    /// Edges with an error above the aim, the worst first. Edges whose estimate is above half of the aim are sampled.
     fn far_edges(&mut self) -> Result<Vec<u32>, ImproveError> {
         let close: Vec<u32> = self.edges().filter(|h| self.edge_excess(*h) > 0.5).collect();
         self.sample_middles(&close)?;
@@ -104,18 +105,18 @@ impl SurfaceImprover<'_> {
         Ok(far.into_iter().map(|(_, f)| self.longest_side(f)).collect())
     }
 
-    /// Splits faces with an error above the aim at a sample inside.
+    /// Splits faces with an error above the aim at a sample.
     pub(super) fn split_edges_of_refuted(&mut self) -> Result<usize, ImproveError> {
         self.next_round()?;
-        let open: Vec<u32> = (0..self.surface.face_slots() as u32)
+        let unverified: Vec<u32> = (0..self.surface.face_slots() as u32)
             .filter(|f| self.surface.has_face(*f) && !self.is_verified[*f as usize])
             .collect();
-        let refuted = self.find_refuted(&open)?;
+        let refuted = self.find_refuted(&unverified)?;
         let edges: Vec<u32> = refuted.into_iter().map(|f| self.longest_side(f)).collect();
         self.split_edges(&edges)
     }
 
-    /// The crease edge with the largest error if that is clear, else the longest edge.
+    /// The crease edge with the largest error if that is not small, otherwise the longest edge.
     pub(super) fn worst_side(&self, face: u32) -> u32 {
         // Below this a crease does not make proofs fail. Measured.
         const CLEARLY: f64 = 0.2;
@@ -132,7 +133,7 @@ impl SurfaceImprover<'_> {
         [b, c].into_iter().fold(a, |best, h| if length(h) > length(best) { h } else { best })
     }
 
-    /// Splits those of a list whose faces do not overlap, and whose new vertex has a target.
+    /// Splits the edges of a list whose faces do not overlap, and whose new vertex has a target. Returns their number.
     pub(super) fn split_edges(&mut self, list: &[u32]) -> Result<usize, ImproveError> {
         let mut targets = ProjectionBatch::default();
         let mut chosen = Vec::new();
@@ -149,19 +150,19 @@ impl SurfaceImprover<'_> {
             chosen.push(h);
         }
         targets.project(&mut self.evaluator, self.tol)?;
-        // From here on only faces that change are claimed: a split may need faces that a later one was chosen
-        // for.
+        // A new round, in which only faces that change are claimed: a split may need to flip faces of an edge
+        // that is still to be split.
         self.round += 1;
-        let (mut n, mut on_the_way) = (0, Vec::new());
+        let (mut n_splits, mut stopped) = (0, Vec::new());
         for (k, h) in chosen.into_iter().enumerate() {
             if !self.claim_faces(&[h / 3, self.surface.twin(h) / 3]) {
                 continue;
             }
             let (a, b) = (self.surface.start(h), self.surface.end(h));
             let (middle, to) = (self.middle_point(a, b), targets.at[k]);
-            // Farther away it is another part of the surface.
+            // A target farther away is on another part of the surface.
             let reach = 0.7 * (self.at(b) - self.at(a)).length();
-            // Without a point on the primitives a split is useless.
+            // A split is useless if its vertex does not reach the primitives.
             let aim = self.aim_of([a, b]);
             let is_placed = targets.constraints_of(k).iter().all(|on| on.distance.abs() <= SETTLED * aim);
             if !is_placed || (to - middle).length() > reach {
@@ -170,31 +171,38 @@ impl SurfaceImprover<'_> {
             let on = targets.constraints_of(k);
             if let Some(flips) = self.split_flips(h, to, on) {
                 self.split(h, to, &targets, k, &flips);
-                n += 1;
+                n_splits += 1;
             } else if let Some((to, flips)) = self.partial_split(h, [middle, to], on) {
                 self.split(h, to, &targets, k, &flips);
-                on_the_way.push(self.surface.vertex_slots() as u32 - 1);
-                n += 1;
+                stopped.push(self.surface.vertex_slots() as u32 - 1);
+                n_splits += 1;
             }
         }
-        self.measure_vertices(&on_the_way)?;
-        self.counts.splits += n;
-        Ok(n)
+        self.measure_vertices(&stopped)?;
+        self.counts.splits += n_splits;
+        Ok(n_splits)
     }
 
-    /// Whether an edge can be split at a point: the sides, by their ends, that have to be flipped then, in
-    /// order.
+    /// The sides, by their ends, that have to be flipped in this order if an edge is split at a point; `None` if the edge
+    /// cannot be split there.
     ///
-    /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded,
-    /// because the point is beyond the side, the face there is removed as well, and its other sides are
-    /// joined instead.
+    /// The new vertex z is joined to all sides of the edge's two faces. If such a face would be folded, because z is
+    /// beyond the side, the face across the side is removed as well, and its other sides are joined to z instead:
+    ///
+    /// ```text
+    ///       apex               apex
+    ///      /    \             / |  \        z is beyond the side x–y: the side is flipped,
+    ///     /   z  \           /  z   \       and z is joined to x–apex and apex–y.
+    ///    x ------ y    →    x -' `-- y
+    ///     \      /           \      /
+    /// ```
     fn split_flips(&mut self, h: u32, to: DVec3, on: &[VertexConstraint]) -> Option<Vec<[u32; 2]>> {
         // The new vertex has the next number.
         let (z, t) = (self.surface.vertex_slots() as u32, self.surface.twin(h));
         let ends = [self.surface.start(h), self.surface.end(h)];
         let mut rim = vec![ends[0], ends[1], self.surface.apex(h), self.surface.apex(t)];
         let mut sides = vec![next_in_face(t), previous_in_face(t), next_in_face(h), previous_in_face(h)];
-        let (mut new, mut gone, mut flips) = (Vec::new(), vec![h / 3, t / 3], Vec::new());
+        let (mut new, mut removed, mut flips) = (Vec::new(), vec![h / 3, t / 3], Vec::new());
         while let Some(side) = sides.pop() {
             let (x, y) = (self.surface.start(side), self.surface.end(side));
             let points = [self.at(x), self.at(y), to];
@@ -204,21 +212,21 @@ impl SurfaceImprover<'_> {
             }
             let across = self.surface.twin(side);
             let (beyond, apex) = (across / 3, self.surface.apex(across));
-            let is_shut = self.is_crease(side) || self.claimed_in[beyond as usize] == self.round;
-            if is_shut || flips.len() == MOST_FLIPS || rim.contains(&apex) {
+            let is_blocked = self.is_crease(side) || self.claimed_in[beyond as usize] == self.round;
+            if is_blocked || flips.len() == MOST_FLIPS || rim.contains(&apex) {
                 return None;
             }
             rim.push(apex);
-            gone.push(beyond);
+            removed.push(beyond);
             flips.push([x, y]);
             sides.extend([previous_in_face(across), next_in_face(across)]);
         }
-        let is_free = !self.crosses(&new, &gone) && self.claim_faces(&gone[2..]);
+        let is_free = !self.crosses(&new, &removed) && self.claim_faces(&removed[2..]);
         is_free.then_some(flips)
     }
 
-    /// Whether a new face at a side is oriented like its primitive at the new vertex. A face that was turned
-    /// over before, or is too coarse for that, must at least keep its orientation.
+    /// Whether a new face at a side is oriented like its primitive at the new vertex. If the old face is not, because it
+    /// was turned over before or is too coarse, the new face must at least keep its orientation.
     fn keeps_orientation(&self, points: [DVec3; 3], side: u32, on: &[VertexConstraint]) -> bool {
         let (area, old) = (area_normal(points), area_normal(self.points(side / 3)));
         let label = self.label_of(side);
@@ -226,8 +234,8 @@ impl SurfaceImprover<'_> {
         area.dot(normal) > 0.0 || area.dot(old) > 0.0 && !(old.dot(normal) > 0.0)
     }
 
-    /// How far a new vertex can go where another sheet blocks it, which may have to move the same way: the
-    /// rest follows when that has moved.
+    /// The farthest point on the way to its target that a new vertex can reach if another sheet blocks it. That sheet may
+    /// have to move the same way, so the vertex reaches its target later.
     fn partial_split(
         &mut self,
         h: u32,
@@ -237,10 +245,10 @@ impl SurfaceImprover<'_> {
         if !self.goes_by_parts {
             return None;
         }
-        let at = |part: f64| from + part * (to - from);
+        let at = |share: f64| from + share * (to - from);
         [0.5, 0.25, 0.0]
             .into_iter()
-            .find_map(|part| self.split_flips(h, at(part), on).map(|flips| (at(part), flips)))
+            .find_map(|share| self.split_flips(h, at(share), on).map(|flips| (at(share), flips)))
     }
 
     /// Flips the edge between two vertices unconditionally.
@@ -261,9 +269,9 @@ impl SurfaceImprover<'_> {
         let (f, g) = (h / 3, t / 3);
         self.surface.split(h);
         self.position.push(to);
-        let on = targets.constraints_of(k);
-        self.place.push((self.constraints.len() as u32, on.len() as u32));
-        self.constraints.extend_from_slice(on);
+        let constraints = targets.constraints_of(k);
+        self.run.push((self.constraints.len() as u32, constraints.len() as u32));
+        self.constraints.extend_from_slice(constraints);
         self.is_open.push(true);
         let aim = self.aim_of([self.surface.start(h), self.surface.start(t)]);
         self.aim_at.push(aim);
@@ -273,7 +281,7 @@ impl SurfaceImprover<'_> {
         self.centre.extend([f64::NAN; 2]);
         self.claimed_in.extend([self.round; 2]);
         self.is_verified.extend([false; 2]);
-        // The sides away from the edge keep their samples.
+        // The sides that do not change keep their samples.
         let (hn, tn) = (next_in_face(h), next_in_face(t));
         let (beyond_f, beyond_g) = (self.middle[hn as usize], self.middle[tn as usize]);
         self.middle.extend([f64::NAN, beyond_f, f64::NAN, f64::NAN, beyond_g, f64::NAN]);

@@ -142,15 +142,15 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
         let csg = ball(0.6 * scale);
         for levels in [0, 2, 5] {
             let raw = labelled(&csg, octahedron(levels, |p| 0.595 * scale * p.normalize()));
-            let found = improved(&csg, &raw, 3e-3 * scale, 1);
-            check(&csg, &found.surface, 3e-3 * scale);
-            let n = found.surface.faces.len();
+            let model = improved(&csg, &raw, 3e-3 * scale, 1);
+            check(&csg, &model.surface, 3e-3 * scale);
+            let n = model.surface.faces.len();
             // Eight triangles halved repeatedly are 2048 at that size.
             assert!(n <= 2200, "{n} triangles from {levels} levels at {scale}");
             assert!(
-                found.n_points <= 40 * n as u64 + 4 * raw.faces.len() as u64,
+                model.n_points <= 40 * n as u64 + 4 * raw.faces.len() as u64,
                 "{} points",
-                found.n_points
+                model.n_points
             );
         }
     }
@@ -160,9 +160,9 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
 fn flat_faces_are_free() {
     let csg = Csg::from_expr(shapes::cuboid([2.0, 4.0, 6.0]).unwrap().sign());
     let raw = labelled(&csg, cuboid(DVec3::new(1.01, 1.98, 3.02), 8));
-    let found = improved(&csg, &raw, 1e-3, 1);
-    check(&csg, &found.surface, 1e-9);
-    assert_eq!(found.surface.faces.len(), 12);
+    let model = improved(&csg, &raw, 1e-3, 1);
+    check(&csg, &model.surface, 1e-9);
+    assert_eq!(model.surface.faces.len(), 12);
 }
 
 /// A prism about the z axis.
@@ -184,9 +184,9 @@ fn ruled_faces_are_strips() {
     let csg = Csg::from_expr(shapes::cylinder(5.0, 50.0).unwrap().sign());
     for n in [8, 200] {
         let raw = labelled(&csg, prism((n, 5.0, 25.0)));
-        let found = improved(&csg, &raw, 0.1, 1);
-        check(&csg, &found.surface, 0.1);
-        assert!(found.surface.faces.len() <= 150, "{} triangles from {n} sides", found.surface.faces.len());
+        let model = improved(&csg, &raw, 0.1, 1);
+        check(&csg, &model.surface, 0.1);
+        assert!(model.surface.faces.len() <= 150, "{} triangles from {n} sides", model.surface.faces.len());
     }
 }
 
@@ -194,13 +194,13 @@ fn ruled_faces_are_strips() {
 fn threads_change_nothing() {
     let raw = labelled(&ball(1.0), octahedron(5, on_sphere(1.0)));
     let csg = ball(1.0);
-    let found = [1, 2, 8].map(|threads| improved(&csg, &raw, 2e-3, threads).surface);
-    for other in &found[1..] {
-        assert_eq!(found[0].faces, other.faces);
-        assert_eq!(found[0].labels, other.labels);
+    let surfaces = [1, 2, 8].map(|threads| improved(&csg, &raw, 2e-3, threads).surface);
+    for other in &surfaces[1..] {
+        assert_eq!(surfaces[0].faces, other.faces);
+        assert_eq!(surfaces[0].labels, other.labels);
         let bits =
             |s: &LabelledSurface| s.positions.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(&found[0]), bits(other));
+        assert_eq!(bits(&surfaces[0]), bits(other));
     }
 }
 
@@ -240,9 +240,9 @@ fn a_wall_thinner_than_the_tolerance_keeps_its_sheets_apart() {
     positions.extend(within);
     faces.extend(turned.iter().map(|[a, b, c]| [a + n, c + n, b + n]));
     let raw = labelled(&csg, (positions, faces));
-    let found = improved(&csg, &raw, 0.05, 1);
+    let model = improved(&csg, &raw, 0.05, 1);
     // Copies displaced by half of the wall have to stay apart.
-    check(&csg, &found.surface, 0.5 * 0.01);
+    check(&csg, &model.surface, 0.5 * 0.01);
 }
 
 #[test]
@@ -270,11 +270,11 @@ fn a_cancelled_job_and_an_open_surface_are_told() {
     let evaluator = || PrimitiveEvaluator::new(&csg, &Box3::from_points(&raw.positions), &job);
     let open =
         LabelledSurface { faces: raw.faces[1..].to_vec(), labels: raw.labels[1..].to_vec(), ..raw.clone() };
-    let made = SurfaceImprover::new(&open, evaluator(), 0.1, &job);
-    assert!(matches!(made.err(), Some(ImproveError::NotManifold)));
+    let improver = SurfaceImprover::new(&open, evaluator(), 0.1, &job);
+    assert!(matches!(improver.err(), Some(ImproveError::NotManifold)));
     job.cancel();
-    let made = SurfaceImprover::new(&raw, evaluator(), 0.1, &job);
-    assert!(matches!(made.err(), Some(ImproveError::Cancelled)));
+    let improver = SurfaceImprover::new(&raw, evaluator(), 0.1, &job);
+    assert!(matches!(improver.err(), Some(ImproveError::Cancelled)));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Thin walls: where another sheet is nearer than the tolerance, the aim is a fraction of that distance.
+//! Thin walls: if another sheet is nearer than the tolerance, the aim is a fraction of the distance to it.
 use super::super::tetrahedra::IntegerMap;
 use super::face_tree::FaceBox;
 use super::{FaceLabel, SurfaceImprover, area_normal};
@@ -7,28 +7,29 @@ use crate::implicit::LeafError;
 use crate::math::{greater, lesser};
 use glam::DVec3;
 
-/// The aim relative to the distance to the other sheet: copies of a surface displaced by as much must not
-/// meet.
+/// The aim relative to the distance to the other sheet. Derived: less than half, so that copies of the surface displaced
+/// by the aim do not meet.
 const OF_WALL: f64 = 0.4;
-/// Walls are ignored where they would lower the aim below this fraction: sheets that touch would be split
-/// without end.
+/// Walls that would lower the aim below this fraction are ignored. Chosen: sheets that touch would be split without
+/// end.
 const LEAST: f64 = 1.0 / 256.0;
-/// Walls are first searched for within this fraction of the reach, where the faces around a vertex are
-/// smaller. Chosen.
+/// The first search is at least within this fraction of the reach, if the faces around a vertex are smaller. Chosen: each
+/// further search doubles it.
 const FIRST: f64 = 1.0 / 64.0;
-/// The search for walls ends at more faces than these. Chosen: within a coarse tolerance there may be most of
+/// The search for walls ends if it finds more faces than this. Chosen: within a coarse tolerance there may be most of
 /// the surface.
 const CROWD: usize = 1024;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
-/// The cosine from which normals face away from each other.
+/// Normals face away from each other if their cosine is below this: 120°. Chosen: the sides of a thin wall are near
+/// 180°, curved walls have a margin.
 const OPPOSITE: f64 = -0.5;
-/// A face in more cubes than this counts as near everywhere. Chosen: such faces are few.
+/// A face in more cubes than this counts as being in all cubes. Chosen: such faces are few.
 const MANY: i64 = 64;
 
 impl SurfaceImprover<'_> {
-    /// Lowers the aim at vertices near a sheet that faces the other way. Sheets that join in a crease do not
-    /// count: they come arbitrarily near.
+    /// Lowers the aim at vertices near a sheet that faces the other way. Sheets that join the vertex's own in a crease are
+    /// ignored, since they come arbitrarily near.
     pub(super) fn aim_at_walls(&mut self) -> Result<(), LeafError> {
         let joined = self.joined_labels();
         let reach = self.aim / OF_WALL;
@@ -43,7 +44,7 @@ impl SurfaceImprover<'_> {
             };
             part.iter().filter(|v| !is_alone(**v)).map(first).collect::<Vec<(u32, f64)>>()
         });
-        // First about as far as the faces around a vertex reach, then farther, until a sheet is found.
+        // Searches first about as far as the faces around a vertex reach, then farther, until a sheet is found.
         let mut open = open.concat();
         while !open.is_empty() {
             let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
@@ -63,10 +64,10 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Lowers the aim at vertices to a fraction of their distance from primitives that face away.
+    /// Lowers the aim at vertices to a fraction of their distance from these primitives, if they face the other way.
     fn aim_below(&mut self, across: &[(u32, FaceLabel)]) -> Result<(), LeafError> {
-        let asks: Vec<_> = across.iter().map(|(v, label)| (*label, self.at(*v))).collect();
-        let samples = self.sample(&asks)?;
+        let queries: Vec<_> = across.iter().map(|(v, label)| (*label, self.at(*v))).collect();
+        let samples = self.sample(&queries)?;
         for ((v, _), sample) in across.iter().zip(samples) {
             let faces_away = self.constraints_of(*v).iter().any(|on| on.normal.dot(sample.normal) < OPPOSITE);
             let aim = OF_WALL * sample.distance.abs();
@@ -89,7 +90,7 @@ impl SurfaceImprover<'_> {
         pairs
     }
 
-    /// Whether a label is one of a vertex's own, or joins one in a crease.
+    /// Whether a label is one of the vertex's, or joins one of these in a crease.
     fn joins(&self, v: u32, label: FaceLabel, joined: &[[FaceLabel; 2]]) -> bool {
         let joins = |other: FaceLabel| {
             let pair = if label < other { [label, other] } else { [other, label] };
@@ -100,23 +101,23 @@ impl SurfaceImprover<'_> {
 
     /// The labels of the faces in each cube of a lattice with this step.
     fn labels_by_cube(&self, step: f64) -> CubeLabels {
-        let mut all = CubeLabels::new(step);
+        let mut cubes = CubeLabels::new(step);
         for face in (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)) {
             let points = self.points(face);
-            let low = all.cube(points[0].min(points[1]).min(points[2]));
-            let high = all.cube(points[0].max(points[1]).max(points[2]));
-            all.add(self.label[face as usize], low, high);
+            let low = cubes.cube(points[0].min(points[1]).min(points[2]));
+            let high = cubes.cube(points[0].max(points[1]).max(points[2]));
+            cubes.add(self.label[face as usize], low, high);
         }
-        all
+        cubes
     }
 
-    /// The labels of faces within reach of a vertex that face the other way, and do not join its own in
+    /// The labels of faces within reach of a vertex that face the other way and do not join the vertex's own labels in
     /// creases.
     fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> OpposingFaces {
         let mut across = OpposingFaces { labels: Vec::new(), n_faces: 0 };
         let at = self.at(v);
         let on = self.constraints_of(v);
-        // Labels that join its own, to skip.
+        // The vertex's labels and those that join them, to be skipped.
         let mut beside: Vec<FaceLabel> = on.iter().map(|on| on.label).collect();
         self.tree.for_each_near(&FaceBox { min: at - reach, max: at + reach }, |face| {
             across.n_faces += 1;
@@ -142,12 +143,12 @@ impl SurfaceImprover<'_> {
 struct OpposingFaces {
     /// The labels of sheets that face the other way.
     labels: Vec<FaceLabel>,
-    /// The number of all faces.
+    /// The number of faces near the vertex.
     n_faces: usize,
 }
 
 impl OpposingFaces {
-    /// Whether sheets farther away are no wall of the vertex.
+    /// Whether the search can end.
     fn is_enough(&self) -> bool {
         !self.labels.is_empty() || self.n_faces > CROWD
     }
@@ -156,19 +157,19 @@ impl OpposingFaces {
 /// The labels of faces by cubes.
 struct CubeLabels {
     step: f64,
-    /// By cube the number of its set of labels.
+    /// By cube: the number of its set of labels.
     cubes: IntegerMap<[i64; 3], u32>, // No order depends on it.
-    /// The first is empty.
+    /// The sets of labels; the first is empty.
     sets: Vec<LabelSet>,
     /// The labels of faces that are in many cubes.
     everywhere: Vec<FaceLabel>,
 }
 
-/// Labels that are together in cubes: few such sets are in many cubes.
+/// The labels of a cube. Sets are shared, since many cubes have equal ones.
 #[derive(Default)]
 struct LabelSet {
     labels: Vec<FaceLabel>,
-    /// The numbers of the sets that have one label more.
+    /// The numbers of the sets with one more label.
     larger: Vec<(FaceLabel, u32)>,
 }
 
@@ -209,16 +210,16 @@ impl CubeLabels {
     }
 }
 
-/// The number of the set with one label more.
+/// The number of the set with one more label, which is added if it is new.
 fn with_label(sets: &mut Vec<LabelSet>, set: u32, label: FaceLabel) -> u32 {
-    let own = &sets[set as usize];
-    if own.labels.contains(&label) {
+    let smaller = &sets[set as usize];
+    if smaller.labels.contains(&label) {
         return set;
     }
-    if let Some((_, larger)) = own.larger.iter().find(|(other, _)| *other == label) {
+    if let Some((_, larger)) = smaller.larger.iter().find(|(other, _)| *other == label) {
         return *larger;
     }
-    let mut labels = own.labels.clone();
+    let mut labels = smaller.labels.clone();
     labels.push(label);
     labels.sort_unstable();
     let known = sets.iter().position(|other| other.labels == labels);

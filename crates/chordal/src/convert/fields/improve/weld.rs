@@ -1,6 +1,6 @@
-//! Merges vertices: the ends of edges without length, since where primitives abut or touch, cells have ledges
-//! between them, which Newton steps turn into faces without width; and vertices that cannot reach their targets
-//! into neighbours.
+//! Merges vertices. If primitives abut or touch, cells have ledges between them, which Newton steps turn into faces
+//! without width: the ends of their short edges are merged. Vertices that cannot reach their targets are merged into
+//! neighbours.
 use super::collapse::VertexStar;
 use super::newton::SETTLED;
 use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
@@ -8,17 +8,17 @@ use crate::implicit::LeafError;
 use crate::math::greater;
 use glam::DVec3;
 
-/// Edges below this fraction of the tolerance have no length. Chosen: far above what Newton steps leave, far
-/// below what a proof notices.
+/// Edges below this fraction of the tolerance count as having no length. Chosen: far above the errors of Newton steps, and
+/// too small to affect a proof.
 const NO_LENGTH: f64 = 1e-6;
-/// Where more vertices are unsettled, the function has poles or is noise, and merging a few gains nothing. Chosen; at most
-/// 178 on a gyroid in a cube.
+/// If more vertices than this are unsettled, none is merged. Chosen: then the function has poles or is noise, and merging
+/// gains nothing; there are at most 178 on a gyroid in a cube.
 const MOST_UNSETTLED: usize = 1024;
-/// The most rounds; each handles the edges that the last one exposed.
+/// The most rounds. Chosen: each handles the edges that the last one exposed.
 const MOST_ROUNDS: usize = 8;
 
 impl SurfaceImprover<'_> {
-    /// Collapses edges without length, whatever primitives their ends are on, unless a face would turn or
+    /// Collapses edges without length, whatever the primitives of their ends, unless a face would turn or
     /// cross another.
     pub(super) fn weld(&mut self) -> Result<(), ImproveError> {
         let mut star = VertexStar::default();
@@ -44,7 +44,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Samples the vertices of a list that are still there.
+    /// Samples the vertices of a list that still exist.
     fn measure_merged(&mut self, mut merged: Vec<u32>) -> Result<(), LeafError> {
         merged.retain(|v| self.surface.has_vertex(*v));
         merged.sort_unstable();
@@ -57,8 +57,8 @@ impl SurfaceImprover<'_> {
         length <= NO_LENGTH * self.tol
     }
 
-    /// Collapses a half-edge's start into its end, which it returns, if allowed. The end is then on the
-    /// primitives of all faces around it, and has to be measured.
+    /// Collapses a half-edge's start into its end, if allowed, and returns the end. The end then has the primitives of all
+    /// faces around it as constraints, and has to be measured.
     fn weld_edge(&mut self, h: u32, star: &mut VertexStar) -> Option<u32> {
         if !self.has_no_length(h) || !self.surface.can_collapse(h) {
             return None;
@@ -70,7 +70,7 @@ impl SurfaceImprover<'_> {
         Some(self.merge(h))
     }
 
-    /// Collapses a half-edge's start into its end, which it returns and which has to be measured.
+    /// Collapses a half-edge's start into its end, and returns the end, which has to be measured.
     fn merge(&mut self, h: u32) -> u32 {
         let [v, t] = [self.surface.end(h), self.surface.twin(h)];
         [h, t].iter().for_each(|h| self.tree.remove(*h / 3));
@@ -83,13 +83,13 @@ impl SurfaceImprover<'_> {
             self.grow_tree(face);
             self.open_around(face);
         }
-        self.place[v as usize] = self.new_place(&mut labels);
+        self.run[v as usize] = self.new_run(&mut labels);
         self.counts.collapses += 1;
         v
     }
 
-    /// Removes vertices that cannot reach their targets where a neighbour is on the primitives of all faces that
-    /// it would get, as where primitives coincide; then the others may have room.
+    /// Merges vertices that cannot reach their targets into a neighbour that is on the primitives of all faces that it would
+    /// get, as where primitives coincide. Then the other vertices may be able to move.
     pub(super) fn remove_unsettled(&mut self) -> Result<(), ImproveError> {
         let mut star = VertexStar::default();
         for _ in 0..MOST_ROUNDS {
@@ -103,10 +103,10 @@ impl SurfaceImprover<'_> {
                 if !self.surface.has_vertex(v) {
                     continue;
                 }
-                let mut ways: Vec<u32> = self.surface.one_ring(v).collect();
+                let mut candidates: Vec<u32> = self.surface.one_ring(v).collect();
                 let length = |h: &u32| (self.at(self.surface.end(*h)) - self.at(v)).length_squared();
-                ways.sort_by(|a, b| length(a).total_cmp(&length(b)));
-                for h in ways {
+                candidates.sort_by(|a, b| length(a).total_cmp(&length(b)));
+                for h in candidates {
                     if self.surface.can_collapse(h) {
                         self.gather_star(h, &mut star);
                         if self.is_on_all(&star)? && !self.would_intersect(&star) {
@@ -120,27 +120,27 @@ impl SurfaceImprover<'_> {
                 break;
             }
             self.measure_merged(merged)?;
-            let left = self.unsettled();
-            self.settle(&left)?;
+            let unsettled_now = self.unsettled();
+            self.settle(&unsettled_now)?;
         }
         Ok(())
     }
 
-    /// Whether the vertex that a star collapses into is on the primitives of all faces that remain, and none of
+    /// Whether the vertex into which a star collapses is on the primitives of all faces that remain, and none of
     /// these would turn away from its primitive.
     fn is_on_all(&mut self, star: &VertexStar) -> Result<bool, ImproveError> {
         let n = star.ring.len();
         let to = self.at(star.ring[0]);
         let labels: Vec<FaceLabel> = star.sides[1..n - 1].iter().map(|h| self.label_of(*h)).collect();
-        let asks: Vec<_> = labels.into_iter().map(|label| (label, to)).collect();
-        let samples = self.sample(&asks)?;
+        let queries: Vec<_> = labels.into_iter().map(|label| (label, to)).collect();
+        let samples = self.sample(&queries)?;
         Ok((1..n - 1).zip(samples).all(|(i, sample)| {
             let points = [star.ring[0], star.ring[i], star.ring[i + 1]].map(|v| self.at(v));
             sample.distance.abs() <= SETTLED * self.aim && self.faces_along(points, sample.normal)
         }))
     }
 
-    /// Whether no face with a width turns by more than 60°.
+    /// Whether no face that has a width turns by more than 60°, and no other face gets a width.
     fn keeps_directions(&self, star: &VertexStar) -> bool {
         (1..star.ring.len() - 1).all(|i| {
             let before = self.points(star.sides[i] / 3);
