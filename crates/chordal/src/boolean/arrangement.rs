@@ -10,14 +10,14 @@ use manifold_rust::progress::ProgressReporter;
 use manifold_rust::types::{BooleanEngine, Error, MeshGLP, OpType};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What cuts.
+/// The engine that cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Engines {
     FloatingPoint,
     Rational,
 }
 
-/// Why an engine has no result.
+/// The reason why an engine has no result.
 #[derive(Debug)]
 pub(super) enum EngineFailure {
     Cancelled,
@@ -28,7 +28,7 @@ pub(super) enum EngineFailure {
 pub(super) struct CutSurface {
     pub positions: Vec<[f64; 3]>,
     pub faces: Vec<[u32; 3]>,
-    /// For each face what it was cut from.
+    /// For each face, the face from which it was cut.
     pub sources: Vec<BooleanSource>,
 }
 
@@ -39,7 +39,7 @@ pub(super) fn combine(
     engine: Engines,
     job: &Job,
 ) -> Result<CutSurface, EngineFailure> {
-    // The engines answer hostile input with a panic in rare cases, which is no reason to end a program.
+    // In rare cases the engines panic on malformed input, which must not end the program.
     let work = || combine_by_engine(operands, ops, engine, job);
     // On the threads of the job.
     job.run(|| catch_unwind(AssertUnwindSafe(work)))
@@ -62,11 +62,11 @@ fn combine_by_engine(
         return Ok(exported(&first, operands));
     }
     let others = numbered.map(|(number, operand)| imported(number, operand));
-    let made = in_a_row(first, others.zip(ops), kind, (job, &Job::is_cancelled))?;
-    Ok(exported(&made, operands))
+    let combined = in_a_row(first, others.zip(ops), kind, (job, &Job::is_cancelled))?;
+    Ok(exported(&combined, operands))
 }
 
-/// Combines solids from left to right until a job says that it is over.
+/// Combines solids from left to right until `is_over`.
 pub(super) fn in_a_row<'a>(
     first: Manifold,
     others: impl Iterator<Item = (Result<Manifold, EngineFailure>, &'a BooleanOp)>,
@@ -82,7 +82,7 @@ pub(super) fn in_a_row<'a>(
             }
         })
     };
-    let mut made = first;
+    let mut combined = first;
     let total = others.size_hint().0 as u64;
     for (done, (other, op)) in (0..).zip(others) {
         job.report(Progress { stage: "combine", done, total });
@@ -91,25 +91,26 @@ pub(super) fn in_a_row<'a>(
             BooleanOp::Difference => OpType::Subtract,
             BooleanOp::Intersection => OpType::Intersect,
         };
-        made = made.boolean_with_engine_and_progress(&other?, op, kind, Some(&token), Some(&reporter));
-        if is_over(job) || made.status() == Error::Cancelled {
+        combined =
+            combined.boolean_with_engine_and_progress(&other?, op, kind, Some(&token), Some(&reporter));
+        if is_over(job) || combined.status() == Error::Cancelled {
             return Err(EngineFailure::Cancelled);
         }
-        succeeded(&made)?;
+        succeeded(&combined)?;
     }
-    Ok(made)
+    Ok(combined)
 }
 
-pub(super) fn succeeded(made: &Manifold) -> Result<(), EngineFailure> {
-    match made.status() {
+pub(super) fn succeeded(result: &Manifold) -> Result<(), EngineFailure> {
+    match result.status() {
         Error::NoError => Ok(()),
         error => Err(EngineFailure::Failed(error.to_str().to_lowercase())),
     }
 }
 
-/// An operand as the engines take it: each face remembers its row, and that it is of operand `number`.
+/// An operand in the engines' form: each face carries its row and the operand's `number`.
 fn imported(number: u32, operand: &Operand) -> Result<Manifold, EngineFailure> {
-    // Fewer than four points or faces enclose nothing.
+    // With fewer than four points or faces nothing is enclosed.
     if operand.points.len() < 4 || operand.faces.len() < 4 {
         return Ok(Manifold::empty());
     }
@@ -121,23 +122,23 @@ fn imported(number: u32, operand: &Operand) -> Result<Manifold, EngineFailure> {
         face_id: (0..operand.faces.len() as u32).collect(),
         ..MeshGLP::default()
     };
-    let made = Manifold::from_mesh_glp_robust(&mesh);
-    succeeded(&made)?;
-    Ok(made)
+    let imported_solid = Manifold::from_mesh_glp_robust(&mesh);
+    succeeded(&imported_solid)?;
+    Ok(imported_solid)
 }
 
-fn exported(made: &Manifold, operands: &[Operand]) -> CutSurface {
-    let out: MeshGLP<f64, u32> = made.get_mesh_glp(-1);
-    let stride = out.num_prop as usize;
-    let rows = out.vert_properties.chunks_exact(if stride == 0 { 3 } else { stride });
+fn exported(solid: &Manifold, operands: &[Operand]) -> CutSurface {
+    let arrays: MeshGLP<f64, u32> = solid.get_mesh_glp(-1);
+    let stride = arrays.num_prop as usize;
+    let rows = arrays.vert_properties.chunks_exact(if stride == 0 { 3 } else { stride });
     let positions = rows.map(|row| [row[0], row[1], row[2]]).collect();
-    let faces: Vec<[u32; 3]> = out.tri_verts.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect();
+    let faces: Vec<[u32; 3]> = arrays.tri_verts.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect();
     let mut sources = vec![BooleanSource { operand: 0, face: 0 }; faces.len()];
-    for (run, operand) in out.run_original_id.iter().enumerate() {
-        let end = out.run_index.get(run + 1).map_or(faces.len(), |end| *end as usize / 3);
-        let start = out.run_index.get(run).map_or(0, |start| *start as usize / 3);
-        for (source, own) in sources[start..end].iter_mut().zip(&out.face_id[start..end]) {
-            let face = operands[*operand as usize].face_of[*own as usize];
+    for (run, operand) in arrays.run_original_id.iter().enumerate() {
+        let end = arrays.run_index.get(run + 1).map_or(faces.len(), |end| *end as usize / 3);
+        let start = arrays.run_index.get(run).map_or(0, |start| *start as usize / 3);
+        for (source, face_row) in sources[start..end].iter_mut().zip(&arrays.face_id[start..end]) {
+            let face = operands[*operand as usize].face_of[*face_row as usize];
             *source = BooleanSource { operand: *operand, face };
         }
     }

@@ -1,8 +1,8 @@
-//! `BooleanError`: why there is no boolean.
+//! `BooleanError`: the reason why there is no boolean.
 use crate::budget::JobError;
 use std::fmt;
 
-/// Why there is no boolean.
+/// The reason why there is no boolean.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BooleanError {
     /// An operand, counted from 0, bounds no solid.

@@ -34,20 +34,20 @@ use result::BooleanMethod;
 pub use result::BooleanMesh;
 pub use unchecked::boolean_unchecked;
 
-/// What a result says of how it was made, and why there is none.
+/// The origin of a result, and the reasons why there is none.
 pub mod provenance {
     pub use super::failure::BooleanError;
     pub use super::result::{BooleanMethod, BooleanSource};
 }
 
-/// How a solid is combined with the one before.
+/// The way in which a solid is combined with the previous one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BooleanOp {
-    /// What is in either.
+    /// The points in either solid.
     Union,
-    /// What is in the first and not in the second.
+    /// The points in the first solid and not in the second.
     Difference,
-    /// What is in both.
+    /// The points in both solids.
     Intersection,
 }
 
@@ -62,7 +62,7 @@ impl BooleanOp {
         }
     }
 
-    /// Whether a point that is in the first solid or not, and in the second or not, is in the result.
+    /// Whether a point is in the result, given whether it is in the first and in the second solid.
     pub(crate) fn holds(self, first: bool, second: bool) -> bool {
         match self {
             Self::Union => first || second,
@@ -72,39 +72,39 @@ impl BooleanOp {
     }
 }
 
-/// One more operand, and what is done with it.
+/// One more operand, and the operation to apply.
 #[derive(Clone, Copy, Debug)]
 pub struct BooleanStep<'a> {
-    /// How it is combined with what was made so far.
+    /// The operation with the result so far as its first operand.
     pub op: BooleanOp,
     /// The operand.
     pub mesh: &'a Mesh,
 }
 
-/// Combines solids, from left to right: `((first op₁ mesh₁) op₂ mesh₂) …`. Inside an operand is where its
-/// winding number is positive, whatever crosses or overlaps; vertices are tied by their coordinates. Touching
-/// and coplanar faces, equal operands, nested shells and empty results are results like others: closed, of
-/// oriented triangles.
+/// Combines solids, from left to right: `((first op₁ mesh₁) op₂ mesh₂) …`. A point is inside an operand if
+/// its winding number is positive, even if faces cross or overlap; vertices are tied by their coordinates.
+/// Touching and coplanar faces, equal operands, nested shells and empty results need no special treatment:
+/// results are closed, of oriented triangles.
 ///
 /// **Method.** Operands without self-intersections, whose edges have two triangles each, are combined in
-/// floating point with symbolic perturbation, which cannot fail to give a manifold; others, and whatever
-/// fails the check below, in exact rational arithmetic, which takes ten to forty times as long on boxes that overlap.
-/// [`BooleanMesh::method`] says which.
+/// floating point with symbolic perturbation, which always gives a manifold; other operands, and results that
+/// fail the check below, in exact rational arithmetic, which takes ten to forty times as long on boxes that
+/// overlap. [`BooleanMesh::method`] says which was used.
 ///
-/// **Bound.** Whichever made it, the result is checked here. `at_most` bounds the distance of every triangle of
-/// the result from the triangle of an operand that it was cut from, rounding included. So farther than that
-/// from all operands' triangles sides change nowhere, and there winding numbers of the result and of the
+/// **Bound.** With either method the result is checked. `at_most` bounds the distance of every triangle of
+/// the result from the triangle of an operand from which it was cut, rounding included. So sides do not
+/// change farther than that from all operands' triangles, and there winding numbers of the result and of the
 /// operands, which are exact, are compared at points beside the triangles of both, at most 2,048 of them. The
-/// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): no region is wrong that has none of these points. The metric is
-/// [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the operands' triangles is on the side
-/// where it should be. It is 0 where no vertex had to be rounded.
-/// Where the check found a point on the wrong side the evidence is [`Estimated`](crate::Evidence::Estimated).
+/// evidence is [`ProvedIf`](crate::Evidence::ProvedIf): no region without any of these points is wrong. The
+/// metric is [`Solid`](crate::budget::Metric::Solid): a point farther than `at_most` from the operands'
+/// triangles is on the right side. The bound is 0 if no vertex had to be rounded. If the check finds a point
+/// on the wrong side, the evidence is [`Estimated`](crate::Evidence::Estimated).
 ///
-/// Positions and faces alone count: for attributes see [`BooleanMesh::with_attributes`].
+/// Only positions and faces are used: for attributes see [`BooleanMesh::with_attributes`].
 ///
 /// # Errors
-/// [`BooleanError::NotClosed`] where along some edge not as many triangles run one way as the other; the
-/// refusals of a job: memory, triangles, and the arrangement of more intersections than the job's memory
+/// [`BooleanError::NotClosed`] if along some edge unequal numbers of triangles run in the two directions; the
+/// refusals of a job: memory, triangles, and an arrangement of more intersections than the job's memory
 /// holds; cancellation.
 ///
 /// Source of the methods: E. Lalish, *Manifold*, after J. Smith, N. Dodgson, *A topologically robust
@@ -115,10 +115,10 @@ pub fn boolean(first: &Mesh, steps: &[BooleanStep], job: &Job) -> Result<Boolean
     boolean_snapped(first, steps, &|_| Ok(()), job)
 }
 
-/// Rounds positions to what a file holds.
+/// Rounds positions to the precision of a file.
 type SnapPositions<'a> = dyn Fn(&mut [[f64; 3]]) -> Result<(), JobError> + 'a;
 
-/// [`boolean()`] for a file that holds fewer digits: `snap` rounds the positions of the result before it is
+/// [`boolean()`] for a file that stores fewer digits: `snap` rounds the positions of the result before it is
 /// checked, so that the bound is that of the rounded mesh.
 ///
 /// # Errors
@@ -135,18 +135,18 @@ pub fn boolean_snapped(
     let operands = par_map(job, &meshes, |number, mesh| Operand::new(number, mesh, job));
     let operands: Vec<Operand> = operands.into_iter().collect::<Result<_, _>>()?;
     let simple = operands.iter().all(|operand| operand.is_simple);
-    if simple && let Ok(mut made) = combine(&operands, &ops, Engines::FloatingPoint, job) {
-        snap(&mut made.positions)?;
-        let checked = result::checked(made, BooleanMethod::FloatingPoint, (&operands, &ops), job)?;
+    if simple && let Ok(mut surface) = combine(&operands, &ops, Engines::FloatingPoint, job) {
+        snap(&mut surface.positions)?;
+        let checked = result::checked(surface, BooleanMethod::FloatingPoint, (&operands, &ops), job)?;
         if checked.bound.evidence().bounds_above() {
             return Ok(checked);
         }
     }
     check_crossings(&meshes, job)?;
     match combine(&operands, &ops, Engines::Rational, job) {
-        Ok(mut made) => {
-            snap(&mut made.positions)?;
-            Ok(result::checked(made, BooleanMethod::Rational, (&operands, &ops), job)?)
+        Ok(mut surface) => {
+            snap(&mut surface.positions)?;
+            Ok(result::checked(surface, BooleanMethod::Rational, (&operands, &ops), job)?)
         }
         Err(EngineFailure::Cancelled) => Err(JobError::Cancelled.into()),
         Err(EngineFailure::Failed(why)) => {
@@ -156,7 +156,7 @@ pub fn boolean_snapped(
     }
 }
 
-/// Refuses what would take more memory than the job allows, before the work.
+/// Refuses work that would need more memory than the job allows, before it starts.
 fn check_limits(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
@@ -172,11 +172,12 @@ fn check_limits(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Measured on pairs of spheres of 262,144 and 1,048,576 triangles: 790 and 820, inputs included. Half as much again.
+/// Measured on pairs of spheres of 262,144 and 1,048,576 triangles: 790 and 820, inputs included; half as
+/// much added.
 const BYTES_A_FACE: u64 = 1200;
 
-/// Refuses an arrangement whose intersections alone would exceed the job's memory: all triangles can cross all
-/// others.
+/// Refuses an arrangement whose intersections alone would exceed the job's memory: in the worst case all
+/// triangles cross each other.
 fn check_crossings(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
     let mut positions = Vec::new();
     let mut faces = Vec::new();
@@ -185,8 +186,8 @@ fn check_crossings(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
         positions.extend_from_slice(mesh.positions());
         faces.extend(mesh.faces().iter().map(|face| face.map(|row| row + first)));
     }
-    let all = Mesh::by_construction(positions, faces);
-    let n_pairs = self_intersections(&all, job)?.count;
+    let joined = Mesh::by_construction(positions, faces);
+    let n_pairs = self_intersections(&joined, job)?.count;
     let bytes = n_pairs.saturating_mul(BYTES_A_CROSSING);
     if bytes > job.memory_limit {
         let limit = job.memory_limit;
@@ -199,6 +200,6 @@ fn check_crossings(meshes: &[&Mesh], job: &Job) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Chosen for two points of three rational coordinates, their segments, and the pieces of both triangles; a chain of 200
-/// boxes that cross each other took 44 MB.
+/// Chosen for two points of three rational coordinates, their segments, and the pieces of both triangles; a
+/// chain of 200 boxes that cross each other took 44 MB.
 const BYTES_A_CROSSING: u64 = 8192;

@@ -10,12 +10,12 @@ pub(super) struct Operand<'a> {
     pub mesh: &'a Mesh,
     /// The distinct positions that faces use.
     pub points: Vec<[f64; 3]>,
-    /// Faces with three distinct positions, as rows of `points`.
+    /// The faces with three distinct positions, as rows of `points`.
     pub faces: Vec<[u32; 3]>,
-    /// For each of `faces` the face of the mesh.
+    /// For each of `faces`, its number in the mesh.
     pub face_of: Vec<u32>,
-    /// Whether every edge has two triangles, which run it both ways, none crosses another, and shells are
-    /// wound as their nesting demands: then winding numbers are 0 and 1 alone.
+    /// Whether every edge has two triangles, which run along it in both directions, none crosses another, and
+    /// shells are wound as their nesting demands: then all winding numbers are 0 or 1.
     pub is_simple: bool,
 }
 
@@ -34,14 +34,14 @@ impl<'a> Operand<'a> {
                 let row = &mut row_of[id as usize];
                 if *row == u32::MAX {
                     *row = points.len() as u32;
-                    // Adding zero makes −0.0 one with 0.0.
+                    // Adding zero turns −0.0 into 0.0.
                     points.push(mesh.positions()[id as usize].map(|x| x + 0.0));
                 }
                 *row
             }));
             face_of.push(face);
         }
-        // 2. Closed, so that there is an inside.
+        // 2. The mesh must be closed, so that there is an inside.
         let solid = Mesh::by_construction(points, faces);
         let surface = MeshConnectivity::new(&solid, Topology::Indices);
         let components = surface.components_under(job)?;
@@ -51,7 +51,7 @@ impl<'a> Operand<'a> {
             let boundary_edges = surface.validity().boundary_edges.count;
             return Err(BooleanError::NotClosed { operand: number, boundary_edges });
         }
-        // 3. What the fast engine needs.
+        // 3. The conditions of the fast engine.
         let is_simple = is_sound
             && components.iter().all(|component| component.facing == Facing::Outward)
             && has_no_crossing(&solid, job)?;

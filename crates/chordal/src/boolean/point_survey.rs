@@ -1,5 +1,5 @@
-//! `PointSurvey`: the winding numbers of meshes around some points, and which points are near their triangles, by
-//! one pass over the triangles. For a thousand points that costs a tenth of building a tree.
+//! `PointSurvey`: the winding numbers of meshes around some points, and whether the points are near their
+//! triangles, by one pass over the triangles. For a thousand points that costs a tenth of building a tree.
 use crate::budget::{Job, par_map};
 use crate::check::{RayCrossing, crossing};
 use crate::explicit::distance_to_triangle_down;
@@ -17,21 +17,21 @@ pub(super) struct PointSurvey<'a> {
     sorted: Vec<u32>,
 }
 
-/// What a mesh is to one point.
+/// The relation of a mesh to one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PointWinding {
-    /// How often the mesh winds around the point, if it is closed.
+    /// The winding number of the mesh around the point, if the mesh is closed.
     pub number: i32,
-    /// Whether some triangle is not surely farther than the asked length.
+    /// Whether some triangle is not certainly farther than the given length.
     pub is_near: bool,
 }
 
-/// Triangles that are surveyed by one task.
+/// Triangles in one task.
 const CHUNK: usize = 1 << 14;
 
 impl<'a> PointSurvey<'a> {
     pub fn new(points: &'a [[f64; 3]]) -> Self {
-        // About one point a column.
+        // Columns for about one point each.
         let side = (points.len() as f64).sqrt().ceil() as usize;
         let side = side.max(1);
         let end = |k: usize, better: fn(f64, f64) -> f64, start: f64| {
@@ -60,45 +60,45 @@ impl<'a> PointSurvey<'a> {
         survey
     }
 
-    /// The column of a coordinate, which never decreases with it: so all points between two coordinates are in
-    /// the columns between theirs, whatever was rounded.
+    /// The column of a coordinate, which never decreases with it: so all points between two coordinates are
+    /// in the columns between theirs, in spite of rounding.
     fn column(&self, k: usize, x: f64) -> usize {
         let at = (x - self.low[k]) * self.scale[k];
         if at > 0.0 { (at as usize).min(self.side - 1) } else { 0 }
     }
 
-    /// For each point what the triangles `corners(0)`, …, `corners(n_faces − 1)` are to it.
+    /// For each point, its relation to the triangles `corners(0)`, …, `corners(n_faces − 1)`.
     pub fn windings(
         &self,
         n_faces: usize,
         corners: impl Fn(usize) -> [[f64; 3]; 3] + Sync,
-        off: f64,
+        length: f64,
         job: &Job,
     ) -> Vec<PointWinding> {
         let chunks: Vec<usize> = (0..n_faces.div_ceil(CHUNK)).map(|chunk| chunk * CHUNK).collect();
         let parts = par_map(job, &chunks, |_, first| {
-            let mut found = vec![PointWinding::default(); self.points.len()];
+            let mut windings = vec![PointWinding::default(); self.points.len()];
             if !job.is_cancelled() {
                 (*first..n_faces.min(first + CHUNK))
-                    .for_each(|face| self.add(corners(face), off, &mut found));
+                    .for_each(|face| self.add(corners(face), length, &mut windings));
             }
-            found
+            windings
         });
         let mut sum = vec![PointWinding::default(); self.points.len()];
         for part in parts {
-            for (all, own) in sum.iter_mut().zip(part) {
-                all.number += own.number;
-                all.is_near |= own.is_near;
+            for (total, part_winding) in sum.iter_mut().zip(part) {
+                total.number += part_winding.number;
+                total.is_near |= part_winding.is_near;
             }
         }
         sum
     }
 
-    fn add(&self, corners: [[f64; 3]; 3], off: f64, found: &mut [PointWinding]) {
+    fn add(&self, corners: [[f64; 3]; 3], length: f64, windings: &mut [PointWinding]) {
         let [a, b, c] = corners;
         let ends = [0, 1, 2].map(|k| {
             let (low, high) = (lesser(a[k], b[k]), greater(a[k], b[k]));
-            [sub_down(lesser(low, c[k]), off), add_up(greater(high, c[k]), off)]
+            [sub_down(lesser(low, c[k]), length), add_up(greater(high, c[k]), length)]
         });
         let [columns, rows] = [0, 1].map(|k| ends[k].map(|x| self.column(k, x)));
         for row in rows[0]..=rows[1] {
@@ -110,17 +110,17 @@ impl<'a> PointSurvey<'a> {
                 if !is_within(0) || !is_within(1) || p[2] > ends[2][1] {
                     continue;
                 }
-                let own = &mut found[point as usize];
+                let winding = &mut windings[point as usize];
                 match crossing(p, corners) {
                     RayCrossing::None => {}
-                    RayCrossing::FromBehind => own.number += 1,
-                    RayCrossing::FromFront => own.number -= 1,
-                    RayCrossing::On => own.is_near = true,
+                    RayCrossing::FromBehind => winding.number += 1,
+                    RayCrossing::FromFront => winding.number -= 1,
+                    RayCrossing::On => winding.is_near = true,
                 }
-                // Just above, so that a bound of exactly that length is not enough.
-                let enough = off.next_up();
-                if is_within(2) && distance_to_triangle_down(p, corners, enough) <= off {
-                    own.is_near = true;
+                // Just above, so that a lower bound of exactly that length does not count as farther.
+                let enough = length.next_up();
+                if is_within(2) && distance_to_triangle_down(p, corners, enough) <= length {
+                    winding.is_near = true;
                 }
             }
         }

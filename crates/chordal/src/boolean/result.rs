@@ -1,4 +1,4 @@
-//! `BooleanMesh`: the mesh of a combined solid, where its faces come from, and how far they are from there.
+//! `BooleanMesh`: the mesh of a combined solid, the origin of its faces, and their distance from it.
 use super::BooleanOp;
 use super::arrangement::CutSurface;
 use super::operand::Operand;
@@ -11,13 +11,13 @@ use crate::math::greater;
 /// A combined solid as a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BooleanMesh {
-    /// Its surface: positions and faces alone.
+    /// The surface: positions and faces alone.
     pub mesh: Mesh,
-    /// For each face, the face of an operand that it was cut from.
+    /// For each face, the face of an operand from which it was cut.
     pub sources: Vec<BooleanSource>,
-    /// What made it.
+    /// The method that was used.
     pub method: BooleanMethod,
-    /// How far it is from the combined solid: see [`boolean`](super::boolean()).
+    /// A bound on the distance from the combined solid: see [`boolean`](super::boolean()).
     pub bound: Bound,
 }
 
@@ -26,11 +26,11 @@ pub struct BooleanMesh {
 pub struct BooleanSource {
     /// 0 for the first mesh, then 1 more for each step.
     pub operand: u32,
-    /// Its face there.
+    /// The number of the face in that operand.
     pub face: u32,
 }
 
-/// How meshes were combined.
+/// The method with which meshes were combined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BooleanMethod {
     /// In floating point with symbolic perturbation.
@@ -50,14 +50,14 @@ impl BooleanMethod {
     }
 }
 
-/// Checks a surface against its operands and gives it its bound.
+/// Checks a surface against its operands and adds the bound.
 pub(super) fn checked(
-    made: CutSurface,
+    surface: CutSurface,
     method: BooleanMethod,
     (operands, ops): (&[Operand], &[BooleanOp]),
     job: &Job,
 ) -> Result<BooleanMesh, JobError> {
-    let CutSurface { positions, faces, sources } = made;
+    let CutSurface { positions, faces, sources } = surface;
     if faces.len() as u64 > job.triangle_limit {
         let message =
             format!("the result has {} triangles; the limit is {}", faces.len(), job.triangle_limit);
@@ -66,27 +66,30 @@ pub(super) fn checked(
     let mesh = Mesh::new(positions, faces).map_err(|invalid| {
         JobError::Refused(Refusal::new(RefusalCode::NotFinite, format!("the result is no mesh: {invalid}")))
     })?;
-    // The distance to a triangle is convex, so that it is largest at a corner of what was cut from it.
-    let offs = par_map(job, &sources, |face, source| {
-        let own = operands[source.operand as usize].mesh.corners(source.face as usize);
+    // The distance to a triangle is convex, so it is largest at a corner of a piece cut from that triangle.
+    let distances = par_map(job, &sources, |face, source| {
+        let source_corners = operands[source.operand as usize].mesh.corners(source.face as usize);
         let corners = mesh.corners(face);
-        let off = corners.iter().map(|p| distance_up(*p, &own)).fold(0.0, |most, off| greater(off, most));
-        (off, corners)
+        let distance = corners
+            .iter()
+            .map(|p| distance_up(*p, &source_corners))
+            .fold(0.0, |most, distance| greater(distance, most));
+        (distance, corners)
     });
-    let mut off = 0.0;
+    let mut largest_distance = 0.0;
     let mut at = None;
-    for (face_off, corners) in offs {
-        // A distance that is no number is no bound.
-        if face_off > off || face_off.is_nan() {
-            off = face_off;
+    for (face_distance, corners) in distances {
+        // NaN is no bound.
+        if face_distance > largest_distance || face_distance.is_nan() {
+            largest_distance = face_distance;
             at = Some(corners[0]);
         }
     }
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    let verdict = if off.is_finite() {
-        compare_sides(&mesh, off, (operands, ops), job)?
+    let verdict = if largest_distance.is_finite() {
+        compare_sides(&mesh, largest_distance, (operands, ops), job)?
     } else {
         SideVerdict::Wrong { at: at.unwrap_or_default() }
     };
@@ -97,7 +100,7 @@ pub(super) fn checked(
                  compared"
             );
             let evidence = Evidence::ProvedIf(vec![what]);
-            let mut bound = Bound::with_evidence(0.0, Some(off), evidence, Reference::Boolean);
+            let mut bound = Bound::with_evidence(0.0, Some(largest_distance), evidence, Reference::Boolean);
             (bound.metric, bound.at) = (Metric::Solid, at);
             bound
         }

@@ -1,4 +1,4 @@
-//! Whether points beside the surface of a combined solid are on the side where the operands say they are.
+//! Whether points beside the surface of a combined solid are on the side that the operands define.
 use super::BooleanOp;
 use super::operand::Operand;
 use super::point_survey::{PointSurvey, PointWinding};
@@ -6,28 +6,28 @@ use crate::budget::{Job, JobError};
 use crate::explicit::{Mesh, face_normal, is_closed};
 use crate::math::greater;
 
-/// What the comparison found.
+/// The result of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SideVerdict {
-    /// All compared points are where they should be, and the surface is closed.
+    /// All compared points are on the right side, and the surface is closed.
     Agrees { n_points: u64 },
-    /// This one is not, or the surface is not closed.
+    /// This point is on the wrong side, or the surface is not closed.
     Wrong { at: [f64; 3] },
 }
 
-/// The most faces of the result, and of all operands, beside which sides are compared; a decision: a hundredth
-/// of a second.
+/// The most faces of the result, and of all operands, beside which sides are compared. Chosen: it takes a
+/// hundredth of a second.
 const MOST_FACES: usize = 512;
 
-/// How far beside a face a point is tried, in units of the least distance that makes sense.
+/// The distances beside a face at which a point is tried, in units of the least useful distance.
 const TRIES: [f64; 3] = [1.0, 32.0, 1.0 / 32.0];
 
-/// Compares winding numbers at points that are farther than `off` from all operands. There the result's are
-/// constant as far as no triangle of an operand comes within `off`, since all of its triangles are within
-/// `off` of those.
+/// Compares winding numbers at points that are farther than `length` from all operands. There those of the
+/// result are constant as long as no triangle of an operand comes within `length`, since all of the result's
+/// triangles are within `length` of these.
 pub(super) fn compare_sides(
     mesh: &Mesh,
-    off: f64,
+    length: f64,
     (operands, ops): (&[Operand], &[BooleanOp]),
     job: &Job,
 ) -> Result<SideVerdict, JobError> {
@@ -37,34 +37,34 @@ pub(super) fn compare_sides(
     let mut open = places(mesh, operands);
     let mut n_points = 0;
     for factor in TRIES {
-        let points: Vec<[f64; 3]> = open.iter().map(|place| place.beside(off, factor)).collect();
+        let points: Vec<[f64; 3]> = open.iter().map(|place| place.beside(length, factor)).collect();
         let survey = PointSurvey::new(&points);
         let around: Vec<Vec<PointWinding>> = operands
             .iter()
-            .map(|operand| survey.windings(operand.faces.len(), |face| operand.corners(face), off, job))
+            .map(|operand| survey.windings(operand.faces.len(), |face| operand.corners(face), length, job))
             .collect();
         let of_result = survey.windings(mesh.faces().len(), |face| mesh.corners(face), 0.0, job);
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
-        let mut left = Vec::new();
+        let mut unresolved = Vec::new();
         for (number, place) in open.into_iter().enumerate() {
             if around.iter().any(|operand| operand[number].is_near) {
-                left.push(place);
+                unresolved.push(place);
                 continue;
             }
             let mut inside = around.iter().map(|operand| operand[number].number > 0);
             let first = inside.next().unwrap_or(false);
-            let wanted = inside.zip(ops).fold(first, |sum, (own, op)| op.holds(sum, own));
+            let wanted = inside.zip(ops).fold(first, |sum, (is_inside, op)| op.holds(sum, is_inside));
             // The boundary of a solid winds once around its points, and not at all around others.
             if of_result[number].number != i32::from(wanted) {
                 return Ok(SideVerdict::Wrong { at: points[number] });
             }
             n_points += 1;
         }
-        open = left;
+        open = unresolved;
     }
-    // Without a point nothing is known, unless there was nothing to combine.
+    // Without any point nothing is known, unless there was nothing to combine.
     let is_nothing = mesh.faces().is_empty() && operands.iter().all(|operand| operand.faces.is_empty());
     if n_points == 0 && !is_nothing {
         return Ok(SideVerdict::Wrong { at: mesh.positions().first().copied().unwrap_or_default() });
@@ -81,27 +81,27 @@ struct SidePlace {
 }
 
 impl SidePlace {
-    /// A point beside the middle, from a thousandth of the triangle's size on.
-    fn beside(&self, off: f64, factor: f64) -> [f64; 3] {
-        let height = factor * greater(4.0 * off, self.size / 1024.0);
+    /// A point beside the middle, at least a thousandth of the triangle's size away.
+    fn beside(&self, length: f64, factor: f64) -> [f64; 3] {
+        let height = factor * greater(4.0 * length, self.size / 1024.0);
         std::array::from_fn(|k| self.middle[k] + height * self.away[k])
     }
 }
 
 /// Both sides of triangles of the result and of all operands, evenly spread.
 fn places(mesh: &Mesh, operands: &[Operand]) -> Vec<SidePlace> {
-    let mut found: Vec<SidePlace> =
+    let mut sides: Vec<SidePlace> =
         spread(mesh.faces().len()).flat_map(|face| sides_of(mesh.corners(face))).flatten().collect();
     let n_faces: usize = operands.iter().map(|operand| operand.faces.len()).sum();
     let mut numbers = spread(n_faces).peekable();
     let mut first = 0;
     for operand in operands {
         while let Some(face) = numbers.next_if(|face| face - first < operand.faces.len()) {
-            found.extend(sides_of(operand.corners(face - first)).into_iter().flatten());
+            sides.extend(sides_of(operand.corners(face - first)).into_iter().flatten());
         }
         first += operand.faces.len();
     }
-    found
+    sides
 }
 
 /// Numbers of `n` faces, evenly spread.

@@ -7,12 +7,14 @@ use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, MeshGLP};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// [`boolean()`](super::boolean()) in floating point, without its checks: for what is cut many times and judged as a whole
-/// afterwards. With a length, vertices go that leave surfaces within it, in flat faces and on their straight edges.
+/// [`boolean()`](super::boolean()) in floating point, without its checks: for surfaces that are cut many
+/// times and checked as a whole afterwards. With a length, vertices in flat faces and on their straight edges
+/// are removed as long as the surface stays within it.
 ///
-/// Nothing is said of how far the result is from the combined solid; it may cross itself by roundings, and more where an
-/// operand does. Its edges have two triangles each. Vertices are told apart by their rows: solids that touch along an edge stay
-/// two. Cost: n log n in the triangles of all, some microseconds for each.
+/// Nothing is said about the distance of the result from the combined solid; it may cross itself by
+/// roundings, and more if an operand does. Its edges have two triangles each. Vertices are distinguished by
+/// their rows: solids that touch along an edge stay two. Cost: n log n in the triangles of all operands, some
+/// microseconds each.
 ///
 /// ```
 /// use chordal::boolean::{BooleanOp, BooleanStep, boolean_unchecked};
@@ -31,9 +33,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// ```
 ///
 /// # Errors
-/// [`Failure::Refused`] for an operand whose edges have not two triangles each, and for more memory or triangles than the job
-/// allows;
-/// [`Failure::Cancelled`] when the job is cancelled or its time ends.
+/// [`Failure::Refused`] for an operand whose edges do not have two triangles each, and for more memory or
+/// triangles than the job allows; [`Failure::Cancelled`] if the job is cancelled or its time ends.
 pub fn boolean_unchecked(
     first: &Mesh,
     steps: &[BooleanStep],
@@ -45,16 +46,16 @@ pub fn boolean_unchecked(
     let ops: Vec<BooleanOp> = steps.iter().map(|step| step.op).collect();
     let work = || {
         let others = steps.iter().map(|step| imported(step.mesh)).zip(&ops);
-        let made = in_a_row(imported(first)?, others, BooleanEngine::Exact, (job, &is_ended))?;
-        let Some(flat) = flat else { return Ok(exported(&made)) };
-        let fewer = made.as_original().simplify(flat.get());
+        let solid = in_a_row(imported(first)?, others, BooleanEngine::Exact, (job, &is_ended))?;
+        let Some(flat) = flat else { return Ok(exported(&solid)) };
+        let fewer = solid.as_original().simplify(flat.get());
         succeeded(&fewer)?;
         Ok(exported(&fewer))
     };
-    // The engine answers hostile input with a panic in rare cases, which is no reason to end a program.
-    let made = job.run(|| catch_unwind(AssertUnwindSafe(work)));
-    let made = made.unwrap_or_else(|_| Err(EngineFailure::Failed("the cutting stopped half way".to_owned())));
-    let (positions, faces) = made.map_err(|failure| match failure {
+    // In rare cases the engine panics on malformed input, which must not end the program.
+    let cut = job.run(|| catch_unwind(AssertUnwindSafe(work)));
+    let cut = cut.unwrap_or_else(|_| Err(EngineFailure::Failed("the cutting stopped half way".to_owned())));
+    let (positions, faces) = cut.map_err(|failure| match failure {
         EngineFailure::Cancelled => Failure::Cancelled,
         EngineFailure::Failed(why) => Failure::refused(
             RefusalCode::Unsupported,
@@ -75,25 +76,25 @@ fn is_ended(job: &Job) -> bool {
     job.is_cancelled() || job.is_finishing()
 }
 
-/// A mesh as the engine takes it, with the faces of each plane as one.
+/// A mesh in the engine's form, with the faces of each plane as one.
 fn imported(mesh: &Mesh) -> Result<Manifold, EngineFailure> {
     if mesh.faces().is_empty() {
         return Ok(Manifold::empty());
     }
-    // Adding zero makes −0.0 one with 0.0.
-    let made = Manifold::from_mesh_glp(&MeshGLP::<f64, u32> {
+    // Adding zero turns −0.0 into 0.0.
+    let solid = Manifold::from_mesh_glp(&MeshGLP::<f64, u32> {
         num_prop: 3,
         vert_properties: mesh.positions().as_flattened().iter().map(|x| x + 0.0).collect(),
         tri_verts: mesh.faces().as_flattened().to_vec(),
         ..MeshGLP::default()
     });
-    succeeded(&made)?;
-    Ok(made)
+    succeeded(&solid)?;
+    Ok(solid)
 }
 
-fn exported(made: &Manifold) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let out: MeshGLP<f64, u32> = made.get_mesh_glp(-1);
-    let stride = if out.num_prop == 0 { 3 } else { out.num_prop as usize };
-    let positions = out.vert_properties.chunks_exact(stride).map(|row| [row[0], row[1], row[2]]).collect();
-    (positions, out.tri_verts.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
+fn exported(solid: &Manifold) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let arrays: MeshGLP<f64, u32> = solid.get_mesh_glp(-1);
+    let stride = if arrays.num_prop == 0 { 3 } else { arrays.num_prop as usize };
+    let positions = arrays.vert_properties.chunks_exact(stride).map(|row| [row[0], row[1], row[2]]).collect();
+    (positions, arrays.tri_verts.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
 }

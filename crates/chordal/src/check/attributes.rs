@@ -7,17 +7,17 @@ use crate::explicit::{
 use crate::math::elementary::atan2;
 use crate::math::{Box3, cross, difference, dot, exponent, greater, length, lesser, power_of_two};
 
-/// The difference of one attribute between two meshes. All of it is measured: at samples, and rounded.
+/// The difference of one attribute between two meshes. All values are measured: at samples, and rounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttributeDeviation {
     /// The attribute.
     pub semantic: Semantic,
-    /// The largest difference found; there may be larger ones between samples. Infinite where a value is not
+    /// The largest difference found; there may be larger ones between samples. Infinite if a value is not
     /// a number.
     pub largest: f64,
     /// The root mean square of the differences, each sample weighted by its share of the area of both meshes.
     pub rms: f64,
-    /// The location of the largest difference: a point of one of the two meshes. `None` where nothing
+    /// The location of the largest difference: a point of one of the two meshes. `None` if no value
     /// differs.
     pub at: Option<[f64; 3]>,
     /// The number of samples on both meshes together.
@@ -38,26 +38,26 @@ impl AttributeDeviation {
 /// nothing about points between samples.
 ///
 /// A difference is the Euclidean distance between two rows in the attribute's units (a texture coordinate of
-/// 0.01 is a hundredth of the texture). For normals and tangents it is the angle in degrees, and 180 where
+/// 0.01 is a hundredth of the texture). For normals and tangents it is the angle in degrees, and 180 if
 /// the sign of the bitangent differs or only one has a direction. Face attributes and group names are not
-/// interpolated, and left out.
+/// interpolated, and are ignored.
 ///
 /// *Samples.* Four a face, on both meshes: its centre, and one near each corner, a tenth of the way from
-/// either side. They lie inside the face, so that each has one value even beside a seam.
+/// either side. They lie inside the face, so each has one value even beside a seam.
 ///
 /// *Seams.* At a seam values jump: texture coordinates differ at one position, colours by more than two steps
 /// of eight bits, directions by more than 30°. Beside a seam the nearest point may lie on its other side,
 /// where the values are unrelated. So beside a seam of the other mesh a sample is compared with every face
-/// that touches the seam and is as near as the nearest or farther by at most `moved`, and the least
-/// difference counts. `moved` is how far the seam may have moved, such as the bound of a simplified mesh, and
+/// that touches the seam and is at most `moved` farther than the nearest face, and the least
+/// difference counts. `moved` bounds the movement of the seam, such as the bound of a simplified mesh, and is
 /// `None` for meshes whose seams coincide. It forgives differences of a slide by `moved` beside seams, and
 /// nowhere else; a lost seam is found.
 ///
-/// *Thin walls.* Where the nearest face faces the other way, as on the back of a sheet, the nearest face that
-/// faces the same way counts, if it is as near or farther by at most `moved`. Coincident layers that face the
+/// *Thin walls.* If the nearest face faces the other way, as on the back of a sheet, the nearest face that
+/// faces the same way is used, if it is at most `moved` farther. Coincident layers that face the
 /// same way are not distinguished.
 ///
-/// Where either mesh has no face there is nothing to compare, and the list is empty.
+/// If either mesh has no face, there is nothing to compare, and the list is empty.
 ///
 /// *Cost.* A bounding volume hierarchy over each mesh, 4 queries a face and 130 bytes: about 6 µs a face on
 /// one core. The result is the same on any number of threads.
@@ -106,7 +106,7 @@ pub(crate) fn attribute_deviation_within(
             p.width == q.width
                 && AttributeMetric::from_semantic(&p.semantic).is_some_and(|kind| kind.fits(p.width))
         })
-        .filter(|pair| pair.iter().all(|of| of.domain != Domain::Face))
+        .filter(|pair| pair.iter().all(|attribute| attribute.domain != Domain::Face))
         .collect();
     if pairs.is_empty() || a.faces().is_empty() || b.faces().is_empty() {
         return Ok(Default::default());
@@ -114,49 +114,49 @@ pub(crate) fn attribute_deviation_within(
     let limits: Vec<f64> =
         pairs.iter().map(|pair| limit(&pair[0].semantic).unwrap_or(f64::INFINITY)).collect();
     job.run(|| {
-        let place = a.bounds().union(b.bounds());
+        let bounds = a.bounds().union(b.bounds());
         let sides = [
             AttributeMesh::new(a, pairs.iter().map(|pair| pair[0]), job)?,
             AttributeMesh::new(b, pairs.iter().map(|pair| pair[1]), job)?,
         ];
-        let looked = AttributeComparison {
-            scale: AttributeComparison::scale_of(&place),
+        let comparison = AttributeComparison {
+            scale: AttributeComparison::scale_of(&bounds),
             reach: moved.map_or(0.0, Tolerance::get),
             limits,
             job,
         };
-        let mut all = vec![AttributeErrorStats::default(); pairs.len()];
+        let mut totals = vec![AttributeErrorStats::default(); pairs.len()];
         let mut beyond = [Vec::new(), Vec::new()];
         for ([from, to], beyond) in
             [[&sides[0], &sides[1]], [&sides[1], &sides[0]]].into_iter().zip(&mut beyond)
         {
-            for chunk in looked.sample(from, to) {
-                add(&mut all, &chunk.of_attributes);
+            for chunk in comparison.sample(from, to) {
+                add(&mut totals, &chunk.of_attributes);
                 beyond.extend(chunk.beyond);
             }
         }
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
-        let said =
+        let finished =
             |(pair, tally): (&[&Attribute; 2], &AttributeErrorStats)| tally.finished(&pair[0].semantic);
-        Ok((pairs.iter().zip(&all).map(said).collect(), beyond))
+        Ok((pairs.iter().zip(&totals).map(finished).collect(), beyond))
     })
 }
 
 /// Barycentric weights of the samples of a face. Chosen: a tenth from each side near a corner.
 const SAMPLES: [[f64; 3]; 4] = [[1.0 / 3.0; 3], [0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8]];
-/// Faces a chunk. Chosen: a millisecond of work.
+/// Faces in one task. Chosen: a millisecond of work.
 const CHUNK: usize = 256;
-/// The most faces tested for one sample, so that a mesh of nothing but seams stays fast; the cutoff can only
-/// make a difference larger. Chosen.
+/// The most faces tested for one sample. Chosen: so that a mesh full of seams is still fast; the cutoff can
+/// only make a difference larger.
 const MOST_AROUND: usize = 2048;
 /// Directions that are farther apart than 30° make a seam: the crease angle used for meshes without normals.
 const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Colours that are no farther apart count as equal: two steps of eight bits.
 const COLOR_STEP: f64 = 2.0 / 255.0;
 
-/// How values are compared.
+/// The way in which values are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AttributeMetric {
     /// The angle between the first three components.
@@ -210,8 +210,8 @@ impl<'a> AttributeMesh<'a> {
         job: &Job,
     ) -> Result<Self, JobError> {
         let bvh = Bvh::build(mesh, job)?;
-        // Rows with equal coordinates are one position, whatever the indices are: values at a seam often have
-        // rows of their own.
+        // Rows with equal coordinates are one position, whatever their indices, since values at a seam often
+        // have separate rows.
         let ids = Topology::Positions.ids(mesh).unwrap_or_default();
         let carried = carried.map(|attribute| SeamedAttribute::new(mesh, attribute, &ids, job));
         Ok(Self { mesh, bvh, carried: carried.collect::<Result<_, _>>()? })
@@ -225,7 +225,7 @@ struct SeamedAttribute<'a> {
     seam: Option<SeamFaces>,
 }
 
-/// The faces that touch a seam, in a hierarchy of their own.
+/// The faces that touch a seam, in a separate hierarchy.
 struct SeamFaces {
     bvh: Bvh,
     /// Maps the hierarchy's faces to those of the mesh.
@@ -236,7 +236,7 @@ impl<'a> SeamedAttribute<'a> {
     fn new(mesh: &'a Mesh, attribute: &'a Attribute, ids: &[u32], job: &Job) -> Result<Self, JobError> {
         let kind = AttributeMetric::from_semantic(&attribute.semantic).unwrap_or(AttributeMetric::Value);
         let mut carried = Self { attribute, kind, seam: None };
-        // Compares every corner with the first at its position.
+        // Compare every corner with the first one at its position.
         let mut first = vec![u32::MAX; ids.len()];
         let mut on_line = vec![false; ids.len()];
         let rows = mesh.faces().as_flattened();
@@ -265,10 +265,11 @@ impl<'a> SeamedAttribute<'a> {
         self.attribute.row(if self.attribute.domain == Domain::Corner { corner } else { position as usize })
     }
 
-    /// Component `k` of the value at a point of a face. Exact where all corners have one value.
+    /// Component `k` of the value at a point of a face. Exact if all corners have the same value.
     fn at(&self, mesh: &Mesh, point: &BarycentricPoint, k: usize) -> f64 {
-        let of = |i: usize| self.row(3 * point.face as usize + i, mesh.faces()[point.face as usize][i])[k];
-        let [a, b, c] = [of(0), of(1), of(2)];
+        let corner_value =
+            |i: usize| self.row(3 * point.face as usize + i, mesh.faces()[point.face as usize][i])[k];
+        let [a, b, c] = [corner_value(0), corner_value(1), corner_value(2)];
         a + point.weights[1] * (b - a) + point.weights[2] * (c - a)
     }
 }
@@ -284,7 +285,7 @@ fn value_difference([a, b]: [(&Mesh, &SeamedAttribute, &BarycentricPoint); 2]) -
     let at =
         |(mesh, carried, point): (&Mesh, &SeamedAttribute, &BarycentricPoint), k| carried.at(mesh, point, k);
     let width = a.1.attribute.width;
-    let found = if a.1.kind == AttributeMetric::Direction {
+    let difference_found = if a.1.kind == AttributeMetric::Direction {
         let [p, q] = [a, b].map(|side| std::array::from_fn(|k| at(side, k)));
         let signs_differ = width == 4 && at(a, 3) * at(b, 3) < 0.0;
         angle_deg(p, q, signs_differ)
@@ -292,7 +293,7 @@ fn value_difference([a, b]: [(&Mesh, &SeamedAttribute, &BarycentricPoint); 2]) -
         let squares = (0..width).map(|k| at(a, k) - at(b, k)).map(|x| x * x);
         squares.fold(0.0, |sum, x| sum + x).sqrt()
     };
-    if found.is_nan() { f64::INFINITY } else { found }
+    if difference_found.is_nan() { f64::INFINITY } else { difference_found }
 }
 
 fn angle_deg(p: [f64; 3], q: [f64; 3], is_mirrored: bool) -> f64 {
@@ -317,13 +318,13 @@ struct AttributeErrorStats {
 }
 
 impl AttributeErrorStats {
-    fn add_sample(&mut self, off: f64, p: [f64; 3], weight: f64) {
-        if off > self.largest {
-            (self.largest, self.at) = (off, Some(p));
+    fn add_sample(&mut self, difference: f64, p: [f64; 3], weight: f64) {
+        if difference > self.largest {
+            (self.largest, self.at) = (difference, Some(p));
         }
         // Faces without area have no weight, whatever their values.
         if weight > 0.0 {
-            self.sum += weight * off * off;
+            self.sum += weight * difference * difference;
             self.weight += weight;
         }
         self.samples += 1;
@@ -332,24 +333,24 @@ impl AttributeErrorStats {
     fn finished(&self, semantic: &Semantic) -> AttributeDeviation {
         let Self { largest, at, sum, weight, samples } = *self;
         let rms = if weight > 0.0 { (sum / weight).sqrt() } else { largest };
-        // Rounding may take the mean beyond the largest where all differences are equal.
+        // If all differences are equal, rounding may make the mean larger than the largest.
         let rms = lesser(rms, largest);
         AttributeDeviation { semantic: semantic.clone(), largest, rms, at, samples }
     }
 }
 
-fn add(all: &mut [AttributeErrorStats], more: &[AttributeErrorStats]) {
-    for (all, more) in all.iter_mut().zip(more) {
-        if more.largest > all.largest {
-            (all.largest, all.at) = (more.largest, more.at);
+fn add(totals: &mut [AttributeErrorStats], more: &[AttributeErrorStats]) {
+    for (total, more) in totals.iter_mut().zip(more) {
+        if more.largest > total.largest {
+            (total.largest, total.at) = (more.largest, more.at);
         }
-        all.sum += more.sum;
-        all.weight += more.weight;
-        all.samples += more.samples;
+        total.sum += more.sum;
+        total.weight += more.weight;
+        total.samples += more.samples;
     }
 }
 
-/// What a chunk of faces differs by.
+/// The differences in a chunk of faces.
 struct ChunkDifferences {
     of_attributes: Vec<AttributeErrorStats>,
     /// Faces with a sample beyond a limit.
@@ -360,21 +361,21 @@ struct ChunkDifferences {
 struct AttributeComparison<'a> {
     /// A power of two that scales the extent to about 1, so that no product leaves the range of f64.
     scale: f64,
-    /// How far a seam may have moved.
+    /// A bound on the movement of a seam.
     reach: f64,
     /// By attribute: the largest difference that is no violation.
     limits: Vec<f64>,
     job: &'a Job,
 }
 
-/// Two distances are equal if they differ by at most this relative to themselves plus this relative to the
-/// extent: a closest point is rounded by some dozens of units in the last place. Chosen: 2⁻⁴⁰, far more than
-/// that.
+/// Two distances count as equal if they differ by at most this share of themselves plus this share of the
+/// extent. Chosen: 2⁻⁴⁰, far more than the rounding of a closest point, some dozens of units in the last
+/// place.
 const AS_NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 impl AttributeComparison<'_> {
-    fn scale_of(place: &Box3) -> f64 {
-        let largest = place.min.iter().chain(&place.max);
+    fn scale_of(bounds: &Box3) -> f64 {
+        let largest = bounds.min.iter().chain(&bounds.max);
         let largest = largest.fold(0.0, |most, x| greater(x.abs(), most));
         // The scale and its inverse are normal numbers.
         power_of_two(-exponent(largest).clamp(-1000, 1000))
@@ -385,51 +386,58 @@ impl AttributeComparison<'_> {
         let chunks: Vec<&[[u32; 3]]> = from.mesh.faces().chunks(CHUNK).collect();
         par_map(self.job, &chunks, |number, chunk| {
             let of_attributes = vec![AttributeErrorStats::default(); from.carried.len()];
-            let mut found = ChunkDifferences { of_attributes, beyond: Vec::new() };
+            let mut differences = ChunkDifferences { of_attributes, beyond: Vec::new() };
             if !self.job.is_cancelled() {
                 for i in 0..chunk.len() {
-                    self.sample_face(from, to, (CHUNK * number + i) as u32, &mut found);
+                    self.sample_face(from, to, (CHUNK * number + i) as u32, &mut differences);
                 }
             }
-            found
+            differences
         })
     }
 
-    fn sample_face(&self, from: &AttributeMesh, to: &AttributeMesh, face: u32, found: &mut ChunkDifferences) {
+    fn sample_face(
+        &self,
+        from: &AttributeMesh,
+        to: &AttributeMesh,
+        face: u32,
+        differences: &mut ChunkDifferences,
+    ) {
         let mut is_beyond = false;
         let corners = from.mesh.corners(face as usize);
         let normal = self.normal(corners);
         let share = length(normal) / SAMPLES.len() as f64;
         for weights in SAMPLES {
             let p = std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
-            let here = BarycentricPoint { face, weights };
+            let sample = BarycentricPoint { face, weights };
             let Some(near) = to.bvh.closest_point(p) else { continue };
             let at = (p, near.distance_sq.sqrt());
-            let mut there = BarycentricPoint { face: near.face, weights: near.barycentric };
+            let mut nearest = BarycentricPoint { face: near.face, weights: near.barycentric };
             if dot(normal, self.normal(to.mesh.corners(near.face as usize))) < 0.0 {
-                there = self.nearest_facing(&to.bvh, at, normal).unwrap_or(there);
+                nearest = self.nearest_facing(&to.bvh, at, normal).unwrap_or(nearest);
             }
             let pairs = from.carried.iter().zip(&to.carried).zip(&self.limits);
-            for (((own, other), limit), found) in pairs.zip(&mut found.of_attributes) {
-                let apart_from = |there: &BarycentricPoint| {
-                    value_difference([(from.mesh, own, &here), (to.mesh, other, there)])
+            for (((from_attribute, to_attribute), limit), stats) in pairs.zip(&mut differences.of_attributes)
+            {
+                let apart_from = |point: &BarycentricPoint| {
+                    value_difference([(from.mesh, from_attribute, &sample), (to.mesh, to_attribute, point)])
                 };
-                let mut least = apart_from(&there);
-                if let Some(beside) = other.seam.as_ref().filter(|_| least > 0.0) {
+                let mut least = apart_from(&nearest);
+                if let Some(beside) = to_attribute.seam.as_ref().filter(|_| least > 0.0) {
                     self.faces_about(&beside.bvh, at, |near| {
                         let face = beside.faces[near.face as usize];
-                        let off = apart_from(&BarycentricPoint {
+                        let candidate = apart_from(&BarycentricPoint {
                             face,
                             weights: closest_on_triangle(near.q, near.corners),
                         });
-                        least = lesser(off, least);
+                        least = lesser(candidate, least);
                     });
                 }
-                found.add_sample(least, p, share);
+                stats.add_sample(least, p, share);
                 is_beyond |= least > *limit;
             }
         }
-        found.beyond.extend(is_beyond.then_some(face));
+        differences.beyond.extend(is_beyond.then_some(face));
     }
 
     /// The normal of a triangle with twice its area as length, scaled.
@@ -439,7 +447,7 @@ impl AttributeComparison<'_> {
     }
 
     /// The nearest point on a face that faces the direction `normal`, if it is about as near as the nearest
-    /// of all.
+    /// point of all faces.
     fn nearest_facing(&self, bvh: &Bvh, at: ([f64; 3], f64), normal: [f64; 3]) -> Option<BarycentricPoint> {
         let mut best: Option<(f64, BarycentricPoint)> = None;
         self.faces_about(bvh, at, |near| {
@@ -447,8 +455,8 @@ impl AttributeComparison<'_> {
             if dot(normal, cross(difference(b, a), difference(c, a))) <= 0.0 {
                 return;
             }
-            let is_better = best.as_ref().is_none_or(|(least, known)| {
-                near.off_sq < *least || (near.off_sq == *least && near.face < known.face)
+            let is_better = best.as_ref().is_none_or(|(least, best_point)| {
+                near.off_sq < *least || (near.off_sq == *least && near.face < best_point.face)
             });
             if is_better {
                 let weights = closest_on_triangle(near.q, near.corners);
@@ -458,8 +466,8 @@ impl AttributeComparison<'_> {
         best.map(|(_, point)| point)
     }
 
-    /// Visits the faces of a hierarchy that are about as near to `p` as the nearest of all, at that distance,
-    /// or may have been before seams moved.
+    /// Visits the faces of a hierarchy that are about as near to `p` as the nearest face, which is at that
+    /// distance, or may have been before seams moved.
     fn faces_about(&self, bvh: &Bvh, (p, distance): ([f64; 3], f64), mut see: impl FnMut(&NearbyFace)) {
         let radius = distance + AS_NEAR * distance + self.reach + AS_NEAR / self.scale;
         let q = p.map(|x| x * self.scale);

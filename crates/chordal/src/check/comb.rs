@@ -10,13 +10,13 @@ pub struct Tooth {
     pub on_curve: [f64; 2],
     /// The end of the tooth: on the outer side of the bend.
     pub tip: [f64; 2],
-    /// The inverse of the radius of the osculating circle, positive where the path turns left.
+    /// The inverse of the radius of the osculating circle, positive if the path turns left.
     pub curvature: f64,
 }
 
 /// The comb of each piece, in order: `n + 1` teeth at equal parameter steps, both ends of the piece included,
 /// each as long as the curvature there times `scale`. Two teeth start where two pieces meet; they end in the
-/// same point exactly where direction and curvature are the same.
+/// same point exactly if direction and curvature are the same.
 ///
 /// A point with zero speed, as in a cusp, has no curvature and no tooth.
 ///

@@ -10,7 +10,7 @@ use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 use crate::math::{Box3, greater};
 use glam::DVec3;
 
-/// Which way the front of a component faces.
+/// The direction that the front of a component faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Facing {
     /// Away from the material: out of a solid, into a cavity.
@@ -40,13 +40,13 @@ impl Facing {
 /// A set of faces connected by edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
-    /// The lowest of its faces.
+    /// Its lowest face.
     pub first_face: u32,
-    /// Its faces.
+    /// The number of its faces.
     pub faces: u64,
-    /// Its edges.
+    /// The number of its edges.
     pub edges: u64,
-    /// Its positions; one that it shares with another component counts in both.
+    /// The number of its positions; a position that it shares with another component counts in both.
     pub positions: u64,
     /// Edges with one face.
     pub boundary_edges: u64,
@@ -64,19 +64,20 @@ pub struct Component {
     pub orientable: bool,
     /// Euler characteristic: positions − edges + faces.
     pub euler: i64,
-    /// Handles, with each boundary loop closed by a disc; `None` where the component is not manifold or not
+    /// Handles, with each boundary loop closed by a disc; `None` if the component is not manifold or not
     /// orientable.
     pub genus: Option<u64>,
     /// The bounding box of its corners.
     pub bounds: Box3,
-    /// Its area, and the enclosed volume, which is meaningful where it has an inside.
+    /// Its area, and the enclosed volume, which is meaningful if it has an inside.
     pub measure: Measure,
-    /// The number of other components with an inside that enclose it; `None` where it has no inside or this
+    /// The number of other components with an inside that enclose it; `None` if it has no inside or this
     /// is undecided.
     pub depth: Option<u32>,
-    /// The number of the component around it that no other one encloses; `None` where there is none, or no single one.
+    /// The number of the outermost component around it, which no other one encloses; `None` if there is none,
+    /// or more than one.
     pub outermost: Option<u32>,
-    /// Which way its front faces.
+    /// The direction that its front faces.
     pub facing: Facing,
 }
 
@@ -88,18 +89,18 @@ impl Component {
     }
 }
 
-/// The connected components of `mesh`, in the order of their first faces, with two rows being one position
-/// where `topology` says so. Faces with two corners at one position belong to no component.
+/// The connected components of `mesh`, in the order of their first faces; `topology` says which rows are one
+/// position. Faces with two corners at one position belong to no component.
 ///
 /// *Outward* accounts for nested shells. A component has an inside if it is closed and every edge is
 /// traversed equally often in both directions. It encloses another component if its winding number is nonzero
 /// around one of seven vertices of the other, its first and the six outermost, and zero around none of them;
-/// vertices on its surface are skipped. A component within an even number of others is a solid, and outward
-/// when its signed volume is positive; within an odd number it is a cavity, and outward when that is
-/// negative. Winding numbers are exact. The volume is rounded, and decides where it is farther from 0 than
-/// the rounding error. Components that cross each other are judged individually.
+/// vertices on its surface are skipped. A component inside an even number of others is a solid, and outward
+/// if its signed volume is positive; inside an odd number it is a cavity, and outward if that is
+/// negative. Winding numbers are exact. The volume is rounded, and decides if it is farther from 0 than
+/// the rounding error. Components that cross each other are classified individually.
 ///
-/// Linear time, about 0.1 s per million triangles on one core. Several components that enclose each other add
+/// Linear time, about 0.1 s per million triangles on one core. If several components enclose each other, also
 /// a bounding volume hierarchy and some microseconds a component, on all threads.
 /// [`MeshConnectivity::components_under`] does the same under the limits of a job.
 ///
@@ -119,14 +120,14 @@ pub fn components(mesh: &Mesh, topology: Topology) -> Vec<Component> {
 /// The components that are wound inside out, each located by its first face.
 #[must_use]
 pub fn inside_out(mesh: &Mesh, components: &[Component]) -> Finding {
-    let mut found = Finding::default();
+    let mut finding = Finding::default();
     for component in components.iter().filter(|component| component.facing == Facing::InsideOut) {
-        found.add(|| Witness::face(mesh, component.first_face));
+        finding.add(|| Witness::face(mesh, component.first_face));
     }
-    found
+    finding
 }
 
-/// Whether all components are wound outward: false when one is inside out, `None` when one is undecided or
+/// Whether all components are wound outward: `false` if one is inside out, `None` if one is undecided or
 /// there is none.
 #[must_use]
 pub fn outward(components: &[Component]) -> Option<bool> {
@@ -138,7 +139,7 @@ pub fn outward(components: &[Component]) -> Option<bool> {
     decided.then_some(true)
 }
 
-/// Label of a face without component.
+/// The label of a face without a component.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// [`components`] under the limits of a job.
@@ -151,7 +152,7 @@ pub(super) fn components_under(surface: &MeshConnectivity, job: &Job) -> Result<
     Ok(shapes.with_facings(depths))
 }
 
-/// [`components`]. Nesting stays undecided where the bounding volume hierarchy is refused: for more triangles
+/// [`components`]. Nesting stays undecided if the bounding volume hierarchy is refused: for more triangles
 /// than it can number, or more memory than the default job allows.
 pub(super) fn component_of_faces(surface: &MeshConnectivity) -> Vec<u32> {
     label_components(surface).0
@@ -160,13 +161,13 @@ pub(super) fn component_of_faces(surface: &MeshConnectivity) -> Vec<u32> {
 pub(super) fn components_of(surface: &MeshConnectivity) -> Vec<Component> {
     let shapes = ComponentSet::from_connectivity(surface);
     let nested = nesting_depths(surface.mesh, &shapes, &Job::default());
-    let depths = nested.unwrap_or_else(|_| vec![NestingDepth::Touching; shapes.found.len()]);
+    let depths = nested.unwrap_or_else(|_| vec![NestingDepth::Touching; shapes.components.len()]);
     shapes.with_facings(depths)
 }
 
 /// The components before their facing is known.
 pub(super) struct ComponentSet {
-    pub found: Vec<Component>,
+    pub components: Vec<Component>,
     /// The component of each face, or [`NONE`].
     pub labels: Vec<u32>,
     /// The sign of the volume of each component with an inside.
@@ -175,17 +176,20 @@ pub(super) struct ComponentSet {
 
 impl ComponentSet {
     fn from_connectivity(surface: &MeshConnectivity) -> Self {
-        let (labels, mut found) = label_components(surface);
-        let inside = count_edges(surface, &labels, &mut found);
-        count_positions(surface, &labels, &mut found);
+        let (labels, mut components) = label_components(surface);
+        let inside = count_edges(surface, &labels, &mut components);
+        count_positions(surface, &labels, &mut components);
         walk_boundary(&surface.twins, |h, ending| {
-            found[labels[h as usize / 3] as usize].boundary_loops += u64::from(ending == BoundaryKind::Loop);
+            components[labels[h as usize / 3] as usize].boundary_loops +=
+                u64::from(ending == BoundaryKind::Loop);
         });
-        if found.iter().any(|component| !component.oriented) {
-            find_non_orientable(surface, |face| found[labels[face as usize] as usize].orientable = false);
+        if components.iter().any(|component| !component.oriented) {
+            find_non_orientable(surface, |face| {
+                components[labels[face as usize] as usize].orientable = false
+            });
         }
-        let volumes = measure_components(surface.mesh, &labels, &mut found);
-        for component in &mut found {
+        let volumes = measure_components(surface.mesh, &labels, &mut components);
+        for component in &mut components {
             component.closed = component.boundary_edges == 0;
             component.euler = component.positions as i64 - component.edges as i64 + component.faces as i64;
             // χ = 2 − 2·genus − loops for one component of an orientable surface with boundary.
@@ -193,10 +197,10 @@ impl ComponentSet {
             component.genus =
                 (component.manifold() && component.orientable).then_some(twice_genus as u64 / 2);
         }
-        let signs: Vec<Option<i8>> = (0..found.len())
-            .map(|i| (inside[i] && found[i].closed && found[i].oriented).then(|| volumes[i].sign()))
+        let signs: Vec<Option<i8>> = (0..components.len())
+            .map(|i| (inside[i] && components[i].closed && components[i].oriented).then(|| volumes[i].sign()))
             .collect();
-        Self { found, labels, signs }
+        Self { components, labels, signs }
     }
 
     /// Decides the facing of each component with an inside from the sign of its volume.
@@ -206,7 +210,7 @@ impl ComponentSet {
             .zip(&self.signs)
             .map(|(nested, sign)| sign.is_some() && *nested == NestingDepth::Within(Vec::new()))
             .collect();
-        for ((component, sign), nested) in self.found.iter_mut().zip(self.signs).zip(depths) {
+        for ((component, sign), nested) in self.components.iter_mut().zip(self.signs).zip(depths) {
             let Some(sign) = sign else { continue };
             if let NestingDepth::Within(around) = nested {
                 component.depth = Some(around.len() as u32);
@@ -219,7 +223,7 @@ impl ComponentSet {
                 _ => Facing::InsideOut,
             };
         }
-        self.found
+        self.components
     }
 }
 
@@ -227,22 +231,22 @@ impl ComponentSet {
 fn label_components(surface: &MeshConnectivity) -> (Vec<u32>, Vec<Component>) {
     let mut sets = connected_faces(surface);
     let mut labels = vec![NONE; surface.n_faces() as usize];
-    let mut found: Vec<Component> = Vec::new();
+    let mut components: Vec<Component> = Vec::new();
     for face in 0..surface.n_faces() {
         if surface.half_edges(face).is_none() {
             continue;
         }
         let root = sets.find(face);
-        // The root of a set is its first face, and comes first.
+        // The root of a set is its first face, so it comes first.
         if root == face {
-            labels[face as usize] = found.len() as u32;
-            found.push(empty(face));
+            labels[face as usize] = components.len() as u32;
+            components.push(empty(face));
         }
         let label = labels[root as usize];
         labels[face as usize] = label;
-        found[label as usize].faces += 1;
+        components[label as usize].faces += 1;
     }
-    (labels, found)
+    (labels, components)
 }
 
 fn empty(first_face: u32) -> Component {
@@ -270,13 +274,13 @@ fn empty(first_face: u32) -> Component {
 
 /// Counts the edges of each component. Returns whether its edges with three or more faces are traversed
 /// equally often in both directions.
-fn count_edges(surface: &MeshConnectivity, labels: &[u32], found: &mut [Component]) -> Vec<bool> {
+fn count_edges(surface: &MeshConnectivity, labels: &[u32], components: &mut [Component]) -> Vec<bool> {
     for h in 0..surface.twins.len() as u32 {
         let label = labels[h as usize / 3];
         if label == NONE {
             continue;
         }
-        let component = &mut found[label as usize];
+        let component = &mut components[label as usize];
         match surface.twins.get(h) {
             Twin::Pair(t) => component.edges += u64::from(h < t),
             Twin::Flipped(t) => {
@@ -290,19 +294,19 @@ fn count_edges(surface: &MeshConnectivity, labels: &[u32], found: &mut [Componen
             Twin::NonManifold | Twin::Collapsed => {}
         }
     }
-    let mut balanced = vec![true; found.len()];
+    let mut balanced = vec![true; components.len()];
     for edge in surface.twins.non_manifold_edges() {
         let label = labels[edge[0] as usize / 3] as usize;
-        found[label].edges += 1;
-        found[label].edge_manifold = false;
+        components[label].edges += 1;
+        components[label].edge_manifold = false;
         let runs_up = |h: &&u32| surface.origin(**h) < surface.origin(next_in_face(**h));
         balanced[label] &= 2 * edge.iter().filter(runs_up).count() == edge.len();
     }
     balanced
 }
 
-/// Counts the positions of each component, and detects positions where it has two fans.
-fn count_positions(surface: &MeshConnectivity, labels: &[u32], found: &mut [Component]) {
+/// Counts the positions of each component, and detects positions at which it has two fans.
+fn count_positions(surface: &MeshConnectivity, labels: &[u32], components: &mut [Component]) {
     let mut first_at = vec![NONE; surface.mesh.positions().len()];
     let mut further: Vec<(u32, u32)> = Vec::new();
     count_fans(
@@ -313,7 +317,7 @@ fn count_positions(surface: &MeshConnectivity, labels: &[u32], found: &mut [Comp
             let (position, label) = (surface.origin(h), labels[h as usize / 3]);
             if number == 0 {
                 first_at[position as usize] = label;
-                found[label as usize].positions += 1;
+                components[label as usize].positions += 1;
             } else {
                 further.push((position, label));
             }
@@ -322,7 +326,7 @@ fn count_positions(surface: &MeshConnectivity, labels: &[u32], found: &mut [Comp
     further.sort_unstable();
     for same in further.chunk_by(|a, b| a == b) {
         let (position, label) = same[0];
-        let component = &mut found[label as usize];
+        let component = &mut components[label as usize];
         let is_first = first_at[position as usize] == label;
         component.positions += u64::from(!is_first);
         component.vertex_manifold &= !is_first && same.len() == 1;
@@ -339,7 +343,7 @@ struct SignedVolume {
 }
 
 impl SignedVolume {
-    /// −1, 1, or 0 where rounding leaves the sign undecided.
+    /// −1, 1, or 0 if rounding leaves the sign undecided.
     fn sign(&self) -> i8 {
         // A product of three differences and the sums in a term round fewer than 16 times; each term is then
         // rounded with every later one. Twice that, since `size` is rounded as well, and underflow on top.
@@ -354,7 +358,7 @@ impl SignedVolume {
 
 /// Computes area, volume and bounding box of each component, summed in the order of the faces. The apex of
 /// the tetrahedra is the first corner of the component, so that its position in space costs no digits.
-fn measure_components(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> Vec<SignedVolume> {
+fn measure_components(mesh: &Mesh, labels: &[u32], components: &mut [Component]) -> Vec<SignedVolume> {
     let bounds = mesh.bounds();
     let size = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| {
         let x = x.abs();
@@ -362,10 +366,10 @@ fn measure_components(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> V
     });
     let (down, up) = power_of_two_near(size);
     let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down;
-    let tips: Vec<DVec3> = found.iter().map(|c| at(mesh.faces()[c.first_face as usize][0])).collect();
-    let mut volumes = vec![SignedVolume::default(); found.len()];
+    let tips: Vec<DVec3> = components.iter().map(|c| at(mesh.faces()[c.first_face as usize][0])).collect();
+    let mut volumes = vec![SignedVolume::default(); components.len()];
     for (face, &label) in mesh.faces().iter().zip(labels).filter(|(_, label)| **label != NONE) {
-        let (component, volume) = (&mut found[label as usize], &mut volumes[label as usize]);
+        let (component, volume) = (&mut components[label as usize], &mut volumes[label as usize]);
         let tip = tips[label as usize];
         let [a, b, c] = face.map(|row| at(row) - tip);
         let twice_area = (b - a).cross(c - a);
@@ -379,7 +383,7 @@ fn measure_components(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> V
             extend(&mut component.bounds, &mesh.positions()[*row as usize]);
         }
     }
-    for (component, volume) in found.iter_mut().zip(&volumes) {
+    for (component, volume) in components.iter_mut().zip(&volumes) {
         component.measure.area = component.measure.area / 2.0 * up * up;
         component.measure.signed_volume = volume.sum / 6.0 * up * up * up;
     }

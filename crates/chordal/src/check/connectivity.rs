@@ -31,19 +31,19 @@ pub struct MeshConnectivity<'a> {
     pub(super) twins: Twins,
 }
 
-/// The connectivity of a mesh by its own indices and by bit-identical positions.
+/// The connectivity of a mesh by its indices and by bit-identical positions.
 pub struct ConnectivityPair<'a> {
     /// By indices.
     pub by_indices: MeshConnectivity<'a>,
-    /// By positions; `None` where that is the same because no two positions have the same coordinates.
+    /// By positions; `None` if that is the same because no two positions have the same coordinates.
     pub by_positions: Option<MeshConnectivity<'a>>,
     /// Positions by index with the same coordinates as an earlier one, with `−0.0` equal to `0.0`.
     pub duplicate_vertices: Finding,
 }
 
 impl<'a> MeshConnectivity<'a> {
-    /// Computes the adjacency of the faces of `mesh`, with two rows being one position where `topology` says
-    /// so.
+    /// Computes the adjacency of the faces of `mesh`; `topology` says which rows are one
+    /// position.
     #[must_use]
     pub fn new(mesh: &'a Mesh, topology: Topology) -> Self {
         Self::with_ids(mesh, topology, topology.ids(mesh))
@@ -54,7 +54,7 @@ impl<'a> MeshConnectivity<'a> {
         Self { mesh, topology, ids, twins }
     }
 
-    /// Both connectivities of `mesh`, at the cost of one where they are the same.
+    /// Both connectivities of `mesh`, at the cost of one if they are the same.
     #[must_use]
     pub fn by_indices_and_positions(mesh: &'a Mesh) -> ConnectivityPair<'a> {
         let by_bits = Topology::Positions.ids(mesh);
@@ -80,11 +80,11 @@ impl<'a> MeshConnectivity<'a> {
     }
 
     /// The same under the limits of a job: its threads and memory apply to the bounding volume hierarchy that
-    /// several components which may enclose each other need, and the job can be cancelled there.
+    /// is needed if several components may enclose each other, during which the job can be cancelled.
     ///
     /// # Errors
-    /// [`JobError::Refused`] where that hierarchy would be too large for the job
-    /// ([`Bvh::build`](crate::explicit::Bvh::build)), and [`JobError::Cancelled`] when the job was.
+    /// [`JobError::Refused`] if that hierarchy would be too large for the job
+    /// ([`Bvh::build`](crate::explicit::Bvh::build)), and [`JobError::Cancelled`] if the job was cancelled.
     pub fn components_under(&self, job: &Job) -> Result<Vec<Component>, JobError> {
         components_under(self, job)
     }
@@ -138,7 +138,7 @@ impl<'a> MeshConnectivity<'a> {
         self.origin(previous_in_face(half_edge))
     }
 
-    /// The three half-edges of a face; `None` when two of its corners have one position.
+    /// The three half-edges of a face; `None` if two of its corners have one position.
     #[inline]
     pub(super) fn half_edges(&self, face: u32) -> Option<[u32; 3]> {
         let first = 3 * face;

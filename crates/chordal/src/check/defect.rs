@@ -10,7 +10,7 @@ pub enum Defect {
     NonManifoldEdges,
     /// Positions with two or more fans.
     NonManifoldVertices,
-    /// Vertices in the interior of an edge that they do not belong to.
+    /// Vertices in the interior of an edge of which they are no end.
     TJunctions,
     /// Edges with two faces that are wound inconsistently.
     InconsistentEdges,
@@ -32,10 +32,10 @@ pub enum Defect {
     UnusedVertices,
 }
 
-/// How much a defect matters.
+/// The consequences of a defect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// The surface violates what its kind promises: printing, simulation and Boolean operations may fail.
+    /// The surface violates the promises of its kind: printing, simulation and Boolean operations may fail.
     Fault,
     /// The surface is valid; its triangles could be better.
     Remark,
@@ -99,7 +99,7 @@ impl Defect {
         }
     }
 
-    /// What it means for the user, as a clause that fits singular and plural.
+    /// Its consequence for the user, as a clause that fits singular and plural.
     #[must_use]
     pub fn meaning(self) -> &'static str {
         match self {
@@ -128,14 +128,14 @@ impl Defect {
         }
     }
 
-    /// The repairs of it, in the order in which to try them; empty where there is none.
+    /// Its repairs, in the order in which to try them; empty if there is none.
     #[must_use]
     pub fn cures(self) -> &'static [Cure] {
         match self {
-            // A boundary between equal points is a seam, one along T-junctions is a crack, and only the rest
-            // is a hole.
+            // A boundary between equal points is a seam, one along T-junctions is a crack, and only the
+            // remaining ones are holes.
             Self::BoundaryEdges => &[Cure::Weld, Cure::ResolveTJunctions, Cure::FillHoles],
-            // Coincident sheets are duplicates; only after they are dropped is the edge a branch.
+            // Coincident sheets are duplicates; only an edge that remains after they are dropped is a branch.
             Self::NonManifoldEdges => &[Cure::DropDuplicates, Cure::SplitNonManifold],
             Self::NonManifoldVertices => &[Cure::SplitNonManifold],
             Self::TJunctions => &[Cure::ResolveTJunctions],
@@ -148,7 +148,7 @@ impl Defect {
         }
     }
 
-    /// What to do where no repair helps.
+    /// The advice if no repair helps.
     #[must_use]
     pub fn advice(self) -> &'static str {
         match self {

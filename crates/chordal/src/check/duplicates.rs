@@ -8,7 +8,7 @@ use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DuplicateFace {
     face: u32,
-    of: u32,
+    original: u32,
     opposite: bool,
 }
 
@@ -25,7 +25,7 @@ pub(super) fn find_duplicates(surface: &MeshConnectivity) -> (Finding, Finding) 
             };
             let twice = t < h && may_share(surface.twins.get(next_in_face(h)), t / 3);
             if twice && surface.apex(h) == surface.apex(t) && is_lowest_edge(surface, h) {
-                repeats.push(DuplicateFace { face, of: t / 3, opposite });
+                repeats.push(DuplicateFace { face, original: t / 3, opposite });
             }
         }
     }
@@ -33,19 +33,19 @@ pub(super) fn find_duplicates(surface: &MeshConnectivity) -> (Finding, Finding) 
         repeats_along(surface, edge, &mut repeats);
     }
     repeats.sort_unstable();
-    let (mut all, mut opposite) = (Finding::default(), Finding::default());
+    let (mut duplicates, mut opposite) = (Finding::default(), Finding::default());
     for repeat in repeats {
-        let witness = || Witness::repeated(surface.mesh, repeat.face, repeat.of);
-        all.add(witness);
+        let witness = || Witness::repeated(surface.mesh, repeat.face, repeat.original);
+        duplicates.add(witness);
         if repeat.opposite {
             opposite.add(witness);
         }
     }
-    (all, opposite)
+    (duplicates, opposite)
 }
 
 /// Finds the positions by index that have the same coordinates as an earlier one, with `−0.0` equal to `0.0`:
-/// those that vertex welding would merge. Each counts once, with the first row at that point.
+/// vertex welding would merge these. Each counts once, with the first row at that point.
 ///
 /// About 25 ns a row.
 ///
@@ -63,19 +63,19 @@ pub fn duplicate_vertices(mesh: &Mesh) -> Finding {
 
 /// The same, given the first row at the point of each row.
 pub(super) fn duplicate_positions(mesh: &Mesh, first_there: &[u32]) -> Finding {
-    let mut seen = vec![false; if mesh.position_id().is_some() { first_there.len() } else { 0 }];
-    let mut found = Finding::default();
+    let mut is_visited = vec![false; if mesh.position_id().is_some() { first_there.len() } else { 0 }];
+    let mut repeated = Finding::default();
     for (row, &first) in first_there.iter().enumerate() {
         let row = row as u32;
         let is_new = mesh.position_id().is_none_or(|ids| {
-            let seen = &mut seen[ids[row as usize] as usize];
-            !std::mem::replace(seen, true)
+            let is_visited = &mut is_visited[ids[row as usize] as usize];
+            !std::mem::replace(is_visited, true)
         });
         if is_new && first != row {
-            found.add(|| Witness::repeated_vertex(mesh, row, first));
+            repeated.add(|| Witness::repeated_vertex(mesh, row, first));
         }
     }
-    found
+    repeated
 }
 
 /// Whether `face` may be the face across an edge. Tested first, since two faces that share one edge rarely
@@ -90,13 +90,13 @@ fn may_share(across: Twin, face: u32) -> bool {
 }
 
 /// Whether a half-edge joins the two lower positions of its face: two faces with the same positions share all
-/// three edges, and must be found at one of them only.
+/// three edges, and must be found at only one of them.
 fn is_lowest_edge(surface: &MeshConnectivity, h: u32) -> bool {
     let apex = surface.apex(h);
     surface.origin(h) < apex && surface.origin(next_in_face(h)) < apex
 }
 
-/// The faces along one edge whose apex is that of an earlier face there.
+/// The faces along one edge whose apex is that of an earlier face along it.
 fn repeats_along(surface: &MeshConnectivity, edge: &[u32], repeats: &mut Vec<DuplicateFace>) {
     let mut by_apex: Vec<(u32, u32)> =
         edge.iter().filter(|&&h| is_lowest_edge(surface, h)).map(|&h| (surface.apex(h), h)).collect();
@@ -105,7 +105,7 @@ fn repeats_along(surface: &MeshConnectivity, edge: &[u32], repeats: &mut Vec<Dup
         let (_, first) = same[0];
         repeats.extend(same[1..].iter().map(|&(_, h)| DuplicateFace {
             face: h / 3,
-            of: first / 3,
+            original: first / 3,
             opposite: surface.origin(h) != surface.origin(first),
         }));
     }

@@ -26,26 +26,26 @@ pub struct PatchSideId {
 pub struct EdgeJoin {
     /// The two sides that meet.
     pub sides: [PatchSideId; 2],
-    /// Whether the fronts of the patches are on the same side of the surface. All else here is measured as if
-    /// they were.
+    /// Whether the fronts of the patches are on the same side of the surface. All other results are measured
+    /// as if they were.
     pub fronts_agree: bool,
     /// The largest distance between points of the two sides at the same parameter; 0 for a shared edge.
     pub position_gap: EdgeMaximum,
-    /// The largest angle between the normals, 0 to π, where the surface is folded back on itself; `None` where
-    /// a patch has no tangent plane anywhere on the edge.
+    /// The largest angle between the normals, 0 to π, which means that the surface is folded back on itself;
+    /// `None` if a patch has no tangent plane anywhere on the edge.
     pub angle_rad: Option<EdgeMaximum>,
     /// The largest difference of the normal curvatures across the edge: 1/radius of the sections by planes
-    /// that are perpendicular to the edge and contain the normal of the patch. `None` where a patch has no
+    /// that are perpendicular to the edge and contain the normal of the patch. `None` if a patch has no
     /// first derivative across the edge.
     pub curvature_gap: Option<EdgeMaximum>,
-    /// Cn: derivatives across the edge up to the nth are equal all along it, up to the rounding of the control
-    /// points; `None` for a gap, at most 2.
+    /// Cn: derivatives across the edge up to the nth are equal all along it, up to the rounding of the
+    /// control points; `None` for a gap, at most 2.
     pub parametric: Option<u8>,
     /// Gn: the same for position (0), tangent plane (1) and curvature (2).
     pub geometric: Option<u8>,
 }
 
-/// The largest value along an edge, and where it is.
+/// The largest value along an edge, and its location.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeMaximum {
     /// The value.
@@ -56,8 +56,8 @@ pub struct EdgeMaximum {
     pub at: [f64; 3],
 }
 
-/// Angles are measured where rounding turns a tangent plane by at most this, in radians (defined here: 0.06°), and
-/// curvatures where it does so by at most 2⁻²⁴ (defined here).
+/// Angles are measured only if rounding turns a tangent plane by at most this, in radians (defined here:
+/// 0.06°), and curvatures only if it does so by at most 2⁻²⁴ (defined here).
 const KNOWN_DIRECTION: f64 = 1.0 / 1024.0;
 const KNOWN_CURVATURE: f64 = 1.0 / 16_777_216.0;
 /// Equal steps along an edge: their 33 ends are one more than the degree 31 of the condition of G2 needs. With
@@ -65,16 +65,17 @@ const KNOWN_CURVATURE: f64 = 1.0 / 16_777_216.0;
 /// is P/(|E|³·|e|²) with P of degree 16; where E and F, the normal of the other, are parallel, curvatures are
 /// equal where P·F³ − Q·E³ is 0, and 16 + 3·5 = 31.
 pub(super) const STEPS: usize = 32;
-/// Where an end has no tangent plane of its own, as at a pole, it is approached: parameters `2^-k` from it. The
+/// If an end has no tangent plane, as at a pole, it is approached: parameters `2^-k` from it. The
 /// first is the limit to six digits, the last is within the first of the equal steps.
 const APPROACH: [i32; 4] = [20, 16, 12, 8];
 /// Steps of a golden-section search: 0.618^36 of two equal steps is 2e-9.
 const SEARCH: usize = 36;
 
-/// How two sides of patches meet; whether they run the same way is told from their ends.
+/// The continuity of two sides of patches; their direction relative to each other is determined from their
+/// ends.
 ///
 /// # Panics
-/// Where there is no such patch.
+/// If there is no such patch.
 ///
 /// ```
 /// use chordal::check::surfaces::{PatchSideId, edge_join};
@@ -88,12 +89,13 @@ const SEARCH: usize = 36;
 /// ```
 #[must_use]
 pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
-    // 1. Both with the edge as the bottom, scaled by a power of two, so that no square overflows or vanishes.
+    // 1. Both patches with the edge as the bottom, scaled by a power of two, so that no square overflows or
+    //    vanishes.
     let turned = sides.map(|id| patches[id.patch].turned(id.side));
     let scale = power_of_two(-exponent(greater(turned[0].size(), turned[1].size())));
     let scaled = |patch: &Patch| patch.control.map(|row| row.map(|p| p.map(|x| x * scale)));
     let [first, mut second] = turned.each_ref().map(|patch| Patch { control: scaled(patch) });
-    // 2. Both along the first side.
+    // 2. Both in the direction of the first side.
     let back = |patch: &Patch| Patch { control: patch.control.map(|[a, b, c, d]| [d, c, b, a]) };
     let [same, against] = [second, back(&second)].map(|other| apart(&first.control[0], &other.control[0]));
     let fronts_agree = against <= same;
@@ -104,7 +106,7 @@ pub fn edge_join(patches: &[Patch], sides: [PatchSideId; 2]) -> EdgeJoin {
     let edge = EdgePair {
         sides: [PatchBoundary::new(&first), PatchBoundary::new(&second)],
         // See FIRST.
-        offs: [FIRST, SECOND].map(|steps| steps * f64::EPSILON * size),
+        roundings: [FIRST, SECOND].map(|steps| steps * f64::EPSILON * size),
     };
     // 3. Positions, derivatives and normals.
     let is_shared = lesser(same, against) == 0.0;
@@ -138,16 +140,16 @@ pub(super) fn apart(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> f64 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| greater(length(difference(*a, *b)), most))
 }
 
-/// What is known of a surface at a point of an edge: derivatives along the edge and across it, into the surface.
+/// The derivatives of a surface at a point of an edge: along the edge, and across it into the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CrossJet {
     pub point: [f64; 3],
     pub along: [f64; 3],
     /// The second derivative along the edge.
-    pub own: [f64; 3],
-    /// The derivative across; where that is zero everywhere, a direction across.
+    pub along_second: [f64; 3],
+    /// The derivative across; if that is zero everywhere, a direction across.
     pub across: [f64; 3],
-    /// That of `across` along the edge.
+    /// The derivative of `across` along the edge.
     pub mixed: [f64; 3],
     /// The second derivative across.
     pub bend: [f64; 3],
@@ -166,7 +168,8 @@ struct PatchBoundary {
     edge: Bezier<3>,
     across: Bezier<3>,
     bend: Bezier<3>,
-    /// Whether `across` is zero everywhere, and instead the direction to the next row that differs.
+    /// Whether `across` is zero everywhere; then it is replaced by the direction to the next row that
+    /// differs.
     is_doubled: bool,
 }
 
@@ -174,10 +177,10 @@ struct PatchBoundary {
 struct CrossDirection {
     /// Perpendicular to the edge, into the patch.
     inward: [f64; 3],
-    /// The derivative across the edge is `inward` plus so many derivatives along it.
+    /// The derivative across the edge is `inward` plus this multiple of the derivative along it.
     lean: f64,
-    /// How far rounding may turn the tangent plane, in radians.
-    off: f64,
+    /// A bound on the turn of the tangent plane by rounding, in radians.
+    rounding: f64,
 }
 
 impl PatchBoundary {
@@ -203,7 +206,7 @@ impl CrossBoundary for PatchBoundary {
         CrossJet {
             point: self.edge.at(t),
             along: self.edge.tangent(t),
-            own: self.edge.second_derivative(t),
+            along_second: self.edge.second_derivative(t),
             across: self.across.at(t),
             mixed: self.across.tangent(t),
             bend: self.bend.at(t),
@@ -216,22 +219,22 @@ impl CrossBoundary for PatchBoundary {
 }
 
 impl CrossJet {
-    /// `None` where the tangent plane is not known; rounding may move first derivatives by `off`.
-    fn direction(&self, off: f64) -> Option<CrossDirection> {
+    /// `None` if the tangent plane is unknown; rounding may move first derivatives by `rounding`.
+    fn direction(&self, rounding: f64) -> Option<CrossDirection> {
         let (along, across) = (self.along, self.across);
         let speed = length(along);
         let lean = dot(across, along) / (speed * speed);
         let inward: [f64; 3] = std::array::from_fn(|k| across[k] - lean * along[k]);
-        // Rounding moves `across`, and turns `along`, and with it what is subtracted.
-        let off = off * (1.0 + 2.0 * length(across) / speed) / length(inward);
-        (off <= KNOWN_DIRECTION).then_some(CrossDirection { inward, lean, off })
+        // Rounding moves `across`, and turns `along`, and with it the subtracted part.
+        let rounding = rounding * (1.0 + 2.0 * length(across) / speed) / length(inward);
+        (rounding <= KNOWN_DIRECTION).then_some(CrossDirection { inward, lean, rounding })
     }
 
-    /// The normal curvature across the edge, positive where the patch bends towards its front, and how far
-    /// rounding may change it; `offs` are those of first and second derivatives.
-    fn curvature(&self, offs: [f64; 2]) -> Option<[f64; 2]> {
-        let CrossDirection { inward, lean, off } = self.direction(offs[0])?;
-        if off > KNOWN_CURVATURE {
+    /// The normal curvature across the edge, positive if the patch bends towards its front, and a bound on
+    /// its rounding; `roundings` are those of first and second derivatives.
+    fn curvature(&self, roundings: [f64; 2]) -> Option<[f64; 2]> {
+        let CrossDirection { inward, lean, rounding: turn_rounding } = self.direction(roundings[0])?;
+        if turn_rounding > KNOWN_CURVATURE {
             return None;
         }
         let along = self.along;
@@ -239,25 +242,27 @@ impl CrossJet {
         let (size, square) = (length(normal), dot(inward, inward));
         let normal = normal.map(|x| x / size);
         // The second fundamental form in the direction that is perpendicular to the edge: N − 2λM + λ²L.
-        let (bent, mixed, own) = (self.bend, self.mixed, self.own);
+        let (bent, mixed, along_second) = (self.bend, self.mixed, self.along_second);
         let form: [f64; 3] =
-            std::array::from_fn(|k| (bent[k] - 2.0 * lean * mixed[k]) + lean * lean * own[k]);
+            std::array::from_fn(|k| (bent[k] - 2.0 * lean * mixed[k]) + lean * lean * along_second[k]);
         let curvature = dot(form, normal) / square;
         // Rounding of the form, of the normal, of λ and of the square, each to first order and doubled.
         let spread = 1.0 + lean.abs();
-        let turned = length(bent) + 2.0 * lean.abs() * length(mixed) + lean * lean * length(own);
-        let leaned = offs[0] * spread / length(along) * (length(mixed) + lean.abs() * length(own));
-        let off = 2.0 * (offs[1] * spread * spread + off * turned + 2.0 * leaned) / square
-            + 4.0 * curvature.abs() * off;
-        Some([curvature, off])
+        let turned = length(bent) + 2.0 * lean.abs() * length(mixed) + lean * lean * length(along_second);
+        let leaned =
+            roundings[0] * spread / length(along) * (length(mixed) + lean.abs() * length(along_second));
+        let turn_rounding = 2.0 * (roundings[1] * spread * spread + turn_rounding * turned + 2.0 * leaned)
+            / square
+            + 4.0 * curvature.abs() * turn_rounding;
+        Some([curvature, turn_rounding])
     }
 }
 
-/// Two surfaces along an edge, both the same way.
+/// Two surfaces along an edge, both with the same direction.
 pub(super) struct EdgePair<S> {
     pub sides: [S; 2],
-    /// How far rounding may move first and second derivatives.
-    pub offs: [f64; 2],
+    /// Bounds on the movement of first and second derivatives by rounding.
+    pub roundings: [f64; 2],
 }
 
 impl<S: CrossBoundary> EdgePair<S> {
@@ -268,10 +273,10 @@ impl<S: CrossBoundary> EdgePair<S> {
 
     /// 0 within rounding.
     pub fn angle(&self, t: f64) -> Option<f64> {
-        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).direction(self.offs[0]));
+        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).direction(self.roundings[0]));
         let (first, second) = (first?, second?);
         let turned = angle(first.inward, second.inward.map(|x| -x));
-        Some(if turned <= first.off + second.off { 0.0 } else { turned })
+        Some(if turned <= first.rounding + second.rounding { 0.0 } else { turned })
     }
 
     /// 0 within rounding.
@@ -279,43 +284,43 @@ impl<S: CrossBoundary> EdgePair<S> {
         if self.sides.iter().any(CrossBoundary::is_doubled) {
             return None;
         }
-        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).curvature(self.offs));
+        let [first, second] = self.sides.each_ref().map(|side| side.jet(t).curvature(self.roundings));
         let (first, second) = (first?, second?);
-        // Both run along the edge the same way, so that the front of the one is the back of the other.
+        // Both run along the edge in the same direction, so the front of one is the back of the other.
         let gap = (first[0] + second[0]).abs();
         Some(if gap <= first[1] + second[1] { 0.0 } else { gap })
     }
 
-    /// The parameters with ends that have no tangent plane replaced by some beside them.
+    /// The parameters; ends that have no tangent plane are replaced by some parameters beside them.
     pub fn approached(&self, steps: &[f64]) -> Vec<f64> {
         let is_plain = |t: f64| self.angle(t).is_some();
         let near = APPROACH.map(|k| power_of_two(-k));
-        let mut all: Vec<f64> = Vec::new();
+        let mut parameters: Vec<f64> = Vec::new();
         if !is_plain(0.0) {
-            all.extend(near);
+            parameters.extend(near);
         }
-        all.extend(steps.iter().filter(|t| (0.0 < **t && **t < 1.0) || is_plain(**t)));
+        parameters.extend(steps.iter().filter(|t| (0.0 < **t && **t < 1.0) || is_plain(**t)));
         if !is_plain(1.0) {
-            all.extend(near.iter().rev().map(|t| 1.0 - t));
+            parameters.extend(near.iter().rev().map(|t| 1.0 - t));
         }
-        all
+        parameters
     }
 }
 
 impl EdgePair<PatchBoundary> {
     fn parametric(&self) -> u8 {
         let [first, second] = &self.sides;
-        let offs = self.offs;
+        let roundings = self.roundings;
         let control = |a: &Bezier<3>, b: &Bezier<3>, sign: f64| {
             let pairs = a.control.into_iter().zip(b.control);
             pairs.fold(0.0, |most, (a, b)| greater(length(difference(a, b.map(|x| sign * x))), most))
         };
-        // A doubled row is a derivative of zero: equal only to another.
+        // A doubled row has a derivative of zero, which equals only another one.
         let zero = Bezier { control: [[0.0; 3]; 4] };
         let [a, b] = [first, second].map(|side| if side.is_doubled { &zero } else { &side.across });
-        if control(a, b, -1.0) > offs[0] {
+        if control(a, b, -1.0) > roundings[0] {
             0
-        } else if control(&first.bend, &second.bend, 1.0) > offs[1] {
+        } else if control(&first.bend, &second.bend, 1.0) > roundings[1] {
             1
         } else {
             2
@@ -323,28 +328,29 @@ impl EdgePair<PatchBoundary> {
     }
 }
 
-/// Where `f` is largest, and its value: first at the rising parameters, then by a search between the neighbours
-/// of the best of them.
+/// The parameter at which `f` is largest, and its value: first among the ascending parameters, then by a
+/// search between the neighbours of the best of them.
 pub(super) fn largest(parameters: &[f64], f: impl Fn(f64) -> Option<f64>) -> Option<(f64, f64)> {
-    let all: Vec<(f64, f64)> = parameters.iter().filter_map(|t| f(*t).map(|value| (*t, value))).collect();
-    let best = (1..all.len()).fold(0, |best, i| if all[i].1 > all[best].1 { i } else { best });
-    let mut found = *all.get(best)?;
-    if found.1 == 0.0 {
-        return Some(found);
+    let samples: Vec<(f64, f64)> = parameters.iter().filter_map(|t| f(*t).map(|value| (*t, value))).collect();
+    let best = (1..samples.len()).fold(0, |best, i| if samples[i].1 > samples[best].1 { i } else { best });
+    let mut best_sample = *samples.get(best)?;
+    if best_sample.1 == 0.0 {
+        return Some(best_sample);
     }
-    // Golden section: of two inner points the better one stays.
+    // Golden section: the better one of two inner points stays.
     let value = |t: f64| f(t).unwrap_or(0.0);
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (all[best.saturating_sub(1)].0, all[(best + 1).min(all.len() - 1)].0);
+    let (mut low, mut high) =
+        (samples[best.saturating_sub(1)].0, samples[(best + 1).min(samples.len() - 1)].0);
     let inner = |low: f64, high: f64| [high - ratio * (high - low), low + ratio * (high - low)];
     for _ in 0..SEARCH {
         let [a, b] = inner(low, high).map(|t| (t, value(t)));
         for candidate in [a, b] {
-            if candidate.1 > found.1 {
-                found = candidate;
+            if candidate.1 > best_sample.1 {
+                best_sample = candidate;
             }
         }
         if a.1 > b.1 { high = b.0 } else { low = a.0 }
     }
-    Some(found)
+    Some(best_sample)
 }

@@ -78,13 +78,13 @@ pub(super) fn connected_faces(surface: &MeshConnectivity) -> DisjointSets {
 
 /// Whether all faces could be wound so that every edge with two faces is traversed in both directions.
 fn is_orientable(surface: &MeshConnectivity) -> bool {
-    let mut all = true;
-    find_non_orientable(surface, |_| all = false);
-    all
+    let mut is_orientable = true;
+    find_non_orientable(surface, |_| is_orientable = false);
+    is_orientable
 }
 
-/// Calls `each` with a face of every component that is not orientable, as a Möbius strip. Here only edges
-/// with two faces connect a component.
+/// Calls `each` with a face of every component that is not orientable, such as a Möbius strip. Here only
+/// edges with two faces connect a component.
 pub(super) fn find_non_orientable(surface: &MeshConnectivity, mut each: impl FnMut(u32)) {
     #[derive(Clone, Copy, PartialEq)]
     enum FaceFlip {
@@ -110,11 +110,11 @@ pub(super) fn find_non_orientable(surface: &MeshConnectivity, mut each: impl FnM
                     Twin::Flipped(t) => (t / 3, turn(side)),
                     _ => continue,
                 };
-                let known = &mut sides[neighbour as usize];
-                if *known == FaceFlip::Unknown {
-                    *known = wanted;
+                let flip = &mut sides[neighbour as usize];
+                if *flip == FaceFlip::Unknown {
+                    *flip = wanted;
                     stack.push(neighbour);
-                } else if *known != wanted {
+                } else if *flip != wanted {
                     contradicted = true;
                 }
             }

@@ -1,4 +1,4 @@
-//! Integer lattice points: exact predicates in some nanoseconds where coordinates have few digits.
+//! Integer lattice points: exact predicates in some nanoseconds if coordinates have few digits.
 use crate::math::{Orientation, greater, lesser};
 
 /// A point with integer coordinates below 2⁶⁰.
@@ -7,7 +7,7 @@ pub(super) type LatticePoint = [i64; 3];
 /// Bits that coordinates may span: differences then have 61, their products 122 and sums of two 123.
 const SPAN: i32 = 60;
 
-/// The points as integer multiples of one power of two; `None` where they span more than [`SPAN`] bits. A
+/// The points as integer multiples of one power of two; `None` if they span more than [`SPAN`] bits. A
 /// common factor does not change orientations.
 #[inline]
 pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[LatticePoint; N]> {
@@ -27,8 +27,8 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Latti
     for (x, on) in points.as_flattened().iter().zip(on.as_flattened_mut()) {
         if *x != 0.0 {
             let (mantissa, exponent) = decompose(*x);
-            let places = exponent - low;
-            let size = if places >= 0 { mantissa << places } else { mantissa >> -places } as i64;
+            let shift = exponent - low;
+            let size = if shift >= 0 { mantissa << shift } else { mantissa >> -shift } as i64;
             *on = if *x < 0.0 { -size } else { size };
         }
     }

@@ -1,5 +1,5 @@
-//! Triangle fans around a position, each triangle sharing an edge with the next, and the boundary loops of a
-//! mesh.
+//! The triangle fans around a position, in which each triangle shares an edge with the next, and the boundary
+//! loops of a mesh.
 use crate::explicit::{Twin, Twins, next_in_face, previous_in_face};
 
 /// A circulator around a position: the half-edge to cross, and whether the position is its origin or its end.
@@ -18,7 +18,7 @@ impl FanCirculator {
         }
     }
 
-    /// The corner that the circulator leaves, named by its outgoing half-edge.
+    /// The corner that the circulator leaves, given by its outgoing half-edge.
     #[inline]
     fn corner(self) -> u32 {
         match self {
@@ -40,7 +40,7 @@ impl FanCirculator {
         }
     }
 
-    /// Circulates around the position to the edge where its fan ends.
+    /// Circulates around the position to the edge at which its fan ends.
     fn to_end_of_fan(mut self, twins: &Twins) -> Self {
         while let Ok(next) = self.across(twins) {
             self = next;
@@ -57,7 +57,7 @@ impl FanCirculator {
     }
 }
 
-/// Enumerates the fans at each position: none where there is no triangle, one where the surface is manifold.
+/// Enumerates the fans at each position: none if there is no triangle, one if the surface is manifold.
 ///
 /// Calls `each` with the first half-edge of every fan and its number at the position (0, 1, or 2 for all
 /// later ones), in the order of the half-edges.
@@ -68,13 +68,13 @@ pub(super) fn count_fans(
     mut each: impl FnMut(u32, u8),
 ) {
     let mut fans = vec![0_u8; n_rows];
-    let mut seen = vec![false; twins.len()];
+    let mut visited = vec![false; twins.len()];
     for corner in 0..twins.len() as u32 {
-        if seen[corner as usize] || twins.get(corner) == Twin::Collapsed {
+        if visited[corner as usize] || twins.get(corner) == Twin::Collapsed {
             continue;
         }
-        if !mark_fan(FanCirculator::Out(corner), twins, &mut seen) {
-            mark_fan(FanCirculator::In(previous_in_face(corner)), twins, &mut seen);
+        if !mark_fan(FanCirculator::Out(corner), twins, &mut visited) {
+            mark_fan(FanCirculator::In(previous_in_face(corner)), twins, &mut visited);
         }
         let count = &mut fans[origin(corner) as usize];
         each(corner, *count);
@@ -82,42 +82,42 @@ pub(super) fn count_fans(
     }
 }
 
-/// Marks the corners of a fan in one direction. Returns whether that leads back to the first corner.
-fn mark_fan(start: FanCirculator, twins: &Twins, seen: &mut [bool]) -> bool {
+/// Marks the corners of a fan in one direction. Returns whether the walk leads back to the first corner.
+fn mark_fan(start: FanCirculator, twins: &Twins, visited: &mut [bool]) -> bool {
     let first = start.corner();
-    let mut way = start;
+    let mut circulator = start;
     loop {
-        seen[way.corner() as usize] = true;
-        match way.across(twins) {
+        visited[circulator.corner() as usize] = true;
+        match circulator.across(twins) {
             Ok(next) if next.corner() == first => return true,
-            Ok(next) => way = next,
+            Ok(next) => circulator = next,
             Err(_) => return false,
         }
     }
 }
 
-/// How a path of boundary edges ends.
+/// The end of a path of boundary edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BoundaryKind {
-    /// Where it started.
+    /// The path ends where it started.
     Loop,
-    /// At edges with three or more faces.
+    /// The path ends at edges with three or more faces.
     Chain,
 }
 
 /// Connects the boundary edges into paths through the fan at each end, so two loops that touch at a position,
 /// with one fan each, remain two. Calls `each` with the first half-edge of every path.
 pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, BoundaryKind)) {
-    let mut seen = vec![false; twins.len()];
+    let mut visited = vec![false; twins.len()];
     for start in 0..twins.len() as u32 {
-        if seen[start as usize] || twins.get(start) != Twin::Boundary {
+        if visited[start as usize] || twins.get(start) != Twin::Boundary {
             continue;
         }
-        let mut see = |h: u32| seen[h as usize] = true;
-        if follow_boundary(start, FanCirculator::Out(start), twins, &mut see) {
+        let mut visit = |h: u32| visited[h as usize] = true;
+        if follow_boundary(start, FanCirculator::Out(start), twins, &mut visit) {
             each(start, BoundaryKind::Loop);
         } else {
-            follow_boundary(start, FanCirculator::In(start), twins, &mut see);
+            follow_boundary(start, FanCirculator::In(start), twins, &mut visit);
             each(start, BoundaryKind::Chain);
         }
     }
@@ -125,23 +125,29 @@ pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, BoundaryKin
 
 /// All boundary half-edges of the path that contains `start`, as [`walk_boundary`] counts them.
 pub(crate) fn boundary_path(twins: &Twins, start: u32) -> Vec<u32> {
-    let mut all = Vec::new();
-    if !follow_boundary(start, FanCirculator::Out(start), twins, &mut |h| all.push(h)) {
-        follow_boundary(start, FanCirculator::In(start), twins, &mut |h| all.push(h));
+    let mut path = Vec::new();
+    if !follow_boundary(start, FanCirculator::Out(start), twins, &mut |h| path.push(h)) {
+        follow_boundary(start, FanCirculator::In(start), twins, &mut |h| path.push(h));
     }
-    all
+    path
 }
 
-/// Follows the boundary from `start`, entered by `way`. Returns whether it comes back to `start`.
-fn follow_boundary(start: u32, way: FanCirculator, twins: &Twins, see: &mut impl FnMut(u32)) -> bool {
-    let mut way = way;
+/// Follows the boundary from `start`, entered by `circulator`. Returns whether the walk comes back to
+/// `start`.
+fn follow_boundary(
+    start: u32,
+    circulator: FanCirculator,
+    twins: &Twins,
+    visit: &mut impl FnMut(u32),
+) -> bool {
+    let mut circulator = circulator;
     loop {
-        see(way.edge());
-        way = way.along().to_end_of_fan(twins);
-        if twins.get(way.edge()) != Twin::Boundary {
+        visit(circulator.edge());
+        circulator = circulator.along().to_end_of_fan(twins);
+        if twins.get(circulator.edge()) != Twin::Boundary {
             return false;
         }
-        if way.edge() == start {
+        if circulator.edge() == start {
             return true;
         }
     }

@@ -1,4 +1,4 @@
-//! `Finding`: how often a property occurs in a mesh, and its first occurrences.
+//! `Finding`: the number of occurrences of a property in a mesh, and the first of them.
 use crate::explicit::{Mesh, next_in_face};
 
 /// The largest number of witnesses that a finding keeps; it counts all occurrences.
@@ -10,7 +10,7 @@ pub const MAX_WITNESSES: usize = 10;
 pub enum MeshLocation {
     /// A row of the positions.
     Vertex(u32),
-    /// An edge: its two rows in the positions, as its first face has them, and all faces along it.
+    /// An edge: the two rows of its positions, in the order of its first face, and all faces along it.
     Edge {
         /// From, to.
         vertices: [u32; 2],
@@ -35,7 +35,7 @@ pub enum MeshLocation {
     },
     /// Two faces that intersect where they should not, the lower number first.
     Faces([u32; 2]),
-    /// A vertex in the interior of an edge that it does not belong to.
+    /// A vertex in the interior of an edge of which it is no end.
     OnEdge {
         /// The row of the vertex.
         vertex: u32,
@@ -51,12 +51,12 @@ pub enum MeshLocation {
 pub struct Witness {
     /// The vertex, edge or face.
     pub place: MeshLocation,
-    /// A point of it: the vertex, the midpoint of the edge, the centre of the face.
+    /// A point of the location: the vertex, the midpoint of the edge, the centre of the face.
     pub at: [f64; 3],
 }
 
-/// How often a property occurs, and the first [`MAX_WITNESSES`] occurrences in the order of the faces or
-/// vertices.
+/// The number of occurrences of a property, and the first [`MAX_WITNESSES`] of them in the order of the faces
+/// or vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finding {
     /// The number of occurrences.
@@ -72,7 +72,7 @@ impl Finding {
         self.count == 0
     }
 
-    /// Counts one more; evaluates `witness` only while fewer than [`MAX_WITNESSES`] are kept.
+    /// Counts one more; evaluates `witness` only if fewer than [`MAX_WITNESSES`] are kept.
     pub(crate) fn add(&mut self, witness: impl FnOnce() -> Witness) {
         self.count += 1;
         if self.witnesses.len() < MAX_WITNESSES {
@@ -127,6 +127,6 @@ pub(super) fn ends(mesh: &Mesh, half_edge: u32) -> [u32; 2] {
 
 pub(super) fn centre(mesh: &Mesh, face: u32) -> [f64; 3] {
     let [a, b, c] = mesh.corners(face as usize);
-    // Divided first: the sum of three large coordinates may overflow.
+    // Divided first, since the sum of three large coordinates may overflow.
     std::array::from_fn(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0)
 }

@@ -1,4 +1,4 @@
-//! The measured deviation between a path and its polyline: the largest gap found, and its location.
+//! The measured deviation between a path and its polyline: the largest gap that was found, and its location.
 use crate::explicit::{Curve, Polyline};
 use crate::math::{difference, dot, length, lesser};
 
@@ -15,24 +15,25 @@ pub struct Gap<const D: usize> {
     pub on_polyline: [f64; D],
 }
 
-/// Equal steps between two vertices, and besides them the places where the path turns back along the segment: a
-/// cubic is farthest from its chord at one or two parameters beside it, and at turns beyond its ends.
+/// Equal steps between two vertices; in addition the parameters at which the path turns back along the
+/// segment: a cubic is farthest from its chord at one or two parameters beside it, and at turns beyond its
+/// ends.
 const SAMPLES: u32 = 8;
 /// Each golden-section step keeps 0.618 of an interval: 32 of them leave a fifth of a millionth.
 const STEPS: u32 = 32;
 /// Each bisection of a turn halves an interval: 40 of them leave a millionth of a millionth.
 const HALVINGS: u32 = 40;
 
-/// The largest distance found from a point of the path to the segment of its own part of the polyline: a
+/// The largest distance found from a point of the path to the segment of its part of the polyline: a
 /// measurement, from below, and correct to about 12 digits for cubics and arcs.
 ///
 /// The polyline carries its parameters, as those of
 /// [`curve_to_polyline`](../convert/fn.curve_to_polyline.html) do; a point of the path between two vertices
-/// is compared with the segment between them: also one that runs beyond an end of it and back. A part of the
-/// path runs from one end of its segment to the other, so no point of the segment is farther from it than that.
-/// `None` when there is no segment or no parameters.
+/// is compared with the segment between them, even if the path runs beyond an end of it and back. A part of
+/// the path runs from one end of its segment to the other, so no point of the segment is farther from it than
+/// that. `None` if there is no segment or no parameters.
 ///
-/// 50 evaluations a segment, twice as many where the path turns back.
+/// 50 evaluations a segment, twice as many if the path turns back.
 ///
 /// ```
 /// use chordal::{Bezier, Budget, Job, check, convert};
@@ -49,10 +50,15 @@ pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> 
     for (i, segment) in polyline.segments().enumerate() {
         let from = *polyline.places.get(i)?;
         let to = polyline.places.get(i + 1).copied().unwrap_or(end);
-        let gap_at = |place: f64| {
-            let on_curve = curve.at(place);
+        let gap_at = |parameter: f64| {
+            let on_curve = curve.at(parameter);
             let on_polyline = closest_on_segment(on_curve, segment);
-            Gap { distance: length(difference(on_curve, on_polyline)), place, on_curve, on_polyline }
+            Gap {
+                distance: length(difference(on_curve, on_polyline)),
+                place: parameter,
+                on_curve,
+                on_polyline,
+            }
         };
         let gap = farthest(gap_at, &samples(curve, segment, [from, to]));
         if worst.as_ref().is_none_or(|worst| gap.distance > worst.distance) {
@@ -62,27 +68,28 @@ pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> 
     worst
 }
 
-/// Where to look first, in order: equal steps, and between them the turns of the path along its segment.
+/// The parameters to evaluate first, in order: equal steps, and between them the turns of the path along its
+/// segment.
 fn samples<const D: usize>(curve: &Curve<D>, [a, b]: [[f64; D]; 2], [from, to]: [f64; 2]) -> Vec<f64> {
-    let mut places: Vec<f64> =
+    let mut parameters: Vec<f64> =
         (0..=SAMPLES).map(|i| from + (to - from) * f64::from(i) / f64::from(SAMPLES)).collect();
-    let Some((index, _)) = curve.locate(f64::midpoint(from, to)) else { return places };
+    let Some((index, _)) = curve.locate(f64::midpoint(from, to)) else { return parameters };
     let (piece, start, along) = (&curve.segments()[index], index as f64, difference(b, a));
-    let speed = |place: f64| dot(piece.tangent(place - start), along);
+    let speed = |parameter: f64| dot(piece.tangent(parameter - start), along);
     // The speed of a cubic along a line is quadratic: on either side of its extremum it has one zero at most.
-    let ends = [from, to].map(|place| dot(piece.second_derivative(place - start), along));
+    let ends = [from, to].map(|parameter| dot(piece.second_derivative(parameter - start), along));
     if ends[0] * ends[1] < 0.0 {
-        let place = from + (to - from) * (ends[0] / (ends[0] - ends[1]));
-        places.insert(places.partition_point(|other| *other < place), place);
+        let parameter = from + (to - from) * (ends[0] / (ends[0] - ends[1]));
+        parameters.insert(parameters.partition_point(|other| *other < parameter), parameter);
     }
-    let turns: Vec<f64> = places.windows(2).filter_map(|pair| zero(speed, [pair[0], pair[1]])).collect();
+    let turns: Vec<f64> = parameters.windows(2).filter_map(|pair| zero(speed, [pair[0], pair[1]])).collect();
     for turn in turns {
-        places.insert(places.partition_point(|other| *other < turn), turn);
+        parameters.insert(parameters.partition_point(|other| *other < turn), turn);
     }
-    places
+    parameters
 }
 
-/// Where a function changes its sign, by bisection; `None` where it has the same at both ends.
+/// The zero of a function, by bisection; `None` if it has the same sign at both ends.
 fn zero(value: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> Option<f64> {
     let (first, last) = (value(low), value(high));
     if first * last >= 0.0 {
@@ -95,20 +102,20 @@ fn zero(value: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> Option<f64
     Some(f64::midpoint(low, high))
 }
 
-/// Refines each sample that is no nearer than its neighbours by golden-section search (J. Kiefer, 1953), and takes
-/// the best of all.
-fn farthest<const D: usize>(gap_at: impl Fn(f64) -> Gap<D>, places: &[f64]) -> Gap<D> {
-    let gaps: Vec<Gap<D>> = places.iter().map(|place| gap_at(*place)).collect();
+/// Refines each sample that is no nearer than its neighbours by golden-section search (J. Kiefer, 1953), and
+/// returns the best gap.
+fn farthest<const D: usize>(gap_at: impl Fn(f64) -> Gap<D>, parameters: &[f64]) -> Gap<D> {
+    let gaps: Vec<Gap<D>> = parameters.iter().map(|place| gap_at(*place)).collect();
     let far = |i: usize| gaps[i].distance;
     let peaks = (1..gaps.len() - 1).filter(|i| far(*i) >= far(i - 1) && far(*i) >= far(i + 1));
     peaks.fold(gaps[0], |best, i| {
-        let found = refined(&gap_at, [places[i - 1], places[i + 1]], gaps[i]);
-        if found.distance > best.distance { found } else { best }
+        let refined_gap = refined(&gap_at, [parameters[i - 1], parameters[i + 1]], gaps[i]);
+        if refined_gap.distance > best.distance { refined_gap } else { best }
     })
 }
 
-/// The best between two places where it is no better than at one between them, which is kept until a better one is
-/// found.
+/// The best gap between two parameters at which it is no better than at one between them, which is kept until
+/// a better one is found.
 fn refined<const D: usize>(
     gap_at: impl Fn(f64) -> Gap<D>,
     [mut low, mut high]: [f64; 2],
@@ -118,25 +125,25 @@ fn refined<const D: usize>(
     for _ in 0..STEPS {
         let is_after = high - best.place > best.place - low;
         let (end, place) = if is_after { (high, best.place) } else { (low, best.place) };
-        let found = gap_at(place + short * (end - place));
-        // What is left lies between the neighbours of the better of the two.
-        if found.distance > best.distance {
+        let candidate = gap_at(place + short * (end - place));
+        // The remaining interval lies between the neighbours of the better of the two.
+        if candidate.distance > best.distance {
             if is_after {
                 low = best.place
             } else {
                 high = best.place
             }
-            best = found;
+            best = candidate;
         } else if is_after {
-            high = found.place;
+            high = candidate.place;
         } else {
-            low = found.place;
+            low = candidate.place;
         }
     }
     best
 }
 
-/// The distance from a point to the closest point of a polyline; infinite when it has no points.
+/// The distance from a point to the closest point of a polyline; infinite if it has no points.
 #[must_use]
 pub fn distance_to_polyline<const D: usize>(point: [f64; D], polyline: &Polyline<D>) -> f64 {
     let to_first = polyline.points.first().map_or(f64::INFINITY, |first| length(difference(point, *first)));

@@ -8,19 +8,19 @@ use crate::math::{difference, dot, greater, length, lesser};
 /// piece. *Geometric* continuity compares what is visible: G1 the direction, G2 the curvature as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Join<const D: usize> {
-    /// The piece that starts here; the one before it ends here. 0 is the join between the last and first
-    /// piece of a closed path.
+    /// The piece that starts at the join; the previous one ends there. 0 is the join between the last and the
+    /// first piece of a closed path.
     pub piece: usize,
     /// The point where it starts.
     pub at: [f64; D],
     /// The distance between the end of one piece and the start of the other.
     pub position_gap: f64,
-    /// The angle between their directions, 0 to π; `None` where a piece has no direction because it is a
+    /// The angle between their directions, 0 to π; `None` if a piece has no direction because it is a
     /// point.
     pub angle_rad: Option<f64>,
-    /// The curvatures before and after (1/radius, ≥ 0); `None` where a first derivative is zero.
+    /// The curvatures before and after (1/radius, ≥ 0); `None` if a first derivative is zero.
     pub curvatures: [Option<f64>; 2],
-    /// The length of the difference of the curvature vectors; `None` where one is missing.
+    /// The length of the difference of the curvature vectors; `None` if one is missing.
     pub curvature_gap: Option<f64>,
     /// Cn: derivatives up to the nth are equal, up to the rounding of the control points; `None` for a gap,
     /// at most 2.
@@ -39,7 +39,7 @@ pub(super) const SECOND: f64 = 256.0;
 /// All joins of a path: between neighbouring pieces, and for a closed path also between its last and first
 /// piece.
 ///
-/// A direction is that of the first derivative or, where that is zero, of the next nonzero one: the visible
+/// A direction is that of the first derivative or, if that is zero, of the next nonzero one: the visible
 /// direction. Lines have zero curvature.
 ///
 /// ```
@@ -62,7 +62,8 @@ pub fn joins<const D: usize>(curve: &Curve<D>) -> Vec<Join<D>> {
     seam.into_iter().chain(inner).collect()
 }
 
-/// The join of `before` and `after` when their parameters run over these `widths`; `piece` is only passed on.
+/// The join of `before` and `after`, whose parameters run over these `widths`; `piece` is only stored in the
+/// result.
 #[must_use]
 pub fn join<const D: usize>(
     [before, after]: [&CurveSegment<D>; 2],
@@ -79,12 +80,12 @@ pub fn join<const D: usize>(
     ];
     let narrow = lesser(widths[0], widths[1]);
     // See FIRST.
-    let off = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)];
+    let rounding = [FIRST * f64::EPSILON * size / narrow, SECOND * f64::EPSILON * size / (narrow * narrow)];
     let position_gap = length(difference(end, start));
     let parametric = (position_gap == 0.0).then(|| {
-        if length(difference(first[0], first[1])) > off[0] {
+        if length(difference(first[0], first[1])) > rounding[0] {
             0
-        } else if length(difference(second[0], second[1])) > off[1] {
+        } else if length(difference(second[0], second[1])) > rounding[1] {
             1
         } else {
             2
@@ -98,15 +99,15 @@ pub fn join<const D: usize>(
     let bent = [curvature(first[0], second[0]), curvature(first[1], second[1])];
     let curvature_gap = bent[0].zip(bent[1]).map(|(a, b)| length(difference(a, b)));
     let curvatures = bent.map(|bent| bent.map(length));
-    // Angles and curvatures are as accurate as the derivatives are, relative to the speed.
-    let angle_off = off[0] / slow;
+    // Angles and curvatures are as accurate as the derivatives, relative to the speed.
+    let angle_rounding = rounding[0] / slow;
     let curved = curvatures.iter().flatten().fold(0.0, |most, c| greater(*c, most));
-    let curvature_off = (off[1] / slow + 4.0 * curved * off[0]) / slow;
+    let curvature_rounding = (rounding[1] / slow + 4.0 * curved * rounding[0]) / slow;
     let geometric = (position_gap == 0.0).then(|| match (angle_rad, curvature_gap) {
         // Directions of unit length.
         (Some(angle), _) if slow == 0.0 => u8::from(angle <= FIRST * f64::EPSILON),
-        (Some(angle), Some(gap)) if angle <= angle_off => {
-            if gap <= curvature_off {
+        (Some(angle), Some(gap)) if angle <= angle_rounding => {
+            if gap <= curvature_rounding {
                 2
             } else {
                 1

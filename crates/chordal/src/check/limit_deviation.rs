@@ -8,20 +8,19 @@ use glam::DVec3;
 use std::cell::Cell;
 use std::collections::BinaryHeap;
 
-/// Bounds how far the polygons of a cage are from its limit surface.
-///
-/// A triangle of Loop's scheme is flat. A quad is the bilinear surface between its corners. Another polygon
-/// consists of such quads, one for each corner, with the midpoints of its edges and its own centre.
+/// Bounds the distance of the polygons of a cage from its limit surface.
+/// A triangle of Loop's scheme is flat. A quad is the bilinear surface between its corners. Any other polygon
+/// consists of such quads, one for each corner, with the midpoints of its edges and its centre.
 /// **Bound:** the two-sided Hausdorff distance is at most this, *proved*, rounding included. Each point of a
 /// face is paired with the limit surface's point at the same parameters, and their difference is bounded by
 /// its control points. It is subdivided until the bound is within a tenth of the least possible value, or
 /// down to rounding. `at_least` is 0.
 ///
 /// *Cost.* Some microseconds a face, on all threads of the job; about a millisecond beside an irregular
-/// vertex of few edges, more beside one of many.
+/// vertex with few edges, more beside one with many.
 ///
 /// # Errors
-/// [`InvalidCage::NotFinite`] where coordinates overflow, or their squares do.
+/// [`InvalidCage::NotFinite`] if coordinates or their squares overflow.
 ///
 /// ```
 /// use chordal::{Job, check, explicit::Cage};
@@ -36,11 +35,11 @@ use std::collections::BinaryHeap;
 /// ```
 pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
     let sheets = sheet_deviations(cage, |_| true, job)?;
-    let most = sheets.into_iter().flatten().fold(0.0, |most, off| greater(off, most));
+    let most = sheets.into_iter().flatten().fold(0.0, |most, distance| greater(distance, most));
     Ok(Bound::proved(0.0, most, Reference::LimitSurface))
 }
 
-/// The same for each sheet, in order; `None` for those that `is_asked` rejects.
+/// The same for each sheet, in order; `None` for sheets that `is_asked` rejects.
 pub(super) fn sheet_deviations(
     cage: &Cage,
     is_asked: impl Fn(&LimitSheet) -> bool + Sync,
@@ -53,9 +52,9 @@ pub(super) fn sheet_deviations(
     let numbers: Vec<usize> = (0..limit.n_sheets()).collect();
     let of_sheet = |sheet: usize| {
         let (face, corner) = limit.face_of(sheet);
-        let of = cage.face(face);
-        let at = |k: usize| DVec3::from(cage.positions()[of[k % of.len()] as usize]);
-        let n = of.len();
+        let corners = cage.face(face);
+        let at = |k: usize| DVec3::from(cage.positions()[corners[k % corners.len()] as usize]);
+        let n = corners.len();
         let corners = if n == 4 {
             [at(0), at(1), at(2), at(3)]
         } else {
@@ -64,25 +63,25 @@ pub(super) fn sheet_deviations(
             [at(corner), half(corner, corner + 1), middle, half(corner + n - 1, corner)]
         };
         let sheet = limit.sheet(sheet)?;
-        let off = is_asked(&sheet).then(|| match (sheet.square(), sheet.triangle()) {
+        let distance = is_asked(&sheet).then(|| match (sheet.square(), sheet.triangle()) {
             (Some(square), _) => parametric_distance(square, corners),
             (_, Some(triangle)) => loop_deviation::parametric_distance(triangle, [at(0), at(1), at(2)]),
             _ => Ok(0.0),
         });
-        Ok(off.transpose()?.map(|off| off + UNDERFLOW))
+        Ok(distance.transpose()?.map(|distance| distance + UNDERFLOW))
     };
     par_map(job, &numbers, |_, sheet| of_sheet(*sheet)).into_iter().collect()
 }
 
-/// Beyond it squares leave the range of numbers; chosen, as for meshes.
+/// Beyond this, squares leave the range of numbers. Chosen as for meshes.
 const LARGEST: f64 = 1e150;
 /// Lengths below it may come out as 0, since their squares do: a little more than √(3·2⁻¹⁰²²).
 const UNDERFLOW: f64 = 1e-153;
 
-/// A subpatch of the surface and the polygon's corners there.
+/// A subpatch of the surface and the corresponding corners of the polygon.
 struct QuadSubpatch<'a> {
     /// The part of its bound that is due to rounding.
-    off: f64,
+    rounding_error: f64,
     depth: usize,
     piece: QuadSubpatchKind<'a>,
     corners: [DVec3; 4],
@@ -94,19 +93,22 @@ enum QuadSubpatchKind<'a> {
     Extraordinary(&'a ExtraordinaryQuad),
 }
 
-/// A bound within this factor of the distance at some parameter is close enough; chosen.
+/// A bound within this factor of the distance at some parameter is close enough. Chosen: a smaller factor
+/// takes more subdivisions.
 const NEAR: f64 = 1.1;
-/// Bounds within this many times their rounding are not subdivided either; chosen.
+/// Bounds within this multiple of their rounding are not subdivided either. Chosen: subdividing them gains
+/// little.
 const ROUNDINGS: f64 = 4.0;
-/// Subdivision stops after this many pieces; chosen.
+/// Subdivision stops after this many pieces. Chosen: it bounds the time of a face whose bound converges
+/// slowly.
 pub(super) const MOST_PIECES: usize = 400;
 /// Subdivisions after which hulls are below rounding.
 const DEEPEST: usize = 45;
 
-/// Whether dividing a piece with this bound, rounding error and depth again would gain little over the least
-/// distance that is known.
-pub(super) fn is_close_enough(bound: f64, least: f64, off: f64, depth: usize) -> bool {
-    bound <= NEAR * least + ROUNDINGS * off || depth > DEEPEST
+/// Whether subdividing a piece with this bound, rounding error and depth again would gain little over the
+/// largest distance that is known to occur.
+pub(super) fn is_close_enough(bound: f64, least: f64, rounding_error: f64, depth: usize) -> bool {
+    bound <= NEAR * least + ROUNDINGS * rounding_error || depth > DEEPEST
 }
 
 fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
@@ -115,15 +117,15 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
     push(&mut open, square, corners, 0, &mut least);
     let least = Cell::new(least);
     let is_settled = |worst: &PriorityItem<QuadSubpatch<'_>>, _| {
-        is_close_enough(worst.bound, least.get(), worst.item.off, worst.item.depth)
+        is_close_enough(worst.bound, least.get(), worst.item.rounding_error, worst.item.depth)
     };
     branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
-        let mut known = least.get();
+        let mut best_least = least.get();
         match worst.piece {
-            QuadSubpatchKind::Difference(patch, off) => {
+            QuadSubpatchKind::Difference(patch, rounding_error) => {
                 for half in patch.halves_u() {
                     for quarter in half.halves_v() {
-                        open.push(difference(quarter, off, worst.depth + 1, &mut known));
+                        open.push(difference(quarter, rounding_error, worst.depth + 1, &mut best_least));
                     }
                 }
             }
@@ -134,11 +136,11 @@ fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f6
                 let quarters =
                     [[a, ab, middle, da], [ab, b, bc, middle], [middle, bc, c, cd], [da, middle, cd, d]];
                 for (quarter, corners) in extraordinary.quarters()?.iter().zip(quarters) {
-                    push(open, quarter, corners, worst.depth + 1, &mut known);
+                    push(open, quarter, corners, worst.depth + 1, &mut best_least);
                 }
             }
         }
-        least.set(known);
+        least.set(best_least);
         Ok(())
     })
 }
@@ -151,7 +153,7 @@ fn push<'a>(
     least: &mut f64,
 ) {
     match square {
-        QuadPatchTree::Regular(LimitPatches { patches: pieces, off }) => {
+        QuadPatchTree::Regular(LimitPatches { patches: pieces, off: rounding_error }) => {
             for piece in pieces {
                 let flat = |u: f64, v: f64| {
                     let low = corners[0] + u * (corners[1] - corners[0]);
@@ -166,10 +168,10 @@ fn push<'a>(
                         (at - flat(within(piece.u, j), within(piece.v, i))).into()
                     })
                 });
-                // The polygon's points are off by a dozen roundings of the largest coordinate.
+                // The points of the polygon are off by a dozen roundings of the largest coordinate.
                 let largest = corners.iter().fold(0.0_f64, |most, c| most.max(c.abs().max_element()));
-                let off = off + 32.0 * f64::EPSILON * largest;
-                open.push(difference(Patch { control }, off, depth, least));
+                let rounding_error = rounding_error + 32.0 * f64::EPSILON * largest;
+                open.push(difference(Patch { control }, rounding_error, depth, least));
             }
         }
         QuadPatchTree::Extraordinary(extraordinary) => {
@@ -179,8 +181,8 @@ fn push<'a>(
                 corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))
             };
             let largest = extraordinary.ring().size();
-            let off = 2.0 * extraordinary.ring().rounding() + 64.0 * f64::EPSILON * largest;
-            let bound = hull.iter().fold(0.0_f64, |most, point| most.max(far(point))) + off;
+            let rounding_error = 2.0 * extraordinary.ring().rounding() + 64.0 * f64::EPSILON * largest;
+            let bound = hull.iter().fold(0.0_f64, |most, point| most.max(far(point))) + rounding_error;
             for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().zip(corners) {
                 if let Ok(jet) = extraordinary.at(place.0, place.1) {
                     *least = least.max((DVec3::from(jet.point) - corner).length());
@@ -189,7 +191,7 @@ fn push<'a>(
             open.push(PriorityItem {
                 bound,
                 item: QuadSubpatch {
-                    off,
+                    rounding_error,
                     depth,
                     piece: QuadSubpatchKind::Extraordinary(extraordinary),
                     corners,
@@ -199,7 +201,12 @@ fn push<'a>(
     }
 }
 
-fn difference<'a>(patch: Patch, off: f64, depth: usize, least: &mut f64) -> PriorityItem<QuadSubpatch<'a>> {
+fn difference<'a>(
+    patch: Patch,
+    rounding_error: f64,
+    depth: usize,
+    least: &mut f64,
+) -> PriorityItem<QuadSubpatch<'a>> {
     let long = |at: [f64; 3]| DVec3::from(at).length();
     let control = patch.control.as_flattened();
     let most = control.iter().fold(0.0_f64, |most, at| most.max(long(*at)));
@@ -207,7 +214,7 @@ fn difference<'a>(patch: Patch, off: f64, depth: usize, least: &mut f64) -> Prio
     for at in ends.into_iter().chain([patch.at(0.5, 0.5)]) {
         *least = least.max(long(at));
     }
-    let bound = most + off;
-    let (piece, corners) = (QuadSubpatchKind::Difference(Box::new(patch), off), [DVec3::ZERO; 4]);
-    PriorityItem { bound, item: QuadSubpatch { off, depth, piece, corners } }
+    let bound = most + rounding_error;
+    let (piece, corners) = (QuadSubpatchKind::Difference(Box::new(patch), rounding_error), [DVec3::ZERO; 4]);
+    PriorityItem { bound, item: QuadSubpatch { rounding_error, depth, piece, corners } }
 }

@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 /// A subpatch of the surface and the corresponding part of the triangle.
 struct LoopSubpatch<'a> {
     /// The part of its bound that is due to rounding.
-    off: f64,
+    rounding_error: f64,
     depth: usize,
     piece: LoopSubpatchKind<'a>,
 }
@@ -21,8 +21,8 @@ enum LoopSubpatchKind<'a> {
     Extraordinary(&'a ExtraordinaryTriangle, [DVec3; 3]),
 }
 
-/// The largest distance between points of both with the same parameters: an upper bound, close to the least
-/// one known.
+/// The largest distance between points of both with the same parameters: an upper bound, close to the largest
+/// known lower bound.
 pub(super) fn parametric_distance(
     triangle: &TrianglePatchTree,
     corners: [DVec3; 3],
@@ -32,25 +32,25 @@ pub(super) fn parametric_distance(
     push(&mut open, triangle, corners, 0, &mut least);
     let least = Cell::new(least);
     let is_settled = |worst: &PriorityItem<LoopSubpatch<'_>>, _| {
-        is_close_enough(worst.bound, least.get(), worst.item.off, worst.item.depth)
+        is_close_enough(worst.bound, least.get(), worst.item.rounding_error, worst.item.depth)
     };
     branch_and_bound(open, MOST_PIECES, is_settled, |worst, open| {
-        let mut known = least.get();
+        let mut best_least = least.get();
         let depth = worst.depth + 1;
         match worst.piece {
             LoopSubpatchKind::Difference(quartic) => {
                 for quarter in quartic.quarters() {
-                    open.push(difference(quarter, worst.off, depth, &mut known));
+                    open.push(difference(quarter, worst.rounding_error, depth, &mut best_least));
                 }
             }
             LoopSubpatchKind::Extraordinary(extraordinary, [a, b, c]) => {
                 let at = |[u, v]: [f64; 2]| a + u * (b - a) + v * (c - a);
-                for (quarter, places) in extraordinary.quarters()?.iter().zip(QUARTERS) {
-                    push(open, quarter, places.map(at), depth, &mut known);
+                for (quarter, quarter_corners) in extraordinary.quarters()?.iter().zip(QUARTERS) {
+                    push(open, quarter, quarter_corners.map(at), depth, &mut best_least);
                 }
             }
         }
-        least.set(known);
+        least.set(best_least);
         Ok(())
     })
 }
@@ -62,19 +62,19 @@ fn push<'a>(
     depth: usize,
     least: &mut f64,
 ) {
-    // The triangle's points are off by a dozen roundings of the largest coordinate.
+    // The points of the triangle are off by a dozen roundings of the largest coordinate.
     let largest = corners.iter().fold(0.0_f64, |most, c| most.max(c.abs().max_element()));
     let rounding = 64.0 * f64::EPSILON * largest;
     match triangle {
         TrianglePatchTree::Regular(polynomial) => {
             let [a, b, c] = corners;
             let mut quartic = polynomial.quartic;
-            let mut place = 0;
+            let mut index = 0;
             for k in 0..5 {
                 for j in 0..5 - k {
                     let flat = a + 0.25 * (f64::from(j) * (b - a) + f64::from(k) * (c - a));
-                    quartic.control[place] = (DVec3::from(quartic.control[place]) - flat).into();
-                    place += 1;
+                    quartic.control[index] = (DVec3::from(quartic.control[index]) - flat).into();
+                    index += 1;
                 }
             }
             open.push(difference(quartic, polynomial.off + rounding, depth, least));
@@ -85,17 +85,17 @@ fn push<'a>(
                 corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))
             };
             let ring = extraordinary.ring();
-            let off = 2.0 * ring.rounding() + rounding + 64.0 * f64::EPSILON * ring.size();
-            let bound = ring.hull().iter().fold(0.0_f64, |most, point| most.max(far(point))) + off;
-            for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].into_iter().zip(corners) {
-                if let Ok(jet) = extraordinary.at(place.0, place.1) {
+            let rounding_error = 2.0 * ring.rounding() + rounding + 64.0 * f64::EPSILON * ring.size();
+            let bound = ring.hull().iter().fold(0.0_f64, |most, point| most.max(far(point))) + rounding_error;
+            for (parameters, corner) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].into_iter().zip(corners) {
+                if let Ok(jet) = extraordinary.at(parameters.0, parameters.1) {
                     *least = least.max((DVec3::from(jet.point) - corner).length());
                 }
             }
             open.push(PriorityItem {
                 bound,
                 item: LoopSubpatch {
-                    off,
+                    rounding_error,
                     depth,
                     piece: LoopSubpatchKind::Extraordinary(extraordinary, corners),
                 },
@@ -106,7 +106,7 @@ fn push<'a>(
 
 fn difference<'a>(
     quartic: Quartic,
-    off: f64,
+    rounding_error: f64,
     depth: usize,
     least: &mut f64,
 ) -> PriorityItem<LoopSubpatch<'a>> {
@@ -116,7 +116,7 @@ fn difference<'a>(
         *least = least.max(long(&at));
     }
     PriorityItem {
-        bound: most + off,
-        item: LoopSubpatch { off, depth, piece: LoopSubpatchKind::Difference(Box::new(quartic)) },
+        bound: most + rounding_error,
+        item: LoopSubpatch { rounding_error, depth, piece: LoopSubpatchKind::Difference(Box::new(quartic)) },
     }
 }

@@ -50,7 +50,7 @@ pub fn measure(mesh: &Mesh) -> Measure {
     Measure { area: area / 2.0 * up * up, signed_volume: volume / 6.0 * up * up * up }
 }
 
-/// The corners as they are measured: scaled by `down`, about the scaled centre.
+/// The coordinates for measuring: scaled by `down`, about the scaled centre.
 #[derive(Clone, Copy)]
 struct MeasureFrame {
     down: f64,

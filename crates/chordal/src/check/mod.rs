@@ -94,7 +94,7 @@ pub mod findings {
     pub use super::open_seams::OpenSeams;
 }
 
-/// What triangles cost a graphics processor beyond their pixels.
+/// The costs of triangles for a graphics processor beyond their pixels.
 pub mod shading {
     pub use super::overshade::{
         Flicker, MicroTriangles, Overshade, ShadingCounts, flicker, micro_triangles, overshade,

@@ -14,19 +14,19 @@ pub(super) enum NestingDepth {
     Touching,
 }
 
-/// Up to so many pairs of components, their boxes are compared one by one.
+/// For up to this many pairs of components, the boxes are compared one by one.
 const FEW_PAIRS: usize = 1 << 16;
 
 /// Finds the components with an inside that enclose each component; only those with an inside are tested.
 ///
 /// # Errors
-/// Those of [`Bvh::build`], and [`JobError::Cancelled`] when the job was.
+/// Those of [`Bvh::build`], and [`JobError::Cancelled`] if the job was cancelled.
 pub(super) fn nesting_depths(
     mesh: &Mesh,
     shapes: &ComponentSet,
     job: &Job,
 ) -> Result<Vec<NestingDepth>, JobError> {
-    let ComponentSet { found: components, labels, signs } = shapes;
+    let ComponentSet { components, labels, signs } = shapes;
     let has_inside = |i: usize| signs[i].is_some();
     let mut nested = vec![NestingDepth::Within(Vec::new()); components.len()];
     let solid: Vec<usize> = (0..components.len()).filter(|i| has_inside(*i)).collect();
@@ -35,8 +35,8 @@ pub(super) fn nesting_depths(
     };
     let may_be_within = |inner: usize| solid.iter().any(|outer| encloses(*outer, inner));
     let few = solid.len() * solid.len() <= FEW_PAIRS;
-    let asked: Vec<usize> = solid.iter().copied().filter(|i| !few || may_be_within(*i)).collect();
-    if asked.is_empty() || solid.len() < 2 {
+    let tested: Vec<usize> = solid.iter().copied().filter(|i| !few || may_be_within(*i)).collect();
+    if tested.is_empty() || solid.len() < 2 {
         return Ok(nested);
     }
     let tree = Bvh::build(mesh, job)?;
@@ -47,14 +47,14 @@ pub(super) fn nesting_depths(
         labels,
         may_enclose: |outer, inner| has_inside(outer) && encloses(outer, inner),
     };
-    let depths = par_map(job, &asked, |_, inner| {
+    let depths = par_map(job, &tested, |_, inner| {
         // The result of a cancelled job is discarded.
         if job.is_cancelled() { NestingDepth::Touching } else { search.depth(*inner, &outermost[*inner]) }
     });
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
-    asked.iter().zip(depths).for_each(|(i, depth)| nested[*i] = depth);
+    tested.iter().zip(depths).for_each(|(i, depth)| nested[*i] = depth);
     Ok(nested)
 }
 
@@ -62,7 +62,8 @@ fn is_within(inner: &Box3, outer: &Box3) -> bool {
     outer.contains(inner.min) && outer.contains(inner.max)
 }
 
-/// The first corner of each component, and its lowest and highest along each axis; ties go to the first.
+/// The first corner of each component, and its lowest and highest corner along each axis; ties go to the
+/// first.
 fn outermost_rows(mesh: &Mesh, labels: &[u32], components: &[Component]) -> Vec<[u32; 7]> {
     let mut rows: Vec<[u32; 7]> =
         components.iter().map(|c| [mesh.faces()[c.first_face as usize][0]; 7]).collect();
@@ -98,7 +99,7 @@ enum BoundedSide {
 
 impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
     fn depth(&self, inner: usize, rows: &[u32; 7]) -> NestingDepth {
-        // Every enclosing component is crossed by the ray up from the first corner.
+        // The ray upwards from the first corner crosses every enclosing component.
         let mut outer: Vec<(u32, BoundedSide)> = self.sides(inner, rows[0]);
         outer.retain(|(_, side)| *side != BoundedSide::Outside);
         for &row in &rows[1..] {
@@ -106,11 +107,11 @@ impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
                 break;
             }
             let sides = self.sides(inner, row);
-            outer.retain_mut(|(label, known)| {
-                let found = sides.iter().find(|(other, _)| other == label);
-                match found.map_or(BoundedSide::Outside, |(_, side)| *side) {
+            outer.retain_mut(|(label, known_side)| {
+                let side_found = sides.iter().find(|(other, _)| other == label);
+                match side_found.map_or(BoundedSide::Outside, |(_, side)| *side) {
                     BoundedSide::Outside => return false,
-                    BoundedSide::Inside => *known = BoundedSide::Inside,
+                    BoundedSide::Inside => *known_side = BoundedSide::Inside,
                     BoundedSide::On => {}
                 }
                 true

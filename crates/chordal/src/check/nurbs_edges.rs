@@ -1,24 +1,24 @@
-//! The edges of NURBS surfaces: how smooth they are across their knots, and where two of them meet.
+//! The edges of NURBS surfaces: their smoothness across knots, and the sides at which two of them meet.
 use super::edge_join::{CrossBoundary, EdgeMaximum, EdgePair, STEPS, largest};
 use super::nurbs_line::{NurbsBoundary, NurbsLine, SAMPLES};
 use crate::explicit::nurbs::{BezierNet, NurbsSurface, TrimmedSurface};
 use crate::math::{Box3, difference, greater, length, lesser};
 
-/// The continuity across a line of one NURBS surface, or where two of them meet.
+/// The continuity across a line of one NURBS surface, or across a line at which two of them meet.
 ///
 /// As [`EdgeJoin`](super::surfaces::EdgeJoin) for patches, with the parameters of the surfaces: C1 and C2 compare
 /// derivatives by these. Classes and maxima are *measured*, at 33 points of each piece of the line and by a search around
 /// the largest; a difference within rounding counts as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NurbsJoin {
-    /// The lines that meet: the same one twice for knots within a surface.
+    /// The lines that meet; for knots inside a surface, the same line twice.
     pub lines: [NurbsLine; 2],
-    /// Whether the fronts are on the same side. All else here is measured as if they were.
+    /// Whether the fronts are on the same side. All other results are measured as if they were.
     pub fronts_agree: bool,
     /// The largest distance between corresponding points.
     pub position_gap: EdgeMaximum,
-    /// The largest angle between the normals; `None` where there is no tangent plane anywhere on the line. `t` is the
-    /// parameter along the first line here and below.
+    /// The largest angle between the normals; `None` if there is no tangent plane anywhere on the line. `t`
+    /// is the parameter along the first line here and below.
     pub angle_rad: Option<EdgeMaximum>,
     /// The largest difference of the normal curvatures across the line.
     pub curvature_gap: Option<EdgeMaximum>,
@@ -28,34 +28,36 @@ pub struct NurbsJoin {
     pub geometric: Option<u8>,
 }
 
-/// The lines of NURBS surfaces by what is beside them.
+/// The lines of NURBS surfaces, by what they join.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NurbsEdges {
     /// Across the inner knots of each surface, in order: first those of `u`, then those of `v`.
     pub knot_lines: Vec<NurbsJoin>,
-    /// Where the sides of two surfaces, or of one that closes, meet all along.
+    /// Lines at which the sides of two surfaces, or of one that closes, meet all along.
     pub joins: Vec<NurbsJoin>,
     /// Sides without neighbour.
     pub boundary: Vec<NurbsLine>,
-    /// Sides that more than one other side runs along.
+    /// Sides along which more than one other side runs.
     pub branching: Vec<NurbsLine>,
     /// Sides and knot lines that are one point.
     pub collapsed: Vec<NurbsLine>,
 }
 
-/// Sides nearer than this part of the shorter one meet, as those of patches do (`surface_edges.rs`).
+/// Sides nearer than this share of the shorter one meet, as those of patches do (`surface_edges.rs`).
 const NEAR: f64 = 1.0 / 1024.0;
-/// A gap of less than this, relative to the largest coordinate, is none. Chosen: some roundings of evaluation, and what ten
-/// digits in a file leave.
+/// A gap of less than this share of the largest coordinate counts as 0. Chosen: more than some roundings of
+/// evaluation, and the rounding of files with ten digits.
 const MEET: f64 = 1e-9;
-/// Points of one side that are looked for on another one.
+/// Positions of points of one side that are searched on another one.
 const TRIES: [f64; 5] = [0.0, 0.21, 0.5, 0.77, 1.0];
 
-/// Finds the inner knots of surfaces and the sides that they share, and measures how smooth the surfaces are there.
+/// Finds the inner knots of surfaces and the sides that they share, and measures the smoothness of the
+/// surfaces there.
 ///
-/// Sides meet when the points of each are on the other one, within a 1,024th of the shorter, whatever their parameters; where
-/// they run through different parameters, points are compared with the nearest. A side that is only a part of another one is
-/// boundary. The edges of trimmed surfaces are not looked at, and of their knots those within the box of their loops.
+/// Sides meet if the points of each are on the other one, within a 1,024th of the shorter, for any
+/// parameters; if their parameters differ, points are compared with the nearest. A side that is only a part
+/// of another one is boundary. The edges of trimmed surfaces are not examined, and of their knots only those
+/// within the box of their loops.
 ///
 /// Time: up to 1 ms for each piece of each line, and for pairs of sides whose boxes meet.
 ///
@@ -71,7 +73,7 @@ const TRIES: [f64; 5] = [0.0, 0.21, 0.5, 0.77, 1.0];
 #[must_use]
 pub fn nurbs_edges(surfaces: &[TrimmedSurface]) -> NurbsEdges {
     let nets: Vec<BezierNet<'_>> = surfaces.iter().map(|face| face.surface().bezier_net()).collect();
-    let mut found = NurbsEdges::default();
+    let mut edges = NurbsEdges::default();
     let mut sides: Vec<SurfaceSide<'_>> = Vec::new();
     for (index, (face, net)) in surfaces.iter().zip(&nets).enumerate() {
         let surface = face.surface();
@@ -86,17 +88,17 @@ pub fn nurbs_edges(surfaces: &[TrimmedSurface]) -> NurbsEdges {
                     continue;
                 }
                 if is_point(&before, size) {
-                    found.collapsed.push(line);
+                    edges.collapsed.push(line);
                     continue;
                 }
                 let join = NurbsJoin { fronts_agree: true, ..joined([before, after], [line; 2], 2.0 * size) };
-                found.knot_lines.push(join);
+                edges.knot_lines.push(join);
             }
             if face.loops().is_empty() {
                 for side in [beside(0, 0), beside(knots.n_pieces() - 1, 1)] {
                     let line = side.line(index);
                     if is_point(&side, size) {
-                        found.collapsed.push(line);
+                        edges.collapsed.push(line);
                     } else {
                         sides.push(SurfaceSide::new(side, line, size, face.is_flipped()));
                     }
@@ -104,8 +106,8 @@ pub fn nurbs_edges(surfaces: &[TrimmedSurface]) -> NurbsEdges {
             }
         }
     }
-    add_joins(&sides, &mut found);
-    found
+    add_joins(&sides, &mut edges);
+    edges
 }
 
 /// A side of a surface, with points of it.
@@ -126,62 +128,65 @@ impl<'a> SurfaceSide<'a> {
         let long = points.windows(2).fold(0.0, |sum, pair| sum + length(difference(pair[1], pair[0])));
         let near = NEAR * long;
         let hull = Box3::from_points(&points);
-        // Curves between samples bulge by less than their distance.
-        let room = near + long / SAMPLES as f64;
-        let bounds = Box3 { min: hull.min.map(|x| x - room), max: hull.max.map(|x| x + room) };
+        // Curves between samples bulge by less than the distance of the samples.
+        let margin = near + long / SAMPLES as f64;
+        let bounds = Box3 { min: hull.min.map(|x| x - margin), max: hull.max.map(|x| x + margin) };
         Self { boundary, line, size, is_flipped, bounds, near }
     }
 
-    /// The other side, run through along this one, and whether it runs against it counter-clockwise; `None` where they do not
-    /// meet.
+    /// The other side, in the direction of this one, and whether it runs counter-clockwise against this one;
+    /// `None` if they do not meet.
     fn met(&self, other: &Self) -> Option<(NurbsBoundary<'a>, bool)> {
         let near = lesser(self.near, other.near);
-        let off = |a: &NurbsBoundary<'_>, b: &NurbsBoundary<'_>, t: f64| {
+        let distance = |a: &NurbsBoundary<'_>, b: &NurbsBoundary<'_>, t: f64| {
             length(difference(a.jet(t).point, b.jet(t).point))
         };
-        // The same parameters forwards or backwards: the usual case.
-        let farthest =
-            |of: &NurbsBoundary<'_>| TRIES.iter().map(|t| off(&self.boundary, of, *t)).fold(0.0, greater);
-        let both = [other.boundary.clone(), other.boundary.reversed()];
-        let [same, against] = both.each_ref().map(farthest);
-        let [forwards, backwards] = both;
-        // Only an exact correspondence is one; a small gap of parameters is none of places.
+        // The same parameters, forwards or backwards: the usual case.
+        let farthest = |candidate: &NurbsBoundary<'_>| {
+            TRIES.iter().map(|t| distance(&self.boundary, candidate, *t)).fold(0.0, greater)
+        };
+        let directions = [other.boundary.clone(), other.boundary.reversed()];
+        let [same, against] = directions.each_ref().map(farthest);
+        let [forwards, backwards] = directions;
+        // Only an exact correspondence counts, since a small gap between equal parameters need not be one
+        // between the sides.
         let exact = MEET * greater(self.size, other.size);
         if lesser(same, against) <= exact {
             let is_against = against <= same;
             return Some((if is_against { backwards } else { forwards }, is_against));
         }
-        // Ends that meet, and points between them that are on the other side.
-        let ends = |of: &NurbsBoundary<'a>| {
-            greater(off(&self.boundary, of, 0.0), off(&self.boundary, of, 1.0)) <= near
+        // Otherwise the ends must meet, and points between them must be on the other side.
+        let ends = |candidate: &NurbsBoundary<'a>| {
+            greater(distance(&self.boundary, candidate, 0.0), distance(&self.boundary, candidate, 1.0))
+                <= near
         };
-        let by_middle = |of: &NurbsBoundary<'a>| {
-            let beside = of.beside(&self.boundary);
-            let is_near = TRIES.iter().all(|t| off(&self.boundary, &beside, *t) <= near);
-            let runs = beside.jet(0.5).along;
+        let by_middle = |candidate: &NurbsBoundary<'a>| {
+            let beside_it = candidate.beside(&self.boundary);
+            let is_near = TRIES.iter().all(|t| distance(&self.boundary, &beside_it, *t) <= near);
+            let runs = beside_it.jet(0.5).along;
             let with = self.boundary.jet(0.5).along;
             let is_along = runs[0] * with[0] + runs[1] * with[1] + runs[2] * with[2] > 0.0;
-            (is_near && is_along).then_some(beside)
+            (is_near && is_along).then_some(beside_it)
         };
-        for (of, is_against) in [(&backwards, true), (&forwards, false)] {
-            if ends(of)
-                && let Some(beside) = by_middle(of)
+        for (candidate, is_against) in [(&backwards, true), (&forwards, false)] {
+            if ends(candidate)
+                && let Some(beside_it) = by_middle(candidate)
             {
-                return Some((beside, is_against));
+                return Some((beside_it, is_against));
             }
         }
         None
     }
 }
 
-fn add_joins(sides: &[SurfaceSide<'_>], found: &mut NurbsEdges) {
-    // From left to right, so that only those that overlap are compared.
+fn add_joins(sides: &[SurfaceSide<'_>], edges: &mut NurbsEdges) {
+    // Sorted from left to right, so that only overlapping boxes are compared.
     let mut order: Vec<usize> = (0..sides.len()).collect();
     order.sort_by(|a, b| sides[*a].bounds.min[0].total_cmp(&sides[*b].bounds.min[0]));
     let mut pairs: Vec<(usize, usize)> = Vec::new();
-    for (place, first) in order.iter().enumerate() {
+    for (position, first) in order.iter().enumerate() {
         let a = &sides[*first].bounds;
-        for second in &order[place + 1..] {
+        for second in &order[position + 1..] {
             let b = &sides[*second].bounds;
             if b.min[0] > a.max[0] {
                 break;
@@ -208,21 +213,21 @@ fn add_joins(sides: &[SurfaceSide<'_>], found: &mut NurbsEdges) {
         let size = a.size + b.size;
         let join = joined([a.boundary.clone(), other], [a.line, b.line], size);
         let fronts_agree = is_against != (a.is_flipped != b.is_flipped);
-        found.joins.push(NurbsJoin { fronts_agree, ..join });
+        edges.joins.push(NurbsJoin { fronts_agree, ..join });
     }
     for (side, n) in sides.iter().zip(&uses) {
         match n {
-            0 => found.boundary.push(side.line),
+            0 => edges.boundary.push(side.line),
             1 => {}
-            _ => found.branching.push(side.line),
+            _ => edges.branching.push(side.line),
         }
     }
 }
 
-/// Two boundaries that run the same way.
+/// The join of two boundaries that run in the same direction.
 fn joined(sides: [NurbsBoundary<'_>; 2], lines: [NurbsLine; 2], size: f64) -> NurbsJoin {
-    let offs = sides.each_ref().map(|side| side.offs(size));
-    let edge = EdgePair { sides, offs: [0, 1].map(|k| greater(offs[0][k], offs[1][k])) };
+    let roundings = sides.each_ref().map(|side| side.roundings(size));
+    let edge = EdgePair { sides, roundings: [0, 1].map(|k| greater(roundings[0][k], roundings[1][k])) };
     let first = edge.sides[0].clone();
     let at = |maximum: (f64, f64)| EdgeMaximum {
         value: maximum.1,
@@ -243,11 +248,11 @@ fn joined(sides: [NurbsBoundary<'_>; 2], lines: [NurbsLine; 2], size: f64) -> Nu
         let (mut slopes, mut curves) = (0.0, 0.0);
         for t in &steps {
             let [a, b] = edge.sides.each_ref().map(|side| side.jet(*t));
-            // Both point into their own surfaces.
+            // Both derivatives point into their own surfaces.
             slopes = greater(length(difference(a.across, b.across.map(|x| -x))), slopes);
             curves = greater(length(difference(a.bend, b.bend)), curves);
         }
-        match (slopes <= edge.offs[0], curves <= edge.offs[1]) {
+        match (slopes <= edge.roundings[0], curves <= edge.roundings[1]) {
             (false, _) => 0,
             (true, false) => 1,
             (true, true) => 2,
@@ -268,21 +273,21 @@ fn size_of(surface: &NurbsSurface) -> f64 {
     surface.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most))
 }
 
-/// Whether all of a line is one point, up to rounding.
+/// Whether a line is a single point, up to rounding.
 fn is_point(side: &NurbsBoundary<'_>, size: f64) -> bool {
     let first = side.jet(0.0).point;
-    // Chosen: some roundings of evaluation.
+    // Chosen: more than some roundings of evaluation.
     TRIES.iter().all(|t| length(difference(side.jet(*t).point, first)) <= 1e-13 * size)
 }
 
-/// By parameter: where the loops of a surface are; all of it without loops.
+/// By parameter: the range of a surface's loops; everything without loops.
 fn inner_box(face: &TrimmedSurface) -> [[f64; 2]; 2] {
-    let all = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+    let whole_plane = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
     if face.loops().is_empty() {
-        return all;
+        return whole_plane;
     }
     let empty = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    face.loops().iter().map(crate::explicit::Curve::bounds).fold(empty, |known, [low, high]| {
-        [0, 1].map(|k| [lesser(low[k], known[k][0]), greater(high[k], known[k][1])])
+    face.loops().iter().map(crate::explicit::Curve::bounds).fold(empty, |loops_box, [low, high]| {
+        [0, 1].map(|k| [lesser(low[k], loops_box[k][0]), greater(high[k], loops_box[k][1])])
     })
 }

@@ -9,14 +9,14 @@ use crate::math::{difference, dot, greater, length, lesser};
 pub struct NurbsLine {
     /// The index of the surface.
     pub surface: usize,
-    /// The parameter that is constant: 0 for `u`, 1 for `v`.
+    /// The constant parameter: 0 for `u`, 1 for `v`.
     pub constant: usize,
     /// Its value.
     pub at: f64,
 }
 
 impl NurbsLine {
-    /// The parameters `u` and `v` of the point of the line where the other parameter is `t`.
+    /// The parameters `u` and `v` of the point of the line at which the other parameter is `t`.
     #[must_use]
     pub fn uv(&self, t: f64) -> [f64; 2] {
         if self.constant == 0 { [self.at, t] } else { [t, self.at] }
@@ -28,22 +28,24 @@ impl NurbsLine {
 pub(super) struct NurbsBoundary<'a> {
     net: &'a BezierNet<'a>,
     knots: &'a [KnotVector; 2],
-    /// The parameter that is constant, the piece beside the line, and the end of it that the line is: 0 or 1.
+    /// The constant parameter, the piece beside the line, and the end of it on which the line is: 0 or 1.
     constant: usize,
     piece: usize,
     end: f64,
     /// The other parameter from start to end.
     from: f64,
     to: f64,
-    /// The line beside it at whose points it is taken, and places of both that are near; `None`: at the same parameters.
+    /// The line whose nearest points are used, with pairs of corresponding parameters; `None` to use equal
+    /// parameters.
     beside: Option<Box<(NurbsBoundary<'a>, Vec<[f64; 2]>)>>,
 }
 
-/// Places along a side by which another one is found.
+/// Positions along a side at which another one is searched.
 pub(super) const SAMPLES: usize = 64;
-/// Places at which the nearest one is searched for; between them it is found from these. Chosen.
+/// Positions at which the nearest point is searched; between them it is interpolated from these. Chosen:
+/// fewer would not follow uneven parameters.
 const PLACES: usize = 16;
-/// Steps of Newton's method from there. Chosen: distances are small, so that digits double.
+/// Steps of Newton's method from there. Chosen: distances are small, so digits double with each step.
 const STEPS_TO_FOOT: usize = 6;
 
 impl<'a> NurbsBoundary<'a> {
@@ -65,7 +67,7 @@ impl<'a> NurbsBoundary<'a> {
         Self { from: self.to, to: self.from, ..self.clone() }
     }
 
-    /// The same line, met at the point nearest to each of another one.
+    /// The same line, evaluated at the point nearest to each point of another one.
     pub fn beside(&self, other: &Self) -> Self {
         let nearest = |k: usize| {
             let t = k as f64 / PLACES as f64;
@@ -75,7 +77,7 @@ impl<'a> NurbsBoundary<'a> {
         Self { beside: Some(Box::new((other.clone(), places))), ..self.clone() }
     }
 
-    /// The parameter of the line that is constant.
+    /// The line, as one of a numbered surface.
     pub fn line(&self, surface: usize) -> NurbsLine {
         let at = self.knots[self.constant].piece(self.piece)[self.end as usize];
         NurbsLine { surface, constant: self.constant, at }
@@ -86,24 +88,24 @@ impl<'a> NurbsBoundary<'a> {
         (1.0 - t) * self.from + t * self.to
     }
 
-    /// The place nearest to a point, near another one.
+    /// The parameter of the point nearest to a given one, starting at another parameter.
     fn foot(&self, point: [f64; 3], near: f64) -> f64 {
-        let off = |t: f64| {
+        let distance_at = |t: f64| {
             let away = difference(self.jet(t).point, point);
             length(away)
         };
         let step = |k: usize| k as f64 / SAMPLES as f64;
-        let first = (near, off(near));
+        let first = (near, distance_at(near));
         let (mut t, mut best) = (0..=SAMPLES)
-            .map(|k| (step(k), off(step(k))))
+            .map(|k| (step(k), distance_at(step(k))))
             .fold(first, |best, next| if next.1 < best.1 { next } else { best });
         let mut width = 1.0 / SAMPLES as f64;
         // Chosen: the last steps are below 1e-12, by thirds.
         for _ in 0..24 {
             for next in [greater(t - width, 0.0), lesser(t + width, 1.0)] {
-                let there = off(next);
-                if there < best {
-                    (t, best) = (next, there);
+                let distance = distance_at(next);
+                if distance < best {
+                    (t, best) = (next, distance);
                 }
             }
             width /= 3.0;
@@ -118,7 +120,7 @@ impl<'a> NurbsBoundary<'a> {
             let jet = self.jet(t);
             let away = difference(jet.point, point);
             let step = dot(away, jet.along) / dot(jet.along, jet.along);
-            // No number where the line stops; farther than to the next sample it is another place.
+            // NaN if the line stops; a step farther than to the next sample leads to another place.
             if step.is_nan() || step.abs() >= 1.0 / PLACES as f64 {
                 return t;
             }
@@ -127,25 +129,25 @@ impl<'a> NurbsBoundary<'a> {
         t
     }
 
-    /// The parameters at which the pieces along the line meet, with so many equal steps in each.
+    /// The parameters at which the pieces along the line meet, with the given number of equal steps in each.
     pub fn steps(&self, steps: usize) -> Vec<f64> {
         let knots = &self.knots[1 - self.constant];
-        let place = |t: f64| (t - self.from) / (self.to - self.from);
-        let mut all = vec![0.0];
+        let local = |t: f64| (t - self.from) / (self.to - self.from);
+        let mut parameters = vec![0.0];
         for k in 0..knots.n_pieces() {
             let [a, b] = knots.piece(k);
-            all.extend((1..=steps).map(|i| place(a + (b - a) * (i as f64 / steps as f64))));
+            parameters.extend((1..=steps).map(|i| local(a + (b - a) * (i as f64 / steps as f64))));
         }
-        all.iter_mut().for_each(|t| *t = greater(0.0, lesser(*t, 1.0)));
-        all.push(1.0);
-        all.sort_by(f64::total_cmp);
-        all.dedup();
-        all
+        parameters.iter_mut().for_each(|t| *t = greater(0.0, lesser(*t, 1.0)));
+        parameters.push(1.0);
+        parameters.sort_by(f64::total_cmp);
+        parameters.dedup();
+        parameters
     }
 
-    /// How far rounding may move first and second derivatives across and along: those of bicubic patches, with the degree and
-    /// the narrowest piece of each direction instead.
-    pub fn offs(&self, size: f64) -> [f64; 2] {
+    /// Bounds on the movement of first and second derivatives, across and along, by rounding: as for bicubic
+    /// patches, with the degree and the narrowest piece of each direction instead.
+    pub fn roundings(&self, size: f64) -> [f64; 2] {
         let rate = |k: usize| {
             let knots = &self.knots[k];
             let pieces = if k == self.constant { self.piece..self.piece + 1 } else { 0..knots.n_pieces() };
@@ -155,7 +157,8 @@ impl<'a> NurbsBoundary<'a> {
         };
         let along = (self.to - self.from).abs();
         let rate = greater(rate(self.constant), rate(1 - self.constant) * greater(along, 1.0));
-        // Coefficients of pieces are means with weights: chosen, four times as many roundings as of a given patch.
+        // Chosen: coefficients of pieces are weighted means, so four times as many roundings as of a given
+        // patch.
         let unit = 4.0 * f64::EPSILON * size;
         [FIRST * unit * rate, SECOND * unit * rate * rate]
     }
@@ -164,17 +167,17 @@ impl<'a> NurbsBoundary<'a> {
 impl CrossBoundary for NurbsBoundary<'_> {
     fn jet(&self, t: f64) -> CrossJet {
         if let Some(beside) = &self.beside {
-            let (other, places) = &**beside;
-            let own = Self { beside: None, ..self.clone() };
-            return own.jet(own.nearer(other.jet(t).point, between(places, t)));
+            let (other, correspondence) = &**beside;
+            let by_parameter = Self { beside: None, ..self.clone() };
+            return by_parameter.jet(by_parameter.nearer(other.jet(t).point, between(correspondence, t)));
         }
         let (other, sign) = (1 - self.constant, if self.end == 0.0 { 1.0 } else { -1.0 });
-        let (along_piece, place) = self.knots[other].locate(self.parameter(t));
+        let (along_piece, local) = self.knots[other].locate(self.parameter(t));
         let (mut piece, mut at) = ([0; 2], [0.0; 2]);
         (piece[self.constant], piece[other]) = (self.piece, along_piece);
-        (at[self.constant], at[other]) = (self.end, place);
+        (at[self.constant], at[other]) = (self.end, local);
         let jet = second_jet(self.net, piece, at);
-        // By the parameters of the surface across, and by the place along the line.
+        // Derivatives across are by the parameters of the surface, those along by the position on the line.
         let width = |k: usize, piece: usize| {
             let [a, b] = self.knots[k].piece(piece);
             b - a
@@ -186,7 +189,7 @@ impl CrossBoundary for NurbsBoundary<'_> {
         CrossJet {
             point: jet.point,
             along: scaled(first(other), along),
-            own: scaled(jet.second[other], along * along),
+            along_second: scaled(jet.second[other], along * along),
             across: scaled(first(self.constant), across),
             mixed: scaled(jet.mixed, along * across),
             bend: scaled(jet.second[self.constant], across * across),
@@ -198,10 +201,10 @@ impl CrossBoundary for NurbsBoundary<'_> {
     }
 }
 
-/// Linear between pairs of parameters.
-fn between(places: &[[f64; 2]], t: f64) -> f64 {
-    let after = places.partition_point(|[at, _]| *at <= t).clamp(1, places.len() - 1);
-    let ([a, x], [b, y]) = (places[after - 1], places[after]);
+/// Interpolates linearly between pairs of parameters.
+fn between(correspondence: &[[f64; 2]], t: f64) -> f64 {
+    let after = correspondence.partition_point(|[at, _]| *at <= t).clamp(1, correspondence.len() - 1);
+    let ([a, x], [b, y]) = (correspondence[after - 1], correspondence[after]);
     x + (y - x) * ((t - a) / (b - a))
 }
 
@@ -220,8 +223,8 @@ fn second_jet(net: &BezierNet<'_>, piece: [usize; 2], [s, t]: [f64; 2]) -> Secon
     let w = x[3];
     let point: [f64; 3] = std::array::from_fn(|k| x[k] / w);
     let first = [xu, xv].map(|d| -> [f64; 3] { std::array::from_fn(|k| (d[k] - point[k] * d[3]) / w) });
-    let second = [(xuu, xu, first[0]), (xvv, xv, first[1])].map(|(dd, d, of)| -> [f64; 3] {
-        std::array::from_fn(|k| (dd[k] - 2.0 * of[k] * d[3] - point[k] * dd[3]) / w)
+    let second = [(xuu, xu, first[0]), (xvv, xv, first[1])].map(|(dd, d, first_order)| -> [f64; 3] {
+        std::array::from_fn(|k| (dd[k] - 2.0 * first_order[k] * d[3] - point[k] * dd[3]) / w)
     });
     let [u, v] = first;
     let mixed = std::array::from_fn(|k| (xuv[k] - u[k] * xv[3] - v[k] * xu[3] - point[k] * xuv[3]) / w);

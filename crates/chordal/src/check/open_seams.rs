@@ -11,16 +11,16 @@ use std::collections::BTreeMap;
 pub struct OpenSeams {
     /// The vertices, each position once.
     pub vertices: Finding,
-    /// The largest distance of one of them from its nearest, rounded up; 0 where there are none. Welding within it closes
-    /// the seams.
+    /// The largest distance of one of them from its nearest, rounded up; 0 if there are none. Welding within
+    /// it closes the seams.
     pub gap: f64,
 }
 
-/// A seam is open by at most this share of the boundary edges at both of its vertices, the shortest of them. Chosen:
-/// what a mesh means to keep apart it resolves with edges that are not a thousand times as long.
+/// A seam is open by at most this share of the shortest boundary edges at both of its vertices. Chosen:
+/// a mesh resolves intended gaps with edges that are not a thousand times as long.
 const SHARE_OF_EDGE: f64 = 1.0 / 1024.0;
-/// And by at most this share of the diagonal of the box around the mesh. Chosen: 15 µm a metre is less than scanners
-/// and printers resolve, and much more than single precision rounds by.
+/// It is also open by at most this share of the diagonal of the box around the mesh. Chosen: 15 µm a metre is
+/// less than scanners and printers resolve, and much more than the rounding of single precision.
 const SHARE_OF_BOX: f64 = 1.0 / 65_536.0;
 
 /// A position on the boundary.
@@ -51,46 +51,46 @@ pub(super) fn open_seams_of(surface: &MeshConnectivity) -> OpenSeams {
     let (distinct, longest) = distinct_places(&points, &vertices);
     let tree = PointTree::new(&distinct);
     let most = SHARE_OF_BOX * mesh.bounds().diagonal();
-    let mut found = OpenSeams::default();
+    let mut seams = OpenSeams::default();
     for (vertex, p) in vertices.iter().zip(&points) {
-        let own = lesser(SHARE_OF_EDGE * vertex.shortest, most);
+        let within = lesser(SHARE_OF_EDGE * vertex.shortest, most);
         let mut nearest = f64::INFINITY;
-        tree.near_segment([*p, *p], own, |j| {
+        tree.near_segment([*p, *p], within, |j| {
             let j = j as usize;
             let apart = distance_up(*p, distinct[j]);
-            // Equal positions are another defect, with a cure of its own.
-            if apart > 0.0 && apart <= own && apart <= SHARE_OF_EDGE * longest[j] {
+            // Equal positions are another defect, with another repair.
+            if apart > 0.0 && apart <= within && apart <= SHARE_OF_EDGE * longest[j] {
                 nearest = lesser(apart, nearest);
             }
         });
         if nearest < f64::INFINITY {
-            found.gap = greater(nearest, found.gap);
-            found.vertices.add(|| Witness::vertex(mesh, vertex.row));
+            seams.gap = greater(nearest, seams.gap);
+            seams.vertices.add(|| Witness::vertex(mesh, vertex.row));
         }
     }
-    found
+    seams
 }
 
-/// The places of vertices, and of each the longest of their shortest edges. Vertices at one place are one point of the
-/// tree: thousands that meet there are found as one.
+/// The points of vertices, and for each the longest of their shortest edges. Vertices at one position are one
+/// point of the tree, so that thousands of them are found as one.
 fn distinct_places(points: &[[f64; 3]], vertices: &[BoundaryVertex]) -> (Vec<[f64; 3]>, Vec<f64>) {
-    let places = position_id_by_bits(points);
+    let point_ids = position_id_by_bits(points);
     let (mut distinct, mut longest) = (Vec::new(), Vec::<f64>::new());
     let mut number = vec![0_usize; points.len()];
-    for (i, (place, vertex)) in places.iter().zip(vertices).enumerate() {
-        if *place as usize == i {
+    for (i, (point_id, vertex)) in point_ids.iter().zip(vertices).enumerate() {
+        if *point_id as usize == i {
             number[i] = distinct.len();
             distinct.push(points[i]);
             longest.push(vertex.shortest);
         } else {
-            let longest = &mut longest[number[*place as usize]];
+            let longest = &mut longest[number[*point_id as usize]];
             *longest = greater(vertex.shortest, *longest);
         }
     }
     (distinct, longest)
 }
 
-/// An upper bound of the distance of two points; 0 where they are equal.
+/// An upper bound on the distance of two points; 0 if they are equal.
 fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
     if a == b {
         return 0.0;

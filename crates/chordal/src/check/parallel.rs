@@ -4,13 +4,13 @@
 use crate::budget::has_threads;
 use crate::budget::{Job, par_map};
 
-/// Fewer triangles than this are looked at faster than another thread wakes up. Derived: at 55 ns each
-/// ([`super::validity`]) they take a fifth of a millisecond; to wake a thread and to wait for it took a fifth of that,
-/// measured on a scene of 30,000 parts, most of whose time it was.
+/// For fewer triangles than this, waking another thread takes longer than the work. Derived: at 55 ns each
+/// ([`super::validity`]) they take a fifth of a millisecond; to wake a thread and to wait for it took a fifth
+/// of that, measured on a scene of 30,000 parts, most of whose time it was.
 #[cfg(feature = "threads")]
 const WORTH_A_THREAD: usize = 4096;
 
-/// Runs both, for so many triangles; many in parallel with the feature `threads`.
+/// Runs both; in parallel with the feature `threads` if there are many triangles.
 #[cfg(feature = "threads")]
 pub(super) fn both<A: Send, B: Send>(
     n_triangles: usize,
@@ -28,7 +28,7 @@ pub(super) fn both<A, B>(_n_triangles: usize, a: impl FnOnce() -> A, b: impl FnO
 
 /// Applies `f` to every chunk of `size` items and the index of its first item; results are in the order of
 /// the chunks. For linear-time counts that hold no memory and need no cancellation. The threads are those of
-/// the job in whose [`Job::run`] the caller is, or the host's.
+/// the job whose [`Job::run`] contains the call, or the host's.
 pub(super) fn over_chunks<T: Sync, R: Send>(
     items: &[T],
     size: usize,

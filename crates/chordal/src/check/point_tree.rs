@@ -31,7 +31,7 @@ impl<'a> PointTree<'a> {
         tree
     }
 
-    /// Depth is the logarithm of the number of points: every split is at the median.
+    /// The depth is the logarithm of the number of points, since every split is at the median.
     fn build(&mut self, start: usize, end: usize) {
         let (points, part) = (self.points, &mut self.order[start..end]);
         let bounds = Box3::from_points(part.iter().map(|&i| &points[i as usize]));
@@ -51,7 +51,7 @@ impl<'a> PointTree<'a> {
         self.nodes[node].skip = self.nodes.len() as u32;
     }
 
-    /// Whether one of the points in a box, including its boundary, is wanted.
+    /// Whether some point in a box, including its boundary, is wanted.
     pub fn any_in(&self, bounds: &Box3, is_wanted: impl Fn(u32) -> bool) -> bool {
         let mut next = 0;
         while let Some(node) = self.nodes.get(next) {
@@ -70,7 +70,7 @@ impl<'a> PointTree<'a> {
 
     /// Calls `visit` with the index of every point within `reach` of the segment, and of some others.
     pub fn near_segment(&self, [a, b]: [[f64; 3]; 2], reach: f64, mut visit: impl FnMut(u32)) {
-        // One leaf: whoever asks judges the points faster than planes the box.
+        // For a single leaf, the caller tests the points faster than planes test the box.
         if self.nodes.len() == 1 {
             return self.order.iter().for_each(|&i| visit(i));
         }
@@ -86,7 +86,7 @@ impl<'a> PointTree<'a> {
     }
 }
 
-/// Whether a segment may come within `reach` of a box: false only when one of six planes separates them with
+/// Whether a segment may come within `reach` of a box: `false` only if one of six planes separates them with
 /// certainty.
 fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
     let largest =
@@ -94,25 +94,25 @@ fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
     // Centres and half sides below are off by at most two roundings of the largest coordinate each.
     let reach = reach + 8.0 * f64::EPSILON * largest + f64::MIN_POSITIVE;
     let half = |k: usize| 0.5 * b[k] - 0.5 * a[k];
-    let apart = |k: usize| (0.5 * a[k] + 0.5 * b[k]) - (0.5 * bounds.min[k] + 0.5 * bounds.max[k]);
-    let room = |k: usize| (0.5 * bounds.max[k] - 0.5 * bounds.min[k]) + reach;
-    let (half, apart, room): ([f64; 3], [f64; 3], [f64; 3]) =
-        (std::array::from_fn(half), std::array::from_fn(apart), std::array::from_fn(room));
-    if (0..3).any(|k| apart[k].abs() > half[k].abs() + room[k]) {
+    let offset = |k: usize| (0.5 * a[k] + 0.5 * b[k]) - (0.5 * bounds.min[k] + 0.5 * bounds.max[k]);
+    let extent = |k: usize| (0.5 * bounds.max[k] - 0.5 * bounds.min[k]) + reach;
+    let (half, offset, extent): ([f64; 3], [f64; 3], [f64; 3]) =
+        (std::array::from_fn(half), std::array::from_fn(offset), std::array::from_fn(extent));
+    if (0..3).any(|k| offset[k].abs() > half[k].abs() + extent[k]) {
         return false;
     }
     // Only its direction matters from here; with length about one, no product leaves the range of f64.
     let longest = half.iter().fold(0.0, |most, x| greater(x.abs(), most));
     let along = half.map(|x| x / longest);
-    !(0..3).any(|k| is_separating_axis(along, apart, room, (k + 1) % 3, (k + 2) % 3))
+    !(0..3).any(|k| is_separating_axis(along, offset, extent, (k + 1) % 3, (k + 2) % 3))
 }
 
 /// Whether a line along the segment separates the segment from the box in the projection on the axes `i` and
 /// `j`. Five roundings a product and sum, of at most the sizes on the right; the NaN of a zero direction
 /// makes it false.
-fn is_separating_axis(along: [f64; 3], apart: [f64; 3], room: [f64; 3], i: usize, j: usize) -> bool {
-    let (left, right) = (along[i] * apart[j], along[j] * apart[i]);
-    let reach = room[i] * along[j].abs() + room[j] * along[i].abs();
+fn is_separating_axis(along: [f64; 3], offset: [f64; 3], extent: [f64; 3], i: usize, j: usize) -> bool {
+    let (left, right) = (along[i] * offset[j], along[j] * offset[i]);
+    let reach = extent[i] * along[j].abs() + extent[j] * along[i].abs();
     let slack = 8.0 * f64::EPSILON * (left.abs() + right.abs() + reach) + f64::MIN_POSITIVE;
     (left - right).abs() > reach + slack
 }

@@ -10,7 +10,7 @@ use crate::explicit::{Mesh, PackedBoxes, position_id_by_bits};
 /// cross, faces that overlap in one plane, neighbours folded onto each other, and faces that only touch: a
 /// corner of one on the other, or edges that cross. Faces with the same three corners do not count, see
 /// [`super::Validity::duplicate_faces`], nor do faces without area, see [`super::Validity::zero_area_faces`].
-/// Corners are the same where their coordinates are equal (`−0.0` equals `0.0`), whatever the indices are.
+/// Corners are the same if their coordinates are equal (`−0.0` equals `0.0`), for any indices.
 ///
 /// Exact for all finite coordinates, and the same on any number of threads. The witnesses are the first pairs
 /// in the order of the faces, each with a rounded common point.
@@ -31,14 +31,14 @@ use crate::explicit::{Mesh, PackedBoxes, position_id_by_bits};
 /// ```
 ///
 /// # Errors
-/// [`JobError::Refused`] where the boxes of the triangles would be too large for the job, and [`JobError::Cancelled`] when
-/// the job was.
+/// [`JobError::Refused`] if the boxes of the triangles would be too large for the job, and
+/// [`JobError::Cancelled`] if the job was cancelled.
 pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, JobError> {
     search(mesh, job, |soup, slots| soup.intersect(slots))
 }
 
 /// Finds the pairs of faces of different groups that share a point which is not on a common corner or edge:
-/// solids that cross or touch each other, where each is a group. Differs from [`self_intersections`] in two
+/// solids that cross or touch each other, if each is a group. Differs from [`self_intersections`] in two
 /// ways: it ignores pairs within one group, and it counts pairs with the same three corners, since checking
 /// each group alone would miss them.
 ///
@@ -52,7 +52,7 @@ pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, JobError> {
 /// ```
 ///
 /// # Errors
-/// Those of [`self_intersections`].
+/// As for [`self_intersections`].
 pub fn intersections_between(
     mesh: &Mesh,
     group_of: impl Fn(u32) -> u32 + Sync,
@@ -64,7 +64,7 @@ pub fn intersections_between(
     })
 }
 
-/// The pairs whose boxes overlap and that `counts` accepts.
+/// The intersecting pairs among those whose boxes overlap and that `counts` accepts.
 fn search(
     mesh: &Mesh,
     job: &Job,
@@ -72,24 +72,24 @@ fn search(
 ) -> Result<Finding, JobError> {
     let boxes = PackedBoxes::new(mesh, job)?;
     let soup = job.run(|| PackedTriangles::new(mesh, &boxes));
-    let parts = boxes.pairs(job, |found: &mut IntersectingPairs, slots| {
+    let parts = boxes.pairs(job, |pairs: &mut IntersectingPairs, slots| {
         if counts(&soup, slots) {
-            found.add(slots.map(|slot| soup.slots[slot as usize].face));
+            pairs.add(slots.map(|slot| soup.slots[slot as usize].face));
         }
     });
-    let found = parts
+    let pairs = parts
         .ok_or(JobError::Cancelled)?
         .into_iter()
         .fold(IntersectingPairs::default(), IntersectingPairs::merged);
-    let witnesses = found.first.iter().map(|faces| soup.witness(*faces)).collect();
-    Ok(Finding { count: found.count, witnesses })
+    let witnesses = pairs.first.iter().map(|faces| soup.witness(*faces)).collect();
+    Ok(Finding { count: pairs.count, witnesses })
 }
 
 /// The triangles in the order of their boxes, with their exact coordinates.
 struct PackedTriangles<'a> {
     mesh: &'a Mesh,
     slots: Vec<PackedTriangle>,
-    /// The points that corners are at, in the order in which slots first use them.
+    /// The points of the corners, in the order in which slots first use them.
     points: Vec<[f64; 3]>,
 }
 
@@ -117,12 +117,12 @@ impl<'a> PackedTriangles<'a> {
         let mut row_of = vec![u32::MAX; ids.len()];
         let mut points = Vec::with_capacity(ids.len());
         for row in slots.iter_mut().flat_map(|slot| &mut slot.rows) {
-            let place = &mut row_of[*row as usize];
-            if *place == u32::MAX {
-                *place = points.len() as u32;
+            let point_row = &mut row_of[*row as usize];
+            if *point_row == u32::MAX {
+                *point_row = points.len() as u32;
                 points.push(mesh.positions()[*row as usize]);
             }
-            *row = *place;
+            *row = *point_row;
         }
         Self { mesh, slots, points }
     }
@@ -134,7 +134,7 @@ impl<'a> PackedTriangles<'a> {
         a.has_area && b.has_area && intersect_by_corner([a.rows, b.rows], at)
     }
 
-    /// Whether both have area and the same three corners.
+    /// Whether both triangles have area and the same three corners.
     fn are_duplicates(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (&self.slots[a as usize], &self.slots[b as usize]);
         a.has_area && b.has_area && a.rows.iter().all(|row| b.rows.contains(row))
@@ -149,7 +149,7 @@ impl<'a> PackedTriangles<'a> {
     }
 }
 
-/// The number of pairs, and the first in the order of the faces.
+/// The number of pairs, and the first ones in the order of the faces.
 #[derive(Default)]
 struct IntersectingPairs {
     count: u64,
@@ -168,8 +168,8 @@ impl IntersectingPairs {
         if full && self.first.last().is_some_and(|last| *last < pair) {
             return;
         }
-        let place = self.first.partition_point(|known| *known < pair);
-        self.first.insert(place, pair);
+        let position = self.first.partition_point(|known| *known < pair);
+        self.first.insert(position, pair);
         self.first.truncate(MAX_WITNESSES);
     }
 

@@ -1,11 +1,11 @@
 //! `patch_deviation`, `cage_deviation`: the deviation of any mesh from smooth surfaces, certified from both
 //! sides.
 //!
-//! The surface is tessellated without cracks. The distance between the tessellation
-//! and the surface is bounded without using the mesh, and added to what [`deviation`](super::deviation())
-//! proves of the two meshes. The tessellation is refined until that distance is a small part of the goal. The
-//! lower bound does not suffer from it: a far point is measured again by its closest point on the surface
-//! itself.
+//! The surface is tessellated without cracks. The distance between the tessellation and the surface is
+//! bounded without using the mesh, and added to the deviation of the two meshes that
+//! [`deviation`](super::deviation()) proves. The tessellation is refined until that distance is a small part
+//! of the goal. The lower bound does not suffer from it: a far point is measured again by its closest point
+//! on the surface itself.
 //!
 //! No code of the arrows in `convert` is used, so that this can check them.
 mod at_point;
@@ -24,14 +24,15 @@ use patch_tessellation::{LEFT_BY_LEVEL, PatchTessellation};
 /// either to the nearest point of the other.
 ///
 /// *What it covers.* Both bounds are proved, rounding included, for the exact triangles and the exact
-/// patches, whatever made the mesh. `forward` is from the mesh to the patches. Its worst points are on the
+/// patches, for any mesh. `forward` is from the mesh to the patches. Its worst points are on the
 /// patches themselves.
 ///
-/// *Cost.* That of [`deviation`](super::deviation()) against triangles that are some ten times as close to the patches
-/// as the mesh is, each part of a patch cut as often as its own bend asks: more triangles than an adaptive mesh within a
-/// budget would take. With a [`Goal::max`] that is some percent above the truth they are closer: the teapot's mesh for a
-/// hundredth of its size takes 0.2 seconds, that for a thousandth 2, that for a five-thousandth 9. Where four million
-/// triangles are too few, the goal is not reached; the bounds hold nevertheless.
+/// *Cost.* That of [`deviation`](super::deviation()) against triangles that are some ten times as close to
+/// the patches as the mesh is, with each part of a patch cut as often as its bending requires: more triangles
+/// than an adaptive mesh within a budget would take. With a [`Goal::max`] that is some percent above the true
+/// distance they are closer: the teapot's mesh for a hundredth of its size takes 0.2 seconds, that for a
+/// thousandth 2, that for a five-thousandth 9. If four million triangles are too few, the goal is not
+/// reached, but the bounds hold.
 ///
 /// # Errors
 /// As for [`deviation`](super::deviation()), and [`RefusalCode::NotFinite`] for patches.
@@ -70,7 +71,7 @@ pub fn patch_deviation(
 ///
 /// # Errors
 /// As for [`deviation`](super::deviation()); [`RefusalCode::Unsupported`] for Loop's scheme,
-/// [`RefusalCode::Empty`] for a cage without surface, [`RefusalCode::NotFinite`] where coordinates are beyond
+/// [`RefusalCode::Empty`] for a cage without surface, [`RefusalCode::NotFinite`] if coordinates are beyond
 /// 1e150.
 ///
 /// ```
@@ -118,22 +119,24 @@ enum SmoothShape<'a> {
     Cage(&'a Cage),
 }
 
-/// The most triangles of a tessellation: about a minute on one core and a gigabyte; chosen.
+/// The most triangles of a tessellation. Chosen: about a minute on one core and a gigabyte.
 const MOST_CUTS: u64 = 1 << 22;
-/// Points that take as long as a triangle of a tessellation, which is compared as well. Measured: three microseconds of
-/// one core, of 25 to 30 nanoseconds a point.
+/// Work units of a triangle of a tessellation, including its comparison. Measured: three microseconds of
+/// one core, of 25 to 30 nanoseconds a unit.
 const POINTS_A_TRIANGLE: u64 = 128;
-/// Bytes a triangle of the tessellation, about: 300 for comparing, and a hundred for each corner of a quad's
-/// tables; derived.
+/// An estimate of the bytes for each triangle of the tessellation. Derived: 300 for comparing, and a hundred
+/// for each corner of a quad's tables.
 const BYTES_A_CUT: u64 = 500;
-/// Triangles of the first tessellation, from which the necessary fineness is estimated; chosen.
+/// Triangles of the first tessellation, from which the necessary fineness is estimated. Chosen: fewer
+/// estimate badly.
 const FIRST_CUTS: u64 = 1 << 10;
-/// The most rounds in which the distance is quartered, so that a grid can be indexed.
+/// The most rounds, each of which quarters the distance; the grid's indices allow no more.
 const DEEPEST: u32 = 14;
-/// The share of the gap between the two bounds that the tessellation may take; chosen: finer costs more than
-/// it saves.
-const OF_GOAL: f64 = 0.5;
-/// Triangles whose centroids are sampled first, to estimate the deviation of the mesh; chosen.
+/// The share of the gap between the two bounds that the tessellation may take. Chosen: finer ones cost more
+/// than they save.
+const SHARE_OF_GOAL: f64 = 0.5;
+/// The number of triangles whose centroids are sampled first, to estimate the deviation of the mesh. Chosen:
+/// more take longer than the estimate is worth.
 const PILOT: usize = 1 << 10;
 
 impl SmoothReference<'_> {
@@ -156,7 +159,7 @@ impl SmoothReference<'_> {
     fn first_level(&self, job: &Job) -> Result<u32, JobError> {
         let least = match self.shape {
             SmoothShape::Patches(_) => 0,
-            // Faces that are not quads must be refined.
+            // Faces that are not quads have to be refined.
             SmoothShape::Cage(_) => 1,
         };
         let count = self.count(least, job);
@@ -168,7 +171,7 @@ impl SmoothReference<'_> {
         Ok((least..self.deepest()).find(|level| self.count(*level, job) >= FIRST_CUTS).unwrap_or(least))
     }
 
-    /// The share of the distance to the surface that a level leaves of that of the level before.
+    /// The factor of the distance to the surface from one level to the next.
     fn left_by_level(&self) -> f64 {
         match self.shape {
             SmoothShape::Patches(_) => LEFT_BY_LEVEL,
@@ -200,9 +203,9 @@ impl SmoothReference<'_> {
 }
 
 /// The polygons after some refinement rounds. Most are close to the limit surface by equal parameters. Beside
-/// an irregular vertex parameters slide along the surface by a share of the polygons' size, which is far more
-/// than their deviation. There the polygons are compared, as triangles, with those of some more rounds, and
-/// only these by parameters.
+/// an irregular vertex, parameters slide along the surface by a share of the polygons' size, which is far
+/// more than their deviation. There the polygons are compared, as triangles, with those of some more rounds,
+/// and only these by parameters.
 fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError> {
     let fine = cage.refined_times(level).or_else(invalid_cage)?;
     let limit = fine.limit().or_else(invalid_cage)?;
@@ -211,13 +214,13 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
     let by_parameters =
         sheet_deviations(&fine, |sheet| sheet.square().is_some_and(is_smooth), job).or_else(invalid_cage)?;
     let of_sheets = || quads.iter().copied().zip(&by_parameters);
-    // The one-ring as well, where parameters slide too.
-    let irregular = of_sheets().filter(|(_, off)| off.is_none()).map(|(quad, _)| quad);
+    // Including the one-ring, in which parameters slide, too.
+    let irregular = of_sheets().filter(|(_, distance)| distance.is_none()).map(|(quad, _)| quad);
     let beside = one_ring_mask(&fine, irregular);
     let rough_faces: Vec<usize> = quads.iter().copied().filter(|quad| beside[*quad]).collect();
     let smooth = of_sheets().filter(|(quad, _)| !beside[*quad]);
-    let mut off = smooth.fold(0.0, |most, (quad, off)| match off {
-        Some(off) => greater(most, add_up(*off, twist(&fine, quad))),
+    let mut distance = smooth.fold(0.0, |most, (quad, distance)| match distance {
+        Some(distance) => greater(most, add_up(*distance, twist(&fine, quad))),
         None => f64::INFINITY,
     });
     if !rough_faces.is_empty() && !job.is_cancelled() {
@@ -226,18 +229,22 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
         let finest = two_ring_cage(&fine, &rough_faces)
             .and_then(|part| part.refined_times(rounds))
             .or_else(invalid_cage)?;
-        let kept: Vec<usize> = (0..finest.n_faces())
+        let kept_quads: Vec<usize> = (0..finest.n_faces())
             .filter(|face| finest.holes().binary_search(&(*face as u32)).is_err())
             .collect();
         let by_parameters =
             limit_deviation(&finest, job).or_else(invalid_cage)?.at_most().unwrap_or(f64::INFINITY);
-        let by_parameters =
-            add_up(by_parameters, kept.iter().fold(0.0, |most, quad| greater(most, twist(&finest, *quad))));
-        let (coarse, finest) = (triangles_of(&fine, &rough_faces)?, triangles_of(&finest, &kept)?);
-        let goal =
-            Goal { absolute: Tolerance::new(greater(by_parameters, 0.25 * off)).ok(), ..Goal::default() };
+        let by_parameters = add_up(
+            by_parameters,
+            kept_quads.iter().fold(0.0, |most, quad| greater(most, twist(&finest, *quad))),
+        );
+        let (coarse, finest) = (triangles_of(&fine, &rough_faces)?, triangles_of(&finest, &kept_quads)?);
+        let goal = Goal {
+            absolute: Tolerance::new(greater(by_parameters, 0.25 * distance)).ok(),
+            ..Goal::default()
+        };
         let beside = deviation(&coarse, &finest, &goal, job)?;
-        off = greater(off, add_up(beside.bound.at_most().unwrap_or(f64::INFINITY), by_parameters));
+        distance = greater(distance, add_up(beside.bound.at_most().unwrap_or(f64::INFINITY), by_parameters));
     }
     let size = cage.positions().as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
     // A mean of k points in a row is off by k roundings, weights included, and means do not amplify earlier
@@ -245,15 +252,15 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError>
     let most_corners = cage.faces().map(<[u32]>::len).fold(4, usize::max);
     let roundings = 4 * max_vertex_degree(cage) + 4 * most_corners + 64;
     let rounding = 2.0 * f64::from(level + MOST_ROUNDS) * roundings as f64 * f64::EPSILON * size;
-    Ok((triangles_of(&fine, &quads)?, add_up(off, rounding)))
+    Ok((triangles_of(&fine, &quads)?, add_up(distance, rounding)))
 }
 
-/// The most additional rounds beside irregular vertices, and their triangles; chosen: distances there shrink
-/// by 0.4 to 0.6 a round.
+/// The most additional rounds beside irregular vertices, and their most triangles. Chosen: distances there
+/// shrink by 0.4 to 0.6 a round.
 const MOST_ROUNDS: u32 = 6;
 const ROUGH_CUTS: u64 = 1 << 17;
 
-/// The faces with two rings of others around them, which shape their limit surface and are marked as holes.
+/// The faces with two rings of faces around them, which shape their limit surface and are marked as holes.
 fn two_ring_cage(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
     let near = one_ring_mask(cage, faces.iter().copied());
     let chosen = one_ring_mask(cage, (0..cage.n_faces()).filter(|face| near[*face]));
@@ -264,8 +271,9 @@ fn two_ring_cage(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
     let local = |vertex: u32| vertices.partition_point(|v| *v < vertex) as u32;
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for face in &chosen {
-        let of = cage.face(*face);
-        let pairs = (0..of.len()).map(|k| (of[k], of[(k + 1) % of.len()]));
+        let face_vertices = cage.face(*face);
+        let pairs = (0..face_vertices.len())
+            .map(|k| (face_vertices[k], face_vertices[(k + 1) % face_vertices.len()]));
         edges.extend(pairs.map(|(a, b)| if a < b { [a, b] } else { [b, a] }));
     }
     edges.sort_unstable();
@@ -288,11 +296,11 @@ fn two_ring_cage(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
     Ok(if cage.lists_corners() { part.with_corners_listed() } else { part })
 }
 
-/// Marks these faces and all that share a vertex with one of them.
+/// Marks these faces and all faces that share a vertex with one of them.
 fn one_ring_mask(cage: &Cage, faces: impl Iterator<Item = usize>) -> Vec<bool> {
     let mut touched = vec![false; cage.positions().len()];
     faces.for_each(|face| cage.face(face).iter().for_each(|vertex| touched[*vertex as usize] = true));
-    cage.faces().map(|of| of.iter().any(|vertex| touched[*vertex as usize])).collect()
+    cage.faces().map(|vertices| vertices.iter().any(|vertex| touched[*vertex as usize])).collect()
 }
 
 /// The distance between the two triangles of a quad and its bilinear surface: a quarter of the twist.
@@ -303,8 +311,8 @@ fn twist(cage: &Cage, quad: usize) -> f64 {
 }
 
 fn triangles_of(cage: &Cage, quads: &[usize]) -> Result<Mesh, JobError> {
-    let of = quads.iter().filter_map(|quad| <&[u32; 4]>::try_from(cage.face(*quad)).ok());
-    let faces = of.flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    let quad_vertices = quads.iter().filter_map(|quad| <&[u32; 4]>::try_from(cage.face(*quad)).ok());
+    let faces = quad_vertices.flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
     cut_mesh(cage.positions().to_vec(), faces)
 }
 
@@ -319,7 +327,7 @@ fn cut_mesh(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Mesh, JobErro
     Mesh::new(points, faces).or_else(|error| refused(RefusalCode::NotFinite, error.to_string()))
 }
 
-/// The bounds known so far for both directions.
+/// The current bounds for both directions.
 struct TwoSidedDistance {
     forward: OneSidedDistance,
     backward: OneSidedDistance,
@@ -353,37 +361,38 @@ fn measured(
         }
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(most, x.abs()));
         let wanted = SmoothGoal { goal, floor: FLOOR * reach };
-        let judge = SmoothSampler { smooth, bvh: &bvh };
+        let sampler = SmoothSampler { smooth, bvh: &bvh };
         let nothing = OneSidedDistance { at_least: 0.0, at_most: farthest, from: [0.0; 3], to: [0.0; 3] };
-        let mut known = TwoSidedDistance { forward: nothing, backward: nothing };
-        judge.probe_some_faces(mesh, &mut known.forward, job);
+        let mut distances = TwoSidedDistance { forward: nothing, backward: nothing };
+        sampler.probe_some_faces(mesh, &mut distances.forward, job);
         let mut level = smooth.first_level(job)?;
         let within_job = lesser(MOST_CUTS, smooth.limit(job));
-        let levels = |off, least| wanted.levels((off, smooth.left_by_level(), smooth.deepest()), least);
-        while !wanted.is_met(&known) {
+        let levels =
+            |distance, least| wanted.levels((distance, smooth.left_by_level(), smooth.deepest()), least);
+        while !wanted.is_met(&distances) {
             let affordable = job.work_left() / POINTS_A_TRIANGLE;
             let count = smooth.count(level, job);
             if count > affordable {
                 break;
             }
             job.count_work(POINTS_A_TRIANGLE * count);
-            let (cuts, off) = smooth.cut(level, job)?;
+            let (cuts, distance) = smooth.cut(level, job)?;
             if job.is_cancelled() {
                 return Err(JobError::Cancelled);
             }
             let most_cuts = lesser(within_job, job.work_left() / POINTS_A_TRIANGLE);
             let fits = |level: &u32| smooth.count(*level, job) <= most_cuts;
             // As fine as the goal requires, by the current estimate.
-            let aim = lesser(level + levels(off, known.least()), smooth.deepest());
+            let aim = lesser(level + levels(distance, distances.least()), smooth.deepest());
             if let Some(finer) = (level + 1..=aim).rev().find(fits) {
                 level = finer;
                 continue;
             }
-            let found = deviation(mesh, &cuts, &wanted.goal_for_cuts(off, known.least()), job)?;
-            judge.take(&mut known, &found, off);
-            let n_more = levels(off, known.least());
-            // The tessellation is not the limiting factor.
-            let is_stuck = !found.reached && n_more == 0;
+            let compared = deviation(mesh, &cuts, &wanted.goal_for_cuts(distance, distances.least()), job)?;
+            sampler.take(&mut distances, &compared, distance);
+            let n_more = levels(distance, distances.least());
+            // The tessellation does not limit the result, so a finer one would not help.
+            let is_stuck = !compared.reached && n_more == 0;
             let aim = lesser(level + greater(n_more, 1), smooth.deepest());
             let finer = (level + 1..=aim).rev().find(fits);
             match finer {
@@ -391,26 +400,26 @@ fn measured(
                 _ => break,
             }
         }
-        let mut bound = two_sided(&known.forward, &known.backward);
+        let mut bound = two_sided(&distances.forward, &distances.backward);
         bound.reference = smooth.reference();
-        let reached = wanted.is_met(&known);
-        Ok(Deviation { bound, forward: known.forward, backward: known.backward, reached })
+        let reached = wanted.is_met(&distances);
+        Ok(Deviation { bound, forward: distances.forward, backward: distances.backward, reached })
     })
 }
 
 /// The gap that rounding leaves between the two bounds, relative to the largest coordinate: a little more
-/// than what the rings of limit surfaces allow for.
+/// than the rings of limit surfaces need.
 const FLOOR: f64 = 8192.0 * f64::EPSILON;
 
-/// The goal, raised to the level of rounding.
+/// The goal, raised to the level of rounding if it is smaller.
 struct SmoothGoal<'a> {
     goal: &'a Goal,
     floor: f64,
 }
 
 impl SmoothGoal<'_> {
-    fn is_met(&self, known: &TwoSidedDistance) -> bool {
-        let (least, most) = (known.least(), known.most());
+    fn is_met(&self, distances: &TwoSidedDistance) -> bool {
+        let (least, most) = (distances.least(), distances.most());
         match self.goal.max {
             Some(max) => least > max.get() || most <= max.get(),
             None => most - least <= greater(self.gap(least), self.floor),
@@ -422,24 +431,24 @@ impl SmoothGoal<'_> {
         greater(self.goal.relative * least, self.goal.absolute.map_or(0.0, Tolerance::get))
     }
 
-    /// The number of levels after which a tessellation that is `off` from the surface is close enough, if each leaves so much
-    /// of that.
-    fn levels(&self, (off, left_by_level, deepest): (f64, f64, u32), least: f64) -> u32 {
+    /// The number of levels after which a tessellation that is `distance` from the surface is close enough,
+    /// if each level leaves the given share of it.
+    fn levels(&self, (distance, left_by_level, deepest): (f64, f64, u32), least: f64) -> u32 {
         let gap = self.goal.max.map_or(self.gap(least), |max| sub_down(max.get(), least));
-        let wanted = greater(OF_GOAL * gap, self.floor);
-        // Where nothing is known, no further ones.
-        let (mut left, mut levels) = (if gap > 0.0 { off } else { 0.0 }, 0);
-        while left > wanted && levels < deepest {
-            (left, levels) = (left_by_level * left, levels + 1);
+        let wanted = greater(SHARE_OF_GOAL * gap, self.floor);
+        // If no distance is known, no further levels.
+        let (mut remaining, mut levels) = (if gap > 0.0 { distance } else { 0.0 }, 0);
+        while remaining > wanted && levels < deepest {
+            (remaining, levels) = (left_by_level * remaining, levels + 1);
         }
         levels
     }
 
-    /// The goal for a tessellation up to `off` away from the surface: the part of the allowed gap that this
-    /// leaves, and at least a part of `off` itself.
-    fn goal_for_cuts(&self, off: f64, least: f64) -> Goal {
-        let max = self.goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), off)).ok());
-        let absolute = greater(0.9 * (self.gap(least) - off), 0.25 * off);
+    /// The goal for a tessellation up to `distance` from the surface: the part of the allowed gap that the
+    /// tessellation leaves, and at least a part of `distance` itself.
+    fn goal_for_cuts(&self, distance: f64, least: f64) -> Goal {
+        let max = self.goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), distance)).ok());
+        let absolute = greater(0.9 * (self.gap(least) - distance), 0.25 * distance);
         Goal { relative: 0.0, absolute: Tolerance::new(absolute).ok(), max }
     }
 }
@@ -482,37 +491,37 @@ impl SmoothSampler<'_> {
             (middle, closest.map_or(0.0, |closest| closest.at_most))
         });
         let far = middles.into_iter().reduce(|far, other| if other.1 > far.1 { other } else { far });
-        if let Some(seen) = far.and_then(|(middle, _)| self.forward_at(middle, None)) {
-            improve(forward, seen);
+        if let Some(lower) = far.and_then(|(middle, _)| self.forward_at(middle, None)) {
+            improve(forward, lower);
         }
     }
 
-    /// Merges the result for a tessellation that is up to `off` from the surface.
-    fn take(&self, known: &mut TwoSidedDistance, found: &Deviation, off: f64) {
+    /// Merges the result for a tessellation that is up to `distance` from the surface.
+    fn take(&self, distances: &mut TwoSidedDistance, compared: &Deviation, distance: f64) {
         let widened = |side: &OneSidedDistance| OneSidedDistance {
-            at_least: greater(sub_down(side.at_least, off), 0.0),
-            at_most: add_up(side.at_most, off),
+            at_least: greater(sub_down(side.at_least, distance), 0.0),
+            at_most: add_up(side.at_most, distance),
             ..*side
         };
-        improve(&mut known.forward, widened(&found.forward));
-        improve(&mut known.backward, widened(&found.backward));
-        if let Some(seen) = self.forward_at(found.forward.from, None) {
-            improve(&mut known.forward, seen);
+        improve(&mut distances.forward, widened(&compared.forward));
+        improve(&mut distances.backward, widened(&compared.backward));
+        if let Some(lower) = self.forward_at(compared.forward.from, None) {
+            improve(&mut distances.forward, lower);
         }
-        if let Some(seen) = self.backward_at(found.backward.from) {
-            improve(&mut known.backward, seen);
+        if let Some(lower) = self.backward_at(compared.backward.from) {
+            improve(&mut distances.backward, lower);
         }
     }
 }
 
 /// Keeps the better of each bound, since both hold.
-fn improve(known: &mut OneSidedDistance, other: OneSidedDistance) {
-    if other.at_least >= known.at_least {
-        (known.at_least, known.from, known.to) = (other.at_least, other.from, other.to);
+fn improve(best: &mut OneSidedDistance, other: OneSidedDistance) {
+    if other.at_least >= best.at_least {
+        (best.at_least, best.from, best.to) = (other.at_least, other.from, other.to);
     }
-    if other.at_most < known.at_most {
-        known.at_most = other.at_most;
+    if other.at_most < best.at_most {
+        best.at_most = other.at_most;
     }
     // Both bounds are proved, so this changes nothing.
-    known.at_most = greater(known.at_most, known.at_least);
+    best.at_most = greater(best.at_most, best.at_least);
 }

@@ -28,7 +28,7 @@ const CHUNK: usize = 64;
 /// The largest of the distances from the `points` to `mesh`, bounded from below including all rounding, and
 /// the index of the point where it is attained. `None` without points or without triangles.
 ///
-/// When the points, taken exactly, are on the true surface, the mesh deviates by at least this.
+/// If the points, taken exactly, are on the true surface, the mesh deviates by at least this.
 ///
 /// One pass over the triangles for their boxes and one over the boxes for each point: meant for a handful of
 /// points, and triangles in an order in which most neighbours are close. Then about 5 ns a triangle for 16
@@ -50,10 +50,10 @@ pub fn surface_at_least(points: &[[f64; 3]], mesh: &Mesh) -> Option<(f64, usize)
     let boxes = chunk_boxes(mesh);
     let mut best = None;
     for (number, point) in points.iter().enumerate() {
-        let known = best.map_or(-1.0, |(off, _)| off);
-        let off = PointDistanceSearch { point: *point, mesh, boxes: &boxes, known }.run();
-        if off > known {
-            best = Some((off, number));
+        let largest = best.map_or(-1.0, |(distance, _)| distance);
+        let distance = PointDistanceSearch { point: *point, mesh, boxes: &boxes, largest }.run();
+        if distance > largest {
+            best = Some((distance, number));
         }
     }
     best
@@ -76,40 +76,41 @@ struct PointDistanceSearch<'a> {
     point: [f64; 3],
     mesh: &'a Mesh,
     boxes: &'a [Box3],
-    /// The distance of another point: a smaller one is of no use.
-    known: f64,
+    /// The distance of another point: distances below it are of no use.
+    largest: f64,
 }
 
 impl PointDistanceSearch<'_> {
-    /// A lower bound on the distance to the mesh; any number up to `known` when that is no more than `known`.
+    /// A lower bound on the distance to the mesh; any number up to `largest` if the bound is no more than
+    /// that.
     fn run(&self) -> f64 {
         let squares: Vec<f64> = self.boxes.iter().map(|b| box_distance_sq(self.point, b)).collect();
         let nearest = (0..squares.len()).fold(0, |near, i| if squares[i] < squares[near] { i } else { near });
-        let mut off = self.over_chunk(nearest, f64::INFINITY);
+        let mut distance = self.over_chunk(nearest, f64::INFINITY);
         for (chunk, &square) in squares.iter().enumerate() {
-            if off <= self.known {
-                return off;
+            if distance <= self.largest {
+                return distance;
             }
-            // A chunk farther than `off` is skipped: `off` bounds the distance to it as well.
-            if square < mul_up(off, off) {
-                off = self.over_chunk(chunk, off);
+            // A chunk farther than `distance` is skipped, since `distance` bounds the distance to it as well.
+            if square < mul_up(distance, distance) {
+                distance = self.over_chunk(chunk, distance);
             }
         }
-        off
+        distance
     }
 
-    /// The minimum of `off` and the bounds for the triangles of one chunk.
-    fn over_chunk(&self, chunk: usize, mut off: f64) -> f64 {
+    /// The minimum of `distance` and the bounds for the triangles of one chunk.
+    fn over_chunk(&self, chunk: usize, mut distance: f64) -> f64 {
         let faces = self.mesh.faces();
         let start = chunk * CHUNK;
         for face in start..faces.len().min(start + CHUNK) {
             let corners = self.mesh.corners(face);
-            if box_distance_sq(self.point, &Box3::from_points(&corners)) < mul_up(off, off) {
+            if box_distance_sq(self.point, &Box3::from_points(&corners)) < mul_up(distance, distance) {
                 let bound = triangle_at_least(self.point, corners);
-                off = lesser(bound, off);
+                distance = lesser(bound, distance);
             }
         }
-        off
+        distance
     }
 }
 
@@ -152,16 +153,17 @@ pub(crate) fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
 fn plane_direction(from: DVec3, sides: [DVec3; 3]) -> DVec3 {
     let squares = sides.map(DVec3::length_squared);
     let longest = (1..3).fold(0, |most, k| if squares[k] > squares[most] { k } else { most });
-    // From the two shorter sides, then made perpendicular to the longest: a tilt along that one costs most.
+    // From the two shorter sides, then made perpendicular to the longest, along which a tilt costs most.
     let normal = across(sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]), sides[longest]);
     if normal.dot(from) < 0.0 { -normal } else { normal }
 }
 
-/// From the closest point of a side to the point at `from` relative to its first corner.
+/// The direction from the closest point of a side to the point at `from` relative to its first corner.
 fn side_direction(from: DVec3, side: DVec3) -> DVec3 {
     let t = from.dot(side) / side.length_squared();
     if t > 0.0 && t < 1.0 {
-        // Twice: the first leaves an error of the size of `from`, the second one of the size of the result.
+        // Done twice: the first step leaves an error of the size of `from`, the second one of the size of the
+        // result.
         across(across(from, side), side)
     } else if t >= 1.0 {
         from - side
@@ -175,7 +177,7 @@ fn across(n: DVec3, side: DVec3) -> DVec3 {
     n - side * (n.dot(side) / side.length_squared())
 }
 
-/// `min over the corners of n·(p − v)/|n|`, bounded from below as described in the module; 0 when that is
+/// `min over the corners of n·(p − v)/|n|`, bounded from below as described in the module; 0 if that is
 /// less or `n` is no direction.
 fn support(n: DVec3, p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     let largest = n.abs().max_element();

@@ -1,4 +1,4 @@
-//! The edges of patches: which sides are shared, and how smoothly the patches meet there.
+//! The edges of patches: the sides that are shared, and the smoothness of the surface there.
 use super::PointTree;
 use super::edge_join::{EdgeJoin, PatchSideId, apart, edge_join};
 use super::parallel::over_chunks;
@@ -6,33 +6,33 @@ use crate::explicit::{Bezier, Patch, PatchSide, shared_sides};
 use crate::math::{Box3, difference, length, lesser};
 use std::cell::Cell;
 
-/// The edges of patches by the number of sides that are there.
+/// The edges of patches, by the number of their sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceEdges {
-    /// Where two sides meet, in the order of the first of them.
+    /// Edges at which two sides meet, in the order of the first sides.
     pub joins: Vec<EdgeJoin>,
-    /// Sides without neighbour.
+    /// Sides without a neighbour.
     pub boundary: Vec<PatchSideId>,
-    /// Three sides or more that are one curve; how smooth the surface is there is not defined.
+    /// Three or more sides that are one curve; the smoothness of the surface there is not defined.
     pub branching: Vec<Vec<PatchSideId>>,
-    /// Sides that are one point.
+    /// Sides that are a single point.
     pub collapsed: Vec<PatchSideId>,
 }
 
-/// Sides without neighbour meet with a gap when corresponding control points are within this part of the shortest
-/// side of either patch: as for open seams of meshes (defined there).
+/// Sides without a neighbour meet with a gap if corresponding control points are within this share of the
+/// shortest side of either patch: as for open seams of meshes (defined there).
 const NEAR: f64 = 1.0 / 1024.0;
-/// Sides that are compared with one; where so many are that near, they do not make one surface. Also keeps the
-/// time of hostile files linear. Defined here.
+/// The most sides that are compared with one; if more are that near, they do not make one surface. Also keeps
+/// the time of malicious files linear. Defined here.
 const MOST_NEAR: usize = 64;
 /// Edges measured in a task: about a millisecond.
 const CHUNK: usize = 32;
 
-/// Finds all edges of patches and measures how the two patches of each meet.
+/// Finds all edges of patches and measures the continuity of the two patches at each.
 ///
-/// Two sides are one edge when their four control points are equal bit for bit, forwards or backwards; where
-/// nothing is equal, also when they nearly are, within a 1,024th of the shortest side of either patch: a gap. A
-/// side that is only a part of its neighbour's side, as at a T-junction, is boundary.
+/// Two sides are one edge if their four control points are equal bit for bit, forwards or backwards; a side
+/// that equals no other also meets one that nearly equals it, within a 1,024th of the shortest side of either
+/// patch: a gap. A side that is only a part of its neighbour's side, as at a T-junction, is boundary.
 ///
 /// Time: O(n log n) to find the edges, and up to 50 µs for each, shared among the threads of the host.
 ///
@@ -47,7 +47,7 @@ const CHUNK: usize = 32;
 /// ```
 #[must_use]
 pub fn surface_edges(patches: &[Patch]) -> SurfaceEdges {
-    let mut found = SurfaceEdges::default();
+    let mut edges = SurfaceEdges::default();
     let mut pairs: Vec<[PatchSideId; 2]> = Vec::new();
     let mut alone: Vec<PatchSideId> = Vec::new();
     for uses in shared_sides(patches) {
@@ -56,24 +56,24 @@ pub fn surface_edges(patches: &[Patch]) -> SurfaceEdges {
         match ids[..] {
             [side] => alone.push(side),
             [first, second] => pairs.push([first, second]),
-            _ => found.branching.push(ids),
+            _ => edges.branching.push(ids),
         }
     }
     let gaps = near_pairs(patches, &alone);
     let mut met = gaps.concat();
     met.sort_unstable();
-    found.boundary = alone.into_iter().filter(|side| met.binary_search(side).is_err()).collect();
+    edges.boundary = alone.into_iter().filter(|side| met.binary_search(side).is_err()).collect();
     pairs.extend(gaps);
     pairs.sort_unstable();
     let measured = over_chunks(&pairs, CHUNK, |_, pairs| -> Vec<EdgeJoin> {
         pairs.iter().map(|pair| edge_join(patches, *pair)).collect()
     });
-    found.joins = measured.into_iter().flatten().collect();
-    found.collapsed = (0..patches.len())
+    edges.joins = measured.into_iter().flatten().collect();
+    edges.collapsed = (0..patches.len())
         .flat_map(|patch| PatchSide::ALL.map(|side| PatchSideId { patch, side }))
         .filter(|id| patches[id.patch].side(id.side).is_point())
         .collect();
-    found
+    edges
 }
 
 /// Pairs of these sides that nearly coincide, each the nearest of the other.
@@ -87,7 +87,7 @@ fn near_pairs(patches: &[Patch], alone: &[PatchSideId]) -> Vec<[PatchSideId; 2]>
     let tree = PointTree::new(&middles);
     let nearest: Vec<Option<usize>> = (0..alone.len())
         .map(|i| {
-            // Means of control points are no farther apart than the farthest two of those.
+            // Means of control points are no farther apart than the farthest pair of control points.
             let reach = |sign: f64| middles[i].map(|x| x + sign * reaches[i]);
             let around = Box3 { min: reach(-1.0), max: reach(1.0) };
             let (n_seen, best) = (Cell::new(0), Cell::new(None::<(f64, usize)>));
@@ -95,7 +95,7 @@ fn near_pairs(patches: &[Patch], alone: &[PatchSideId]) -> Vec<[PatchSideId; 2]>
                 let j = j as usize;
                 let distance = curve_distance(&curves[i], &curves[j]);
                 let is_near = j != i && distance <= lesser(reaches[i], reaches[j]);
-                if is_near && best.get().is_none_or(|known| (distance, j) < known) {
+                if is_near && best.get().is_none_or(|nearest| (distance, j) < nearest) {
                     best.set(Some((distance, j)));
                 }
                 n_seen.set(n_seen.get() + 1);
@@ -110,7 +110,7 @@ fn near_pairs(patches: &[Patch], alone: &[PatchSideId]) -> Vec<[PatchSideId; 2]>
     nearest.iter().enumerate().filter_map(mutual).collect()
 }
 
-/// The largest distance of corresponding control points, in the better of both directions.
+/// The largest distance of corresponding control points, in the better of the two directions.
 fn curve_distance(a: &Bezier<3>, b: &Bezier<3>) -> f64 {
     lesser(apart(&a.control, &b.control), apart(&a.control, &b.reversed().control))
 }

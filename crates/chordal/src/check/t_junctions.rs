@@ -13,13 +13,13 @@ use std::collections::BTreeMap;
 /// first such edge.
 ///
 /// Without `within`, *in the interior* is exact: on the line through the two ends, strictly between them.
-/// That finds vertices made by halving an edge in place, and misses a vertex that rounding moved off the line
-/// by its last bit. With a tolerance it means: the distance to the line is at most the tolerance, and the
-/// projection onto it is farther than the tolerance from both ends. Lengths are rounded here, so a vertex at
-/// the tolerance to the last bits may fall to either side.
+/// That finds vertices inserted by halving an edge in place, and misses a vertex that rounding moved off the
+/// line by its last bit. With a tolerance it means: the distance to the line is at most the tolerance, and
+/// the projection onto it is farther than the tolerance from both ends. Lengths are rounded here, so a vertex
+/// at the tolerance to the last bits may fall to either side.
 ///
-/// n log n for n boundary edges, however many of them or of their ends coincide, unless different ones all pass
-/// through one small region.
+/// n log n for n boundary edges, however many of them or of their ends coincide, unless different ones all
+/// pass through one small region.
 ///
 /// ```
 /// use chordal::{Mesh, check::t_junctions, explicit::Topology};
@@ -36,7 +36,8 @@ pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -
 
 pub(super) fn t_junctions_of(surface: &MeshConnectivity, within: Option<Tolerance>) -> Finding {
     let mesh = surface.mesh;
-    // By the first of the rows at one place, so that a crowd of rows in a crowd of edges is looked at once an edge.
+    // Grouped by the first of the rows at one point, so that many coincident rows are examined only once for
+    // each edge.
     let mut edge_of: BTreeMap<u32, (Vec<u32>, u32)> = BTreeMap::new();
     vertices_in_edges(surface, within, |rows, h| {
         edge_of.entry(rows[0]).or_insert_with(|| (rows.to_vec(), h));
@@ -44,18 +45,18 @@ pub(super) fn t_junctions_of(surface: &MeshConnectivity, within: Option<Toleranc
     let each = edge_of.into_values().flat_map(|(rows, h)| rows.into_iter().map(move |row| (row, h)));
     let mut each: Vec<(u32, u32)> = each.collect();
     each.sort_unstable_by_key(|(row, _)| surface.id(*row));
-    let mut found = Finding::default();
+    let mut finding = Finding::default();
     for (row, h) in each {
-        found.add(|| Witness {
+        finding.add(|| Witness {
             place: MeshLocation::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
             at: mesh.positions()[row as usize],
         });
     }
-    found
+    finding
 }
 
-/// Calls `visit` with the rows of vertices at one place, one for each of their positions, and a half-edge for every
-/// T-junction, edge by edge: a vertex in the interior of several edges is visited once for each.
+/// Calls `visit` with the rows of vertices at one point, one for each of their positions, and a half-edge,
+/// for every T-junction, edge by edge: a vertex in the interior of several edges is visited once for each.
 pub(crate) fn vertices_in_edges(
     surface: &MeshConnectivity,
     within: Option<Tolerance>,
@@ -65,38 +66,38 @@ pub(crate) fn vertices_in_edges(
     let boundary: Vec<u32> =
         (0..surface.twins.len() as u32).filter(|&h| surface.twins.get(h) == Twin::Boundary).collect();
     let rows = boundary_rows(surface, &boundary);
-    let places = BoundaryPlaces::new(mesh, &rows);
-    let tree = PointTree::new(&places.points);
+    let boundary_points = BoundaryPoints::new(mesh, &rows);
+    let tree = PointTree::new(&boundary_points.points);
     for &h in &boundary {
         let edge = ends(mesh, h);
         let [a, b] = edge.map(|row| mesh.positions()[row as usize]);
         tree.near_segment([a, b], within.map_or(0.0, Tolerance::get), |i| {
-            // The ends themselves are not inside, nor is what has their coordinates.
-            if is_inside(places.points[i as usize], [a, b], within) {
-                visit(places.rows_at(i), h);
+            // The ends themselves are not inside, and neither are points with the same coordinates.
+            if is_inside(boundary_points.points[i as usize], [a, b], within) {
+                visit(boundary_points.rows_at(i), h);
             }
         });
     }
 }
 
-/// The places of boundary positions: those with the same coordinates share one, so that a search of a place where
-/// thousands meet finds one point.
-struct BoundaryPlaces {
+/// The points of boundary positions: positions with the same coordinates share one, so that a search near
+/// thousands of them finds one point.
+struct BoundaryPoints {
     points: Vec<[f64; 3]>,
-    /// Where the rows of each place begin, and the end of the last.
+    /// The start of the rows of each point, and the end of the last.
     first: Vec<u32>,
     rows: Vec<u32>,
 }
 
-impl BoundaryPlaces {
+impl BoundaryPoints {
     fn new(mesh: &Mesh, rows: &[u32]) -> Self {
-        let all: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
-        let mut order: Vec<(u32, u32)> = position_id_by_bits(&all).into_iter().zip(0..).collect();
+        let points_of_rows: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
+        let mut order: Vec<(u32, u32)> = position_id_by_bits(&points_of_rows).into_iter().zip(0..).collect();
         order.sort_unstable();
         let (mut points, mut first) = (Vec::new(), Vec::new());
-        for (at, (place, i)) in order.iter().enumerate() {
-            if place == i {
-                points.push(all[*i as usize]);
+        for (at, (point_id, i)) in order.iter().enumerate() {
+            if point_id == i {
+                points.push(points_of_rows[*i as usize]);
                 first.push(at as u32);
             }
         }
@@ -104,8 +105,8 @@ impl BoundaryPlaces {
         Self { points, first, rows: order.into_iter().map(|(_, i)| rows[i as usize]).collect() }
     }
 
-    fn rows_at(&self, place: u32) -> &[u32] {
-        &self.rows[self.first[place as usize] as usize..self.first[place as usize + 1] as usize]
+    fn rows_at(&self, point: u32) -> &[u32] {
+        &self.rows[self.first[point as usize] as usize..self.first[point as usize + 1] as usize]
     }
 }
 
@@ -133,14 +134,15 @@ fn is_between(p: [f64; 3], [a, b]: [[f64; 3]; 2]) -> bool {
 
 fn is_near_middle(p: [f64; 3], [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
     let [p, a, b] = [p, a, b].map(DVec3::from);
-    // In units of the tolerance, which is positive: no square of a length near it leaves the range of f64.
+    // In units of the tolerance, which is positive, so that no square of a length near it leaves the range of
+    // f64.
     let (from_a, from_b, edge) = ((p - a) / tolerance, (p - b) / tolerance, (b - a) / tolerance);
     let along = edge / edge.abs().max_element();
     let along = along / along.length();
     // From the nearer end, so that a distant end does not cost digits.
     let (from_start, from_end) = (from_a.dot(along), -from_b.dot(along));
-    let off = if from_start < from_end { from_a - along * from_start } else { from_b + along * from_end };
-    from_start > 1.0 && from_end > 1.0 && off.length() <= 1.0
+    let offset = if from_start < from_end { from_a - along * from_start } else { from_b + along * from_end };
+    from_start > 1.0 && from_end > 1.0 && offset.length() <= 1.0
 }
 
 #[cfg(test)]
@@ -168,7 +170,7 @@ mod tests {
         });
         assert_eq!((visits, rows_visited), (N, u64::from(N * N)));
         let all: Vec<u32> = (0..6 * N).collect();
-        assert_eq!(BoundaryPlaces::new(&mesh, &all).points.len(), 6);
+        assert_eq!(BoundaryPoints::new(&mesh, &all).points.len(), 6);
         let found = t_junctions_of(&surface, None);
         assert_eq!(found.count, u64::from(N));
         let expected = |i: u32| MeshLocation::OnEdge { vertex: 6 * i + 3, edge: [0, 1], face: 0 };

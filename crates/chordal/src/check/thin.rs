@@ -28,13 +28,13 @@ pub fn is_sliver(corners: [[f64; 3]; 3]) -> bool {
     is_thin(corners) && !has_zero_area(corners)
 }
 
-/// The same as [`has_zero_area`], faster where the triangle is far from that.
+/// The same as [`has_zero_area`], faster if the triangle is far from that.
 pub(super) fn has_no_area(corners: [[f64; 3]; 3]) -> bool {
     is_thin(corners) && has_zero_area(corners)
 }
 
-/// Squared longest sides of which the fourth power of a side is a normal number, and underflow of smaller terms does not
-/// matter.
+/// The range of squared longest sides in which the fourth power of a side is a normal number, and underflow
+/// of smaller terms does not matter.
 const SAFE: Range<f64> = 1e-70..1e70;
 
 /// Whether a triangle is a sliver or has no area. It misses no triangle without area: rounding moves the
@@ -70,33 +70,33 @@ fn longest_sq(sides: [DVec3; 3]) -> f64 {
 fn scaled_to_unit(corners: [[f64; 3]; 3]) -> [DVec3; 3] {
     let sides = |[a, b, c]: [DVec3; 3]| [b - a, c - a, c - b];
     let corners = corners.map(DVec3::from);
-    let mut found = sides(corners);
-    if !found.iter().all(|side| side.is_finite()) {
+    let mut scaled_sides = sides(corners);
+    if !scaled_sides.iter().all(|side| side.is_finite()) {
         // Corners this large lose no significant digits when halved.
-        found = sides(corners.map(|corner| corner * 0.5));
+        scaled_sides = sides(corners.map(|corner| corner * 0.5));
     }
-    let largest = found.iter().fold(0.0, |most, side| {
+    let largest = scaled_sides.iter().fold(0.0, |most, side| {
         let size = side.abs().max_element();
         greater(size, most)
     });
     let exponent = (largest.to_bits() >> 52 & 0x7ff) as i64 - 1023;
     // In two steps: the inverse of a subnormal number is beyond the range of f64.
     let power = |e: i64| f64::from_bits(((e.clamp(-1022, 1023) + 1023) as u64) << 52);
-    let (half, rest) = (-exponent / 2, -exponent + exponent / 2);
-    found.map(|side| side * power(half) * power(rest))
+    let (half, other_half) = (-exponent / 2, -exponent + exponent / 2);
+    scaled_sides.map(|side| side * power(half) * power(other_half))
 }
 
 /// The faces without area and the slivers of a mesh.
 pub(super) fn thin_faces(mesh: &Mesh) -> (Finding, Finding) {
     let isa = simd::isa();
-    // The chunk size is free: only the order of the parts matters.
+    // Any chunk size would do, since only the order of the parts matters.
     let parts = over_chunks(mesh.faces(), 4096, |first, faces| {
         simd::dispatch(isa, ThinKernel { mesh, faces: first..first + faces.len() })
     });
-    parts.into_iter().fold((Finding::default(), Finding::default()), |mut all, part| {
-        all.0.append(part.0);
-        all.1.append(part.1);
-        all
+    parts.into_iter().fold((Finding::default(), Finding::default()), |mut findings, part| {
+        findings.0.append(part.0);
+        findings.1.append(part.1);
+        findings
     })
 }
 

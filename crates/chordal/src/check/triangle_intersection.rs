@@ -6,7 +6,7 @@ use glam::DVec3;
 
 type TriangleCorners<P = [f64; 3]> = [P; 3];
 
-/// Points with exact predicates: by coordinates, or by integers where the coordinates span few digits.
+/// Points with exact predicates: by coordinates, or by integers if the coordinates span few digits.
 trait ExactPoint: Copy {
     /// The side of the plane through three points on which the last one lies.
     fn orient3d(plane: [Self; 3], p: Self) -> Orientation;
@@ -37,22 +37,24 @@ impl ExactPoint for exact_point::LatticePoint {
 }
 
 /// Whether two triangles with area share a point that is not on a common corner or edge. Corners are common
-/// where their `ids` are equal. Exact.
+/// if their `ids` are equal. Exact.
 ///
-/// The intersection is convex, and where it is more than allowed it reaches a side of one of them: hence
-/// testing sides against triangles suffices. With one common corner, only the opposite sides are tested: a
-/// common segment that starts in the corner continues until it leaves one of the triangles through that side.
-/// With two, the triangles lie in one plane, both on the same side of the common edge. With three they are
-/// the same, which is a separate finding.
+/// The intersection is convex, and if it is more than allowed, it reaches a side of one of the triangles:
+/// hence testing sides against triangles suffices. With one common corner, only the opposite sides are
+/// tested: a common segment that starts in the corner continues until it leaves one of the triangles through
+/// that side. With two common corners, the triangles lie in one plane, both on the same side of the common
+/// edge. With three they are the same, which is a separate finding.
 #[inline]
 pub(crate) fn triangles_intersect(ids: [[u32; 3]; 2], corners: [TriangleCorners; 2]) -> bool {
     intersect_by_corner(ids, |triangle, corner| corners[triangle][corner])
 }
 
-/// The same, given the coordinates of each corner of the two when they are asked for: once, in the order of the case.
+/// The same; `at` gives the coordinates of a corner, and is called once for each corner, in the order of the
+/// case.
 #[inline]
 pub(super) fn intersect_by_corner(ids: [[u32; 3]; 2], at: impl Fn(usize, usize) -> [f64; 3]) -> bool {
-    // Bit 3i + j where corner i of the first is corner j of the second: one branch decides among the cases.
+    // Bit 3i + j is set if corner i of the first is corner j of the second: one branch decides among the
+    // cases.
     let mut same = 0_u32;
     for i in 0..3 {
         for j in 0..3 {
@@ -103,22 +105,22 @@ fn disjoint_intersect(a: &TriangleCorners, b: &TriangleCorners) -> bool {
     }
 }
 
-/// The case where only the first corner is common.
+/// The case in which only the first corner is common.
 fn vertex_sharing_intersect(a: &TriangleCorners, b: &TriangleCorners) -> bool {
     let clear_sides = |plane: &TriangleCorners, p, q| {
         let plane = PlaneFilter::through(plane);
         plane.clear_side(p).zip(plane.clear_side(q))
     };
     let of_b = clear_sides(a, b[1], b[2]);
-    if of_b.is_some_and(|(one, other)| one == other) {
+    if of_b.is_some_and(|(first, second)| first == second) {
         return false;
     }
     let of_a = clear_sides(b, a[1], a[2]);
-    if of_a.is_some_and(|(one, other)| one == other) {
+    if of_a.is_some_and(|(first, second)| first == second) {
         return false;
     }
     if of_a.is_some() && of_b.is_some() {
-        // Both opposite sides cross the other's plane.
+        // Both opposite sides cross the other triangle's plane.
         return pierces([a[1], a[2]], b) || pierces([b[1], b[2]], a);
     }
     fn exactly<P: ExactPoint>(a: &TriangleCorners<P>, b: &TriangleCorners<P>) -> bool {
@@ -164,14 +166,14 @@ fn strictly_one_side(sides: &[Orientation; 3]) -> bool {
     sides[0] != Flat && sides[0] == sides[1] && sides[1] == sides[2]
 }
 
-/// Whether a side of one of two triangles meets the other, given the sides of the other's plane on which the
+/// Whether a side of one of two triangles meets the other, given on which sides of the other's plane the
 /// corners lie.
 fn sides_meet<P: ExactPoint>([a, b]: [&TriangleCorners<P>; 2], [of_a, of_b]: [[Orientation; 3]; 2]) -> bool {
     AXES.iter().any(|&(i, j)| segment_meets([a[i], a[j]], [of_a[i], of_a[j]], b))
         || AXES.iter().any(|&(i, j)| segment_meets([b[i], b[j]], [of_b[i], of_b[j]], a))
 }
 
-/// Whether a closed segment meets a closed triangle with area, given the sides of the plane on which its ends
+/// Whether a closed segment meets a closed triangle with area, given on which sides of the plane its ends
 /// lie.
 fn segment_meets<P: ExactPoint>(
     [p, q]: [P; 2],
@@ -189,8 +191,8 @@ fn segment_meets<P: ExactPoint>(
 
 /// Whether two orientations are strictly opposite.
 #[inline]
-fn opposite(one: Orientation, other: Orientation) -> bool {
-    one != Flat && one == other.flipped()
+fn opposite(a: Orientation, b: Orientation) -> bool {
+    a != Flat && a == b.flipped()
 }
 
 /// Whether a segment whose ends lie on opposite sides of the plane pierces the triangle: it passes all sides
@@ -204,7 +206,7 @@ fn pierces<P: ExactPoint>([p, q]: [P; 2], [a, b, c]: &TriangleCorners<P>) -> boo
     !opposite(first, third) && !opposite(second, third)
 }
 
-/// Axes onto which a triangle with area projects with area.
+/// Axes along which the projection of a triangle with area has area.
 #[inline]
 fn clear_axes<P: ExactPoint>(triangle: &TriangleCorners<P>) -> (usize, usize) {
     AXES.into_iter().find(|axes| P::orient2d(*triangle, *axes) != Flat).unwrap_or(AXES[0])
@@ -235,7 +237,7 @@ fn flat_segment_meets<P: ExactPoint>([p, q]: [P; 2], triangle: &TriangleCorners<
     if holds(triangle, p, axes) || holds(triangle, q, axes) {
         return true;
     }
-    // Both ends are outside: the segment meets the triangle where it crosses a side or passes through a
+    // Both ends are outside, so the segment meets the triangle only if it crosses a side or passes through a
     // corner.
     AXES.into_iter().any(|(i, j)| {
         let parts = |[r, s]: [Orientation; 2]| r != s || r == Flat;
@@ -247,7 +249,7 @@ fn flat_segment_meets<P: ExactPoint>([p, q]: [P; 2], triangle: &TriangleCorners<
     })
 }
 
-/// A floating-point filter: a rounded plane that decides sides where they are certain.
+/// A floating-point filter: a rounded plane that decides sides if they are certain.
 struct PlaneFilter {
     at: DVec3,
     normal: DVec3,
@@ -265,7 +267,7 @@ impl PlaneFilter {
         Self { at: a, normal: u.cross(v), size }
     }
 
-    /// The side on which a point lies, never [`Flat`]; `None` where rounding leaves it undecided.
+    /// The side on which a point lies, never [`Flat`]; `None` if rounding leaves it undecided.
     #[inline]
     fn clear_side(&self, p: [f64; 3]) -> Option<Orientation> {
         let to = DVec3::from(p) - self.at;
@@ -288,41 +290,41 @@ impl PlaneFilter {
     }
 }
 
-/// A rounded point that two triangles share besides their common corners: the mean of the points where a side
-/// of one meets the other. `None` where rounding finds none.
+/// A rounded point that two triangles share besides their common corners: the mean of the points at which a
+/// side of one meets the other. `None` if rounding finds none.
 pub(super) fn common_point(ids: [[u32; 3]; 2], [a, b]: [TriangleCorners; 2]) -> Option<[f64; 3]> {
-    let mut places: Vec<DVec3> = Vec::new();
-    for (one, one_ids, other, other_ids) in [(&a, ids[0], &b, ids[1]), (&b, ids[1], &a, ids[0])] {
+    let mut points: Vec<DVec3> = Vec::new();
+    for (triangle, triangle_ids, other, other_ids) in [(&a, ids[0], &b, ids[1]), (&b, ids[1], &a, ids[0])] {
         let plane = PlaneFilter::through(other);
-        let sides = one.map(|p| ExactPoint::orient3d(*other, p));
+        let sides = triangle.map(|p| ExactPoint::orient3d(*other, p));
         for i in 0..3 {
             let j = (i + 1) % 3;
-            if sides[i] == Flat && !other_ids.contains(&one_ids[i]) && contains(other, one[i]) {
-                places.push(one[i].into());
+            if sides[i] == Flat && !other_ids.contains(&triangle_ids[i]) && contains(other, triangle[i]) {
+                points.push(triangle[i].into());
             }
-            let segment = [one[i], one[j]];
+            let segment = [triangle[i], triangle[j]];
             match [sides[i], sides[j]] {
                 [Front, Back] | [Back, Front] if pierces(segment, other) => {
                     let [p, q] = segment.map(DVec3::from);
                     let [from, to] = [p, q].map(|r| plane.normal.dot(r - plane.at).abs());
                     let t = if from + to > 0.0 { from / (from + to) } else { 0.5 };
-                    places.push(p * (1.0 - t) + q * t);
+                    points.push(p * (1.0 - t) + q * t);
                 }
-                [Flat, Flat] => places.extend(crossings(segment, other)),
+                [Flat, Flat] => points.extend(crossings(segment, other)),
                 _ => {}
             }
         }
     }
-    let share = 1.0 / places.len() as f64;
-    let middle = places.iter().fold(DVec3::ZERO, |sum, place| sum + *place * share);
-    (!places.is_empty() && middle.is_finite()).then(|| middle.to_array())
+    let share = 1.0 / points.len() as f64;
+    let middle = points.iter().fold(DVec3::ZERO, |sum, place| sum + *place * share);
+    (!points.is_empty() && middle.is_finite()).then(|| middle.to_array())
 }
 
-/// The points where a segment crosses the sides of a triangle in its plane, rounded; not at corners.
+/// The points at which a segment crosses the sides of a triangle in its plane, rounded; without corners.
 fn crossings(segment: [[f64; 3]; 2], triangle: &TriangleCorners) -> Vec<DVec3> {
     let normal = PlaneFilter::through(triangle).normal;
     let [p, q] = segment.map(DVec3::from);
-    let found = (0..3).filter_map(|k| {
+    let crossing_points = (0..3).filter_map(|k| {
         let [r, s] = [triangle[k], triangle[(k + 1) % 3]].map(DVec3::from);
         let across = normal.cross(s - r);
         let (from, to) = (across.dot(p - r), across.dot(q - r));
@@ -331,5 +333,5 @@ fn crossings(segment: [[f64; 3]; 2], triangle: &TriangleCorners) -> Vec<DVec3> {
         let crosses = from * to < 0.0 && low * high < 0.0;
         crosses.then(|| p + (q - p) * (from / (from - to)))
     });
-    found.collect()
+    crossing_points.collect()
 }

@@ -9,7 +9,7 @@ use super::parallel::both;
 use super::thin::thin_faces;
 use crate::explicit::{Mesh, Topology};
 
-/// The properties of a mesh. Rows of one point share a *position*; edges, fans and components are those of
+/// The properties of a mesh. Rows of one point share a *position*; edges, fans and components are defined by
 /// positions. Faces with two corners at one position cover no area and belong to no edge, fan or component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validity {
@@ -34,7 +34,7 @@ pub struct Validity {
     /// Whether the two faces of every edge with two are wound consistently: one traverses it forwards, the
     /// other backwards.
     pub oriented: bool,
-    /// Whether the faces could be wound consistently: false for a Möbius strip.
+    /// Whether the faces could be wound consistently: `false` for a Möbius strip.
     pub orientable: bool,
     /// Edges with one face.
     pub boundary_edges: Finding,
@@ -51,7 +51,7 @@ pub struct Validity {
     pub inconsistent_edges: Finding,
     /// Faces with the same three positions as an earlier face, whatever their winding.
     pub duplicate_faces: Finding,
-    /// Those of the duplicate faces that are wound opposite to the earliest such face.
+    /// The duplicate faces that are wound opposite to the earliest such face.
     pub opposite_faces: Finding,
     /// Faces with two or three corners at one position.
     pub collapsed_faces: Finding,
@@ -63,12 +63,12 @@ pub struct Validity {
     pub unused_vertices: Finding,
     /// Euler characteristic: positions − edges + faces, of the positions that faces use.
     pub euler: i64,
-    /// Handles of all components together, with each boundary loop closed by a disc; `None` where the mesh is
+    /// Handles of all components together, with each boundary loop closed by a disc; `None` if the mesh is
     /// not edge-manifold, vertex-manifold and orientable.
     pub genus: Option<u64>,
     /// The mean number of faces at a position that faces use: 6 on a closed grid; `None` without faces.
     pub triangles_per_vertex: Option<f64>,
-    /// Area and enclosed volume; the volume is meaningful where the mesh is closed and oriented.
+    /// Area and enclosed volume; the volume is meaningful if the mesh is closed and oriented.
     pub measure: Measure,
 }
 
@@ -80,7 +80,7 @@ impl Validity {
     }
 }
 
-/// Computes the [`Validity`] of `mesh`, with two rows being one position where `topology` says so. Exact,
+/// Computes the [`Validity`] of `mesh`; `topology` says which rows are one position. Exact,
 /// except for the rounded [`Measure`] and slivers. Checks that need a search are separate:
 /// [`super::t_junctions`], [`super::duplicate_vertices`], [`super::components`],
 /// [`super::self_intersections`].
@@ -107,7 +107,7 @@ pub(super) fn validity_of(surface: &MeshConnectivity) -> Validity {
     validity_with(surface, FaceShapes::new(surface.mesh))
 }
 
-/// What the faces of a mesh are each by itself.
+/// The properties of a mesh's faces, each by itself.
 struct FaceShapes {
     zero_area: Finding,
     slivers: Finding,
@@ -167,7 +167,7 @@ fn validity_with(surface: &MeshConnectivity, shapes: FaceShapes) -> Validity {
     }
 }
 
-/// The counts that need a walk around the positions.
+/// The counts that require a walk around the positions.
 struct VertexTopology {
     /// Positions that a face with three different positions uses.
     positions: u64,
@@ -200,16 +200,16 @@ impl VertexTopology {
 fn unused_vertices(mesh: &Mesh) -> Finding {
     let mut used = vec![false; mesh.positions().len()];
     mesh.faces().as_flattened().iter().for_each(|&row| used[row as usize] = true);
-    let mut found = Finding::default();
+    let mut unused = Finding::default();
     for (row, _) in used.iter().enumerate().filter(|(_, used)| !**used) {
-        found.add(|| Witness::vertex(mesh, row as u32));
+        unused.add(|| Witness::vertex(mesh, row as u32));
     }
-    found
+    unused
 }
 
 fn count_positions(surface: &MeshConnectivity) -> u64 {
     let Some(ids) = &surface.ids else { return surface.mesh.positions().len() as u64 };
-    let mut seen = vec![false; ids.len()];
-    ids.iter().for_each(|&id| seen[id as usize] = true);
-    seen.iter().filter(|seen| **seen).count() as u64
+    let mut used = vec![false; ids.len()];
+    ids.iter().for_each(|&id| used[id as usize] = true);
+    used.iter().filter(|used| **used).count() as u64
 }

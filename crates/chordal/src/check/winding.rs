@@ -2,21 +2,22 @@
 //! winding number around the point.
 use crate::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 
-/// How the ray from a point along +z meets a triangle.
+/// The intersection of a triangle and the ray from a point along +z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RayCrossing {
-    /// Not at all.
+    /// The ray misses the triangle.
     None,
-    /// It goes from the back to the front: counts +1.
+    /// The ray passes from the back to the front: counts +1.
     FromBehind,
-    /// It goes from the front to the back: counts −1.
+    /// The ray passes from the front to the back: counts −1.
     FromFront,
     /// The point lies on the triangle.
     On,
 }
 
-/// How the ray from `p` along +z meets a triangle. Exact. A ray through an edge or a corner is perturbed by
-/// an infinitesimal amount, to the same side for all triangles, so that sums over a closed surface are right.
+/// The intersection of a triangle and the ray from `p` along +z. Exact. A ray through an edge or a corner is
+/// perturbed by an infinitesimal amount, to the same side for all triangles, so that sums over a closed
+/// surface are right.
 ///
 /// Source of the last step: H. Edelsbrunner, E. P. Mücke, *Simulation of simplicity*, 1990.
 pub(crate) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
@@ -41,7 +42,7 @@ pub(crate) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
     }
 }
 
-/// [`orient2d`] with `p` moved by (ε, ε²) for an infinitesimal ε: flat only where `a` and `b` are one point.
+/// [`orient2d`] with `p` moved by (ε, ε²) for an infinitesimal ε: flat only if `a` and `b` are equal.
 fn orient2d_perturbed(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> Orientation {
     let exact = orient2d(a, b, p);
     let by = |forwards: bool| if forwards { Orientation::Front } else { Orientation::Back };
@@ -59,17 +60,17 @@ fn orient2d_perturbed(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> Orientation {
 /// Whether a point in the plane of a triangle lies on it, including its sides.
 fn contains(corners: [[f64; 3]; 3], p: [f64; 3]) -> bool {
     let flat = |x: usize, y: usize| (corners.map(|q| [q[x], q[y]]), [p[x], p[y]]);
-    // Projects along an axis that keeps the triangle's area nonzero; one without area is a segment in all
-    // three projections.
-    let seen = [(0, 1), (1, 2), (2, 0)].map(|(x, y)| flat(x, y));
-    let of = |&([a, b, c], p): &([[f64; 2]; 3], [f64; 2])| {
+    // Projects along an axis that keeps the triangle's area nonzero; a triangle without area is a segment in
+    // all three projections.
+    let projections = [(0, 1), (1, 2), (2, 0)].map(|(x, y)| flat(x, y));
+    let orientation_in = |&([a, b, c], p): &([[f64; 2]; 3], [f64; 2])| {
         (orient2d(a, b, c) != Orientation::Flat)
             .then(|| triangle_contains([a, b, c], p) != PointInTriangle::Outside)
     };
     let within = |(corners, p): &([[f64; 2]; 3], [f64; 2])| {
         triangle_contains(*corners, *p) != PointInTriangle::Outside
     };
-    seen.iter().find_map(of).unwrap_or_else(|| seen.iter().all(within))
+    projections.iter().find_map(orientation_in).unwrap_or_else(|| projections.iter().all(within))
 }
 
 #[cfg(test)]

@@ -1,23 +1,24 @@
-//! How far the zero set of an interpolant on a lattice of cubes is from triangles, both ways.
+//! The distance between the zero set of an interpolant on a lattice of cubes and triangles, in both
+//! directions.
 use crate::budget::{Bound, Job, JobError, Reference, Tolerance, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::implicit::evaluation::SampleGrid;
 use crate::math::{add_up, cross, difference, dot, greater, length, lesser};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Proves that the surface where the trilinear interpolant of samples changes its sign is within `max` of
-/// triangles, and the triangles within `max` of it; `None` where that is not proved. The bound is what was
-/// proved, `max` at most.
+/// Proves that the surface on which the trilinear interpolant of samples changes its sign is within `max` of
+/// triangles, and the triangles within `max` of it; `None` if that is not proved. The bound is the proved
+/// distance, at most `max`.
 ///
-/// *What it covers.* All points of both, rounding included, whatever made the samples. *To the triangles:* cells
-/// with both signs are halved until no point of a part is farther than `max`; on a part that lies over one
-/// triangle, the interpolant minus the height over its plane is trilinear, so that the corners of the part bound
-/// the height where the interpolant vanishes. *From the triangles:* each is cut until the interpolant has both
-/// signs near the middle of a piece; over larger pieces, it has them a little above and below by the same
-/// trilinear difference.
+/// *What it covers.* All points of both, rounding included, for any samples. *To the triangles:* cells with
+/// both signs are halved until no point of a part is farther than `max`; on a part that lies over one
+/// triangle, the interpolant minus the height over its plane is trilinear, so that the corners of the part
+/// bound the height where the interpolant vanishes. *From the triangles:* each is cut until the interpolant
+/// has both signs near the middle of a piece; over larger pieces, it has them a little above and below by the
+/// same trilinear difference.
 ///
-/// *Cost.* About a microsecond for each square of the side `max` on either surface; where triangles are large and
-/// flat, far less.
+/// *Cost.* About a microsecond for each square with the side `max` on either surface; far less if triangles
+/// are large and flat.
 ///
 /// # Errors
 /// As for [`Bvh::build`]; [`JobError::Cancelled`].
@@ -54,7 +55,7 @@ pub fn zero_set_deviation<G: SampleGrid>(
     if nx < 2 || ny < 2 || nz < 2 || mesh.faces().is_empty() {
         return Ok(None);
     }
-    // What is not so mostly shows at corners and edges, which cost next to nothing.
+    // A violation usually shows at corners and edges, which take next to no time, so they come first.
     if (0..mesh.faces().len()).any(|face| proof.is_far(mesh.corners(face))) {
         return Ok(None);
     }
@@ -62,11 +63,11 @@ pub fn zero_set_deviation<G: SampleGrid>(
     let chunks: Vec<&[usize]> = faces.chunks(CHUNK).collect();
     let to_zeros = par_map(job, &chunks, |_, chunk| {
         let mut parts = 0;
-        let most = chunk.iter().fold(0.0, |most, face| greater(most, proof.face_off(*face, &mut parts)));
+        let most = chunk.iter().fold(0.0, |most, face| greater(most, proof.face_distance(*face, &mut parts)));
         (most, parts)
     });
     let layers: Vec<usize> = (0..nz - 1).collect();
-    let to_faces = par_map(job, &layers, |_, k| proof.layer_off(*k));
+    let to_faces = par_map(job, &layers, |_, k| proof.layer_distance(*k));
     if job.is_cancelled() {
         return Err(JobError::Cancelled);
     }
@@ -76,17 +77,19 @@ pub fn zero_set_deviation<G: SampleGrid>(
     let (most, parts) = to_zeros
         .into_iter()
         .chain(to_faces)
-        .fold((0.0, 0), |(most, parts), (off, own)| (greater(most, off), parts + own));
+        .fold((0.0, 0), |(most, parts), (distance, n_own)| (greater(most, distance), parts + n_own));
     job.count_work(POINTS_A_PART * parts);
     Ok(Some(Bound::proved(0.0, most, Reference::InputTriangles)))
 }
 
-/// Triangles in a task.
+/// Triangles in one task.
 const CHUNK: usize = 64;
-/// Points that take as long as a part of a cell or of a triangle: it asks for a nearest triangle, or has some dozens. Chosen.
+/// Work units of a part of a cell or of a triangle. Chosen: it queries a nearest triangle, or takes some
+/// dozens of samples.
 const POINTS_A_PART: u64 = 64;
-/// A task may look at so many times its share of the parts that the job may evaluate; where one ends there, nothing is
-/// proved, whichever was first. Chosen: tasks differ, and few are at the surface.
+/// A task may evaluate this multiple of its share of the parts that the job may evaluate; if it reaches that,
+/// nothing is proved, independent of the order of tasks. Chosen: tasks differ, and few of them are at the
+/// surface.
 const SHARES_A_TASK: u64 = 16;
 
 /// A lattice of axis-parallel boxes whose border is outside, with an allowance for rounding.
@@ -94,7 +97,7 @@ struct CubeLattice<'a, G> {
     grid: &'a G,
     step: [f64; 3],
     origin: [f64; 3],
-    /// More than any position, height or value that is computed here is off.
+    /// A bound on the rounding of every position, height and value that is computed here.
     slack: f64,
 }
 
@@ -107,7 +110,7 @@ struct CubePart {
 }
 
 impl<'a, G: SampleGrid> CubeLattice<'a, G> {
-    /// `None` where the axes are turned, a sample is no number, or the surface reaches the border.
+    /// `None` if the axes are turned, a sample is NaN, or the surface reaches the border.
     fn new(grid: &'a G, mesh: &Mesh) -> Option<Self> {
         let (rows, size) = (grid.affine().rows(), grid.size());
         let is_straight =
@@ -125,7 +128,7 @@ impl<'a, G: SampleGrid> CubeLattice<'a, G> {
                 for i in 0..size[0] {
                     let value = grid.sample([i, j, k]);
                     let is_border = side || i == 0 || i + 1 == size[0];
-                    // Not NaN either.
+                    // This excludes NaN, too.
                     is_sound &= value.is_finite() && (!is_border || value > 0.0);
                     largest = greater(value.abs(), largest);
                 }
@@ -158,7 +161,7 @@ impl<'a, G: SampleGrid> CubeLattice<'a, G> {
         CubePart { low: low.map(|i| i as f64), size: 1.0, values }
     }
 
-    /// The interpolant at a place, by its index.
+    /// The interpolant at a position, by its index.
     fn value(&self, index: [f64; 3]) -> f64 {
         let size = self.grid.size();
         let low: [usize; 3] = std::array::from_fn(|k| {
@@ -187,7 +190,7 @@ impl CubePart {
         std::array::from_fn(|k| self.low[k] + if c >> k & 1 == 1 { self.size } else { 0.0 })
     }
 
-    /// The ends of what the corners have.
+    /// The least and the largest of the values at the corners.
     fn ends(&self) -> [f64; 2] {
         let fold = |pick: fn(f64, f64) -> f64| self.values.iter().copied().reduce(pick).unwrap_or(0.0);
         [fold(lesser), fold(greater)]
@@ -212,7 +215,7 @@ struct FacePlane {
 }
 
 impl FacePlane {
-    /// `None` for a thin triangle, whose normal rounding may turn.
+    /// `None` for a thin triangle, whose normal may be wrong by rounding.
     fn new(corners: [[f64; 3]; 3]) -> Option<Self> {
         let edges: [[f64; 3]; 3] = std::array::from_fn(|k| difference(corners[(k + 1) % 3], corners[k]));
         let n = cross(edges[0], edges[1]);
@@ -231,7 +234,7 @@ impl FacePlane {
         dot(self.normal, difference(p, self.corner))
     }
 
-    /// Whether the foot of a point is on the triangle, up to rounding.
+    /// Whether the foot of the perpendicular from a point is on the triangle, up to rounding.
     fn holds(&self, p: [f64; 3]) -> bool {
         self.sides.iter().all(|(corner, inward)| dot(*inward, difference(p, *corner)) >= 0.0)
     }
@@ -244,7 +247,7 @@ struct ZeroSetProof<'a, G> {
     max: f64,
     failed: AtomicBool,
     job: &'a Job,
-    /// How many parts a task may look at.
+    /// The number of parts that a task may evaluate.
     most_parts: u64,
 }
 
@@ -258,20 +261,20 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         self.failed.load(Ordering::Relaxed) || self.job.is_cancelled()
     }
 
-    /// Counts a part that a task looks at; whether it is one too many.
+    /// Counts a part that a task evaluates; returns whether it is one too many.
     fn is_too_many(&self, parts: &mut u64) -> bool {
         *parts += 1;
         *parts > self.most_parts
     }
 
-    /// How far the zeros in a layer of cells are from the triangles, and how many parts it took.
-    fn layer_off(&self, k: usize) -> (f64, u64) {
+    /// The distance of the zeros in a layer of cells from the triangles, and the number of parts evaluated.
+    fn layer_distance(&self, k: usize) -> (f64, u64) {
         let [nx, ny, _] = self.lattice.grid.size();
         let (mut most, mut row, mut parts) = (0.0, 0, Vec::new());
-        let mut looked_at = 0;
+        let mut n_evaluated = 0;
         for j in 0..ny - 1 {
             if self.is_over() {
-                return (f64::INFINITY, looked_at);
+                return (f64::INFINITY, n_evaluated);
             }
             for i in 0..nx - 1 {
                 parts.push(self.lattice.cell([i, j, k]));
@@ -281,22 +284,22 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
                     if low > self.lattice.slack || high < -self.lattice.slack {
                         continue;
                     }
-                    if self.is_too_many(&mut looked_at) {
-                        return (self.fail(), looked_at);
+                    if self.is_too_many(&mut n_evaluated) {
+                        return (self.fail(), n_evaluated);
                     }
-                    match self.part_off(&part, &mut row) {
-                        Some(off) => most = greater(off, most),
-                        None if self.is_over() => return (f64::INFINITY, looked_at),
+                    match self.part_distance(&part, &mut row) {
+                        Some(distance) => most = greater(distance, most),
+                        None if self.is_over() => return (f64::INFINITY, n_evaluated),
                         None => parts.extend((0..8).map(|c| part.eighth(c))),
                     }
                 }
             }
         }
-        (most, looked_at)
+        (most, n_evaluated)
     }
 
-    /// How far the zeros of a part are from the triangles, where that is within the limit.
-    fn part_off(&self, part: &CubePart, row: &mut u32) -> Option<f64> {
+    /// The distance of the zeros of a part from the triangles, if that is within the limit.
+    fn part_distance(&self, part: &CubePart, row: &mut u32) -> Option<f64> {
         let CubeLattice { slack, step, .. } = self.lattice;
         let half = 0.5 * part.size;
         let middle = self.lattice.at(part.low.map(|x| x + half));
@@ -315,7 +318,7 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         if let Some(second) = second.filter(|second| *second <= self.max) {
             return Some(second);
         }
-        // There are zeros, and they are too far; or the part is so small that no smaller one tells more.
+        // There are zeros, and they are too far; or the part is so small that a smaller one would not help.
         let [low, high] = part.ends();
         let is_crossed = low < -slack && high > slack;
         if is_crossed && up - 2.0 * radius > self.max || radius < self.max / 8.0 || radius <= 2.0 * slack {
@@ -324,8 +327,8 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         None
     }
 
-    /// Whether the interpolant is so large at a corner or at the middle of an edge that a zero within the limit is not to
-    /// be expected.
+    /// Whether the interpolant is so large at a corner or at the middle of an edge that a zero within the
+    /// limit is unlikely.
     fn is_far(&self, corners: [[f64; 3]; 3]) -> bool {
         (0..3).any(|k| {
             let next = corners[(k + 1) % 3];
@@ -335,8 +338,8 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         })
     }
 
-    /// How far a triangle is from the zeros; counts the pieces that it is cut into.
-    fn face_off(&self, face: usize, looked_at: &mut u64) -> f64 {
+    /// The distance of a triangle from the zeros; counts the pieces into which it is cut.
+    fn face_distance(&self, face: usize, n_evaluated: &mut u64) -> f64 {
         let corners = self.mesh.corners(face);
         let plane = FacePlane::new(corners);
         let direction = {
@@ -349,23 +352,23 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
             if self.is_over() {
                 return f64::INFINITY;
             }
-            if self.is_too_many(looked_at) {
+            if self.is_too_many(n_evaluated) {
                 return self.fail();
             }
             let CubeLattice { slack, .. } = self.lattice;
             let middle: [f64; 3] = std::array::from_fn(|k| (piece[0][k] + piece[1][k] + piece[2][k]) / 3.0);
             let radius =
                 piece.iter().fold(0.0, |most, p| greater(length(difference(*p, middle)), most)) + slack;
-            // A small piece by what is around its middle, a large one by its plane.
-            let found = if radius < 0.5 * self.max {
+            // A small piece is compared with the values around its middle, a large one with its plane.
+            let bound = if radius < 0.5 * self.max {
                 let around = || self.signs_around(middle, radius);
                 self.both_signs(middle, radius, direction)
                     .or_else(|| (radius < 0.25 * self.max).then(around).flatten())
             } else {
                 plane.as_ref().and_then(|plane| self.sandwiched(plane, &piece))
             };
-            if let Some(off) = found {
-                most = greater(off, most);
+            if let Some(distance) = bound {
+                most = greater(distance, most);
                 continue;
             }
             if radius < self.max / 8.0 || radius <= 2.0 * slack {
@@ -380,56 +383,57 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
         most
     }
 
-    /// How far a piece is from a zero, where the interpolant has both signs around its middle, so near that the zero
-    /// between them is within the limit of any point of the piece.
+    /// The distance of a piece from a zero, if the interpolant has both signs around its middle, so near that
+    /// the zero between them is within the limit of any point of the piece.
     fn both_signs(&self, middle: [f64; 3], radius: f64, direction: [f64; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
         self.reaches(radius)?.into_iter().find_map(|reach| {
             let beside = |t: f64| self.value_at(std::array::from_fn(|k| middle[k] + t * direction[k]));
             let (a, b) = (beside(reach), beside(-reach));
             let is_crossed = lesser(a, b) < -slack && greater(a, b) > slack;
-            is_crossed.then(|| self.off_around(radius, reach))
+            is_crossed.then(|| self.distance_around(radius, reach))
         })
     }
 
-    /// How far from the middle of a piece signs are looked at; nothing where that is beyond the limit at once.
+    /// The distances from the middle of a piece at which signs are evaluated; `None` if none is within the
+    /// limit.
     fn reaches(&self, radius: f64) -> Option<[f64; SHARES.len()]> {
         let most = self.max - radius - 4.0 * self.lattice.slack;
         (most > 0.0).then(|| SHARES.map(|share| share * most))
     }
 
-    /// How far a piece is from a zero that is within a reach of its middle.
-    fn off_around(&self, radius: f64, reach: f64) -> f64 {
+    /// The distance of a piece from a zero that is within a reach of its middle.
+    fn distance_around(&self, radius: f64, reach: f64) -> f64 {
         lesser(add_up(add_up(radius, reach), 3.0 * self.lattice.slack), self.max)
     }
 
-    /// The interpolant at a point; beyond the lattice it is that of the nearest index, above 0.
+    /// The interpolant at a point; beyond the lattice, that of the nearest index, above 0.
     fn value_at(&self, p: [f64; 3]) -> f64 {
         self.lattice.value(self.lattice.index_of(p))
     }
 
-    /// The same with points in many directions, as near an edge or a corner that the samples cut off: the ball around
-    /// the middle is convex, so that it holds a zero where it has both signs.
+    /// The same with points in many directions, as needed near an edge or a corner that the samples cut off:
+    /// the ball around the middle is convex, so it contains a zero if it has both signs.
     fn signs_around(&self, middle: [f64; 3], radius: f64) -> Option<f64> {
         let slack = self.lattice.slack;
         let [.., reach] = self.reaches(radius)?;
         let (mut is_below, mut is_above) = (false, false);
         for n in 0..27_u32 {
-            let way = [n % 3, n / 3 % 3, n / 9].map(|x| f64::from(x) - 1.0);
-            // The middle itself is one of them.
-            let share = if way == [0.0; 3] { 0.0 } else { reach / length(way) };
-            let value = self.value_at(std::array::from_fn(|k| middle[k] + share * way[k]));
+            let direction = [n % 3, n / 3 % 3, n / 9].map(|x| f64::from(x) - 1.0);
+            // The middle itself is one of the points.
+            let share = if direction == [0.0; 3] { 0.0 } else { reach / length(direction) };
+            let value = self.value_at(std::array::from_fn(|k| middle[k] + share * direction[k]));
             is_below |= value < -slack;
             is_above |= value > slack;
         }
-        (is_below && is_above).then(|| self.off_around(radius, reach))
+        (is_below && is_above).then(|| self.distance_around(radius, reach))
     }
 
-    /// A piece above and below which the interpolant has one sign each: where it differs from the height over the
-    /// plane by less than the limit.
+    /// A piece above and below which the interpolant has opposite signs, if it differs from the height over
+    /// the plane by less than the limit.
     fn sandwiched(&self, plane: &FacePlane, piece: &[[f64; 3]; 3]) -> Option<f64> {
         let slack = self.lattice.slack;
-        // Where zeros are farther from a corner there is nothing to prove here.
+        // If zeros are farther from a corner, the piece cannot be proved.
         let far = piece.iter().any(|p| self.value_at(*p).abs() > self.max);
         if far {
             return None;
@@ -444,14 +448,15 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
             }
         }
         let size = self.lattice.grid.size();
-        // Boxes of a few cells: of more it is not known how little they cost.
+        // Only boxes of a few cells, since larger ones may take much time.
         let is_within = (0..3).all(|k| {
             low[k] >= 0.0 && high[k] <= (size[k] - 1) as f64 && high[k].ceil() - low[k].floor() <= MOST_CELLS
         });
         if !is_within {
             return None;
         }
-        // Between the planes of samples the difference is trilinear, so its ends are at the corners of the parts.
+        // Between the planes of samples the difference is trilinear, so its extremes are at the corners of
+        // the parts.
         let stops = |k: usize| {
             let mut stops = vec![low[k]];
             let mut next = low[k].floor() + 1.0;
@@ -478,14 +483,16 @@ impl<G: SampleGrid> ZeroSetProof<'_, G> {
                 return None;
             }
         }
-        let off = add_up(lesser(most[0], most[1]), 4.0 * slack);
-        (off <= self.max).then_some(off)
+        let distance = add_up(lesser(most[0], most[1]), 4.0 * slack);
+        (distance <= self.max).then_some(distance)
     }
 }
 
-/// Shares of the longest reach, one after the other: a smaller one is a smaller bound. Chosen.
+/// Shares of the longest reach, tried in this order, since a smaller one is a smaller bound. Chosen: more of
+/// them take time, fewer give larger bounds.
 const SHARES: [f64; 3] = [0.25, 0.5, 1.0];
-/// Cells along a piece that is judged at once; chosen.
+/// The most cells along a piece that is compared at once. Chosen: larger boxes contain more samples than they
+/// save pieces.
 const MOST_CELLS: f64 = 4.0;
 
 /// The largest difference between values at the corners of a box and their heights over a plane, whichever side of it

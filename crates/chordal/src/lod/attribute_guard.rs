@@ -10,10 +10,10 @@ use crate::math::{dot, lesser};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The limits, and the values that the vertices of the original have.
+/// The limits, and the values at the vertices of the original.
 ///
-/// It compares the values of every vertex of the original with those at the nearest point of the faces after a
-/// collapse. It guides and proves nothing: `check::attribute_deviation` measures the result.
+/// It compares the values of every vertex of the original with those at the nearest point of the faces after
+/// a collapse. It guides and proves nothing: `check::attribute_deviation` measures the result.
 #[derive(Clone)]
 pub(super) struct AttributeGuard {
     original: Arc<OriginalRows>,
@@ -22,11 +22,12 @@ pub(super) struct AttributeGuard {
     cuts: Vec<u8>,
 }
 
-/// The fractions of the limits that collapses may use, the first at first and the next where an attempt was beyond
-/// them; after the last nothing changes there. Chosen: the rest is for points between vertices.
+/// The fractions of the limits that collapses may use: the first one at first, and the next one where an
+/// attempt exceeded them; after the last, nothing changes there. Chosen: the remainder is for points between
+/// vertices.
 const SHARES: [f64; 3] = [0.9, 0.6, 0.3];
 
-/// By vertex of the original: its rows, one for each side of the lines that meet there.
+/// By vertex of the original: its rows, one for each side of the lines that meet at the vertex.
 struct OriginalRows {
     /// The rows of vertex `v` are `first[v]..first[v + 1]`.
     first: Vec<u32>,
@@ -34,7 +35,7 @@ struct OriginalRows {
     width: usize,
 }
 
-/// The limit of one attribute, by the share that may be used.
+/// The limit of one attribute, by the usable fraction.
 struct ColumnLimit {
     columns: Range<usize>,
     most: [ValueLimit; SHARES.len()],
@@ -48,7 +49,7 @@ enum ValueLimit {
     Cosine(f64),
 }
 
-/// A face after a collapse: its corners, and the values there.
+/// A face after a collapse: its corners, and the values at them.
 pub(super) struct FaceAfter<'a> {
     corners: [[f64; 3]; 3],
     rows: [&'a [f64]; 3],
@@ -93,12 +94,13 @@ impl AttributeGuard {
         Self { original: Arc::new(original), limits, cuts: vec![0; n_vertices] }
     }
 
-    /// Takes back all cuts of limits.
+    /// Takes back all reductions of limits.
     pub fn reset(&mut self) {
         self.cuts.fill(0);
     }
 
-    /// Cuts the limits that an earlier attempt had once more for some samples; those that are no vertices have none.
+    /// Lowers the limits of an earlier attempt once more for some samples. Samples that are not vertices have
+    /// no limits.
     pub fn tighten(&mut self, before: &Self, mut samples: Vec<u32>) {
         samples.sort_unstable();
         samples.dedup();
@@ -110,15 +112,15 @@ impl AttributeGuard {
         }
     }
 
-    /// Whether the values of all vertices that a pending collapse reassigned are near those of the new faces.
+    /// Whether the values of all vertices that a pending collapse reassigns are near those of the new faces.
     ///
-    /// The nearest point decides; where it differs too much, as beside a seam that moved, so may another of the
-    /// faces that is within the tolerance.
+    /// The nearest point decides; if it differs too much, as beside a seam that moved, any other
+    /// face that is within the tolerance may decide.
     pub fn allows(
         &self,
         samples: &SamplesByFace,
         faces: &[(u32, FaceAfter<'_>)],
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
     ) -> bool {
         samples.reassignments().iter().filter(|(sample, _)| (*sample as usize) < self.cuts.len()).all(
             |&(sample, nearest)| {
@@ -130,7 +132,7 @@ impl AttributeGuard {
                 let mut rows = self.original.rows(sample);
                 rows.all(|row| {
                     let is_near = |(_, face): &&(u32, FaceAfter<'_>)| {
-                        room.holds_sample(sample, distance_sq_to_triangle(p, face.corners))
+                        tolerance.holds_sample(sample, distance_sq_to_triangle(p, face.corners))
                     };
                     let holder = faces.iter().filter(|(face, _)| *face == nearest);
                     let others = faces.iter().filter(|(face, _)| *face != nearest).filter(is_near);
@@ -140,7 +142,8 @@ impl AttributeGuard {
         )
     }
 
-    /// Whether a row is near the values at the point of a face that is nearest to `p`, where limits were cut so often.
+    /// Whether a row is near the values at the point of a face that is nearest to `p`, after `cuts`
+    /// reductions of the limits.
     fn is_close(&self, row: &[f64], (p, cuts): ([f64; 3], usize), face: &FaceAfter<'_>) -> bool {
         let weights = closest_on_triangle(p, face.corners);
         let value = |k: usize| (0..3).map(|i| weights[i] * face.rows[i][k]).sum::<f64>();
@@ -148,8 +151,8 @@ impl AttributeGuard {
             let from = limit.columns.start;
             match limit.most[cuts] {
                 ValueLimit::DistanceSq(most) => {
-                    let off = [from, from + 1].map(|k| value(k) - row[k]);
-                    off[0] * off[0] + off[1] * off[1] <= most
+                    let offset = [from, from + 1].map(|k| value(k) - row[k]);
+                    offset[0] * offset[0] + offset[1] * offset[1] <= most
                 }
                 ValueLimit::Cosine(least) => {
                     let [p, q]: [[f64; 3]; 2] =
@@ -163,8 +166,9 @@ impl AttributeGuard {
     }
 }
 
-/// One less the cosine below which an angle is not told from 0, so that rounding is no turn. Chosen: some thousand
-/// times what dot products and roots round by, and an angle of a ten-thousandth of a degree.
+/// One minus the largest cosine of an angle that counts as larger than 0, so that rounding is no turn.
+/// Chosen: some thousand times the rounding of dot products and roots, and the cosine of an angle of a
+/// ten-thousandth of a degree.
 const SMALLEST_TURN: f64 = 1e-12;
 
 impl OriginalRows {
@@ -174,12 +178,12 @@ impl OriginalRows {
     }
 }
 
-/// The values at corners as they would be after a collapse.
+/// The values at corners after a collapse.
 pub(super) struct WedgesAfter<'a> {
     wedges: &'a Wedges,
-    /// Corners whose row changes, with the new one.
+    /// Corners whose row changes, each with its new row.
     corners: Vec<(u32, u32)>,
-    /// Rows whose values change, with the new ones.
+    /// Rows whose values change, each with its new values.
     rows: Vec<(u32, Vec<f64>)>,
 }
 
@@ -196,16 +200,16 @@ impl<'a> WedgesAfter<'a> {
         Self { wedges, corners, rows: change.rows.iter().map(normalized).collect() }
     }
 
-    /// A face after the collapse of the edge between `ends`, with the values at its corners: first that at the new
-    /// point.
+    /// A face after the collapse of the edge between `ends`, with the values at its corners, first those at
+    /// the new point.
     pub fn face(
         &self,
         (face, corners): (u32, [[f64; 3]; 3]),
         ends: [u32; 2],
         surface: &HalfEdgeSurface,
     ) -> (u32, FaceAfter<'_>) {
-        let own = (3 * face..3 * face + 3).find(|h| ends.contains(&surface.start[*h as usize]));
-        let at = own.unwrap_or(3 * face);
+        let changed_corner = (3 * face..3 * face + 3).find(|h| ends.contains(&surface.start[*h as usize]));
+        let at = changed_corner.unwrap_or(3 * face);
         let rows = [at, next_in_face(at), previous_in_face(at)].map(|corner| self.row_at(corner));
         (face, FaceAfter { corners, rows })
     }

@@ -1,14 +1,14 @@
-//! `BucketQueue`: a priority queue by least cost, up to a sixteenth of an octave.
+//! `BucketQueue`: a priority queue by least cost, exact to a sixteenth of an octave.
 
 /// Entries in buckets by cost. A bucket spans a sixteenth of an octave and is first in, first out, so that
 /// edges of equal cost are collapsed all over the surface and not next to the last one.
 ///
-/// Costs are f32 ≥ 0; all costs below the smallest normal number are equal. What is pushed below the bucket that is
-/// being emptied comes at its end. Push and pop are O(1).
+/// Costs are f32 ≥ 0; all costs below the smallest normal number are equal. An entry whose cost is below the
+/// bucket that is being emptied is added to the end of that bucket. Push and pop are O(1).
 #[derive(Clone)]
 pub(super) struct BucketQueue {
     buckets: Vec<Vec<u32>>,
-    /// The bucket that is being emptied, and how many of its entries are taken.
+    /// The bucket that is being emptied, and the number of entries already taken from it.
     current: usize,
     taken: usize,
 }
@@ -65,7 +65,7 @@ impl BucketQueue {
         }
     }
 
-    /// The entry that comes out after `n` others of its bucket, if nothing is pushed.
+    /// The entry that is popped after `n` others of its bucket, if nothing is pushed.
     #[inline]
     pub fn ahead(&self, n: usize) -> Option<u32> {
         self.buckets[self.current].get(self.taken + n).copied()

@@ -16,11 +16,11 @@ use std::borrow::Cow;
 pub struct LodLevel {
     /// The triangles.
     pub mesh: Mesh,
-    /// How far the triangles are from the true shape: proved.
+    /// The distance of the triangles from the true shape: proved.
     pub bound: Bound,
-    /// What could not be collapsed, and what was left out.
+    /// Parts that could not be collapsed, and parts that were dropped.
     pub stats: ReductionStats,
-    /// How far attributes are from those of the original: measured where the steps limit them.
+    /// The deviation of attributes from those of the original, measured if the steps limit them.
     pub attributes: Vec<AttributeDeviation>,
 }
 
@@ -32,30 +32,30 @@ impl LodLevel {
     }
 }
 
-/// A shape from which levels are made.
+/// A shape from which levels are built.
 pub enum LodSource<'a> {
     /// Triangles, which are the true shape.
     Triangles(&'a Mesh, Topology),
-    /// A smooth shape: a function that makes triangles within a length of it, with a proof.
+    /// A smooth shape: a function that builds triangles within a length of it, with a proof.
     Smooth(&'a mut dyn FnMut(Tolerance) -> Result<Bounded<Mesh>, JobError>),
 }
 
-/// Which levels to make.
+/// The levels to build.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LodSteps {
     /// The tolerance of the finest level.
     pub finest: Tolerance,
     /// The ratio of the errors of successive levels, > 1. 2 halves the triangles of a smooth surface.
     pub factor: f64,
-    /// A level with at most this many triangles is the last.
+    /// A level with at most this many triangles is the last one.
     pub stop_at_triangles: usize,
-    /// If the finest level has more triangles than this, it is the only level: [`tree`](super::tiling::tree) is to
-    /// split it in space and make coarser ones of its own.
+    /// If the finest level has more triangles than this, it is the only level: [`tree`](super::tiling::tree)
+    /// can split it in space and build coarser levels of it.
     pub max_untiled_triangles: usize,
     /// The fraction of the finest error that tessellating a smooth shape may use, between 0 and 1.
     /// Simplification gets the rest and makes better use of it.
     pub tessellation_share: f64,
-    /// How far attributes of every level may be from those of the original.
+    /// The limits of the attributes' deviation from those of the original, for every level.
     pub attributes: AttributeLimits,
 }
 
@@ -75,7 +75,8 @@ impl LodSteps {
     }
 }
 
-/// A level that has more than this fraction of the triangles of the one before is left out.
+/// A level is dropped if it has more than this fraction of the triangles of the previous one. Chosen: a
+/// larger value keeps levels that save little.
 const WORTH_IT: f64 = 0.8;
 /// The largest number of levels: 2⁴⁸ between the finest and the coarsest error.
 const MOST_STEPS: u32 = 48;
@@ -85,17 +86,18 @@ const MOST_STEPS: u32 = 48;
 /// A smooth shape is tessellated once, within a fraction of the finest error, and its triangles are
 /// simplified; the two proofs are added. Simplification continues from level to level, so all levels together
 /// take little longer than the coarsest alone. The error of each level is measured and proved against the
-/// initial triangles, never against the previous level. The first level is within `steps.finest`; where a source does not
-/// reach that, it is what the source made. The chain
-/// ends where `steps.stop_at_triangles` triangles are left, or where the error is the extent of the shape: at a distance
-/// where that error is one pixel, the shape is one pixel, too.
+/// initial triangles, never against the previous level. The first level is within `steps.finest`; if a source
+/// does not reach that, it is the source's result. The chain ends once `steps.stop_at_triangles` triangles
+/// are left, or once the error is the extent of the shape: at a distance where that error is one pixel, the
+/// shape is one pixel, too.
 ///
-/// Cost: that of one [`simplify`](super::simplify()) for the finest level, and for each level after it 0.7 µs a triangle
-/// of the original on smooth shapes, up to 5 µs on noisy ones; for a smooth shape its own triangles as well.
+/// Cost: that of one [`simplify`](super::simplify()) for the finest level, and for each further level 0.7 µs
+/// a triangle of the original on smooth shapes, up to 5 µs on noisy ones; for a smooth shape also its
+/// tessellation.
 ///
 /// # Errors
 /// As for [`simplify`](super::simplify()), and those of the source; [`RefusalCode::Budget`] for a factor that
-/// is not larger than 1 and for an invalid share; [`RefusalCode::Unsupported`] where a source gives triangles
+/// is not larger than 1 and for an invalid share; [`RefusalCode::Unsupported`] if a source gives triangles
 /// without an upper bound.
 ///
 /// ```
@@ -127,7 +129,7 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
         );
         return refuse(RefusalCode::Budget, message);
     }
-    let (made, topology): (Bounded<Cow<'_, Mesh>>, Topology) = match &mut source {
+    let (finest, topology): (Bounded<Cow<'_, Mesh>>, Topology) = match &mut source {
         LodSource::Triangles(mesh, topology) => {
             let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
             (Bounded { shape: Cow::Borrowed(*mesh), bound }, *topology)
@@ -137,18 +139,18 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
             (make(share)?.map(Cow::Owned), Topology::Indices)
         }
     };
-    if made.bound.at_most().is_none() {
-        return refuse(RefusalCode::Unsupported, needs_a_proof("levels", &made.bound));
+    if finest.bound.at_most().is_none() {
+        return refuse(RefusalCode::Unsupported, needs_a_proof("levels", &finest.bound));
     }
-    let used = made.bound.at_most().unwrap_or(f64::INFINITY);
-    let mesh: &Mesh = &made.shape;
+    let used = finest.bound.at_most().unwrap_or(f64::INFINITY);
+    let mesh: &Mesh = &finest.shape;
     let is_smooth = matches!(source, LodSource::Smooth(_));
     if mesh.faces().is_empty() {
         return refuse(RefusalCode::Empty, "there is no triangle to simplify");
     }
     job.run(|| {
         let aside = ZeroAreaFaces::set_aside(mesh, topology);
-        let asked = SimplifyInput {
+        let input = SimplifyInput {
             mesh: aside.as_ref().map_or(mesh, |faces| &faces.rest),
             topology,
             fixed_rows: &[],
@@ -156,25 +158,28 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
             attributes: steps.attributes,
             job,
         };
-        let mut progress = ProgressiveSimplifier::new(&asked)?;
+        let mut progress = ProgressiveSimplifier::new(&input)?;
         let mut levels: Vec<LodLevel> = Vec::new();
         let mut error = steps.finest;
         let extent = mesh.bounds().diagonal();
         for _ in 0..MOST_STEPS {
-            // The error that the source's own bound leaves.
-            let left = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
-            let fewer =
-                if left > 0.0 { progress.simplify_within(&ErrorLimit::uniform(left), job)? } else { None };
+            // The error that remains beside the source's bound.
+            let remaining_error = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
+            let fewer = if remaining_error > 0.0 {
+                progress.simplify_within(&ErrorLimit::uniform(remaining_error), job)?
+            } else {
+                None
+            };
             // The finest level exists even if nothing could be collapsed.
             let fewer = fewer.or_else(|| levels.is_empty().then(|| progress.unchanged()));
             let fewer = match (fewer, &aside) {
                 (Some(fewer), Some(faces)) => {
-                    let within = ErrorLimit::uniform(greater(left, 0.0));
+                    let within = ErrorLimit::uniform(greater(remaining_error, 0.0));
                     Some(faces.restore(fewer, Some(&within), job)?)
                 }
                 (fewer, _) => fewer,
             };
-            let level = fewer.map(|fewer| level_of(fewer, is_smooth.then_some(&made.bound)));
+            let level = fewer.map(|fewer| level_of(fewer, is_smooth.then_some(&finest.bound)));
             let is_new = |level: &LodLevel| {
                 levels.last().is_none_or(|finer| {
                     let fewer = level.mesh.faces().len() as f64 <= WORTH_IT * finer.mesh.faces().len() as f64;
@@ -196,22 +201,23 @@ pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<V
     })
 }
 
-/// A level; `made` is the bound of a smooth shape's triangles before they were simplified.
-fn level_of(fewer: Bounded<SimplifiedMesh>, made: Option<&Bound>) -> LodLevel {
-    let bound = made.map_or(fewer.bound.clone(), |made| made.then(&fewer.bound));
+/// A level; `tessellation` is the bound of a smooth shape's triangles before they were simplified.
+fn level_of(fewer: Bounded<SimplifiedMesh>, tessellation: Option<&Bound>) -> LodLevel {
+    let bound = tessellation.map_or(fewer.bound.clone(), |bound| bound.then(&fewer.bound));
     let SimplifiedMesh { mesh, stats, attributes, .. } = fewer.shape;
     LodLevel { mesh, bound, stats, attributes }
 }
 
-/// What is said where levels or tiles are to be made of triangles that nothing bounds from above: why nothing does, and what
-/// to do. Each level adds its own error to theirs, and to one that is not known nothing can be added.
+/// The message if levels or tiles are requested of triangles without an upper bound: why there is none, and
+/// what to do. Each level adds its error to that of the triangles, so an unknown error leaves nothing to add
+/// to.
 pub(super) fn needs_a_proof(what: &str, bound: &Bound) -> String {
     let why = match (bound.evidence(), bound.open.as_deref()) {
         (_, Some(open)) => {
             let places =
                 if open.count == 1 { "1 place".to_owned() } else { format!("{} places", open.count) };
-            let near = open.largest.first().map_or(String::new(), |place| {
-                let [x, y, z] = place.at;
+            let near = open.largest.first().map_or(String::new(), |point| {
+                let [x, y, z] = point.at;
                 format!(", the largest about ({x:.4}, {y:.4}, {z:.4})")
             });
             let touch = open.tangent().map_or(String::new(), |contact| format!("; {contact}"));

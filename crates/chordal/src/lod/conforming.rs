@@ -1,4 +1,5 @@
-//! `simplify_conforming`: meshes that share faces, each with fewer triangles, that share them still.
+//! `simplify_conforming`: meshes that share faces, each with fewer triangles, and still with the same faces
+//! shared.
 use super::simplify::{ProgressiveSimplifier, SimplifyInput};
 use super::surface::NONE;
 use crate::budget::{
@@ -15,33 +16,35 @@ type ConformingMeshes = Vec<Bounded<Mesh>>;
 /// Meshes that share faces, as the borders of adjacent materials do, each with as few triangles as a budget allows,
 /// and with the same faces shared.
 ///
-/// A face is shared where two meshes have it, turned around, with the same corners bit for bit. The faces that one
-/// pair of meshes shares are simplified once, as [`simplify`](super::simplify()) does it, and stand in both meshes; so are
-/// the other faces of each mesh. Vertices at which two such sets meet, and positions that meshes share without a
-/// face, stay as they are, and no edge is made between two of them. Hence there is no gap and no overlap along shared
-/// faces, and each mesh that is a closed manifold stays one.
+/// A face is shared if two meshes have it with opposite windings and with the same corners bit for bit. The
+/// faces that one pair of meshes shares are simplified once, as by [`simplify`](super::simplify()), and used
+/// in both meshes; so are the other faces of each mesh. Vertices at which two such sets meet, and positions
+/// that meshes share without a face, stay as they are, and no edge is added between two of them. Hence there
+/// is no gap and no overlap along shared faces, and each mesh that is a closed manifold stays one.
 ///
-/// With a length or pixels, which become one length for the box around all meshes, each mesh is within it. With a
-/// count of triangles alone, all meshes together have at most that many, and all sets about the same error. With
-/// both, the meshes are within the length, and [`Failure::Unmet`] where they have more triangles than the count.
+/// With a length or pixels, which become one length for the box around all meshes, each mesh is within it.
+/// With a count of triangles alone, all meshes together have at most that many, and all sets about the same
+/// error. With both, the meshes are within the length, and the result is [`Failure::Unmet`] if they have more
+/// triangles than the count.
 ///
-/// *What a bound covers.* For each mesh the two-sided Hausdorff distance between it and the mesh that it was, proved: the
-/// largest of its sets, since unions of sets that are within a length of each other are, too. The outer bound is the largest
-/// of all meshes. Not covered: whether faces that are not shared pass through each other where meshes are closer than
-/// twice the bound.
+/// *What a bound covers.* For each mesh the two-sided Hausdorff distance between the result and the input,
+/// proved: the largest bound of its sets, since unions of sets within a length of each other are within that
+/// length, too. The outer bound is the largest of all meshes. Not covered: whether faces that are not shared
+/// pass through each other if meshes are closer than twice the bound.
 ///
-/// *Inputs.* Meshes of positions and indices, joined by index; no attributes. Rows of one mesh at one position stay as they
-/// are. The results are in the order of `meshes`.
+/// *Inputs.* Meshes of positions and indices, joined by index; no attributes. If several rows of one mesh are
+/// at one position, they stay as they are. The results are in the order of `meshes`.
 ///
-/// *Cost.* A length: that of [`simplify`](super::simplify()), each shared face once; sets run in parallel, with the same
-/// result on any number of threads. A count: the same for three lengths or so, and 1.5 to 7 µs a triangle for each length
-/// that is tried before, twice the one before, from a fraction of an edge on. 60 bytes a triangle beside that.
+/// *Cost.* A length: as for [`simplify`](super::simplify()), each shared face once; sets run in parallel,
+/// with the same result on any number of threads. A count: the same for about three lengths, and 1.5 to 7 µs
+/// a triangle for each length that is tried before, starting at a fraction of an edge and doubling. In
+/// addition 60 bytes a triangle.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best result when a count cannot be reached, which is within the first length that comes
-/// within a twentieth of the fewest triangles; [`RefusalCode::Budget`] without a limit,
-/// with an angle or limits on attributes; [`RefusalCode::Empty`] without a triangle; [`RefusalCode::Unsupported`] for
-/// attributes; [`RefusalCode::TooClose`] where the box around all meshes reaches the eye;
+/// [`Failure::Unmet`] with the best result if a count cannot be reached: the result within the first length
+/// that comes within a twentieth of the fewest triangles; [`RefusalCode::Budget`] without a limit, with an
+/// angle or limits on attributes; [`RefusalCode::Empty`] without a triangle; [`RefusalCode::Unsupported`] for
+/// attributes; [`RefusalCode::TooClose`] if the box around all meshes reaches the eye;
 /// [`RefusalCode::TooMuchMemory`] for more than 2³² − 1 vertices; the refusals of
 /// [`check::deviation`](crate::check::deviation).
 ///
@@ -75,7 +78,7 @@ pub fn simplify_conforming(
         return Err(Failure::refused(RefusalCode::TooClose, message));
     };
     let complex = InterfaceComplex::new(meshes)?;
-    let made = job.run(|| match (Tolerance::new(length), budget.triangles) {
+    let results = job.run(|| match (Tolerance::new(length), budget.triangles) {
         (Ok(length), _) => complex.simplify_within(length.get(), &[], job),
         (Err(_), Some(most)) => complex.simplify_to_count(most, bounds.diagonal(), job),
         (Err(_), None) => {
@@ -83,19 +86,23 @@ pub fn simplify_conforming(
             Err(JobError::Refused(Refusal::new(RefusalCode::Budget, message)))
         }
     })?;
-    let made = complex.joined(&made);
+    let results = complex.joined(&results);
     let mut worst = Bound::exact(Reference::InputTriangles);
-    for Bounded { bound, .. } in &made {
+    for Bounded { bound, .. } in &results {
         worst = if bound.at_most() > worst.at_most() { bound.clone() } else { worst };
     }
     if meshes.len() > 1 {
-        // Of all meshes together another one may be nearer.
+        // A point may be nearer to another mesh, so nothing is known from below.
         worst = Bound::proved(0.0, worst.at_most().unwrap_or(f64::INFINITY), Reference::InputTriangles);
     }
     worst.pixels = budget.pixels.and_then(|px| px.view.pixels_of(worst.at_most()?, &bounds));
-    let n = made.iter().map(|made| made.shape.faces().len() as u64).sum::<u64>();
-    let made = Bounded { shape: made, bound: worst };
-    if budget.triangles.is_some_and(|most| n > most) { Err(Failure::Unmet(Box::new(made))) } else { Ok(made) }
+    let n = results.iter().map(|result| result.shape.faces().len() as u64).sum::<u64>();
+    let result = Bounded { shape: results, bound: worst };
+    if budget.triangles.is_some_and(|most| n > most) {
+        Err(Failure::Unmet(Box::new(result)))
+    } else {
+        Ok(result)
+    }
 }
 
 fn check(meshes: &[Mesh], budget: &Budget) -> Result<(), JobError> {
@@ -125,35 +132,37 @@ fn check(meshes: &[Mesh], budget: &Budget) -> Result<(), JobError> {
 const FIRST: f64 = 0.25;
 /// No length below this fraction of the extent is tried: at most 40 are. Exact: 2⁻⁴⁰.
 const SHORTEST: f64 = 1.0 / 1_099_511_627_776.0;
-/// A count that no length reaches becomes this multiple of what the longest one leaves. Chosen.
+/// A count that no length reaches becomes this multiple of the fewest triangles. Chosen: a smaller multiple
+/// saves few triangles for a much larger error.
 const NEARLY: f64 = 1.05;
-/// The ratio of the lengths that are tried for a count. Chosen.
+/// The ratio of the lengths that are tried for a count. Chosen: a smaller ratio tries more lengths, each of
+/// which takes time.
 const FACTOR: f64 = 2.0;
-/// A set of faces with this fraction of its share of the count is not simplified further while a length is looked for.
-/// Chosen: curved sets have more than their share within a length, and flat ones less.
+/// While a length is searched, a set of faces with less than this fraction of its share of the count is not
+/// simplified further. Chosen: curved sets have more than their share within a length, and flat ones less.
 const FEW: f64 = 0.25;
 
-/// The faces that one pair of meshes shares, or those of one mesh that it does not share.
+/// The faces that one pair of meshes shares, or the faces of one mesh that it does not share.
 struct Interface {
-    /// The mesh whose faces they are, and the one that has them turned around, or [`NONE`].
+    /// The mesh of the faces, and the mesh that has them with opposite winding, or [`NONE`].
     sides: [u32; 2],
     mesh: Mesh,
     /// By row: the number of its position.
     vertices: Vec<u32>,
-    /// By row: whether it stays. Empty where none does.
+    /// By row: whether it is fixed. Empty if none is.
     fixed: Vec<bool>,
 }
 
-/// The same with fewer triangles.
+/// An interface with fewer triangles.
 struct SimplifiedInterface {
     mesh: Mesh,
-    /// By row: the number of the position that stayed there, or [`NONE`].
+    /// By row: the number of the fixed position there, or [`NONE`].
     vertices: Vec<u32>,
     bound: Bound,
 }
 
 impl Interface {
-    /// The number of meshes that have it.
+    /// The number of meshes that have the faces.
     fn n_sides(&self) -> u64 {
         if self.sides[1] == NONE { 1 } else { 2 }
     }
@@ -186,7 +195,8 @@ impl Interface {
         })
     }
 
-    /// The number of triangles for each of some growing lengths, until it is at most `few`; then it is that for all others.
+    /// The number of triangles for each of some growing lengths; once it is at most `few`, that number for
+    /// all longer ones.
     fn counts(&self, lengths: &[f64], few: f64, job: &Job) -> Result<Vec<usize>, JobError> {
         let mut n = self.mesh.faces().len();
         let mut counts = Vec::with_capacity(lengths.len());
@@ -217,7 +227,7 @@ impl<'a> InterfaceComplex<'a> {
         let mut sets: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
         for (mesh, across) in shared_faces(meshes, &vertices).into_iter().enumerate() {
             for (face, other) in across.into_iter().enumerate() {
-                // The other mesh has it as well.
+                // The other mesh adds the faces as well.
                 if other == NONE || other as usize > mesh {
                     sets.entry([mesh as u32, other]).or_default().push(face as u32);
                 }
@@ -232,38 +242,38 @@ impl<'a> InterfaceComplex<'a> {
             }
         }
         let interface = |(sides, faces): ([u32; 2], Vec<u32>)| {
-            let (whole, vertices) = (&meshes[sides[0] as usize], &vertices[sides[0] as usize]);
-            let rows = whole.rows_of(&faces);
+            let (mesh, vertices) = (&meshes[sides[0] as usize], &vertices[sides[0] as usize]);
+            let rows = mesh.rows_of(&faces);
             let vertices: Vec<u32> = rows.iter().map(|row| vertices[*row as usize]).collect();
             let mut fixed: Vec<bool> = vertices.iter().map(|vertex| is_fixed[*vertex as usize]).collect();
             if !fixed.contains(&true) {
                 fixed.clear();
             }
-            Interface { sides, mesh: whole.some_faces(&faces, &rows), vertices, fixed }
+            Interface { sides, mesh: mesh.some_faces(&faces, &rows), vertices, fixed }
         };
         Ok(Self { meshes, interfaces: sets.into_iter().map(interface).collect(), n_vertices })
     }
 
-    /// Each interface within a length, with as few triangles as there are, or as `enough` says of each.
+    /// Each interface simplified within a length, down to `enough` triangles each, or as few as possible.
     fn simplify_within(
         &self,
         length: f64,
         enough: &[usize],
         job: &Job,
     ) -> Result<Vec<SimplifiedInterface>, JobError> {
-        let one = |at: usize, interface: &Interface| {
+        let simplify_one = |at: usize, interface: &Interface| {
             interface.simplify(length, enough.get(at).copied().unwrap_or(0), job)
         };
-        par_map(job, &self.interfaces, one).into_iter().collect()
+        par_map(job, &self.interfaces, simplify_one).into_iter().collect()
     }
 
-    /// The number of triangles of all meshes, where each interface has so many.
+    /// The number of triangles of all meshes, from the number of each interface.
     fn total(&self, count: impl Fn(usize) -> usize) -> u64 {
         let n = |(at, interface): (usize, &Interface)| interface.n_sides() * count(at) as u64;
         self.interfaces.iter().enumerate().map(n).sum()
     }
 
-    /// At most so many triangles, about the shortest length within which there are so few.
+    /// At most `most` triangles, within about the shortest length for which there are so few.
     fn simplify_to_count(
         &self,
         most: u64,
@@ -283,12 +293,12 @@ impl<'a> InterfaceComplex<'a> {
             interface.counts(&lengths, share * interface.mesh.faces().len() as f64, job)
         });
         let counts: Vec<Vec<usize>> = counts.into_iter().collect::<Result<_, _>>()?;
-        // A length beyond which hardly a triangle goes is not worth its distance.
+        // A longer length that removes hardly any triangle is not worth its distance.
         let total = |step: usize| self.total(|at| counts[at][step]);
         let fewest = total(lengths.len() - 1);
         let most = if fewest > most { (NEARLY * fewest as f64) as u64 } else { most };
         let step = (0..lengths.len()).find(|step| total(*step) <= most).unwrap_or(lengths.len() - 1);
-        // 2. So many triangles for each interface as are between those of the last two lengths.
+        // 2. A number of triangles for each interface, between its numbers for the last two lengths.
         let after = |at: usize| counts[at][step];
         let before = |at: usize| if step == 0 { before(at) } else { counts[at][step - 1] };
         let (n_before, n_after) = (self.total(before), self.total(after));
@@ -300,20 +310,20 @@ impl<'a> InterfaceComplex<'a> {
         let enough: Vec<usize> = (0..self.interfaces.len())
             .map(|at| after(at) + (part * before(at).saturating_sub(after(at)) as f64) as usize)
             .collect();
-        // 3. Within the least of a few lengths that reaches it.
+        // 3. The result within the shortest of a few lengths that reaches these numbers.
         let between = lengths[step] / FACTOR.sqrt();
         let mut fewest: Option<(u64, Vec<SimplifiedInterface>)> = None;
         for length in std::iter::once(&between).chain(&lengths[step..]) {
-            let made = self.simplify_within(*length, &enough, job)?;
-            let n = self.total(|at| made[at].mesh.faces().len());
+            let simplified = self.simplify_within(*length, &enough, job)?;
+            let n = self.total(|at| simplified[at].mesh.faces().len());
             if fewest.as_ref().is_none_or(|(least, _)| n < *least) {
-                fewest = Some((n, made));
+                fewest = Some((n, simplified));
             }
             if n <= most {
                 break;
             }
         }
-        Ok(fewest.map(|(_, made)| made).unwrap_or_default())
+        Ok(fewest.map(|(_, simplified)| simplified).unwrap_or_default())
     }
 
     /// The mean length of an edge.
@@ -329,8 +339,8 @@ impl<'a> InterfaceComplex<'a> {
         if n > 0.0 { sum / n } else { 0.0 }
     }
 
-    /// The meshes of their interfaces.
-    fn joined(&self, made: &[SimplifiedInterface]) -> Vec<Bounded<Mesh>> {
+    /// Each mesh, joined from its interfaces.
+    fn joined(&self, simplified: &[SimplifiedInterface]) -> Vec<Bounded<Mesh>> {
         let mut row_of = vec![(NONE, NONE); self.n_vertices];
         let mut with: Vec<Vec<(usize, bool)>> = vec![Vec::new(); self.meshes.len()];
         for (at, Interface { sides: [front, back], .. }) in self.interfaces.iter().enumerate() {
@@ -343,14 +353,14 @@ impl<'a> InterfaceComplex<'a> {
             let (mut positions, mut faces): (Vec<[f64; 3]>, Vec<[u32; 3]>) = Default::default();
             let mut bound = Bound::exact(Reference::InputTriangles);
             for (at, is_turned) in &with {
-                let part = &made[*at];
+                let part = &simplified[*at];
                 let mut row = |(vertex, position): (&u32, &[f64; 3])| {
                     let new = positions.len() as u32;
-                    if let Some(known) = row_of.get_mut(*vertex as usize) {
-                        if known.0 == mesh as u32 {
-                            return known.1;
+                    if let Some(entry) = row_of.get_mut(*vertex as usize) {
+                        if entry.0 == mesh as u32 {
+                            return entry.1;
                         }
-                        *known = (mesh as u32, new);
+                        *entry = (mesh as u32, new);
                     }
                     positions.push(*position);
                     new
@@ -363,7 +373,7 @@ impl<'a> InterfaceComplex<'a> {
                 bound = if part.bound.at_most() > bound.at_most() { part.bound.clone() } else { bound };
             }
             if with.len() > 1 {
-                // Another interface may be nearer.
+                // A point may be nearer to another interface, so nothing is known from below.
                 let at = bound.at;
                 bound =
                     Bound::proved(0.0, bound.at_most().unwrap_or(f64::INFINITY), Reference::InputTriangles);
@@ -375,7 +385,7 @@ impl<'a> InterfaceComplex<'a> {
     }
 }
 
-/// The positions of meshes, numbered across all of them.
+/// The positions of all meshes, each with one number.
 struct SharedVertices {
     /// By mesh and row.
     vertices: Vec<Vec<u32>>,
@@ -390,15 +400,15 @@ impl SharedVertices {
         let rows = |(mesh, rows): (u32, &Mesh)| {
             rows.positions().iter().zip(0..).map(move |(p, row)| (key(p), [mesh, row])).collect::<Vec<_>>()
         };
-        let mut all: Vec<([u64; 3], [u32; 2])> = (0..).zip(meshes).flat_map(rows).collect();
-        all.sort_unstable();
+        let mut keyed_rows: Vec<([u64; 3], [u32; 2])> = (0..).zip(meshes).flat_map(rows).collect();
+        keyed_rows.sort_unstable();
         let mut vertices: Vec<Vec<u32>> =
             meshes.iter().map(|mesh| vec![NONE; mesh.positions().len()]).collect();
         let mut is_fixed = Vec::new();
-        for together in all.chunk_by(|a, b| a.0 == b.0) {
+        for same_position in keyed_rows.chunk_by(|a, b| a.0 == b.0) {
             // Which of two rows of a mesh another mesh shares cannot be told.
-            let is_double = together.windows(2).any(|pair| pair[0].1[0] == pair[1].1[0]);
-            for (at, (_, [mesh, row])) in together.iter().enumerate() {
+            let is_double = same_position.windows(2).any(|pair| pair[0].1[0] == pair[1].1[0]);
+            for (at, (_, [mesh, row])) in same_position.iter().enumerate() {
                 if at == 0 || is_double {
                     is_fixed.push(is_double);
                 }
@@ -411,21 +421,21 @@ impl SharedVertices {
 
 /// By mesh and face: the mesh that has the same face turned around, if it is the only one, or [`NONE`].
 fn shared_faces(meshes: &[Mesh], vertices: &[Vec<u32>]) -> Vec<Vec<u32>> {
-    let mut all: Vec<([u32; 3], [u32; 2], bool)> = Vec::new();
-    for (mesh, (of, vertices)) in (0..).zip(meshes.iter().zip(vertices)) {
-        for (face, rows) in (0..).zip(of.faces()) {
+    let mut keyed_faces: Vec<([u32; 3], [u32; 2], bool)> = Vec::new();
+    for (mesh, (mesh_of_faces, vertices)) in (0..).zip(meshes.iter().zip(vertices)) {
+        for (face, rows) in (0..).zip(mesh_of_faces.faces()) {
             let corners = rows.map(|row| vertices[row as usize]);
             let mut sorted = corners;
             sorted.sort_unstable();
             // Of three corners, two in their order follow each other, or the last is before the first.
             let first = corners.iter().position(|corner| *corner == sorted[0]).unwrap_or(0);
-            all.push((sorted, [mesh, face], corners[(first + 1) % 3] == sorted[1]));
+            keyed_faces.push((sorted, [mesh, face], corners[(first + 1) % 3] == sorted[1]));
         }
     }
-    all.sort_unstable();
+    keyed_faces.sort_unstable();
     let mut across: Vec<Vec<u32>> = meshes.iter().map(|mesh| vec![NONE; mesh.faces().len()]).collect();
-    for together in all.chunk_by(|a, b| a.0 == b.0) {
-        if let [(corners, a, front), (_, b, back)] = together
+    for same_corners in keyed_faces.chunk_by(|a, b| a.0 == b.0) {
+        if let [(corners, a, front), (_, b, back)] = same_corners
             && front != back
             && a[0] != b[0]
             && corners[0] != corners[1]

@@ -31,15 +31,15 @@ pub(super) enum CollapseVertexKind {
     Locked,
 }
 
-/// When to stop.
+/// When the collapses stop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StopCriterion<'a> {
-    /// Stop at this number of faces.
+    /// The number of faces at which they stop.
     pub faces: usize,
-    /// The allowed distance from the original, by place.
+    /// The allowed distance from the original, by position.
     pub tolerance: &'a LocalTolerance,
-    /// The largest mean distance from the planes of the original that a collapse may cost, as a fraction of the
-    /// tolerance.
+    /// The largest mean distance from the planes of the original that a collapse may cause, as a fraction of
+    /// the tolerance.
     pub share: Option<f64>,
 }
 
@@ -49,13 +49,13 @@ pub(super) struct EdgeCollapser {
     pub at: Vec<[f64; 3]>,
     pub quadric: Vec<Quadric>,
     pub kind: Vec<CollapseVertexKind>,
-    /// By vertex: its original number; for a locked vertex, that of its position.
+    /// By vertex: its original number; for a locked vertex, the number of its position.
     pub source_vertex: Vec<u32>,
     /// By original number: the first fan at the same position of the mesh.
     pub first_fan: Arc<[u32]>,
     /// Whether several vertices are at one position.
     pub has_fans: bool,
-    /// By half-edge: whether its edge is on a feature line. A border always is one.
+    /// By half-edge: whether its edge is on a feature line. A border always is a feature line.
     pub is_line: Vec<bool>,
     pub monitor: Option<ErrorMonitor>,
     pub wedges: Option<Wedges>,
@@ -63,18 +63,19 @@ pub(super) struct EdgeCollapser {
     pub attribute_guard: Option<AttributeGuard>,
     /// By vertex: whether it is at its original position.
     pub is_original: Vec<bool>,
-    /// By vertex: upper bound of the distance of the feature lines that it represents from it and its edges.
+    /// By vertex: an upper bound on the distance between it with its edges and the feature lines that it
+    /// represents.
     feature_deviation: Vec<f64>,
-    /// By vertex: the one into which it was collapsed, or itself.
+    /// By vertex: the vertex into which it was collapsed, or itself.
     pub merged_into: Vec<u32>,
-    /// What was carried out, if it is to be known.
+    /// The collapses that were carried out, if they are recorded.
     pub log: Option<Vec<PastCollapse>>,
     /// By face: the cost of the collapse that last changed it.
     pub face_cost: Vec<f32>,
-    /// By vertex: whether it stays for now.
+    /// By vertex: whether it is fixed for now.
     pub is_held: Vec<bool>,
-    /// By half-edge, for one of the two of an edge: a distance within which its collapse is refused as long as the
-    /// faces around it stay; 0 where none is known.
+    /// By half-edge, for one of the two of an edge: a distance within which its collapse is refused as long
+    /// as the faces around it do not change; 0 if none is known.
     refused_within: Vec<f32>,
     /// By half-edge: whether it is in the queue, for one of the two of an edge.
     is_queued: Vec<bool>,
@@ -82,12 +83,12 @@ pub(super) struct EdgeCollapser {
     /// By original number: the round in which the position was visited.
     visited: Vec<u32>,
     round: u32,
-    /// The faces around the edge after the collapse, without the two that are removed, counter-clockwise around the
-    /// new point.
+    /// The faces around the edge after the collapse, without the two removed ones, counter-clockwise around
+    /// the new point.
     after: Vec<(u32, [[f64; 3]; 3])>,
-    /// The half-edges of those that are opposite the new point.
+    /// The half-edges of these faces that are opposite the new point.
     opposite: Vec<u32>,
-    /// The faces around the edge before the collapse, with those two.
+    /// The faces around the edge before the collapse, including the removed ones.
     before: Vec<u32>,
 }
 
@@ -100,7 +101,7 @@ struct EdgeCollapse {
     cost: f32,
 }
 
-/// Which end of an edge is fixed.
+/// The fixed end of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CollapseAnchor {
     None,
@@ -108,20 +109,20 @@ enum CollapseAnchor {
     End,
 }
 
-/// The least cosine between the normals of a face before and after. Chosen: without a limit thin parts fold.
+/// The least cosine between the normals of a face before and after. Chosen: without a limit, thin parts fold.
 const LEAST_TURN: f64 = 0.25;
-/// How many entries of the queue ahead memory is asked for: indices, then what they lead to. Chosen; without any, a
-/// prototype of this loop took twice the time.
+/// How many entries ahead of the queue's front memory is prefetched: for indices, and for the data they lead
+/// to. Chosen: without prefetching, a prototype of this loop took twice the time.
 const FAR_AHEAD: usize = 12;
 const NEAR_AHEAD: usize = 6;
-/// The contribution of the square of an edge's length to its cost, as a fraction of its weight: it decides
-/// where planes do not. Chosen.
+/// The contribution of the square of an edge's length to its cost, as a fraction of its weight. Chosen: so
+/// small that it decides only where planes do not.
 const SHORT: f64 = 1e-9;
 
 /// The divisor of a sum of squares with this weight: its power of 3/8. That is between the sum, for which a
 /// large flat piece has a small error nowhere, and the mean, for which one far point among many near ones is
 /// cheap. Measured on eight shapes, with seven counts of triangles each: the largest distance is 5 % less
-/// than with the sum and no more than with any other power; for lengths it makes no difference.
+/// than with the sum and no larger than with any other power; for lengths it makes no difference.
 #[inline]
 fn weight_divisor(weight: f32) -> f32 {
     let root = weight.sqrt().sqrt();
@@ -168,7 +169,7 @@ impl EdgeCollapser {
         engine
     }
 
-    /// Adds the planes of all faces, and along feature lines those perpendicular to the faces beside them.
+    /// Adds the planes of all faces, and at feature lines the planes perpendicular to the faces beside them.
     fn add_planes(&mut self) {
         for face in 0..(self.surface.start.len() / 3) as u32 {
             if self.surface.corners(face)[0] != NONE {
@@ -177,7 +178,7 @@ impl EdgeCollapser {
         }
     }
 
-    /// Adds the planes of a face, and of its edges that are feature lines.
+    /// Adds the planes of a face, and the planes of its edges that are feature lines.
     fn add_planes_of(&mut self, face: u32) {
         let corners = self.surface.corners(face);
         let p = corners.map(|v| self.at[v as usize]);
@@ -203,13 +204,13 @@ impl EdgeCollapser {
         }
     }
 
-    /// Whether the edge of `h` is on a border or another feature line.
+    /// Whether the edge of `h` is on a border or on another feature line.
     #[inline]
     fn is_kept_line(&self, h: u32) -> bool {
         self.surface.twin[h as usize] == NONE || self.is_line[h as usize]
     }
 
-    /// The collapse of an edge, with its new point and cost; `None` where it is not allowed.
+    /// The collapse of an edge, with its new point and cost; `None` if it is not allowed.
     #[inline]
     fn collapse_of(&self, h: u32) -> Option<EdgeCollapse> {
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
@@ -240,9 +241,9 @@ impl EdgeCollapser {
             CollapseAnchor::None => {
                 let middle = std::array::from_fn(|k| 0.5 * (p[k] + r[k]));
                 let (to, cost) = q.minimizer(middle);
-                let off = difference(to, middle);
-                // Planes that are almost parallel meet far away.
-                if dot(off, off) <= FAR * square { (to, cost) } else { (middle, q.at(middle)) }
+                let offset = difference(to, middle);
+                // Planes that are almost parallel meet far away; there the middle is better.
+                if dot(offset, offset) <= FAR * square { (to, cost) } else { (middle, q.at(middle)) }
             }
         };
         let weight = q.weight();
@@ -250,8 +251,8 @@ impl EdgeCollapser {
         Some(EdgeCollapse { h, to, anchor, cost })
     }
 
-    /// Puts an edge into the queue, by a cost that is asked when it comes out: edges around a collapse mostly are in
-    /// it already, and their costs rise.
+    /// Puts an edge into the queue; its cost is computed when it is popped. Edges around a collapse mostly
+    /// are in the queue already, and their costs rise.
     #[inline]
     fn enqueue(&mut self, h: u32) {
         let twin = self.surface.twin[h as usize];
@@ -262,14 +263,14 @@ impl EdgeCollapser {
         }
     }
 
-    /// Puts every edge into the queue by its cost, but for those that are known to be refused.
-    fn enqueue_all(&mut self, room: &LocalTolerance) {
+    /// Puts every edge into the queue by its cost, except those that are known to be refused.
+    fn enqueue_all(&mut self, tolerance: &LocalTolerance) {
         self.queue = BucketQueue::new();
         self.is_queued.fill(false);
         for h in 0..self.surface.start.len() as u32 {
             if self.surface.start[h as usize] != NONE
                 && h < self.surface.twin[h as usize]
-                && !room.is_less_than(self.refused_within[h as usize])
+                && !tolerance.is_less_than(self.refused_within[h as usize])
                 && let Some(EdgeCollapse { cost, .. }) = self.collapse_of(h)
             {
                 self.is_queued[h as usize] = true;
@@ -278,14 +279,14 @@ impl EdgeCollapser {
         }
     }
 
-    /// Collapses edges until there are few enough faces or no collapse is allowed. Returns `false` where the
+    /// Collapses edges until there are few enough faces or no collapse is allowed. Returns `false` if the
     /// job was cancelled.
     pub fn run(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         self.enqueue_all(until.tolerance);
         self.empty_queue(until, job)
     }
 
-    /// The same for what is in the queue, and what comes into it.
+    /// The same for the edges in the queue, and those that are added meanwhile.
     pub fn empty_queue(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         let mut steps = 0_u32;
         while self.surface.n_faces > until.faces {
@@ -295,7 +296,7 @@ impl EdgeCollapser {
             if self.surface.start[h as usize] == NONE {
                 continue;
             }
-            // Edges that were merged may both have been in the queue.
+            // Two edges that were merged may both have been in the queue.
             let twin = self.surface.twin[h as usize];
             if twin != NONE && self.is_queued[twin as usize] {
                 continue;
@@ -308,7 +309,7 @@ impl EdgeCollapser {
                 continue;
             }
             steps = steps.wrapping_add(1);
-            // About once a millisecond.
+            // Checked about once a millisecond.
             if steps.is_multiple_of(1024) && job.is_cancelled() {
                 return false;
             }
@@ -328,29 +329,30 @@ impl EdgeCollapser {
         true
     }
 
-    /// Leaves out removed faces and vertices; the others stay in their order.
+    /// Drops removed faces and vertices; the others keep their order.
     pub fn compact(&mut self) -> Compaction {
-        let kept = self.surface.compact();
-        self.at = kept.vertices(&self.at).collect();
-        self.quadric = kept.vertices(&self.quadric).collect();
-        self.kind = kept.vertices(&self.kind).collect();
-        self.source_vertex = kept.vertices(&self.source_vertex).collect();
-        self.is_original = kept.vertices(&self.is_original).collect();
-        self.feature_deviation = kept.vertices(&self.feature_deviation).collect();
+        let compaction = self.surface.compact();
+        self.at = compaction.vertices(&self.at).collect();
+        self.quadric = compaction.vertices(&self.quadric).collect();
+        self.kind = compaction.vertices(&self.kind).collect();
+        self.source_vertex = compaction.vertices(&self.source_vertex).collect();
+        self.is_original = compaction.vertices(&self.is_original).collect();
+        self.feature_deviation = compaction.vertices(&self.feature_deviation).collect();
         let (n_vertices, n) = (self.at.len(), self.surface.start.len());
         self.merged_into = (0..n_vertices as u32).collect();
         self.is_held = vec![false; n_vertices];
-        self.is_line = kept.half_edges(&self.is_line).collect();
+        self.is_line = compaction.half_edges(&self.is_line).collect();
         self.is_queued = vec![false; n];
-        self.refused_within = kept.half_edges(&self.refused_within).collect();
+        self.refused_within = compaction.half_edges(&self.refused_within).collect();
         self.queue = BucketQueue::new();
-        self.face_cost = kept.faces(&self.face_cost).collect();
-        self.monitor.iter_mut().for_each(|monitor| monitor.samples.compact(&kept));
-        self.wedges.iter_mut().for_each(|wedges| wedges.compact(&kept));
-        kept
+        self.face_cost = compaction.faces(&self.face_cost).collect();
+        self.monitor.iter_mut().for_each(|monitor| monitor.samples.compact(&compaction));
+        self.wedges.iter_mut().for_each(|wedges| wedges.compact(&compaction));
+        compaction
     }
 
-    /// Whether the mean distance of planes of the original from the new point is below a fraction of the tolerance.
+    /// Whether the mean distance of the new point from planes of the original is below a fraction of the
+    /// tolerance.
     fn is_slight(&self, shrink: &EdgeCollapse, share: f64, tolerance: &LocalTolerance) -> bool {
         let ends = [self.surface.start[shrink.h as usize], self.surface.end(shrink.h)];
         let [a, b] = ends.map(|v| &self.quadric[v as usize]);
@@ -358,7 +360,8 @@ impl EdgeCollapser {
         tolerance.holds(shrink.to, sum.at(shrink.to) / (sum.weight() * share * share))
     }
 
-    /// Asks for the memory of edges that come out soon, in two steps, since the second one needs the first.
+    /// Prefetches the memory of edges that are popped soon, in two steps, since the second one needs the
+    /// first.
     #[inline]
     fn fetch_ahead(&self) {
         if let Some(h) = self.queue.ahead(FAR_AHEAD) {
@@ -377,7 +380,7 @@ impl EdgeCollapser {
         }
     }
 
-    /// Collects the faces around the edge and returns whether none of them flips.
+    /// Collects the faces around the edge and returns whether none of them would flip.
     fn flips_no_face(&mut self, shrink: &EdgeCollapse) -> bool {
         let Self { surface, at, before, after, opposite, .. } = self;
         let across = surface.twin[shrink.h as usize];
@@ -397,7 +400,7 @@ impl EdgeCollapser {
             let now = cross(difference(x, shrink.to), along);
             let together = dot(normal, now);
             let (bb, nn) = (dot(normal, normal), dot(now, now));
-            // A face without area has no front to lose.
+            // A face without area has no normal to flip.
             if bb > 0.0 && (together <= 0.0 || together * together < LEAST_TURN * LEAST_TURN * bb * nn) {
                 return false;
             }
@@ -411,9 +414,9 @@ impl EdgeCollapser {
         true
     }
 
-    /// Upper bound of the distance of the feature lines that an edge's ends represent from the new point and
-    /// its edges: their earlier distance, and the distance of the ends from the new edges. Where the surface
-    /// ends, its own distance covers that.
+    /// An upper bound on the distance of the feature lines that an edge's ends represent from the new point
+    /// and its edges: their earlier distance, and the distance of the ends from the new edges. At a border
+    /// the check of the surface's distance covers that.
     fn feature_deviation(&self, shrink: &EdgeCollapse) -> f64 {
         let h = shrink.h;
         let across = self.surface.twin[h as usize];
@@ -433,13 +436,13 @@ impl EdgeCollapser {
                 next.extend(leaves.into_iter().chain(last).filter(|w| !ends.contains(w)));
             }
         }
-        let off = |v: u32| {
+        let distance_to = |v: u32| {
             let p = self.at[v as usize];
             let to = |w: &u32| distance_sq_to_triangle(p, [shrink.to, self.at[*w as usize], shrink.to]);
             let start = difference(p, shrink.to);
             next.iter().map(to).fold(dot(start, start), |least, x| lesser(x, least))
         };
-        let step = ends.map(off);
+        let step = ends.map(distance_to);
         most + (greater(step[0], step[1])).sqrt()
     }
 
@@ -449,7 +452,7 @@ impl EdgeCollapser {
         Box3::from_points(corners.map(|v| &self.at[v as usize]).chain([&shrink.to]))
     }
 
-    /// Whether the surface stays within the tolerance of the original, as far as a monitor checks it.
+    /// Whether the surface stays within the tolerance of the original, as far as the monitor checks it.
     fn stays_within_tolerance(&mut self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
         if until.tolerance.is_finite()
             && !until.tolerance.holds_in_box(|| self.changed_box(shrink), self.feature_deviation(shrink))
@@ -474,7 +477,7 @@ impl EdgeCollapser {
         )
     }
 
-    /// Carries out a collapse, and puts the edges around into the queue.
+    /// Carries out a collapse, and puts the edges around it into the queue.
     fn apply(&mut self, shrink: &EdgeCollapse) {
         let b = self.carry_out(shrink);
         let first = self.surface.outgoing[b as usize];
@@ -495,7 +498,7 @@ impl EdgeCollapser {
         }
     }
 
-    /// Carries out a collapse; returns the vertex that is left.
+    /// Carries out a collapse; returns the remaining vertex.
     fn carry_out(&mut self, shrink: &EdgeCollapse) -> u32 {
         let h = shrink.h;
         let (a, b) = (self.surface.start[h as usize], self.surface.end(h));
@@ -525,7 +528,7 @@ impl EdgeCollapser {
         }
         self.at[b as usize] = shrink.to;
         let across = self.surface.twin[h as usize];
-        // Each pair of edges that are merged is a feature line if one of the two was.
+        // Of each pair of merged edges, the result is a feature line if either was.
         for side in [h, across] {
             if side == NONE {
                 continue;
@@ -544,7 +547,7 @@ impl EdgeCollapser {
         b
     }
 
-    /// Faces around a vertex have changed.
+    /// Forgets refusals around a vertex whose faces have changed.
     #[inline]
     fn forget_refusals(&mut self, v: u32) {
         if self.monitor.is_some() {
@@ -556,20 +559,20 @@ impl EdgeCollapser {
     }
 }
 
-/// The vertex that stands for an original one, from the one into which each was collapsed.
+/// The vertex that now represents an original one; `merged_into` says into which each was collapsed.
 pub(super) fn representative(merged_into: &mut [u32], mut v: u32) -> u32 {
     loop {
         let up = merged_into[v as usize];
         if up == v {
             return v;
         }
-        // Halves the way for the next time.
+        // Halve the path for later queries.
         merged_into[v as usize] = merged_into[up as usize];
         v = up;
     }
 }
 
-/// A face at the vertex that stands for one, from the one into which each was collapsed; [`NONE`] for none.
+/// A face at the vertex that now represents `v`; [`NONE`] if there is none.
 pub(super) fn face_standing_for(surface: &HalfEdgeSurface, merged_into: &mut [u32], v: u32) -> u32 {
     if v == NONE {
         return NONE;
@@ -580,13 +583,13 @@ pub(super) fn face_standing_for(surface: &HalfEdgeSurface, merged_into: &mut [u3
     }
 }
 
-/// The weight of planes along feature lines, times the square of an edge's length. Chosen: above the weight
-/// of a face with that edge.
+/// The weight of planes along feature lines, times the square of an edge's length. Chosen: more than the
+/// weight of a face with that edge.
 const LINE_WEIGHT: f64 = 2.0;
 /// The largest distance of the new point from the middle of an edge, as a multiple of its length, squared.
 const FAR: f64 = 4.0;
 
-/// The unit normal and twice the area.
+/// The unit normal of a triangle and twice its area.
 #[inline]
 fn normal_and_area(p: [[f64; 3]; 3]) -> ([f64; 3], f64) {
     unit_and_length(cross(difference(p[1], p[0]), difference(p[2], p[0])))

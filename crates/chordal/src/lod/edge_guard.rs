@@ -8,33 +8,33 @@ use crate::math::dot;
 
 /// The edges of the original, by vertex.
 ///
-/// The vertices of the original are held by faces. An edge whose ends are held by different faces is walked along
-/// from the one to the other, over the edges between them; where each of these comes close to it, so do the faces
-/// that lie between. That is how the final proof maps both surfaces onto each other, so a surface whose collapses were
-/// all allowed here mostly needs no other proof.
+/// Faces hold the vertices of the original. If the ends of an edge are held by different faces, a walk leads
+/// along the edge from one to the other, over the edges between them; if each of these comes close to the
+/// edge, so do the faces between. The final proof maps both surfaces onto each other in the same way, so if
+/// all collapses of a surface were allowed here, it usually needs no other proof.
 pub(super) struct OriginalEdges {
     /// Neighbours of vertex v: `neighbours[first[v]..first[v + 1]]`.
     first: Vec<u32>,
     neighbours: Vec<u32>,
 }
 
-/// What is known of the edges of the original around a collapse.
+/// The verdict on the edges of the original around a collapse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EdgeVerdict {
     /// All stay close.
     Near,
-    /// All that lead to faces next to the collapse do; some lead farther.
+    /// All that lead to faces next to the collapse stay close; some lead farther.
     Unknown,
-    /// Some do not.
+    /// Some do not stay close.
     Far,
 }
 
 /// Edges of the original that do not stay close, and the faces around a collapse to which they lead.
 #[derive(Clone, Default)]
 pub(super) struct FarEdges {
-    /// By their vertices.
+    /// By the two vertices of each.
     pub edges: Vec<[u32; 2]>,
-    /// By place around the new point.
+    /// By position around the new point: whether an edge leads across it.
     pub faces: Vec<bool>,
 }
 
@@ -45,7 +45,7 @@ impl FarEdges {
         self.faces.resize(n_faces, false);
     }
 
-    /// An edge that leads from one face to another, on the shorter way around the new point.
+    /// Adds an edge that leads from one face to another, on the shorter way around the new point.
     fn add(&mut self, edge: [u32; 2], [from, to]: [usize; 2], is_closed: bool) {
         self.edges.push(edge);
         let n = self.faces.len();
@@ -63,8 +63,8 @@ impl OriginalEdges {
     pub fn new(surface: &HalfEdgeSurface, n_vertices: usize) -> Self {
         let mut first = vec![0_u32; n_vertices + 1];
         let edges = || {
-            let there = (0..surface.start.len() as u32).filter(|h| surface.start[*h as usize] != NONE);
-            there.flat_map(|h| {
+            let half_edges = (0..surface.start.len() as u32).filter(|h| surface.start[*h as usize] != NONE);
+            half_edges.flat_map(|h| {
                 let (u, v) = (surface.start[h as usize], surface.end(h));
                 let back = (surface.twin[h as usize] == NONE).then_some((v, u));
                 std::iter::once((u, v)).chain(back)
@@ -77,14 +77,14 @@ impl OriginalEdges {
         let mut free = first.clone();
         let mut neighbours = vec![0; first.last().map_or(0, |n| *n as usize)];
         for (u, v) in edges() {
-            let place = &mut free[u as usize];
-            neighbours[*place as usize] = v;
-            *place += 1;
+            let slot = &mut free[u as usize];
+            neighbours[*slot as usize] = v;
+            *slot += 1;
         }
         Self { first, neighbours }
     }
 
-    /// Those between some vertices, in numbers of their own: by old number, `local` has the new one.
+    /// The edges between some vertices, with new numbers: `local` has the new number by the old one.
     pub fn some(&self, vertices: &[u32], local: &[u32]) -> Self {
         let mut some = Self { first: vec![0], neighbours: Vec::new() };
         for v in vertices {
@@ -95,37 +95,37 @@ impl OriginalEdges {
         some
     }
 
-    /// The vertices with which one shares an edge.
+    /// The vertices with which `v` shares an edge.
     #[inline]
     pub fn neighbours(&self, v: u32) -> &[u32] {
         &self.neighbours[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
     }
 
-    /// Looks at the edges whose vertices the faces around a collapse would hold, as `samples` has just found. Those that
-    /// do not stay close are added to `far`.
+    /// Checks the edges of the vertices that the faces around a collapse would hold, as just recorded in
+    /// `samples`. Edges that do not stay close are added to `far`.
     pub fn verdict(
         &self,
         samples: &SamplesByFace,
         change: &CollapseChange<'_>,
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
         far: &mut FarEdges,
     ) -> EdgeVerdict {
         far.clear(change.after.len());
         let n = self.first.len() as u32 - 1;
-        let place = |face: u32| change.after.iter().position(|(f, _)| *f == face);
+        let position_of = |face: u32| change.after.iter().position(|(f, _)| *f == face);
         let mut verdict = EdgeVerdict::Near;
         for &(v, face) in samples.reassignments() {
             if v >= n {
                 continue;
             }
-            let Some(from) = place(face) else { continue };
+            let Some(from) = position_of(face) else { continue };
             for &u in self.neighbours(v) {
                 let edge = [v, u].map(|v| samples.at(v));
                 let to = match samples.pending_holder(u) {
-                    // Seen from one end is enough.
+                    // Each edge is checked from one end only.
                     Some(_) if u < v => continue,
                     Some(face) if face == change.after[from].0 => continue,
-                    Some(face) => place(face),
+                    Some(face) => position_of(face),
                     None => {
                         let outside = samples.holder(u);
                         let across = |h: &u32| {
@@ -135,7 +135,7 @@ impl OriginalEdges {
                         let to = change.opposite.iter().position(across);
                         let side = |k: usize| [change.after[k].1[1], change.after[k].1[2]];
                         if let Some(k) = to
-                            && !is_close(edge, side(k), room)
+                            && !is_close(edge, side(k), tolerance)
                         {
                             far.add([v, u], [from, k], change.is_closed);
                             continue;
@@ -144,7 +144,7 @@ impl OriginalEdges {
                     }
                 };
                 match to {
-                    Some(to) if !turns_close(edge, [from, to], change, room) => {
+                    Some(to) if !turns_close(edge, [from, to], change, tolerance) => {
                         far.add([v, u], [from, to], change.is_closed);
                     }
                     Some(_) => {}
@@ -158,26 +158,26 @@ impl OriginalEdges {
 
 /// Whether two segments come close to each other.
 #[inline]
-fn is_close(edge: [[f64; 3]; 2], other: [[f64; 3]; 2], room: &LocalTolerance) -> bool {
+fn is_close(edge: [[f64; 3]; 2], other: [[f64; 3]; 2], tolerance: &LocalTolerance) -> bool {
     let [t, s] = closest_on_segments(edge, other, 0.0);
     let on =
         |[a, b]: [[f64; 3]; 2], t: f64| -> [f64; 3] { std::array::from_fn(|k| a[k] + t * (b[k] - a[k])) };
     let (p, q) = (on(edge, t), on(other, s));
-    let off: [f64; 3] = std::array::from_fn(|k| p[k] - q[k]);
-    room.holds(p, dot(off, off))
+    let offset: [f64; 3] = std::array::from_fn(|k| p[k] - q[k]);
+    tolerance.holds(p, dot(offset, offset))
 }
 
-/// Whether an edge of the original comes close to all edges between two faces around the new point, on one of the two
-/// ways around it.
+/// Whether an edge of the original comes close to all edges between two faces around the new point, in one of
+/// the two directions around it.
 fn turns_close(
     edge: [[f64; 3]; 2],
     [from, to]: [usize; 2],
     change: &CollapseChange<'_>,
-    room: &LocalTolerance,
+    tolerance: &LocalTolerance,
 ) -> bool {
     let n = change.after.len();
     // Between a face and the next one.
-    let is_near = |k: usize| is_close(edge, [change.to, change.after[k % n].1[2]], room);
+    let is_near = |k: usize| is_close(edge, [change.to, change.after[k % n].1[2]], tolerance);
     let (low, high) = if from < to { (from, to) } else { (to, from) };
     (low..high).all(is_near) || (change.is_closed && (high..low + n).all(is_near))
 }

@@ -1,4 +1,4 @@
-//! `ErrorMonitor`: checks during simplification how far the surface is from the original.
+//! `ErrorMonitor`: checks the distance between the surface and the original during simplification.
 use super::edge_guard::{EdgeVerdict, FarEdges, OriginalEdges};
 use super::local_tolerance::LocalTolerance;
 use super::samples::{NEAR, SamplesByFace};
@@ -26,39 +26,41 @@ pub(super) struct ErrorMonitor {
     /// By face of the original: its vertices.
     corners: Arc<[[u32; 3]]>,
     edges: Arc<OriginalEdges>,
-    /// By sample beside the vertices: a half-edge of the original on which it lies.
+    /// By sample that is not a vertex: a half-edge of the original on which it lies.
     beside: Arc<[u32]>,
-    /// By sample: how thoroughly changes of the faces that hold it are checked; empty where all are sampled.
+    /// By sample: the check level of changes of the faces that hold it; empty if all are sampled.
     pub check_levels: Vec<CheckLevel>,
     /// By face of the original: the last round in which it was visited.
     visited: Vec<u32>,
     round: u32,
-    /// Edges of the original that do not stay close along the map, and faces of it to be checked.
+    /// The edges of the original that do not stay close along the map, and the faces of the original to be
+    /// checked.
     far: FarEdges,
     suspects: Vec<u32>,
 }
 
-/// How thoroughly changes around a sample are checked. The level is raised each time that the final proof
-/// finds a deviation that is too large there. The last level cannot fail, since the surface does not change
+/// How thoroughly changes around a sample are checked. The level is raised whenever the final proof
+/// finds a deviation there that is too large. The last level cannot fail, since the surface does not change
 /// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CheckLevel {
     /// With a quick check.
     Sampled,
-    /// With a thorough check where the cost of the change is at least this.
+    /// With a thorough check if the cost of the change is at least this.
     ProvedFrom(f32),
     /// With a thorough check.
     Proved,
-    /// Nothing changes.
+    /// No change is allowed.
     Frozen,
 }
 
 /// The largest cost of a change without a thorough check, as a fraction of the cost of the change that
-/// deviated too much. Measured: the changes that led there cost as much up to a factor of two.
+/// deviated too much. Measured: the changes that led to such a deviation have equal costs up to a factor of
+/// two.
 const BEFORE: f32 = 0.25;
 
 impl CheckLevel {
-    /// The next level after a change of that cost deviated too much.
+    /// The next level, after a change of the given cost deviated too much.
     pub fn escalate(self, cost: f32) -> Self {
         match self {
             Self::Sampled => Self::ProvedFrom(BEFORE * cost),
@@ -96,13 +98,13 @@ impl CheckLevel {
 pub(super) struct CollapseChange<'a> {
     /// The faces that are removed or changed.
     pub before: &'a [u32],
-    /// The changed faces: the new point first, counter-clockwise around it.
+    /// The changed faces, counter-clockwise around the new point, which is the first corner of each.
     pub after: &'a [(u32, [[f64; 3]; 3])],
     /// Their half-edges that are opposite the new point.
     pub opposite: &'a [u32],
-    /// Whether they close around it.
+    /// Whether they close around the new point.
     pub is_closed: bool,
-    /// The new point, and the positions of all others.
+    /// The new point, and the positions of all other vertices.
     pub to: [f64; 3],
     pub surface: &'a HalfEdgeSurface,
     pub at: &'a [[f64; 3]],
@@ -110,19 +112,22 @@ pub(super) struct CollapseChange<'a> {
     pub cost: f32,
 }
 
-/// Vertices of the original that one face offers for a descent, and the steps of one. Chosen.
+/// The vertices of the original that one face offers for a descent, and the most steps of a descent. Chosen:
+/// larger values cost time, smaller ones end in a search of all faces more often.
 const SOME: usize = 4;
 const MOST_STEPS: u32 = 64;
-/// Samples that one thread looks at. Chosen.
+/// Samples in one task. Chosen: a larger number leaves threads idle, a smaller one adds overhead.
 const CHUNK: usize = 4096;
-/// A face with this many vertices of the original needs no other samples. Chosen.
+/// A face that holds this many vertices of the original needs no other samples. Chosen: larger values keep
+/// more samples.
 const ENOUGH: u32 = 8;
-/// How many edges around a place that is too far from the original still have to do with it. Chosen.
+/// The number of rings of edges around a place too far from the original that are treated like it. Chosen:
+/// larger values restrict more collapses.
 const AROUND: u32 = 3;
 
 impl ErrorMonitor {
-    /// Monitors a surface that is still the original, with sample points `more` beside its vertices, each on
-    /// a half-edge.
+    /// Monitors a surface that is still the original. The sample points `more` lie between its vertices, each
+    /// on a half-edge.
     pub fn new(
         surface: &HalfEdgeSurface,
         at: &[[f64; 3]],
@@ -136,30 +141,30 @@ impl ErrorMonitor {
         }
         more.iter().for_each(|(p, h)| samples.add(*p, *h / 3));
         let mut corners: Vec<[u32; 3]> = (0..n_faces as u32).map(|face| surface.corners(face)).collect();
-        // Faces that were left out from the start.
+        // Faces that were dropped before the start.
         corners.iter_mut().filter(|c| c[0] == NONE).for_each(|c| *c = [NONE; 3]);
         let (first, around) = faces_by_vertex(&corners, at.len());
         let faces = corners.iter().filter(|c| c[0] != NONE).copied().collect();
         let mesh = Mesh::by_construction(at.to_vec(), faces);
-        let judge = ProximityChecker::new(Cow::Owned(mesh), job)?;
-        let seen = vec![0; n_faces];
+        let original = ProximityChecker::new(Cow::Owned(mesh), job)?;
+        let visited = vec![0; n_faces];
         Ok(Self {
             samples,
-            original: judge,
+            original,
             faces_at_vertices: around,
             first,
             corners: corners.into(),
             edges: Arc::new(OriginalEdges::new(surface, at.len())),
             beside: more.iter().map(|(_, h)| *h).collect(),
             check_levels: Vec::new(),
-            visited: seen,
+            visited,
             round: 0,
             far: FarEdges::default(),
             suspects: Vec::new(),
         })
     }
 
-    /// Forgets samples between vertices of the original where faces hold many of these, before a larger length.
+    /// Before a larger length: drops samples between vertices of the original where faces hold many vertices.
     pub fn thin_out(&mut self) {
         let n = self.first.len() - 1;
         let mut n_held = vec![0_u32; self.samples.n_faces()];
@@ -180,7 +185,7 @@ impl ErrorMonitor {
         self.corners[face as usize]
     }
 
-    /// The vertex of the original at which a sample is, or from which the edge leads on which it is.
+    /// The vertex of the original that a sample is, or the start of the edge on which it lies.
     pub fn vertex_beside(&self, sample: u32) -> u32 {
         match self.beside.get((sample as usize).wrapping_sub(self.first.len() - 1)) {
             None => sample,
@@ -188,31 +193,31 @@ impl ErrorMonitor {
         }
     }
 
-    /// Gives every sample the face of the current surface that is nearest to it, as far as a descent tells: from the one
-    /// that holds it or, where that is gone, from one that `near` knows of its vertex. Fails with the vertices of the
-    /// original at which some are too far, and leaves all as they are then.
+    /// Assigns every sample to the nearest face of the current surface, as far as a descent finds it: from
+    /// the face that holds it or, if that is gone, from the face that `near` has for its vertex. If samples
+    /// are too far from all faces, fails with their vertices of the original, and changes no assignment.
     pub fn assign_nearest(
         &mut self,
         surface: &HalfEdgeSurface,
         at: &[[f64; 3]],
         mut near: impl FnMut(u32) -> u32,
-        (room, job): (&LocalTolerance, &Job),
+        (tolerance, job): (&LocalTolerance, &Job),
     ) -> Result<(), Vec<u32>> {
         let n = self.first.len() - 1;
-        let there = surface.faces();
+        let faces_now = surface.faces();
         let mut number = vec![NONE; surface.start.len() / 3];
-        there.iter().enumerate().for_each(|(i, face)| number[*face as usize] = i as u32);
-        let known = |face: u32| if face == NONE { NONE } else { number[face as usize] };
+        faces_now.iter().enumerate().for_each(|(i, face)| number[*face as usize] = i as u32);
+        let number_of = |face: u32| if face == NONE { NONE } else { number[face as usize] };
         let by_row: Vec<u32> = (0..n as u32)
-            .map(|v| match known(self.samples.holder(v)) {
-                NONE => known(near(v)),
+            .map(|v| match number_of(self.samples.holder(v)) {
+                NONE => number_of(near(v)),
                 face => face,
             })
             .collect();
         let rows = |c: [u32; 3]| if c[0] == NONE { [0; 3] } else { c };
         let original = self.corners.iter().map(|c| rows(*c)).collect();
         let original = Mesh::by_construction(self.samples.points().take(n).collect(), original);
-        let faces = there.iter().map(|face| surface.corners(*face)).collect();
+        let faces = faces_now.iter().map(|face| surface.corners(*face)).collect();
         let current = Mesh::by_construction(at.to_vec(), faces);
         let near = NearFaces { by_row: &by_row, topology: Topology::Indices };
         let nearest = NearestFaces::new(&original, &current, near, job);
@@ -221,31 +226,32 @@ impl ErrorMonitor {
             let k = self.corners[face as usize].iter().position(|c| *c == v);
             3 * face + k.unwrap_or(0) as u32
         };
-        let all: Vec<u32> = (0..self.samples.len() as u32).collect();
-        let chunks: Vec<&[u32]> = all.chunks(CHUNK).collect();
-        let found = par_map(job, &chunks, |_, samples| {
+        let all_samples: Vec<u32> = (0..self.samples.len() as u32).collect();
+        let chunks: Vec<&[u32]> = all_samples.chunks(CHUNK).collect();
+        let assigned = par_map(job, &chunks, |_, samples| {
             let (mut holders, mut far) = (Vec::with_capacity(samples.len()), Vec::new());
             let mut last = None;
             for sample in samples.iter().copied() {
                 let at = self.samples.at(sample);
                 let beside = self.beside.get((sample as usize).wrapping_sub(n));
-                let found = match beside {
+                let nearest_face = match beside {
                     None => nearest.of_corner(corner_of(sample)),
                     Some(h) => {
-                        // Where the sample before is, or an end; from all of these, where none is close.
+                        // From the face of the previous sample or of an end; by descents from all of these if
+                        // none is close.
                         let ends = [*h, next_in_face(*h)].map(|h| nearest.of_corner(h));
                         let from = || last.into_iter().chain(ends.into_iter().flatten());
-                        let here = from().map(|(face, _)| (face, nearest.distance_sq(at, face)));
-                        let is_close = |found: &(u32, f64)| room.holds_sample(sample, found.1 * NEAR);
-                        here.into_iter().find(is_close).or_else(|| {
-                            let found = from().map(|(face, _)| nearest.descend_from(at, face));
-                            found.min_by(|(_, a), (_, b)| a.total_cmp(b))
+                        let nearby = from().map(|(face, _)| (face, nearest.distance_sq(at, face)));
+                        let is_close = |face: &(u32, f64)| tolerance.holds_sample(sample, face.1 * NEAR);
+                        nearby.into_iter().find(is_close).or_else(|| {
+                            let candidates = from().map(|(face, _)| nearest.descend_from(at, face));
+                            candidates.min_by(|(_, a), (_, b)| a.total_cmp(b))
                         })
                     }
                 };
-                last = found;
-                match found.filter(|(_, distance_sq)| room.holds_sample(sample, *distance_sq)) {
-                    Some((face, _)) => holders.push(there[face as usize]),
+                last = nearest_face;
+                match nearest_face.filter(|(_, distance_sq)| tolerance.holds_sample(sample, *distance_sq)) {
+                    Some((face, _)) => holders.push(faces_now[face as usize]),
                     None => {
                         far.push(beside.map_or(sample, |h| self.corners[*h as usize / 3][*h as usize % 3]))
                     }
@@ -253,7 +259,7 @@ impl ErrorMonitor {
             }
             (holders, far)
         });
-        let (holders, far): (Vec<Vec<u32>>, Vec<Vec<u32>>) = found.into_iter().unzip();
+        let (holders, far): (Vec<Vec<u32>>, Vec<Vec<u32>>) = assigned.into_iter().unzip();
         let far = far.concat();
         if !far.is_empty() {
             return Err(far);
@@ -262,19 +268,19 @@ impl ErrorMonitor {
         Ok(())
     }
 
-    /// The samples that a face of the current surface holds or, where it holds none, those of the faces around it.
+    /// The samples held by a face of the current surface or, if it holds none, by the faces around it.
     pub fn samples_near(&self, surface: &HalfEdgeSurface, face: u32) -> Vec<u32> {
-        let here: Vec<u32> = self.samples.of_face(face).collect();
-        if here.is_empty() { self.samples_around(surface, face) } else { here }
+        let held: Vec<u32> = self.samples.of_face(face).collect();
+        if held.is_empty() { self.samples_around(surface, face) } else { held }
     }
 
-    /// The samples that a face of the current surface and those around it hold.
+    /// The samples held by a face of the current surface and by the faces around it.
     pub fn samples_around(&self, surface: &HalfEdgeSurface, face: u32) -> Vec<u32> {
         let around = surface.corners(face).into_iter().flat_map(|v| surface.one_ring(v));
         around.flat_map(|h| self.samples.of_face(h / 3)).collect()
     }
 
-    /// The vertices of the original that a few edges lead to from some, with these.
+    /// Some vertices of the original, and those within [`AROUND`] edges of them.
     pub fn around(&self, mut vertices: Vec<u32>) -> Vec<u32> {
         for _ in 0..AROUND {
             let next: Vec<u32> = vertices.iter().flat_map(|v| self.edges.neighbours(*v)).copied().collect();
@@ -285,26 +291,31 @@ impl ErrorMonitor {
         vertices
     }
 
-    /// Whether a change keeps the surface close enough to the original, as far as a check tells. The new
-    /// assignment of the samples is kept for [`SamplesByFace::commit`].
-    pub fn allows(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+    /// Whether a change keeps the surface close enough to the original, as far as its check level can tell.
+    /// The new assignment of the samples is pending until [`SamplesByFace::commit`].
+    pub fn allows(&mut self, change: CollapseChange<'_>, tolerance: &LocalTolerance) -> bool {
         let care = self.check_level(change.before);
         if care == CheckLevel::Frozen {
             return false;
         }
         let middle = |[p, x, _]: [[f64; 3]; 3]| std::array::from_fn(|k| 0.5 * (p[k] + x[k]));
-        // Most collapses that are refused take a sample too far.
-        let quick = self.samples.try_reassign(change.before, change.after, room)
-            && self.is_near_original(change.to, change.before, room)
-            && match self.edges_verdict(&change, room) {
+        // Samples come first, since they refuse most of the collapses that are refused.
+        let quick = self.samples.try_reassign(change.before, change.after, tolerance)
+            && self.is_near_original(change.to, change.before, tolerance)
+            && match self.edges_verdict(&change, tolerance) {
                 EdgeVerdict::Near => true,
-                EdgeVerdict::Unknown => {
-                    change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), change.before, room))
-                }
-                // A map goes over edges, and what is too far along them may still be near another part.
+                EdgeVerdict::Unknown => change
+                    .after
+                    .iter()
+                    .all(|(_, t)| self.is_near_original(middle(*t), change.before, tolerance)),
+                // The map is defined along edges; faces too far along it may still be near another part of
+                // the surface.
                 EdgeVerdict::Far => {
-                    change.after.iter().all(|(_, t)| self.is_near_original(middle(*t), change.before, room))
-                        && self.proves_along_edges(change, room)
+                    change
+                        .after
+                        .iter()
+                        .all(|(_, t)| self.is_near_original(middle(*t), change.before, tolerance))
+                        && self.proves_along_edges(change, tolerance)
                 }
             };
         let is_close = match care {
@@ -312,26 +323,28 @@ impl ErrorMonitor {
             CheckLevel::ProvedFrom(cost) => change.cost >= cost,
             CheckLevel::Proved | CheckLevel::Frozen => true,
         };
-        quick && (!is_close || self.proves(change, room))
+        quick && (!is_close || self.proves(change, tolerance))
     }
 
-    /// How edges of the original stay close to the faces around a change; those that do not are in `far` then.
-    fn edges_verdict(&mut self, change: &CollapseChange<'_>, room: &LocalTolerance) -> EdgeVerdict {
+    /// Whether edges of the original stay close to the faces around a change; those that do not are collected
+    /// in `far`.
+    fn edges_verdict(&mut self, change: &CollapseChange<'_>, tolerance: &LocalTolerance) -> EdgeVerdict {
         let Self { edges, samples, far, .. } = self;
-        edges.verdict(samples, change, room, far)
+        edges.verdict(samples, change, tolerance, far)
     }
 
-    /// Whether a point is close enough to the original. The faces around the vertex that is nearest to it, as far as a
-    /// descent from one of those that some faces hold finds it, mostly tell; only where they do not, all are searched.
-    fn is_near_original(&self, q: [f64; 3], held_by: &[u32], room: &LocalTolerance) -> bool {
+    /// Whether a point is close enough to the original. Usually the faces around the nearest vertex suffice,
+    /// which a descent finds from vertices held by the given faces; only if they do not, all faces are
+    /// searched.
+    fn is_near_original(&self, q: [f64; 3], held_by: &[u32], tolerance: &LocalTolerance) -> bool {
         let n = self.first.len() as u32 - 1;
-        let off = |v: u32| {
-            let off = difference(self.samples.at(v), q);
-            dot(off, off)
+        let distance_sq_to = |v: u32| {
+            let d = difference(self.samples.at(v), q);
+            dot(d, d)
         };
         let mut best = (f64::INFINITY, NONE);
         let offer = |best: &mut (f64, u32), v: u32| {
-            let d = off(v);
+            let d = distance_sq_to(v);
             if d < best.0 {
                 *best = (d, v);
             }
@@ -341,29 +354,29 @@ impl ErrorMonitor {
             some.for_each(|v| offer(&mut best, v));
         }
         for _ in 0..MOST_STEPS {
-            let here = best.1;
-            if here == NONE || room.holds(q, best.0) {
+            let nearest = best.1;
+            if nearest == NONE || tolerance.holds(q, best.0) {
                 break;
             }
-            self.edges.neighbours(here).iter().for_each(|v| offer(&mut best, *v));
-            if best.1 == here {
+            self.edges.neighbours(nearest).iter().for_each(|v| offer(&mut best, *v));
+            if best.1 == nearest {
                 break;
             }
         }
         let (distance_sq, v) = best;
         if v != NONE {
-            if room.holds(q, distance_sq) {
+            if tolerance.holds(q, distance_sq) {
                 return true;
             }
             for k in self.first[v as usize]..self.first[v as usize + 1] {
                 let face = self.corners[self.faces_at_vertices[k as usize] as usize];
                 let d = distance_sq_to_triangle(q, face.map(|v| self.samples.at(v)));
-                if room.holds(q, d) {
+                if tolerance.holds(q, d) {
                     return true;
                 }
             }
         }
-        room.holds(q, self.original.distance_sq(q))
+        tolerance.holds(q, self.original.distance_sq(q))
     }
 
     /// The levels of all samples.
@@ -383,35 +396,35 @@ impl ErrorMonitor {
     }
 
     /// The thorough check.
-    fn proves(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+    fn proves(&mut self, change: CollapseChange<'_>, tolerance: &LocalTolerance) -> bool {
         let faces = change.after.iter().map(|(_, triangle)| *triangle);
-        self.new_faces_are_near(faces, change.before, room) && {
+        self.new_faces_are_near(faces, change.before, tolerance) && {
             self.round += 1;
             self.suspects.clear();
             for (v, _) in self.samples.reassignments() {
                 let v = *v as usize;
                 if v + 1 < self.first.len() {
-                    let there = self.first[v] as usize..self.first[v + 1] as usize;
-                    self.suspects.extend(&self.faces_at_vertices[there]);
+                    let faces_of_v = self.first[v] as usize..self.first[v + 1] as usize;
+                    self.suspects.extend(&self.faces_at_vertices[faces_of_v]);
                 }
             }
-            self.suspects_are_near(change, room)
+            self.suspects_are_near(change, tolerance)
         }
     }
 
     /// The same for the faces of the original at edges that do not stay close along the map.
-    fn proves_along_edges(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+    fn proves_along_edges(&mut self, change: CollapseChange<'_>, tolerance: &LocalTolerance) -> bool {
         self.round += 1;
         self.suspects.clear();
         for [v, u] in &self.far.edges {
-            let there = self.first[*v as usize] as usize..self.first[*v as usize + 1] as usize;
-            let faces = self.faces_at_vertices[there].iter();
+            let faces_of_v = self.first[*v as usize] as usize..self.first[*v as usize + 1] as usize;
+            let faces = self.faces_at_vertices[faces_of_v].iter();
             self.suspects.extend(faces.filter(|face| self.corners[**face as usize].contains(u)));
         }
-        self.suspects_are_near(change, room) && {
-            // The map proves the others.
+        self.suspects_are_near(change, tolerance) && {
+            // All other new faces are proved by the map.
             let far = change.after.iter().zip(&self.far.faces).filter(|(_, is_far)| **is_far);
-            self.new_faces_are_near(far.map(|((_, triangle), _)| *triangle), change.before, room)
+            self.new_faces_are_near(far.map(|((_, triangle), _)| *triangle), change.before, tolerance)
         }
     }
 
@@ -420,10 +433,10 @@ impl ErrorMonitor {
         &self,
         faces: impl Iterator<Item = [[f64; 3]; 3]> + Clone,
         before: &[u32],
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
     ) -> bool {
-        // 1. Points that are often too far off, which are cheaper than a proof.
-        let near = |q: [f64; 3]| self.is_near_original(q, before, room);
+        // 1. A few points that are often too far, which are cheaper to check than whole faces.
+        let near = |q: [f64; 3]| self.is_near_original(q, before, tolerance);
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
         let point = |t: [[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k])
@@ -431,12 +444,12 @@ impl ErrorMonitor {
         if !faces.clone().all(|t| more.iter().all(|w| near(point(t, *w)))) {
             return false;
         }
-        // 2. All of them.
-        faces.into_iter().all(|triangle| self.original.is_within(triangle, room))
+        // 2. The whole faces.
+        faces.into_iter().all(|triangle| self.original.is_within(triangle, tolerance))
     }
 
     /// Whether all points of some faces of the original are near the faces around a change.
-    fn suspects_are_near(&mut self, change: CollapseChange<'_>, room: &LocalTolerance) -> bool {
+    fn suspects_are_near(&mut self, change: CollapseChange<'_>, tolerance: &LocalTolerance) -> bool {
         let mut local: Option<ProximityChecker<'static>> = None;
         for face in &self.suspects {
             let face = *face as usize;
@@ -444,16 +457,16 @@ impl ErrorMonitor {
                 continue;
             }
             let corners = self.corners[face];
-            // A face whose corners are near one face is near it as a whole.
-            let held = corners.map(|v| self.samples.holder_after(v));
-            if held[0] == held[1] && held[1] == held[2] {
+            // If one face holds all corners, each is near it, so the whole face is.
+            let holders = corners.map(|v| self.samples.holder_after(v));
+            if holders[0] == holders[1] && holders[1] == holders[2] {
                 continue;
             }
             let triangle = corners.map(|v| self.samples.at(v));
             if local.is_none() {
                 local = neighbourhood(change);
             }
-            if !local.as_ref().is_some_and(|local| local.is_within(triangle, room)) {
+            if !local.as_ref().is_some_and(|local| local.is_within(triangle, tolerance)) {
                 return false;
             }
         }
@@ -462,8 +475,8 @@ impl ErrorMonitor {
 }
 
 impl ErrorMonitor {
-    /// A monitor of the samples that faces of a region hold, and the numbers of its samples in the whole. Others around these
-    /// are known by where they are; edges that lead to them are not followed.
+    /// A monitor of the samples that the faces of a region hold, and their numbers in the whole surface.
+    /// Samples around these are known only by their positions; edges that lead to them are not followed.
     pub fn region(&self, region: &SurfaceRegion, numbers: &RegionNumbers) -> (Self, Vec<u32>) {
         let n = self.first.len() - 1;
         let mut held: Vec<u32> = region.faces.iter().flat_map(|face| self.samples.of_face(*face)).collect();
@@ -510,17 +523,18 @@ impl ErrorMonitor {
     }
 }
 
-/// Where the faces around each vertex begin, and these; faces without vertices are around none.
+/// The faces around each vertex in one list, and the start of each vertex in it; faces without vertices are
+/// left out.
 fn faces_by_vertex(corners: &[[u32; 3]], n_vertices: usize) -> (Arc<[u32]>, Arc<[u32]>) {
     let mut first = vec![0_u32; n_vertices + 1];
-    let there = || corners.iter().enumerate().filter(|(_, c)| c[0] != NONE);
-    there().for_each(|(_, c)| c.iter().for_each(|v| first[*v as usize + 1] += 1));
+    let corners_of_faces = || corners.iter().enumerate().filter(|(_, c)| c[0] != NONE);
+    corners_of_faces().for_each(|(_, c)| c.iter().for_each(|v| first[*v as usize + 1] += 1));
     for v in 0..n_vertices {
         first[v + 1] += first[v];
     }
     let mut end = first.clone();
     let mut around = vec![0; first.last().map_or(0, |n| *n as usize)];
-    for (face, c) in there() {
+    for (face, c) in corners_of_faces() {
         for v in c {
             around[end[*v as usize] as usize] = face as u32;
             end[*v as usize] += 1;

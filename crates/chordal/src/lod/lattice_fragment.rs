@@ -1,12 +1,14 @@
-//! `LatticeFragment`: a part of a surface in whole numbers of a box of its lattice, as viewers of levels take it.
+//! `LatticeFragment`: a part of a surface with whole-number coordinates in a box of its lattice, as
+//! multiscale viewers expect it.
 //!
-//! Three steps move points, and each has a bound for how far. Of a map of vertices that is linear on each triangle, no
-//! point goes farther than the farthest vertex, so each bound holds for the surface, in both directions.
+//! Three steps move points, and each has a bound for the distance. If a map is linear on each triangle, no
+//! point moves farther than the farthest vertex, so each bound holds for the surface, in both directions.
 //! 1. Vertices are put into the box and rounded to its steps: the distance of each is enclosed by intervals.
 //! 2. Triangles are cut by the planes through the middle. A cut is exact, then its two other coordinates are rounded: by
 //!    at most half a step each. A triangle that is cut stays what it was, so the next plane may cut it again.
-//! 3. A triangle of fewer than three corners is a segment or a point, and left out where others have that, too. Where none
-//!    has, two triangles of opposite winding stand there, which are nowhere farther from it than one step.
+//! 3. A triangle of fewer than three corners is a segment or a point, and dropped if other triangles contain
+//!    that. If none does, two triangles of opposite winding replace it, which are nowhere farther from it
+//!    than one step.
 //!
 //! The surface stays closed where it was: in (2) an edge is cut by its ends alone, so all its triangles have the same
 //! point there; each of the other steps keeps, for every edge, as many triangles that run along it as back. Parts that
@@ -25,7 +27,7 @@ pub struct FragmentBox {
     pub low: [i64; 3],
     /// Its cells along each axis, at least 1.
     pub sides: [i64; 3],
-    /// Where the lattice is.
+    /// The map from the lattice to the world.
     pub affine: Affine3,
     /// Whether triangles are cut by the planes through the middle.
     pub is_halved: bool,
@@ -34,37 +36,39 @@ pub struct FragmentBox {
 /// Triangles whose vertices are whole numbers in a box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LatticeFragment {
-    /// Coordinates along i, j and k: 0 is the low side of the box, 65,535 the high one. No two vertices are the same.
+    /// Coordinates along i, j and k: 0 is the low side of the box, 65,535 the high side. No two vertices are
+    /// the same.
     pub positions: Vec<[u16; 3]>,
     /// Indices of three different vertices each, wound as those of the part.
     pub faces: Vec<[u32; 3]>,
-    /// Which eighths of the box have triangles: the lowest bit is the eighth at the low sides, then the next one along i.
-    /// All bits are 0 where triangles are not cut.
+    /// A bit for each eighth of the box, set if it has triangles: the lowest bit is the eighth at the low
+    /// sides, then the next one along i. All bits are 0 if triangles are not cut.
     pub octants: u8,
-    /// How far the triangles are from those of the part, in both directions, at most.
+    /// A bound on the distance of the triangles from those of the part, in both directions.
     pub moved_at_most: f64,
 }
 
 /// Steps along the side of a box. Defined by Neuroglancer's format, as the largest number of 16 bits.
 const STEPS: i64 = 65_535;
-/// The step at which the halves of a box meet. Defined by Neuroglancer, which compares with it: the upper one of the two in
-/// the middle.
+/// The step at which the halves of a box meet. Defined by Neuroglancer, which compares with it: the upper of
+/// the two middle ones.
 const MIDDLE: i64 = 32_768;
-/// The largest index of a lattice here: 2⁵², derived from the digits of f64, which has all of them.
+/// The largest index of a lattice here: 2⁵², derived from the digits of f64, which represents all integers up
+/// to it.
 const FARTHEST: i64 = 1 << 52;
 
 impl LatticeFragment {
-    /// A part as a fragment. `place` is that of the part, which is in the box: vertices that it shares are put on the sides
-    /// exactly.
+    /// A part as a fragment. `part_box` is the box of the part, which is inside the fragment's: vertices
+    /// shared with other parts are put exactly on the sides.
     ///
-    /// The bound covers all that was moved: into the box, to whole numbers, and at cuts.
+    /// The bound covers all movements: into the box, to whole numbers, and at cuts.
     ///
     /// Cost: O(n log n).
     ///
     /// # Errors
     /// [`JobError::Refused`]: a box without cells or beyond 2⁵² ([`RefusalCode::Unsupported`]), more vertices than a mesh may
     /// have ([`RefusalCode::TooManyTriangles`]), distances beyond f64 ([`RefusalCode::NotFinite`]).
-    pub fn new(part: &SurfacePart, place: &LatticeBox, within: &FragmentBox) -> Result<Self, JobError> {
+    pub fn new(part: &SurfacePart, part_box: &LatticeBox, within: &FragmentBox) -> Result<Self, JobError> {
         let refused = |code, message: &str| JobError::Refused(Refusal::new(code, message.to_owned()));
         let ends = within.low.iter().zip(&within.sides);
         if !ends
@@ -76,7 +80,7 @@ impl LatticeFragment {
                 "the box of a fragment has no cells, or is beyond 2^52",
             ));
         }
-        let (placed, mut moved) = placed(part, place, within);
+        let (placed, mut moved) = placed(part, part_box, within);
         let mut cutter = Cutter { positions: placed, faces: part.mesh.faces().to_vec() };
         for axis in 0..3 {
             if within.is_halved && cutter.cut(axis) {
@@ -92,28 +96,28 @@ impl LatticeFragment {
                 "a fragment has more vertices than a mesh may have",
             ));
         }
-        let mut made = cutter.finished();
-        if made.drop_flat() {
+        let mut triangles = cutter.finished();
+        if triangles.drop_flat() {
             let steps = [0, 1, 2].map(|axis| within.step_up(axis));
             moved = add_up(moved, steps.into_iter().fold(0.0, greater));
         }
         if !moved.is_finite() {
             return Err(refused(RefusalCode::NotFinite, "a distance in a fragment is beyond f64"));
         }
-        let octants = if within.is_halved { made.octants() } else { 0 };
-        let (positions, faces) = made.indexed();
+        let octants = if within.is_halved { triangles.octants() } else { 0 };
+        let (positions, faces) = triangles.indexed();
         Ok(Self { positions, faces, octants, moved_at_most: moved })
     }
 }
 
 impl FragmentBox {
-    /// The length of a step along an axis, at most.
+    /// An upper bound on the length of a step along an axis.
     fn step_up(&self, axis: usize) -> f64 {
         let step = length_up(self.affine.steps()[axis]);
         mul_up(step, (Interval::point(self.sides[axis] as f64) / Interval::point(STEPS as f64)).hi())
     }
 
-    /// How far a point is from whole numbers in the box, at most.
+    /// An upper bound on the distance of a point from a point with whole coordinates in the box.
     fn distance_up(&self, at: [i64; 3], point: [f64; 3]) -> f64 {
         let number = |n: i64| Interval::point(n as f64);
         let index: [Interval; 3] = std::array::from_fn(|axis| {
@@ -122,15 +126,15 @@ impl FragmentBox {
         let rows = self.affine.rows();
         let apart: [f64; 3] = std::array::from_fn(|row| {
             let [a, b, c, d] = rows[row].map(Interval::point);
-            let there = a * index[0] + b * index[1] + c * index[2] + d;
-            (there - Interval::point(point[row])).magnitude()
+            let image = a * index[0] + b * index[1] + c * index[2] + d;
+            (image - Interval::point(point[row])).magnitude()
         });
         length_up(apart)
     }
 }
 
-/// The vertices of a part in whole numbers, and how far one was moved at most.
-fn placed(part: &SurfacePart, place: &LatticeBox, within: &FragmentBox) -> (Vec<[i64; 3]>, f64) {
+/// The vertices of a part in whole numbers, and an upper bound on their movement.
+fn placed(part: &SurfacePart, part_box: &LatticeBox, within: &FragmentBox) -> (Vec<[i64; 3]>, f64) {
     let to_index = Inverse::new(&within.affine);
     let mut keys = part.shared.iter().peekable();
     let mut most: f64 = 0.0;
@@ -139,10 +143,10 @@ fn placed(part: &SurfacePart, place: &LatticeBox, within: &FragmentBox) -> (Vec<
         let key = keys.next_if(|(shared, _)| *shared == row).map(|(_, key)| key);
         let index = to_index.at(*point);
         let at: [i64; 3] = std::array::from_fn(|axis| {
-            // What lies on a side that another box has, too, is put there whatever the rounding was.
+            // A vertex on a side that another box shares is put exactly there, whatever the rounding was.
             let is_at = |k: usize, side: i64| {
                 let is_on = |key: &VertexKey| usize::from(key.kind) != axis && key.lattice[axis] == side;
-                place.goes_on[axis][k] && key.is_some_and(is_on)
+                part_box.goes_on[axis][k] && key.is_some_and(is_on)
             };
             if is_at(0, within.low[axis]) {
                 return 0;
@@ -150,7 +154,7 @@ fn placed(part: &SurfacePart, place: &LatticeBox, within: &FragmentBox) -> (Vec<
             if is_at(1, within.low[axis] + within.sides[axis]) {
                 return STEPS;
             }
-            // A guess that is measured below: any other number would only be farther away.
+            // A guess, whose distance is measured below: a worse one would only be farther away.
             let share = (index[axis] - within.low[axis] as f64) / within.sides[axis] as f64;
             ((share * STEPS as f64).round() as i64).clamp(0, STEPS)
         });
@@ -180,7 +184,7 @@ impl Inverse {
         Self { rows, origin: affine.rows().map(|row| row[3]) }
     }
 
-    /// The index of a point: the same bits for the same point, whichever part it is of.
+    /// The index of a point: the same bits for the same point in all parts.
     fn at(&self, point: [f64; 3]) -> [f64; 3] {
         let from: [f64; 3] = std::array::from_fn(|k| point[k] - self.origin[k]);
         self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2])
@@ -194,7 +198,7 @@ struct Cutter {
 }
 
 impl Cutter {
-    /// Cuts by the plane across an axis; whether there was anything to cut.
+    /// Cuts by the plane across an axis; returns whether any triangle was cut.
     fn cut(&mut self, axis: usize) -> bool {
         let mut cuts: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         let mut faces = Vec::with_capacity(self.faces.len());
@@ -234,15 +238,15 @@ impl Cutter {
         !cuts.is_empty()
     }
 
-    /// The triangles by the places of their corners.
+    /// The triangles, given by the coordinates of their corners.
     fn finished(&self) -> Placed {
         let triangles = self.faces.iter().map(|face| face.map(|row| self.positions[row as usize]));
         Placed { triangles: triangles.collect() }
     }
 }
 
-/// Where an edge meets the plane through the middle, rounded. Which end is the first does not matter, since the exact place
-/// is what is rounded.
+/// The point at which an edge meets the plane through the middle, rounded. The order of the ends does not
+/// matter, since the exact point is rounded.
 fn crossing(a: [i64; 3], b: [i64; 3], axis: usize) -> [i64; 3] {
     let (weight_a, weight_b) = ((b[axis] - MIDDLE).abs(), (MIDDLE - a[axis]).abs());
     let total = weight_a + weight_b;
@@ -256,14 +260,14 @@ fn crossing(a: [i64; 3], b: [i64; 3], axis: usize) -> [i64; 3] {
     })
 }
 
-/// Triangles by the places of their corners.
+/// Triangles, given by the coordinates of their corners.
 struct Placed {
     triangles: Vec<[[i64; 3]; 3]>,
 }
 
 impl Placed {
-    /// Leaves out the triangles that are segments or points. For each of these that no other triangle has, two of opposite
-    /// winding are put there; whether there was one.
+    /// Drops the triangles that are segments or points. Each of these that no other triangle contains is
+    /// replaced by two triangles of opposite winding; returns whether there was one.
     fn drop_flat(&mut self) -> bool {
         let mut lost = Vec::new();
         self.triangles.retain(|[a, b, c]| {
@@ -276,23 +280,23 @@ impl Placed {
         if lost.is_empty() {
             return false;
         }
-        let mut known: BTreeSet<[[i64; 3]; 2]> = self.triangles.iter().flat_map(segments).collect();
+        let mut known_segments: BTreeSet<[[i64; 3]; 2]> = self.triangles.iter().flat_map(segments).collect();
         let before = self.triangles.len();
         for [a, b] in lost {
-            if known.contains(&ordered(a, b)) {
+            if known_segments.contains(&ordered(a, b)) {
                 continue;
             }
             let b = if a == b { beside(a, b, 0) } else { b };
-            // Of two steps along axes one at least does not lead to the other end.
+            // At most one of two steps along axes leads to the other end.
             let to = beside(a, b, 1);
             let c = if to == b { beside(a, b, 2) } else { to };
-            known.extend(segments(&[a, b, c]));
+            known_segments.extend(segments(&[a, b, c]));
             self.triangles.extend([[a, b, c], [a, c, b]]);
         }
         self.triangles.len() > before
     }
 
-    /// Which eighths have triangles. One that lies in a plane between eighths is of the lower.
+    /// The eighths that have triangles. A triangle in a plane between eighths belongs to the lower one.
     fn octants(&self) -> u8 {
         let mut octants = 0;
         for triangle in &self.triangles {
@@ -303,7 +307,7 @@ impl Placed {
         octants
     }
 
-    /// One vertex for each place, and the triangles by these.
+    /// One vertex for each point, and the triangles by their vertices.
     fn indexed(&self) -> (Vec<[u16; 3]>, Vec<[u32; 3]>) {
         let mut rows: BTreeMap<[i64; 3], u32> = BTreeMap::new();
         let mut positions = Vec::new();
@@ -318,7 +322,7 @@ impl Placed {
     }
 }
 
-/// A segment, whichever end is said first.
+/// A segment, independent of the order of its ends.
 fn ordered(a: [i64; 3], b: [i64; 3]) -> [[i64; 3]; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
@@ -328,7 +332,7 @@ fn segments([a, b, c]: &[[i64; 3]; 3]) -> [[[i64; 3]; 2]; 6] {
     [ordered(*a, *b), ordered(*b, *c), ordered(*c, *a), [*a; 2], [*b; 2], [*c; 2]]
 }
 
-/// One step from `a` along an axis, in the box and in an eighth that has `b`, too.
+/// One step from `a` along an axis, in the box and in an eighth that contains `b`, too.
 fn beside(a: [i64; 3], b: [i64; 3], axis: usize) -> [i64; 3] {
     let mut at = a;
     let goes_down = a[axis] > MIDDLE || (a[axis] == MIDDLE && b[axis] < MIDDLE);

@@ -1,4 +1,4 @@
-//! `LocalTolerance`: the allowed distance from the original during simplification, uniform or by place.
+//! `LocalTolerance`: the allowed distance from the original during simplification, uniform or by position.
 use super::reduction::ReductionFrame;
 use crate::budget::ErrorLimit;
 use crate::check::{RegionTolerance, ToleranceField};
@@ -6,11 +6,11 @@ use crate::math::Box3;
 
 /// The allowed distance of the simplified surface from the original, in local coordinates.
 ///
-/// Where it varies, every point has a length of its own. That holds during simplification only; the final
-/// proof takes the least over all points of a piece.
+/// If it varies, every point has its own length. That holds during simplification only; the final
+/// proof uses the least one over all points of a piece.
 #[derive(Clone, Debug)]
 pub(super) struct LocalTolerance {
-    /// The least tolerance anywhere.
+    /// The least tolerance of all positions.
     least: f64,
     least_sq: f64,
     varying: Option<VaryingTolerance>,
@@ -22,7 +22,7 @@ struct VaryingTolerance {
     frame: ReductionFrame,
     /// The fraction of the limit that is used during simplification.
     share: f64,
-    /// By sample: the square of its length.
+    /// By sample: the square of its tolerance.
     samples: Vec<f64>,
 }
 
@@ -32,7 +32,7 @@ impl LocalTolerance {
         Self { least: length, least_sq: length * length, varying: None }
     }
 
-    /// A fraction of a limit that varies by place, for samples at some points.
+    /// A fraction of a limit that depends on the position, for samples at the given points.
     pub fn varying(
         allowed: &ErrorLimit,
         (frame, share): (ReductionFrame, f64),
@@ -48,9 +48,9 @@ impl LocalTolerance {
         Self { least, least_sq: least * least, varying: Some(by_place) }
     }
 
-    /// The length for all points of a box.
-    pub fn for_box(&self, place: &Box3) -> f64 {
-        self.varying.as_ref().map_or(self.least, |by_place| by_place.length(place))
+    /// The tolerance for all points of a box.
+    pub fn for_box(&self, bounds: &Box3) -> f64 {
+        self.varying.as_ref().map_or(self.least, |by_place| by_place.length(bounds))
     }
 
     /// Whether a point may be this far from the original; takes the squared distance.
@@ -70,27 +70,27 @@ impl LocalTolerance {
             || self.varying.as_ref().is_some_and(|by_place| distance_sq <= by_place.samples[sample as usize])
     }
 
-    /// Whether all points of a box may be this far from the original; the box is computed only where it is
+    /// Whether all points of a box may be this far from the original; the box is computed only if it is
     /// needed.
     #[inline]
-    pub fn holds_in_box(&self, place: impl FnOnce() -> Box3, distance: f64) -> bool {
+    pub fn holds_in_box(&self, bounds: impl FnOnce() -> Box3, distance: f64) -> bool {
         distance <= self.least
-            || self.varying.as_ref().is_some_and(|by_place| distance <= by_place.length(&place()))
+            || self.varying.as_ref().is_some_and(|by_place| distance <= by_place.length(&bounds()))
     }
 
-    /// Whether nothing may move in a box, since the eye is too close.
-    pub fn is_too_close(&self, place: &Box3) -> bool {
+    /// Whether nothing may move in a box because the eye is too close.
+    pub fn is_too_close(&self, bounds: &Box3) -> bool {
         let by_place = self.varying.as_ref();
-        by_place.is_some_and(|by_place| by_place.limit.at(&by_place.frame.world_box(place)).is_none())
+        by_place.is_some_and(|by_place| by_place.limit.at(&by_place.frame.world_box(bounds)).is_none())
     }
 
-    /// Whether it is less than a length everywhere, and uniform.
+    /// Whether the tolerance is uniform and less than a length.
     #[inline]
     pub fn is_less_than(&self, length: f32) -> bool {
         self.is_constant() && self.least < f64::from(length)
     }
 
-    /// Whether some distance is too large anywhere.
+    /// Whether the tolerance excludes any distance.
     pub fn is_finite(&self) -> bool {
         self.least < f64::INFINITY
     }
@@ -102,8 +102,8 @@ impl LocalTolerance {
 }
 
 impl VaryingTolerance {
-    fn length(&self, place: &Box3) -> f64 {
-        let length = self.limit.at(&self.frame.world_box(place));
+    fn length(&self, bounds: &Box3) -> f64 {
+        let length = self.limit.at(&self.frame.world_box(bounds));
         length.map_or(0.0, |length| self.frame.local_length(self.share * length))
     }
 }

@@ -27,17 +27,17 @@ pub use conforming::simplify_conforming;
 pub use reduction::ReductionStats;
 pub use simplify::{SimplifiedMesh, simplify};
 
-/// As few triangles as a count says, with more or less work.
+/// At most a given number of triangles, with more or less effort.
 pub mod count {
     pub use super::simplify_to_count::{Effort, simplify_to_count};
 }
 
-/// Which level is shown from where.
+/// The choice of a level by distance.
 pub mod selection {
     pub use super::select::{HYSTERESIS, LevelChoice, SwitchDistances};
 }
 
-/// Levels that are cut in space, and parts of a surface that never is in one place.
+/// Levels that are divided in space, and parts of a surface that is never in memory as a whole.
 pub mod tiling {
     pub use super::lattice_fragment::{FragmentBox, LatticeFragment};
     pub use super::surface_part::{LatticeBox, SurfacePart};

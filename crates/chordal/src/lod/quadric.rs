@@ -75,14 +75,14 @@ impl Quadric {
         greater(value, 0.0)
     }
 
-    /// The point near `middle` with the least value, and that value. Where the planes leave it open, it stays
-    /// close to `middle`.
+    /// The point near `middle` with the least value, and that value. In directions that the planes leave
+    /// open, it stays close to `middle`.
     #[inline]
     pub fn minimizer(&self, middle: [f64; 3]) -> ([f64; 3], f64) {
         let [xx, yy, zz, xy, xz, yz] = self.a;
         let pull = PULL * (xx + yy + zz);
         let (x, y, z) = (xx + pull, yy + pull, zz + pull);
-        // The adjugate of the matrix, which is positive definite by the pull unless everything is 0.
+        // The adjugate of the matrix, which is positive definite because of the pull, unless everything is 0.
         let (m00, m01, m02) = (y * z - yz * yz, xz * yz - xy * z, xy * yz - xz * y);
         let (m11, m12, m22) = (x * z - xz * xz, xy * xz - x * yz, x * y - xy * xy);
         let det = x * m00 + xy * m01 + xz * m02;
@@ -98,7 +98,7 @@ impl Quadric {
                 from[2] + (m02 * g[0] + m12 * g[1] + m22 * g[2]) * over,
             ]
         };
-        // Repeated, so that the pull leaves almost nothing of the distance to where planes do meet.
+        // Repeated, so that the pull leaves almost no distance to the point where the planes do meet.
         let p = step(step(step(middle)));
         if p.iter().any(|x| !x.is_finite()) {
             return (middle, self.at(middle));

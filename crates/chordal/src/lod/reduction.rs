@@ -1,4 +1,4 @@
-//! `MeshReduction`: a mesh during simplification, from its preparation to each extracted mesh.
+//! `MeshReduction`: a mesh during simplification, from its preparation to each extracted result.
 mod failed_attempt;
 mod reduced_mesh;
 mod retry;
@@ -22,7 +22,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 use std::sync::Arc;
 
-/// World → local: minus the middle of the mesh, times a power of two that scales the extent to 1 or less.
+/// World to local coordinates: subtract the middle of the mesh, times a power of two that scales the extent
+/// to 1 or less.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReductionFrame {
     origin: [f64; 3],
@@ -57,20 +58,21 @@ impl ReductionFrame {
     }
 }
 
-/// What could not be simplified, and what was left out.
+/// Parts of a mesh that could not be simplified, and parts that were dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReductionStats {
-    /// Fixed vertices, because edges with three faces, inconsistently wound faces or several fans meet there.
+    /// Vertices that are fixed because edges with three faces, inconsistently wound faces or several fans
+    /// meet there.
     pub locked_vertices: u64,
-    /// Faces without area that were left out: the rest of the surface is where they were, within the length.
+    /// Faces without area that were dropped; the remaining surface passes them within the length.
     pub degenerate_faces: u64,
-    /// Faces without area that stay as they were, because nothing else is near enough to stand for them.
+    /// Faces without area that stay as they were, because no other part of the surface passes near enough.
     pub kept_degenerate_faces: u64,
-    /// Faces of either mesh that the last attempt left too far from the other, or not proved to be near, where all
-    /// attempts failed and the mesh stays as it was for that length.
+    /// If all attempts failed and the mesh stays as it was for that length: the faces of either mesh that the
+    /// last attempt left too far from the other, or not proved to be near.
     pub unsettled_faces: u64,
-    /// Separate components that were removed, so small or so close to others that the budget covers their
-    /// absence.
+    /// Separate components that were removed, since they are so small or so close to others that the budget
+    /// covers their absence.
     pub dropped_components: u64,
 }
 
@@ -89,15 +91,16 @@ pub(super) struct MeshReduction<'a> {
     mesh: &'a Mesh,
     frame: ReductionFrame,
     engine: EdgeCollapser,
-    /// By vertex at the start: a row of the mesh.
+    /// By vertex at the start: one of its rows of the mesh.
     row: Arc<[u32]>,
     /// By row of the mesh: its vertex at the start, or [`NONE`].
     vertex_of_row: Arc<[u32]>,
-    /// By vertex at the start: the one into which it was collapsed before the last compaction, or [`NONE`].
+    /// By vertex at the start: the vertex into which it was collapsed before the last compaction, or
+    /// [`NONE`].
     vertex_of_start: Vec<u32>,
-    /// By face: that of the mesh.
+    /// By face: its number in the mesh.
     source_face: Vec<u32>,
-    /// Whether it is a part of a larger mesh: at its locked vertices other parts may be attached.
+    /// Whether the mesh is a part of a larger one: other parts may be attached at its locked vertices.
     is_region: bool,
     pub stats: ReductionStats,
 }
@@ -107,13 +110,13 @@ impl<'a> MeshReduction<'a> {
         Self::from_region(mesh, topology, &[], &AttributeLimits::default())
     }
 
-    /// A part of a larger mesh. The rows that `stays` marks are fixed, with all edges and values between
-    /// them. Rows of one position are marked alike; an empty list means a whole mesh. Normals that jump by more
+    /// A part of a larger mesh. The rows marked by `stays` are fixed, with all edges and values between them.
+    /// Rows of one position are marked alike; an empty list means a whole mesh. Normals that jump by more
     /// than half their limit are kept apart.
     pub fn from_region(mesh: &'a Mesh, topology: Topology, stays: &[bool], limits: &AttributeLimits) -> Self {
         let is_part = !stays.is_empty();
         let ids = topology.ids(mesh);
-        let ManifoldSplit { surface, first_fan: place, is_locked: mut is_tied, row, n_collapsed: collapsed } =
+        let ManifoldSplit { surface, first_fan, is_locked: mut is_tied, row, n_collapsed: collapsed } =
             HalfEdgeSurface::from_mesh(mesh, ids.as_deref());
         let mut vertex_of_row = vec![NONE; mesh.positions().len()];
         for (row, v) in mesh.faces().as_flattened().iter().zip(&surface.start).filter(|(_, v)| **v != NONE) {
@@ -130,9 +133,9 @@ impl<'a> MeshReduction<'a> {
         let kind = vertex_kinds(&surface, &is_line, &is_tied);
         let mut engine = EdgeCollapser::new(surface, at, kind, is_line);
         engine.wedges = wedges;
-        engine.has_fans = place.iter().zip(0..).any(|(first, v)| *first != v);
-        engine.first_fan = place.into();
-        let kept = ReductionStats {
+        engine.has_fans = first_fan.iter().zip(0..).any(|(first, v)| *first != v);
+        engine.first_fan = first_fan.into();
+        let stats = ReductionStats {
             locked_vertices: tied_vertices,
             degenerate_faces: collapsed as u64,
             ..ReductionStats::default()
@@ -149,7 +152,7 @@ impl<'a> MeshReduction<'a> {
             vertex_of_start,
             source_face,
             is_region: is_part,
-            stats: kept,
+            stats,
         }
     }
 
@@ -158,12 +161,12 @@ impl<'a> MeshReduction<'a> {
         self.engine.surface.n_faces
     }
 
-    /// Whether every face has two corners at one position, so that there is no surface.
+    /// Whether there is no surface, since every face has two corners at one position.
     pub fn is_empty(&self) -> bool {
         self.n_faces() == 0
     }
 
-    /// Leaves out removed faces and vertices where most are, and forgets what was carried out.
+    /// Drops removed faces and vertices if they are the majority, and forgets the recorded collapses.
     pub fn compact(&mut self) -> Option<Compaction> {
         self.engine.log = None;
         if self.n_faces() > self.source_face.len() / 2 {
@@ -173,15 +176,15 @@ impl<'a> MeshReduction<'a> {
         for v in vertex_of_start.iter_mut().filter(|v| **v != NONE) {
             *v = representative(&mut engine.merged_into, *v);
         }
-        let kept = engine.compact();
+        let compaction = engine.compact();
         for v in vertex_of_start.iter_mut().filter(|v| **v != NONE) {
-            *v = kept.new_vertex[*v as usize];
+            *v = compaction.new_vertex[*v as usize];
         }
-        *source_face = kept.faces(source_face).collect();
-        Some(kept)
+        *source_face = compaction.faces(source_face).collect();
+        Some(compaction)
     }
 
-    /// Starts to monitor the distance, before anything is collapsed.
+    /// Starts to monitor the distance; called before anything is collapsed.
     pub fn start_monitor(&mut self, job: &Job) -> Result<(), JobError> {
         let surface = &self.engine.surface;
         let edges = || {
@@ -189,8 +192,8 @@ impl<'a> MeshReduction<'a> {
                 .filter(|h| surface.start[*h as usize] != NONE && *h < surface.twin[*h as usize])
                 .map(|h| (h, [surface.start[h as usize], surface.end(h)].map(|v| self.engine.at[v as usize])))
         };
-        // Long edges get sample points of their own, so many that gaps are at most about the mean edge
-        // length.
+        // Long edges get sample points in addition to their ends, so that gaps are at most about the mean
+        // edge length.
         let (sum, n) =
             edges().fold((0.0, 0.0), |(sum, n), (_, [p, q])| (sum + length(difference(q, p)), n + 1.0));
         let mut points = Vec::new();
@@ -206,42 +209,42 @@ impl<'a> MeshReduction<'a> {
         Ok(())
     }
 
-    /// Forgets samples that larger lengths do not need.
+    /// Drops samples that are not needed for larger lengths.
     pub fn thin_out_samples(&mut self) {
         self.engine.monitor.iter_mut().for_each(ErrorMonitor::thin_out);
     }
 
-    /// Limits attributes to the values that they have now, before anything is collapsed.
+    /// Limits the change of attributes from the values they have now; called before anything is collapsed.
     pub fn start_attribute_guard(&mut self, limits: &AttributeLimits) {
         let EdgeCollapser { surface, wedges, at, attribute_guard, .. } = &mut self.engine;
         *attribute_guard =
             wedges.as_ref().map(|wedges| AttributeGuard::new(surface, wedges, at.len(), limits));
     }
 
-    /// Whether there are attributes that collapses keep within limits.
+    /// Whether there are attributes with limits.
     pub fn guards_attributes(&self) -> bool {
         self.engine.attribute_guard.is_some()
     }
 
-    /// Resets the shares of the limits of attributes that collapses may use, for a larger length.
+    /// Resets the usable shares of the limits of attributes, for a larger length.
     pub fn reset_attribute_shares(&mut self) {
         self.engine.attribute_guard.iter_mut().for_each(AttributeGuard::reset);
     }
 
-    /// Lowers the shares of the limits of attributes where the mesh of `tried`, an earlier attempt, was beyond
+    /// Lowers the usable shares of the limits of attributes where the mesh of an earlier attempt exceeded
     /// them: around faces of the original, and around faces of that mesh.
-    pub fn tighten_attributes(&mut self, tried: &FailedAttempt, beyond: &[Vec<u32>; 2]) {
+    pub fn tighten_attributes(&mut self, failed: &FailedAttempt, beyond: &[Vec<u32>; 2]) {
         let (Some(guard), Some(before), Some(then)) =
-            (&mut self.engine.attribute_guard, &tried.attribute_guard, &tried.monitor)
+            (&mut self.engine.attribute_guard, &failed.attribute_guard, &failed.monitor)
         else {
             return;
         };
         let original = beyond[0].iter().flat_map(|face| then.original_corners(*face)).filter(|v| *v != NONE);
-        let mut places: Vec<u32> = original.collect();
+        let mut samples: Vec<u32> = original.collect();
         for face in &beyond[1] {
-            places.extend(then.samples_around(&tried.surface, tried.faces[*face as usize]));
+            samples.extend(then.samples_around(&failed.surface, failed.faces[*face as usize]));
         }
-        guard.tighten(before, places);
+        guard.tighten(before, samples);
     }
 
     /// Resets all check levels, for a larger length.
@@ -251,37 +254,37 @@ impl<'a> MeshReduction<'a> {
         }
     }
 
-    /// Raises the check levels where the mesh of `tried`, an earlier attempt, was too far from the original.
+    /// Raises the check levels where the mesh of an earlier attempt was too far from the original.
     /// `more` gives the next level after a change of a given cost.
     pub fn raise_check_levels(
         &mut self,
-        tried: &FailedAttempt,
-        places: &ViolationReport,
+        failed: &FailedAttempt,
+        report: &ViolationReport,
         more: impl Fn(CheckLevel, f32) -> CheckLevel,
     ) {
-        let (Some(watch), Some(then)) = (&mut self.engine.monitor, &tried.monitor) else { return };
+        let (Some(watch), Some(then)) = (&mut self.engine.monitor, &failed.monitor) else { return };
         let had = then.all_check_levels();
         let mut care = had.clone();
         let mut mark = |sample: u32, cost: f32| {
-            let known = &mut care[sample as usize];
-            *known = known.stricter(more(had[sample as usize], cost));
+            let level = &mut care[sample as usize];
+            *level = level.stricter(more(had[sample as usize], cost));
         };
-        let made_at = |face: u32| tried.face_cost[face as usize];
-        for far in &places.violations[0] {
-            // Those of the original, of which earlier levels may have removed the face.
+        let cost_of = |face: u32| failed.face_cost[face as usize];
+        for far in &report.violations[0] {
+            // Faces of the original. Earlier levels of detail may have removed the face that stands for one.
             let corners = then.original_corners(far.face);
-            // A face that was left out from the start has no vertices here.
+            // A face that was dropped at the start has no vertices here.
             if corners[0] != NONE {
                 let holders =
                     corners.map(|v| then.samples.holder(v)).into_iter().filter(|face| *face != NONE);
-                let cost = holders.map(made_at).reduce(lesser).unwrap_or(0.0);
+                let cost = holders.map(cost_of).reduce(lesser).unwrap_or(0.0);
                 corners.into_iter().for_each(|v| mark(v, cost));
             }
         }
-        for far in &places.violations[1] {
-            let face = tried.faces[far.face as usize];
-            let near = then.samples_near(&tried.surface, face);
-            near.into_iter().for_each(|sample| mark(sample, made_at(face)));
+        for far in &report.violations[1] {
+            let face = failed.faces[far.face as usize];
+            let near = then.samples_near(&failed.surface, face);
+            near.into_iter().for_each(|sample| mark(sample, cost_of(face)));
         }
         watch.check_levels = care;
     }
@@ -298,9 +301,9 @@ impl<'a> MeshReduction<'a> {
         }
     }
 
-    /// Freezes faces that are too close to the eye: no proof would accept a change there.
-    pub fn freeze_too_close(&mut self, room: &LocalTolerance) {
-        if room.is_constant() {
+    /// Freezes faces that are too close to the eye, since no proof would accept a change there.
+    pub fn freeze_too_close(&mut self, tolerance: &LocalTolerance) {
+        if tolerance.is_constant() {
             return;
         }
         let Some(mut monitor) = self.engine.monitor.take() else { return };
@@ -308,7 +311,7 @@ impl<'a> MeshReduction<'a> {
         let mut levels = monitor.all_check_levels();
         for face in self.faces() {
             let corners = surface.corners(face).map(|v| at[v as usize]);
-            if room.is_too_close(&Box3::from_points(&corners)) {
+            if tolerance.is_too_close(&Box3::from_points(&corners)) {
                 for sample in monitor.samples_near(surface, face) {
                     levels[sample as usize] = CheckLevel::Frozen;
                 }
@@ -318,22 +321,22 @@ impl<'a> MeshReduction<'a> {
         self.engine.monitor = Some(monitor);
     }
 
-    /// Collapses edges until `faces` are left, or nothing more fits into the tolerance.
-    pub fn run(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
-        let until = StopCriterion { faces, tolerance: room, share: None };
-        // Another attempt may do most of it again.
+    /// Collapses edges until `faces` are left, or no collapse fits into the tolerance.
+    pub fn run(&mut self, faces: usize, tolerance: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces, tolerance, share: None };
+        // The collapses are recorded, since another attempt may repeat most of them.
         self.engine.log = self.engine.monitor.is_some().then(Vec::new);
         if self.run_engine(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
-    /// Goes on from what was carried out, with a larger tolerance.
-    pub fn run_on(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
-        let until = StopCriterion { faces, tolerance: room, share: None };
+    /// Continues from the current state, with a larger tolerance.
+    pub fn run_on(&mut self, faces: usize, tolerance: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces, tolerance, share: None };
         if self.run_engine(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
-    /// A large surface is divided into regions, if every region knows all that decides, and the number of faces is none that
-    /// is to be met.
+    /// Runs the collapses. A large surface is divided into regions, provided that each region contains all
+    /// data for its decisions, and that no number of faces has to be met.
     fn run_engine(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         let knows_all = self.engine.monitor.as_ref().is_none_or(|monitor| monitor.check_levels.is_empty())
             && !self.guards_attributes()
@@ -345,8 +348,8 @@ impl<'a> MeshReduction<'a> {
         }
     }
 
-    /// The largest mean distance of a vertex from the planes of the original that it stands for, in world coordinates,
-    /// rounded: less than [`MEAN_DISTANCE_ROUNDING`] of the extent is nothing.
+    /// The largest mean distance of a vertex from the planes of the original that it represents, in world
+    /// coordinates, rounded: less than [`MEAN_DISTANCE_ROUNDING`] of the extent counts as 0.
     pub fn largest_mean_distance(&self) -> f64 {
         let EdgeCollapser { surface, quadric, at, .. } = &self.engine;
         let vertices = (0..at.len()).filter(|v| surface.outgoing[*v] != NONE && quadric[*v].weight() > 0.0);
@@ -364,22 +367,23 @@ impl<'a> MeshReduction<'a> {
         LocalTolerance::uniform(self.frame.local_length(length))
     }
 
-    /// Collapses edges that cost little enough that most of them need no monitor: their mean distance from planes of the
-    /// original is below a fraction `share` of what is allowed. Vertices in `held` stay. Fails with vertices of the original
-    /// that are too far from the surface then, with those around them.
+    /// Collapses edges that cost so little that most of them need no monitor: their mean distance from planes
+    /// of the original is below a fraction `share` of the tolerance. The given vertices stay fixed. Fails
+    /// with vertices of the original that are too far from the surface afterwards, and those around them.
     pub fn run_slight(
         &mut self,
-        (share, held): (f64, &[u32]),
+        (share, fixed_vertices): (f64, &[u32]),
         faces: usize,
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
         job: &Job,
     ) -> Result<Result<(), Vec<u32>>, JobError> {
         let Some(mut monitor) = self.engine.monitor.take() else { return Ok(Ok(())) };
         let EdgeCollapser { is_held, merged_into, .. } = &mut self.engine;
         is_held.fill(false);
-        let known = held.iter().map(|v| self.vertex_of_start[*v as usize]).filter(|v| *v != NONE);
-        known.for_each(|v| is_held[representative(merged_into, v) as usize] = true);
-        let until = StopCriterion { faces, tolerance: room, share: Some(share) };
+        let still_there =
+            fixed_vertices.iter().map(|v| self.vertex_of_start[*v as usize]).filter(|v| *v != NONE);
+        still_there.for_each(|v| is_held[representative(merged_into, v) as usize] = true);
+        let until = StopCriterion { faces, tolerance, share: Some(share) };
         self.engine.log = Some(Vec::new());
         if !self.run_engine(&until, job) {
             return Err(JobError::Cancelled);
@@ -387,15 +391,15 @@ impl<'a> MeshReduction<'a> {
         let EdgeCollapser { surface, at, merged_into, is_held, .. } = &mut self.engine;
         is_held.fill(false);
         let near = |v: u32| face_standing_for(surface, merged_into, self.vertex_of_start[v as usize]);
-        let found = monitor.assign_nearest(surface, at, near, (room, job));
-        let found = found.map_err(|far| monitor.around(far));
+        let assigned = monitor.assign_nearest(surface, at, near, (tolerance, job));
+        let assigned = assigned.map_err(|far| monitor.around(far));
         self.engine.monitor = Some(monitor);
-        Ok(found)
+        Ok(assigned)
     }
 
-    /// Removes small components that are separate from all others and close enough to the rest: their absence
-    /// is no larger error than that.
-    pub fn drop_small_components(&mut self, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+    /// Removes small components that are separate from all others and close enough to these: their absence
+    /// is no larger error than the tolerance.
+    pub fn drop_small_components(&mut self, tolerance: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let faces = self.faces();
         let engine = &self.engine;
         let mut sets = DisjointSets::new(engine.at.len());
@@ -417,11 +421,12 @@ impl<'a> MeshReduction<'a> {
         for face in &faces {
             let [a, b, c] = engine.surface.corners(*face);
             let corners = Box3::from_points(&[a, b, c].map(|v| engine.at[v as usize]));
-            let known = bounds.entry(sets.find(a)).or_insert(Box3::EMPTY);
-            *known = known.union(corners);
+            let component_bounds = bounds.entry(sets.find(a)).or_insert(Box3::EMPTY);
+            *component_bounds = component_bounds.union(corners);
         }
-        // A component within a length of another one has to be that thin, and a long thin component is kept.
-        let small = |b: &Box3| b.diagonal() <= SMALL * room.for_box(b);
+        // A component within a length of another one can only be that thin, and a long thin component is
+        // kept.
+        let small = |b: &Box3| b.diagonal() <= SMALL * tolerance.for_box(b);
         let mut dust: BTreeSet<u32> =
             bounds.iter().filter(|(_, b)| small(b)).map(|(root, _)| *root).collect();
         // Components that continue outside this part are kept as well.
@@ -434,10 +439,11 @@ impl<'a> MeshReduction<'a> {
         }
         let is_dust =
             |sets: &mut DisjointSets, face: u32| dust.contains(&sets.find(engine.surface.corners(face)[0]));
-        let (small, rest): (Vec<u32>, Vec<u32>) =
+        let (small, others): (Vec<u32>, Vec<u32>) =
             faces.into_iter().partition(|face| is_dust(&mut sets, *face));
-        let rest = rest.iter().map(|face| engine.surface.corners(*face)).collect();
-        let rest = ProximityChecker::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), rest)), job)?;
+        let others = others.iter().map(|face| engine.surface.corners(*face)).collect();
+        let others =
+            ProximityChecker::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), others)), job)?;
         let mut near: BTreeMap<u32, bool> = BTreeMap::new();
         for face in &small {
             let corners = engine.surface.corners(*face);
@@ -447,13 +453,13 @@ impl<'a> MeshReduction<'a> {
                 .iter()
                 .flat_map(|watch| watch.samples.of_face(*face).map(|s| watch.samples.at(s)));
             let mut points = samples.chain(corners.map(|v| engine.at[v as usize]));
-            // Where an earlier attempt deviated too much, nothing is removed.
+            // Nothing is removed where an earlier attempt deviated too much.
             let closely = engine
                 .monitor
                 .as_ref()
                 .is_some_and(|watch| watch.check_level(&[*face]) != CheckLevel::Sampled);
-            *is_near = *is_near && !closely && points.all(|p| room.holds(p, rest.distance_sq(p)));
-            *is_near = *is_near && rest.is_within(corners.map(|v| engine.at[v as usize]), room);
+            *is_near = *is_near && !closely && points.all(|p| tolerance.holds(p, others.distance_sq(p)));
+            *is_near = *is_near && others.is_within(corners.map(|v| engine.at[v as usize]), tolerance);
         }
         self.stats.dropped_components += near.values().filter(|near| **near).count() as u64;
         for face in small {
@@ -469,8 +475,8 @@ impl<'a> MeshReduction<'a> {
         self.engine.surface.faces()
     }
 
-    /// For each row of the original mesh a face of the current one that is near it, by its number in
-    /// [`Self::mesh`]; [`NONE`] where there is none.
+    /// For each row of the original mesh a face of the current one near it, by its number in
+    /// [`Self::mesh`]; [`NONE`] if there is none.
     pub fn near_faces(&mut self) -> Vec<u32> {
         let mut number = vec![NONE; self.engine.surface.start.len() / 3];
         for (i, face) in self.faces().into_iter().enumerate() {
@@ -480,9 +486,9 @@ impl<'a> MeshReduction<'a> {
         let near = rows.iter().map(|v| match *v {
             NONE => NONE,
             v => {
-                // The vertices are the first samples. A face that was removed as a whole has no number.
-                let held = self.engine.monitor.as_ref().map(|monitor| monitor.samples.holder(v));
-                if let Some(face) = held {
+                // The vertices are the first samples. The face of a removed component has no number.
+                let holder = self.engine.monitor.as_ref().map(|monitor| monitor.samples.holder(v));
+                if let Some(face) = holder {
                     return if face == NONE { NONE } else { number[face as usize] };
                 }
                 let EdgeCollapser { surface, merged_into, .. } = &mut self.engine;
@@ -496,16 +502,16 @@ impl<'a> MeshReduction<'a> {
     }
 }
 
-/// What sums of squares round off, of numbers up to 1; as a length. Chosen, with a factor of 64.
+/// The rounding of sums of squares of numbers up to 1, as a length. Chosen: with a factor of 64 in reserve.
 pub(super) const MEAN_DISTANCE_ROUNDING: f64 = 1e-6;
 /// The largest size of a removed component, as a multiple of the tolerance. Chosen: a ball of that size that
-/// touches the rest is twice as high as allowed.
+/// touches the remaining surface is twice as high as allowed.
 const SMALL: f64 = 4.0;
 /// The largest number of sample points on a long edge: a mesh of few large faces gets 7 to 49 on each.
 const MOST_ON_EDGE: u32 = 7;
 
 fn vertex_kinds(surface: &HalfEdgeSurface, is_line: &[bool], is_tied: &[bool]) -> Vec<CollapseVertexKind> {
-    let of = |(v, tied): (usize, &bool)| {
+    let kind_of = |(v, tied): (usize, &bool)| {
         if *tied {
             return CollapseVertexKind::Locked;
         }
@@ -519,5 +525,5 @@ fn vertex_kinds(surface: &HalfEdgeSurface, is_line: &[bool], is_tied: &[bool]) -
             _ => CollapseVertexKind::Corner,
         }
     };
-    is_tied.iter().enumerate().map(of).collect()
+    is_tied.iter().enumerate().map(kind_of).collect()
 }

@@ -11,15 +11,15 @@ use std::ops::Range;
 pub(super) struct RegionTree<'a> {
     mesh: &'a Mesh,
     ids: Option<Cow<'a, [u32]>>,
-    /// The triangles, ordered so that those of a region are contiguous.
+    /// The triangles, ordered so that each region is contiguous.
     order: Vec<u32>,
-    /// The whole mesh, then region by region the two halves of those before.
+    /// The whole mesh, then for each divided region its two halves.
     pub regions: Vec<MeshRegion>,
-    /// By position, the first and the last index in `order` of a triangle there.
+    /// By position: the first and the last index in `order` of a triangle there.
     face_span: Vec<[u32; 2]>,
 }
 
-/// A range of the triangles in the order of their regions.
+/// A range of the triangles in this order.
 pub(super) struct MeshRegion {
     range: Range<usize>,
     /// The region of which it is a half.
@@ -30,7 +30,7 @@ pub(super) struct MeshRegion {
 
 impl<'a> RegionTree<'a> {
     pub fn new(mesh: &'a Mesh, topology: Topology, most: usize) -> Self {
-        // Thirds first: a sum might overflow.
+        // Divided by three before the sum, which might overflow.
         let centre = |face: usize| {
             let [a, b, c] = mesh.corners(face);
             std::array::from_fn(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0)
@@ -69,13 +69,13 @@ impl<'a> RegionTree<'a> {
         self.ids.as_ref().map_or(row, |ids| ids[row as usize])
     }
 
-    /// The diagonal of the box around everything.
+    /// The diagonal of the box around the mesh.
     pub fn extent(&self) -> f64 {
         self.mesh.bounds().diagonal()
     }
 
-    /// A region as a mesh, its triangles in the order of the whole mesh, with all attributes; and by row,
-    /// whether another region has a triangle at its position. The list is empty where none has.
+    /// A region as a mesh, its triangles in the order of the whole mesh, with all attributes; and by row
+    /// whether another region has a triangle at its position. The list is empty if none has.
     pub fn mesh(&self, region: usize) -> (Mesh, Vec<bool>) {
         let range = &self.regions[region].range;
         let mut faces = self.order[range.clone()].to_vec();
@@ -124,11 +124,11 @@ fn submesh(mesh: &Mesh, faces: &[u32], rows: &[u32]) -> Mesh {
         // A position is identified by the first of its rows.
         let mut named: Vec<[u32; 2]> = (0..).zip(rows).map(|(at, row)| [ids[*row as usize], at]).collect();
         named.sort_unstable();
-        let mut of = vec![0; rows.len()];
+        let mut position_ids = vec![0; rows.len()];
         for together in named.chunk_by(|a, b| a[0] == b[0]) {
-            together.iter().for_each(|[_, at]| of[*at as usize] = together[0][1]);
+            together.iter().for_each(|[_, at]| position_ids[*at as usize] = together[0][1]);
         }
-        part = part.with_position_id(of).unwrap_or_default();
+        part = part.with_position_id(position_ids).unwrap_or_default();
     }
     for attribute in mesh.attributes() {
         let values: Vec<f64> = match attribute.domain {

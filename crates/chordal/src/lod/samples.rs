@@ -4,10 +4,11 @@ use super::surface::{Compaction, NONE};
 use crate::explicit::distance_sq_to_triangle;
 use crate::math::{cross, difference, dot, greater};
 
-/// A sample that is within half of the allowed distance of the face that held it stays with it; squared. Chosen.
+/// A sample stays with its face if it is within half of the allowed distance from it; as a factor of squares.
+/// Chosen: a larger value searches for nearer faces more often.
 pub(super) const NEAR: f64 = 4.0;
 
-/// Points that must stay within the tolerance of the surface, in lists by face.
+/// Points whose distance from the surface must stay within the tolerance, in lists by face.
 ///
 /// They only guide the simplification and prove nothing: `check::deviation` proves the points between them at
 /// the end.
@@ -17,33 +18,33 @@ pub(super) struct SamplesByFace {
     /// By face: its first sample.
     first: Vec<u32>,
     round: u32,
-    /// The pending reassignments of a collapse, until it is carried out: samples with their new faces.
+    /// The pending reassignments of a collapse: samples with their new faces.
     reassignments: Vec<(u32, u32)>,
-    /// The squared distance at which the last query failed; 0 where it did not.
+    /// The squared distance at which the last query failed; 0 if it succeeded.
     pub failed_at_sq: f64,
     /// Over the triangles of the last query.
     prisms: Vec<Prism>,
 }
 
-/// All of a sample in one place, since memory decides how fast many are asked.
+/// All data of a sample together, since memory access limits the speed of queries.
 #[derive(Clone, Copy)]
 struct Sample {
     at: [f64; 3],
-    /// The next one of its face.
+    /// The next sample of its face.
     next: u32,
-    /// The face that holds it; [`NONE`] where that was removed.
+    /// The face that holds it; [`NONE`] if that was removed.
     holder: u32,
-    /// The round of its last query, and the face that would hold it then.
+    /// The round of its last query, and the face that would hold it after that.
     round: u32,
     pending: u32,
 }
 
-/// What is straight over a triangle, and under it.
+/// The region straight above and below a triangle.
 #[derive(Clone, Copy)]
 struct Prism {
-    /// Planes, inside ≥ 0: the sides.
+    /// The planes of the sides, ≥ 0 inside.
     sides: [([f64; 3], f64); 3],
-    /// That of the triangle, as a unit normal; NaN for needles and triangles without area.
+    /// The plane of the triangle, with a unit normal; NaN for needles and triangles without area.
     plane: ([f64; 3], f64),
 }
 
@@ -63,7 +64,7 @@ impl Prism {
         Self { sides, plane: (normal, -dot(normal, a)) }
     }
 
-    /// The squared distance from the triangle, rounded, of what is over or under it; infinite for other points.
+    /// The squared distance from the triangle, rounded, for points in the prism; infinite for other points.
     #[inline]
     fn height_sq(&self, p: [f64; 3]) -> f64 {
         let over = |(normal, offset): &([f64; 3], f64)| dot(*normal, p) + offset;
@@ -73,8 +74,8 @@ impl Prism {
     }
 }
 
-/// The squared doubled area of a needle, as a fraction of its longest edge to the fourth. Chosen: for others the height has
-/// lost few digits.
+/// A triangle is a needle if the square of its doubled area is below this fraction of the fourth power of its
+/// longest edge. Chosen: the heights above other triangles lose few digits.
 const NEEDLE: f64 = 1.0 / 65536.0;
 
 impl SamplesByFace {
@@ -90,7 +91,7 @@ impl SamplesByFace {
         }
     }
 
-    /// The number of faces, removed ones among them.
+    /// The number of faces, including removed ones.
     pub fn n_faces(&self) -> usize {
         self.first.len()
     }
@@ -100,13 +101,13 @@ impl SamplesByFace {
         self.samples.len()
     }
 
-    /// Where a sample is.
+    /// The position of a sample.
     #[inline]
     pub fn at(&self, sample: u32) -> [f64; 3] {
         self.samples[sample as usize].at
     }
 
-    /// Where all samples are.
+    /// The positions of all samples.
     pub fn points(&self) -> impl Iterator<Item = [f64; 3]> {
         self.samples.iter().map(|sample| sample.at)
     }
@@ -122,7 +123,7 @@ impl SamplesByFace {
         self.samples.iter().map(|sample| sample.holder)
     }
 
-    /// Some samples of `n_faces` faces, with those that hold them, or [`NONE`].
+    /// Some of the samples, with the faces that hold them among `n_faces` faces, or [`NONE`].
     pub fn some(&self, samples: &[u32], holders: &[u32], n_faces: usize) -> Self {
         let mut some = Self::new(n_faces);
         let sample = |s: &u32| Sample { at: self.at(*s), next: NONE, holder: NONE, round: 0, pending: NONE };
@@ -131,17 +132,17 @@ impl SamplesByFace {
         some
     }
 
-    /// Leaves out samples; the others stay in their order.
+    /// Drops samples; the others keep their order.
     pub fn retain(&mut self, is_kept: &[bool]) {
         let holders: Vec<u32> =
             self.holders().zip(is_kept).filter(|(_, is_kept)| **is_kept).map(|(face, _)| face).collect();
-        let mut kept = is_kept.iter();
-        self.samples.retain(|_| kept.next() == Some(&true));
+        let mut flags = is_kept.iter();
+        self.samples.retain(|_| flags.next() == Some(&true));
         self.samples.shrink_to_fit();
         self.assign(&holders);
     }
 
-    /// Gives every sample to a face, or to [`NONE`].
+    /// Assigns every sample to a face, or to [`NONE`].
     pub fn assign(&mut self, holders: &[u32]) {
         self.first.fill(NONE);
         for (i, (sample, face)) in self.samples.iter_mut().zip(holders).enumerate() {
@@ -152,18 +153,18 @@ impl SamplesByFace {
         }
     }
 
-    /// Renumbers the faces; those that are gone hold nothing.
-    pub fn compact(&mut self, kept: &Compaction) {
-        self.first = kept.faces(&self.first).collect();
+    /// Renumbers the faces; removed faces hold nothing.
+    pub fn compact(&mut self, compaction: &Compaction) {
+        self.first = compaction.faces(&self.first).collect();
         for sample in self.samples.iter_mut().filter(|sample| sample.holder != NONE) {
-            sample.holder = kept.new_face[sample.holder as usize];
+            sample.holder = compaction.new_face[sample.holder as usize];
         }
     }
 
     /// Undoes [`Self::compact`].
-    pub fn expand(&mut self, kept: &Compaction) {
-        self.first = kept.by_old_face(&self.first, NONE);
-        self.samples.iter_mut().for_each(|sample| sample.holder = kept.old_face(sample.holder));
+    pub fn expand(&mut self, compaction: &Compaction) {
+        self.first = compaction.by_old_face(&self.first, NONE);
+        self.samples.iter_mut().for_each(|sample| sample.holder = compaction.old_face(sample.holder));
     }
 
     /// The samples of a face.
@@ -175,9 +176,14 @@ impl SamplesByFace {
         })
     }
 
-    /// Whether all samples of `old` faces are close enough to the `new` triangles; remembers the nearest
+    /// Whether all samples of `old` faces are close enough to the `new` triangles; records the nearest
     /// triangle of each.
-    pub fn try_reassign(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &LocalTolerance) -> bool {
+    pub fn try_reassign(
+        &mut self,
+        old: &[u32],
+        new: &[(u32, [[f64; 3]; 3])],
+        tolerance: &LocalTolerance,
+    ) -> bool {
         let Self { samples, first, round, reassignments, failed_at_sq, prisms } = self;
         reassignments.clear();
         *failed_at_sq = 0.0;
@@ -185,38 +191,39 @@ impl SamplesByFace {
         prisms.clear();
         prisms.extend(new.iter().map(|(_, triangle)| Prism::over(*triangle)));
         for &face in old {
-            let own = new.iter().position(|(f, _)| *f == face);
+            let own_triangle = new.iter().position(|(f, _)| *f == face);
             let mut sample = first[face as usize];
             let mut before = NONE;
             while sample != NONE {
                 let p = samples[sample as usize].at;
                 let mut best = (f64::INFINITY, NONE);
-                // Mostly it is straight over the face that held it, or else over another one.
+                // Usually a sample is straight above its current face, or else above another one.
                 let offer = |best: &mut (f64, u32), k: usize| {
                     let d = prisms[k].height_sq(p);
                     if d < best.0 {
                         *best = (d, new[k].0);
                     }
                 };
-                match own {
-                    Some(own) => offer(&mut best, own),
+                match own_triangle {
+                    Some(own_triangle) => offer(&mut best, own_triangle),
                     None => (0..new.len()).for_each(|k| offer(&mut best, k)),
                 }
-                if !room.holds_sample(sample, best.0 * NEAR) {
+                if !tolerance.holds_sample(sample, best.0 * NEAR) {
                     let offer = |best: &mut (f64, u32), (face, corners): &(u32, [[f64; 3]; 3])| {
                         let d = distance_sq_to_triangle(p, *corners);
                         if d < best.0 {
                             *best = (d, *face);
                         }
                     };
-                    own.into_iter().for_each(|own| offer(&mut best, &new[own]));
-                    if !room.holds_sample(sample, best.0 * NEAR) {
+                    own_triangle.into_iter().for_each(|own_triangle| offer(&mut best, &new[own_triangle]));
+                    if !tolerance.holds_sample(sample, best.0 * NEAR) {
                         new.iter().filter(|(f, _)| *f != face).for_each(|new| offer(&mut best, new));
                     }
                 }
-                // A length whose square is beyond all numbers holds any distance, but not that to no triangle.
-                if best.1 == NONE || !room.holds_sample(sample, best.0) {
-                    // Other collapses there will fail at the same one.
+                // If the square of the tolerance overflows, any distance is allowed, but there must be a
+                // triangle.
+                if best.1 == NONE || !tolerance.holds_sample(sample, best.0) {
+                    // Moved to the front, since other collapses there will fail at the same sample.
                     if before != NONE {
                         samples[before as usize].next = samples[sample as usize].next;
                         samples[sample as usize].next = std::mem::replace(&mut first[face as usize], sample);
@@ -225,16 +232,16 @@ impl SamplesByFace {
                     return false;
                 }
                 reassignments.push((sample, best.1));
-                let known = &mut samples[sample as usize];
-                (known.round, known.pending) = (*round, best.1);
+                let entry = &mut samples[sample as usize];
+                (entry.round, entry.pending) = (*round, best.1);
                 before = sample;
-                sample = known.next;
+                sample = entry.next;
             }
         }
         true
     }
 
-    /// Carries out the reassignments that [`SamplesByFace::try_reassign`] found, for the same old faces.
+    /// Carries out the reassignments found by [`SamplesByFace::try_reassign`], for the same old faces.
     pub fn commit(&mut self, old: &[u32]) {
         for face in old {
             self.first[*face as usize] = NONE;
@@ -246,7 +253,7 @@ impl SamplesByFace {
         }
     }
 
-    /// The samples that [`SamplesByFace::try_reassign`] visited, with the faces that would hold them.
+    /// The samples visited by [`SamplesByFace::try_reassign`], with the faces that would hold them.
     pub fn reassignments(&self) -> &[(u32, u32)] {
         &self.reassignments
     }
@@ -256,7 +263,7 @@ impl SamplesByFace {
         self.samples[sample as usize].holder
     }
 
-    /// The face that would hold a sample after the pending collapse, where that is another one or around it.
+    /// The face that would hold a sample after the pending collapse, if that affects the sample.
     #[inline]
     pub fn pending_holder(&self, sample: u32) -> Option<u32> {
         let Sample { round, pending, .. } = self.samples[sample as usize];

@@ -1,20 +1,22 @@
-//! `SwitchDistances`: which level of detail is fine enough at a distance.
+//! `SwitchDistances`: the distances from which a level of detail is fine enough.
 use crate::budget::{MinDistanceView, Pixels, View};
 use crate::math::{Box3, greater};
 
-/// Switching distances of levels by their errors, the finest first, for one projection and a limit in pixels.
+/// The switching distances of levels by their errors, the finest first, for one projection and a limit in
+/// pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwitchDistances {
     /// By level: the nearest distance at which it may be shown. Nearer than the distance of the finest level,
-    /// nothing is fine enough.
+    /// no level is fine enough.
     nearest: Vec<f64>,
     errors: Vec<f64>,
     lens: MinDistanceView,
     pixels: Pixels,
 }
 
-/// A coarser level takes over at its own distance times this factor, a finer one at its distance. Chosen:
-/// moving around at one distance does not make levels flicker.
+/// A coarser level takes over at its distance times this factor, a finer one at its distance. Chosen: so that
+/// levels do not flicker if the viewer moves around at one distance; a larger factor keeps finer levels
+/// longer.
 pub const HYSTERESIS: f64 = 1.1;
 
 /// The level to show at a distance.
@@ -22,7 +24,7 @@ pub const HYSTERESIS: f64 = 1.1;
 pub struct LevelChoice {
     /// The level, 0 the finest.
     pub level: usize,
-    /// Upper bound of the error on the screen, anywhere in the picture; `None` where the eye is too close for
+    /// Upper bound of the error on the screen, anywhere in the picture; `None` if the eye is too close for
     /// a bound.
     pub pixels: Option<f64>,
     /// Whether that is within the limit.
@@ -30,8 +32,8 @@ pub struct LevelChoice {
 }
 
 impl SwitchDistances {
-    /// The distances for levels with these proved errors, ascending. Of `lens` only the projection and the
-    /// screen are used.
+    /// The distances for levels with these proved errors, ascending. Only the projection and the
+    /// screen of `lens` are used.
     ///
     /// Conservative: from a level's distance on, its error is at most `pixels` everywhere on the screen,
     /// corners included, by the full form of [`View::pixels_of`], for any direction of view.
@@ -55,13 +57,13 @@ impl SwitchDistances {
         Self { nearest, errors: errors.to_vec(), lens, pixels }
     }
 
-    /// The nearest distance at which a level may be shown; infinite where no distance is far enough.
+    /// The nearest distance at which a level may be shown; infinite if no distance is far enough.
     #[must_use]
     pub fn distance(&self, level: usize) -> Option<f64> {
         self.nearest.get(level).copied()
     }
 
-    /// The level to show at a distance from the box, when `before` was shown: a coarser level takes over
+    /// The level to show at a distance from the box, if `before` was shown last: a coarser level takes over
     /// [`HYSTERESIS`] times farther out than its distance, a finer one at once. Without levels, level 0.
     #[must_use]
     pub fn at(&self, distance: f64, before: Option<usize>) -> LevelChoice {
@@ -81,13 +83,13 @@ impl SwitchDistances {
 }
 
 fn pixels_at(error: f64, lens: MinDistanceView, distance: f64) -> Option<f64> {
-    // Any place will do: only the distance matters.
+    // Any position would do, since only the distance matters.
     let anywhere = Box3 { min: [0.0; 3], max: [0.0; 3] };
     View::MinDistance(MinDistanceView { distance, ..lens }).pixels_of(error, &anywhere)
 }
 
-/// The relative precision of a distance. Chosen: where exactly a level changes is invisible, as long as it is
-/// not too near.
+/// The relative precision of a distance. Chosen: the exact distance of a switch is invisible, as long as it
+/// is not too near.
 const CLOSE: f64 = 1e-6;
 
 /// The nearest distance, up to a millionth, from which an error is at most `pixels`.
@@ -96,7 +98,7 @@ fn switch_distance(error: f64, lens: MinDistanceView, pixels: Pixels) -> f64 {
         return 0.0;
     }
     let is_enough = |distance: f64| pixels_at(error, lens, distance).is_some_and(|px| px <= pixels.get());
-    // A sufficient distance stays sufficient farther out: powers of two, then bisection.
+    // A distance that suffices suffices farther out as well: powers of two, then bisection.
     let Some(mut far) = (-60..=200).map(|k| error * libm::exp2(f64::from(k))).find(|d| is_enough(*d)) else {
         return f64::INFINITY;
     };

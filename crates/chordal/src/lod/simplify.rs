@@ -17,17 +17,17 @@ use crate::check::{
 use crate::explicit::{Mesh, Semantic, Topology};
 use crate::math::{Box3, lesser};
 
-/// A simplified mesh, with details beside the bound.
+/// A simplified mesh, with details in addition to the bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimplifiedMesh {
     /// The triangles.
     pub mesh: Mesh,
-    /// The worst pair of points: one on one surface, and the closest point on the other. `None` where no point was
-    /// found to be off.
+    /// The worst pair of points: one on one surface, and the closest point on the other. `None` if no point
+    /// was found to deviate.
     pub worst: Option<OneSidedDistance>,
-    /// What could not be collapsed, and what was left out.
+    /// Parts that could not be collapsed, and parts that were dropped.
     pub stats: ReductionStats,
-    /// How far attributes are from those of the original: measured where the budget limits them.
+    /// The deviation of attributes from those of the original, measured if the budget limits them.
     pub attributes: Vec<AttributeDeviation>,
 }
 
@@ -36,48 +36,49 @@ pub(super) type SimplifyFailure = Failure<SimplifiedMesh>;
 /// The same surface with as few triangles as a budget allows.
 ///
 /// With a length or pixels, the result is within that of `mesh`, in both directions, and has few triangles
-/// for it. With a triangle count alone, it has at most that many, and about the error of a length that leaves so many:
-/// [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and [`Failure::Unmet`] where it has
-/// more triangles than the count.
+/// for it. With a triangle count alone, it has at most that many, and about the error of a length that leaves
+/// so many: [`simplify_to_count`] with [`Effort::Best`]. With both, it is within the length, and
+/// [`Failure::Unmet`] if it has more triangles than the count.
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved,
-/// rounding included, on the triangles that are returned: by a map between both surfaces, and where that does not
-/// reach as by [`check::deviation`](crate::check::deviation). Its ends are within a tenth of each other; for a
-/// length not closer than a hundredth of it, for a count not closer than a billionth of the diagonal. Not covered:
-/// the angles of normals, and attribute values between the points of a feature line.
+/// rounding included, on the triangles that are returned: by a map between both surfaces, and for faces that
+/// it does not cover as by [`check::deviation`](crate::check::deviation). Its ends are within a tenth of each
+/// other; for a length not closer than a hundredth of it, for a count not closer than a billionth of the
+/// diagonal. Not covered: the angles of normals, and attribute values between the points of a feature line.
 ///
 /// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a
-/// camera each place has its own length: far away, behind the eye and off the axis, a pixel is a longer one.
-/// The proof goes piece by piece. For a piece of a face of either surface, with the box `B` around it, every
-/// point has a point of the other surface within a proved length `l`, so on the screen the two are at most
-/// [`View::pixels_of`](crate::View::pixels_of)`(l, B)` apart, if either is visible. `bound.pixels` is the
-/// largest such number over the pieces of all faces of both surfaces; the length of the bound is still the
-/// largest of all lengths. Faces that both surfaces share have no error. Where a face reaches the plane of
-/// the eye there is no bound for any length, and it stays as it is.
+/// camera the length depends on the place: far away, behind the eye and off the axis, a pixel is a longer
+/// one. The proof goes piece by piece. For a piece of a face of either surface, with the box `B` around it,
+/// every point has a point of the other surface within a proved length `l`, so on the screen the two are at
+/// most [`View::pixels_of`](crate::View::pixels_of)`(l, B)` apart, if either is visible. `bound.pixels` is
+/// the largest such number over the pieces of all faces of both surfaces; the length of the bound is still
+/// the largest of all lengths. Faces that both surfaces share have no error. If a face reaches the plane of
+/// the eye, there is no bound for any length, and the face stays as it is.
 ///
-/// *What is preserved.* A closed manifold stays one: an edge is collapsed only where the surface stays
-/// manifold (link condition) and no face flips. Borders, and lines at which texture coordinates, colours,
-/// materials or normals (by more than 30°) jump, stay lines, within the length where there is one; vertices
-/// move along them, with the values on either side. Normals of flat shading are recomputed from the new
-/// faces. Where the mesh is non-manifold or inconsistently wound it stays as it is, and [`ReductionStats`]
-/// says how many vertices that locks. A separate component is removed only where a length covers its absence,
-/// never for a count. A face without area that joins no two others is left out where the length covers its absence, and
-/// stays as it is elsewhere; where there are such faces the bound starts at 0.
+/// *What is preserved.* A closed manifold stays one: an edge is collapsed only if the surface stays manifold
+/// (link condition) and no face flips. Borders, and lines at which texture coordinates, colours, materials or
+/// normals (by more than 30°) jump, stay lines, within the length if there is one; vertices move along them,
+/// with the values on either side. Normals of flat shading are recomputed from the new faces. Where the mesh
+/// is non-manifold or inconsistently wound it stays as it is; [`ReductionStats`] counts the vertices that
+/// this fixes. A separate component is removed only if a length covers its absence, never for a count. A face
+/// without area that joins no two others is dropped if the length covers its absence, and stays as it is
+/// otherwise; if there are such faces, the bound starts at 0.
 ///
-/// *Attributes.* With [`AttributeLimits`] beside a length or pixels, texture coordinates and normals are within them as
-/// [`attribute_deviation`] measures it, at four samples a face of either mesh; where no attempt is, the mesh stays
-/// as it is. Measured, not proved.
+/// *Attributes.* With [`AttributeLimits`] beside a length or pixels, texture coordinates and normals are
+/// within them as [`attribute_deviation`] measures it, at four samples a face of either mesh; if no attempt
+/// achieves that, the mesh stays as it is. Measured, not proved.
 ///
 /// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position. Attributes are
-/// carried along.
+/// preserved.
 ///
-/// *Cost.* 3 to 17 µs a triangle on one core on smooth shapes, 15 to 25 µs on scans, 35 to 50 µs where faces are needles, as
-/// in parts that CAD programs triangulated; 700 to 1,050 bytes a triangle. Large meshes are collapsed in regions on all threads, with
-/// the same result on any number. [`Effort::Fast`] is for a count in less time.
+/// *Cost.* 3 to 17 µs a triangle on one core on smooth shapes, 15 to 25 µs on scans, 35 to 50 µs if faces are
+/// needles, as in parts that CAD programs triangulated; 700 to 1,050 bytes a triangle. Large meshes are
+/// collapsed in regions on all threads, with the same result on any number of them. [`Effort::Fast`] reaches
+/// a count in less time.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best result when a count cannot be reached; [`RefusalCode::Budget`] without a
-/// limit or with an angle; [`RefusalCode::Empty`] without a triangle; [`RefusalCode::TooClose`] when all
+/// [`Failure::Unmet`] with the best result if a count cannot be reached; [`RefusalCode::Budget`] without a
+/// limit or with an angle; [`RefusalCode::Empty`] without a triangle; [`RefusalCode::TooClose`] if all
 /// faces come so close to the eye that no pixel bound exists; the refusals of
 /// [`check::deviation`](crate::check::deviation).
 ///
@@ -120,7 +121,7 @@ pub fn simplify(
         let message = "the mesh comes so close to the eye that there is no bound in pixels";
         return Err(Failure::refused(RefusalCode::TooClose, message));
     };
-    let mut made = if allowed.constant() == Some(f64::INFINITY) {
+    let mut simplified = if allowed.constant() == Some(f64::INFINITY) {
         match budget.triangles {
             Some(_) if budget.attributes.is_set() => {
                 let message = "limits on attributes need a length or pixels beside them";
@@ -143,21 +144,21 @@ pub fn simplify(
         }
     };
     if let Some(PixelBudget { view, .. }) = &budget.pixels {
-        // Both are proved: the largest over the pieces, each in its place, and that of the largest distance
-        // anywhere in the bounding box.
-        let of_length = made.bound.at_most().and_then(|most| view.pixels_of(most, &bounds));
-        made.bound.pixels = match (made.bound.pixels, of_length) {
+        // Both bounds are proved: the largest one over the pieces, each for its place, and the one for the
+        // largest distance anywhere in the bounding box.
+        let pixels_of_length = simplified.bound.at_most().and_then(|most| view.pixels_of(most, &bounds));
+        simplified.bound.pixels = match (simplified.bound.pixels, pixels_of_length) {
             (Some(a), Some(b)) => Some(lesser(a, b)),
             (a, b) => a.or(b),
         };
     }
-    if budget.triangles.is_some_and(|most| made.shape.mesh.faces().len() as u64 > most) {
-        return Err(Failure::Unmet(Box::new(made)));
+    if budget.triangles.is_some_and(|most| simplified.shape.mesh.faces().len() as u64 > most) {
+        return Err(Failure::Unmet(Box::new(simplified)));
     }
-    Ok(made)
+    Ok(simplified)
 }
 
-/// Whether there is a face at whose place some length is allowed.
+/// Whether some face is at a place where a length is allowed.
 fn has_bounded_face(allowed: &ErrorLimit, mesh: &Mesh) -> bool {
     let face = |face: usize| allowed.at(&Box3::from_points(&mesh.corners(face))).is_some();
     allowed.at(&mesh.bounds()).is_some() || (0..mesh.faces().len()).any(face)
@@ -175,27 +176,30 @@ pub(super) struct SimplifyInput<'a> {
     pub job: &'a Job,
 }
 
-/// The fraction of the tolerance that collapses may use; the rest covers rounding and the slack of the final
-/// proof over the thorough checks. Chosen.
+/// The fraction of the tolerance that collapses may use. Chosen: the remainder covers rounding and the slack
+/// of the final proof over the thorough checks.
 pub(super) const SHARE: f64 = 0.99;
-/// The largest number of attempts, each with stricter checks where the one before deviated too much.
+/// The most attempts, each with stricter checks where the previous one deviated too much.
 /// Measured: up to 6 are needed.
 const ATTEMPTS: u32 = 14;
-/// The fraction of a length, or of the diagonal if that is less, by which both ends of a bound may differ. Chosen.
+/// The fraction of a length, or of the diagonal if that is less, by which both ends of a bound may differ.
+/// Chosen: a smaller one takes more time for the bound alone.
 pub(super) const CLOSE: f64 = 0.01;
-/// The fraction of the diagonal below which a distance is roundings, as of positions that were computed in flat parts,
-/// and is not told from less. Chosen.
+/// The fraction of the diagonal below which a distance counts as rounding, as of positions that were computed
+/// in flat parts. Chosen: a smaller one takes time to resolve rounding errors.
 pub(super) const ROUNDINGS: f64 = 1024.0 * f64::EPSILON;
-/// The fraction of a length that collapses without a monitor may cost. Chosen.
+/// The fraction of a length that collapses without a monitor may cost. Chosen: a larger one has to be undone
+/// more often, a smaller one saves less time.
 const SLIGHT: f64 = 0.25;
-/// From this attempt on, nothing changes any more where the one before deviated too much. Chosen.
+/// From this attempt on, nothing changes any more where the previous one deviated too much. Chosen: a smaller
+/// number gives up triangles earlier.
 const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
-pub(super) fn simplify_within(asked: &SimplifyInput<'_>) -> Result<Bounded<SimplifiedMesh>, JobError> {
-    let mut progress = ProgressiveSimplifier::new(asked)?;
-    let found = progress.simplify_within(&asked.limit, asked.job)?;
-    Ok(found.unwrap_or_else(|| progress.unchanged()))
+pub(super) fn simplify_within(input: &SimplifyInput<'_>) -> Result<Bounded<SimplifiedMesh>, JobError> {
+    let mut progress = ProgressiveSimplifier::new(input)?;
+    let simplified = progress.simplify_within(&input.limit, input.job)?;
+    Ok(simplified.unwrap_or_else(|| progress.unchanged()))
 }
 
 /// A mesh that is simplified step by step, within growing lengths. Each result is proved against the original
@@ -213,8 +217,8 @@ pub(super) struct ProgressiveSimplifier<'a> {
 }
 
 impl<'a> ProgressiveSimplifier<'a> {
-    pub fn new(asked: &SimplifyInput<'a>) -> Result<Self, JobError> {
-        let SimplifyInput { mesh, topology, fixed_rows: stays, attributes, job, .. } = *asked;
+    pub fn new(input: &SimplifyInput<'a>) -> Result<Self, JobError> {
+        let SimplifyInput { mesh, topology, fixed_rows: stays, attributes, job, .. } = *input;
         let mut proved = MeshReduction::from_region(mesh, topology, stays, &attributes);
         if !proved.is_empty() {
             proved.start_monitor(job)?;
@@ -225,7 +229,7 @@ impl<'a> ProgressiveSimplifier<'a> {
         Ok(Self { mesh, topology, proved, is_proved: false, attributes, enough: 0 })
     }
 
-    /// The same, which stops where at most this many triangles are left.
+    /// The same, but it stops once at most this many triangles are left.
     pub fn with_enough(self, enough: usize) -> Self {
         Self { enough, ..self }
     }
@@ -240,8 +244,8 @@ impl<'a> ProgressiveSimplifier<'a> {
         unchanged(self.mesh, ReductionStats { degenerate_faces: 0, ..self.proved.stats })
     }
 
-    /// As few triangles as fit within `allowed`, which is nowhere less than before; `None` where none were
-    /// found, or no fewer than the last time.
+    /// As few triangles as fit within `allowed`, which is nowhere less than in the last call; `None` if none
+    /// were found, or no fewer than the last time.
     pub fn simplify_within(
         &mut self,
         allowed: &ErrorLimit,
@@ -252,111 +256,113 @@ impl<'a> ProgressiveSimplifier<'a> {
         }
         let mesh = self.mesh;
         self.proved.stats.unsettled_faces = 0;
-        let room = self.proved.local_tolerance(allowed, SHARE);
-        let mut tried: Option<(FailedAttempt, ViolationReport, [Vec<u32>; 2])> = None;
-        // After a level, few collapses are slight for the next one.
-        let slight = if self.is_proved { None } else { self.slight_collapses(&room, job)? };
+        let tolerance = self.proved.local_tolerance(allowed, SHARE);
+        let mut failed: Option<(FailedAttempt, ViolationReport, [Vec<u32>; 2])> = None;
+        // After a first level, few collapses are slight for the next one.
+        let slight = if self.is_proved { None } else { self.slight_collapses(&tolerance, job)? };
         let mut start = AttemptStart::new(slight);
         for attempt in 1..=ATTEMPTS {
-            if let Some((tried, places, _)) = &mut tried {
-                start.follow(tried, places);
+            if let Some((failed, report, _)) = &mut failed {
+                start.follow(failed, report);
                 if attempt == LAST_LOOK {
-                    start.leave_slight(tried);
+                    start.leave_slight(failed);
                 }
             }
             let from = start.from(&self.proved);
-            // From the same state again, most is known.
-            let again = tried.as_mut().filter(|_| !from.guards_attributes());
-            let again = again.map(|(tried, places, _)| from.retry(tried, places, (&room, attempt - 2)));
-            let is_again = again.is_some();
-            let mut reduction = again.unwrap_or_else(|| from.clone());
-            match &tried {
+            // Most of an attempt from the same state can be repeated.
+            let retried = failed.as_mut().filter(|_| !from.guards_attributes());
+            let retried =
+                retried.map(|(failed, report, _)| from.retry(failed, report, (&tolerance, attempt - 2)));
+            let is_again = retried.is_some();
+            let mut reduction = retried.unwrap_or_else(|| from.clone());
+            match &failed {
                 None => {
                     reduction.reset_check_levels();
                     reduction.reset_attribute_shares();
-                    reduction.freeze_too_close(&room);
+                    reduction.freeze_too_close(&tolerance);
                 }
-                Some((tried, places, beyond)) => {
+                Some((failed, report, beyond)) => {
                     let more = if attempt < LAST_LOOK { CheckLevel::escalate } else { CheckLevel::freeze };
-                    reduction.raise_check_levels(tried, places, more);
-                    reduction.tighten_attributes(tried, beyond);
+                    reduction.raise_check_levels(failed, report, more);
+                    reduction.tighten_attributes(failed, beyond);
                 }
             }
             if is_again {
-                // In the end what was left out stays as it was.
+                // In the last attempts the open parts stay as they were.
                 if attempt < LAST_LOOK {
-                    reduction.run_open(self.enough, &room, job)?;
+                    reduction.run_open(self.enough, &tolerance, job)?;
                 }
             } else {
-                reduction.run(self.enough, &room, job)?;
+                reduction.run(self.enough, &tolerance, job)?;
             }
-            reduction.drop_small_components(&room, job)?;
-            // Where nothing was left out either, the mesh is what it was.
+            reduction.drop_small_components(&tolerance, job)?;
+            // If nothing was dropped or collapsed, the mesh is unchanged.
             let is_known =
                 self.is_proved || (reduction.stats.degenerate_faces == 0 && !self.attributes.is_set());
             if is_known && reduction.n_faces() == self.proved.n_faces() {
                 return Ok(None);
             }
-            let made = reduction.mesh();
-            // One length is asked of a map between both surfaces; lengths by place are searched.
+            let simplified = reduction.mesh();
+            // For one length both surfaces are mapped; for lengths that depend on the place they are
+            // searched.
             let near = reduction.near_faces();
             let near = NearFaces { by_row: &near, topology: self.topology };
             let mapped = allowed
                 .constant()
-                .map(|length| MappedPair::new(mesh, &made, (near, length), job))
+                .map(|length| MappedPair::new(mesh, &simplified, (near, length), job))
                 .transpose()?;
-            let places = match (&mapped, allowed.constant()) {
+            let report = match (&mapped, allowed.constant()) {
                 (Some(mapped), Some(length)) => mapped.violations(length, job)?,
-                _ => tolerance_violations(mesh, &made, allowed, job)?,
+                _ => tolerance_violations(mesh, &simplified, allowed, job)?,
             };
-            if places.is_empty() {
-                let (attributes, beyond) = self.attribute_deviation(&made, places.at_most, job)?;
+            if report.is_empty() {
+                let (attributes, beyond) = self.attribute_deviation(&simplified, report.at_most, job)?;
                 if beyond.iter().any(|faces| !faces.is_empty()) {
-                    tried = Some((FailedAttempt::new(reduction), places, beyond));
+                    failed = Some((FailedAttempt::new(reduction), report, beyond));
                     continue;
                 }
-                // What is far below the length need not be known to a tenth of itself.
+                // A deviation far below the length need not be known to a tenth of itself.
                 let close = |length| Tolerance::new(CLOSE * lesser(length, mesh.bounds().diagonal())).ok();
                 let absolute = allowed.constant().and_then(close);
                 let goal = Goal { absolute, ..Goal::default() };
-                let found = match mapped {
-                    Some(mapped) => mapped.deviation(places.at_most, &goal, job)?,
-                    None => deviation(mesh, &made, &goal, job)?,
+                let deviation_found = match mapped {
+                    Some(mapped) => mapped.deviation(report.at_most, &goal, job)?,
+                    None => deviation(mesh, &simplified, &goal, job)?,
                 };
-                let mut found = bounded(made, &found, places.at_most, reduction.stats);
-                found.shape.attributes = attributes;
-                let by_place = allowed.constant().is_none() && places.pixels.is_finite();
-                found.bound.pixels = by_place.then_some(places.pixels);
+                let mut simplified = bounded(simplified, &deviation_found, report.at_most, reduction.stats);
+                simplified.shape.attributes = attributes;
+                let by_place = allowed.constant().is_none() && report.pixels.is_finite();
+                simplified.bound.pixels = by_place.then_some(report.pixels);
                 let _ = reduction.compact();
                 reduction.thin_out_samples();
                 (self.proved, self.is_proved) = (reduction, true);
-                return Ok(Some(found));
+                return Ok(Some(simplified));
             }
-            tried = Some((FailedAttempt::new(reduction), places, Default::default()));
+            failed = Some((FailedAttempt::new(reduction), report, Default::default()));
         }
-        let left = tried.map_or(0, |(_, places, _)| places.count());
-        self.proved.stats.unsettled_faces = left as u64;
+        let n_unsettled = failed.map_or(0, |(_, report, _)| report.count());
+        self.proved.stats.unsettled_faces = n_unsettled as u64;
         Ok(None)
     }
 
-    /// The mesh after collapses that cost so little that no monitor looked at them; `None` where that is not close
+    /// The mesh after collapses that cost so little that they need no monitor; `None` if it is not close
     /// enough.
     fn slight_collapses(
         &self,
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
         job: &Job,
     ) -> Result<Option<(MeshReduction<'a>, SlightCollapses)>, JobError> {
-        if self.proved.guards_attributes() || !room.is_constant() {
+        if self.proved.guards_attributes() || !tolerance.is_constant() {
             return Ok(None);
         }
-        self.proved.after_slight((SLIGHT, self.enough), room, job)
+        self.proved.after_slight((SLIGHT, self.enough), tolerance, job)
     }
 
-    /// How far attributes are from those of the original, where they have limits, and the faces of either mesh that
-    /// are beyond them. Lines between charts may have moved by `moved`.
+    /// The deviation of attributes with limits from those of the original, and the faces of either mesh
+    /// beyond the limits. Lines between charts may have moved by `moved`.
     fn attribute_deviation(
         &self,
-        made: &Mesh,
+        simplified: &Mesh,
         moved: f64,
         job: &Job,
     ) -> Result<(Vec<AttributeDeviation>, [Vec<u32>; 2]), JobError> {
@@ -370,31 +376,31 @@ impl<'a> ProgressiveSimplifier<'a> {
             Semantic::Normal if has_own_normals => self.attributes.normal_deg(),
             _ => None,
         };
-        attribute_deviation_within(self.mesh, made, Tolerance::new(moved).ok(), &limit, job)
+        attribute_deviation_within(self.mesh, simplified, Tolerance::new(moved).ok(), &limit, job)
     }
 }
 
-pub(super) fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
+pub(super) fn unchanged(mesh: &Mesh, stats: ReductionStats) -> Bounded<SimplifiedMesh> {
     let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
     Bounded {
-        shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats: kept, attributes: Vec::new() },
+        shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats, attributes: Vec::new() },
         bound,
     }
 }
 
 /// The bound by [`deviation`]. Another proof of the same distance, `at_most`, may lower its upper end. Two
-/// proofs that contradict each other prove nothing, so an upper end below the proved lower end is not taken.
+/// proofs that contradict each other prove nothing, so an upper end below the proved lower end is ignored.
 pub(super) fn bounded(
     mesh: Mesh,
-    found: &Deviation,
+    deviation: &Deviation,
     at_most: f64,
-    kept: ReductionStats,
+    stats: ReductionStats,
 ) -> Bounded<SimplifiedMesh> {
-    let worst = (found.bound.at_least() > 0.0).then(|| *found.worst());
-    let least = found.bound.at_least();
-    let most = found.bound.at_most().unwrap_or(f64::INFINITY);
+    let worst = (deviation.bound.at_least() > 0.0).then(|| *deviation.worst());
+    let least = deviation.bound.at_least();
+    let most = deviation.bound.at_most().unwrap_or(f64::INFINITY);
     let most = if least <= at_most && at_most < most { at_most } else { most };
     let mut bound = Bound::proved(least, most, Reference::InputTriangles);
-    bound.at = found.bound.at;
-    Bounded { shape: SimplifiedMesh { mesh, worst, stats: kept, attributes: Vec::new() }, bound }
+    bound.at = deviation.bound.at;
+    Bounded { shape: SimplifiedMesh { mesh, worst, stats, attributes: Vec::new() }, bound }
 }

@@ -1,4 +1,4 @@
-//! `simplify_to_count`: a mesh with so many triangles at most.
+//! `simplify_to_count`: a mesh with at most a given number of triangles.
 use super::error_monitor::CheckLevel;
 use super::local_tolerance::LocalTolerance;
 use super::reduction::{AttemptStart, FailedAttempt, MEAN_DISTANCE_ROUNDING, MeshReduction};
@@ -9,62 +9,65 @@ use crate::check::{Goal, MappedPair, NearFaces};
 use crate::explicit::{Mesh, Topology};
 use crate::math::{greater, lesser};
 
-/// How much work a triangle count is worth.
+/// The work spent on a result of a given size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
     /// The error is about the least length that leaves so many triangles.
     #[default]
     Best,
-    /// Each step is the one of least cost, and only the result is looked at: mostly about a tenth of the time and two to
-    /// three times the error.
+    /// Each collapse is the one of least cost, and only the result is proved: usually about a tenth of the
+    /// time and two to three times the error.
     Fast,
 }
 
-/// The first length, as a fraction of the largest mean distance from planes to which steps of least cost lead. Measured on
-/// eight shapes: 0.8 to 2.1 times that distance are needed in the end.
+/// The first length, as a fraction of the largest mean distance from planes after collapses of least cost.
+/// Measured on eight shapes: the final length is 0.8 to 2.1 times that distance.
 const FIRST: f64 = 0.7;
-/// The least first length, as a fraction of the diagonal: what is flat stays so within it, and a proof does not have to look
-/// into its own roundings. Chosen.
+/// The least first length, as a fraction of the diagonal. Chosen: flat parts stay flat within it, and a proof
+/// need not resolve its own rounding.
 const FLAT: f64 = 1e-10;
-/// What is within this fraction of the diagonal is not told from less. Chosen.
+/// Distances within this fraction of the diagonal count as equal. Chosen: ten times the least length.
 const TINY: f64 = 10.0 * FLAT;
-/// How much shorter the first length becomes where it is too long.
+/// The factor of the first length if that is too long.
 const SHORTER: f64 = 0.25;
-/// The part of a step, on a logarithmic scale, that is taken of what the one before tells, and the least and the largest
-/// factor; below what mean distances tell from roundings the largest one is [`LEAP`]. Chosen. The last step says how far the length may be
-/// beyond what is needed: one of more than [`LAST`] is taken back.
+/// The part of the estimated step, on a logarithmic scale, that is taken, and the least and the largest
+/// factor of a step; while mean distances are lost in rounding the largest factor is [`LEAP`]. Chosen:
+/// smaller steps take more time. The last step bounds the excess of the length over the needed one, so a last
+/// step of more than [`LAST`] is taken back.
 const STEP: f64 = 0.9;
 const STEPS: [f64; 2] = [1.03, 1.5];
 const LAST: f64 = 1.04;
 const LEAP: f64 = 10.0;
-/// From this multiple of the count on a step is not stopped at it. Chosen.
+/// If more than this multiple of the count is left, a step does not stop at the count. Chosen: so that a step
+/// that is too long is seen and taken back.
 const MET_FROM: f64 = 1.25;
-/// The powers by which triangles and lengths may go together. Chosen; on smooth surfaces it is 1.
+/// The range of the power of the length with which the number of triangles falls. Chosen; on smooth surfaces
+/// it is 1.
 const POWERS: [f64; 2] = [0.15, 4.0];
-/// Collapses without a monitor may cost this fraction of the first length, and stop at this multiple of the count. Measured:
-/// with more, too many have to be done again.
+/// Collapses without a monitor may cost this fraction of the first length, and stop at this multiple of the
+/// count. Measured: with larger fractions too many collapses have to be repeated.
 const SLIGHT: f64 = 0.4;
 const MANY: f64 = 2.5;
-/// How often places are done again that are farther off than the length. Chosen.
-const MENDED: u32 = 6;
+/// How often parts that are farther away than the length are repeated. Chosen: more retries rarely succeed.
+const MOST_RETRIES: u32 = 6;
 
-/// The same surface with at most so many triangles, as [`simplify`](super::simplify()) makes it for a count alone, which is
-/// with [`Effort::Best`].
+/// The same surface with at most a given number of triangles. [`simplify`](super::simplify()) with a count
+/// alone does the same with [`Effort::Best`].
 ///
-/// *What is returned.* With [`Effort::Best`] a length rises until no more than `most` triangles are left within it, and every
-/// step is checked against it: the error is about the one of `simplify` for a length that leaves as many. With
-/// [`Effort::Fast`] each collapse is the one of least cost. Both are proved in the same way, for all points of both surfaces.
-/// No separate component is removed.
+/// *What is returned.* With [`Effort::Best`] a length rises until no more than `most` triangles are left
+/// within it, and every step is checked against it: the error is about that of `simplify` for a length that
+/// leaves as many. With [`Effort::Fast`] each collapse is the one of least cost. Both are proved in the same
+/// way, for all points of both surfaces. No separate component is removed.
 ///
 /// *Inputs.* n × 3 positions, m × 3 indices; `topology` says which rows are one position.
 ///
-/// *Cost.* [`Effort::Fast`]: 1.4 µs a triangle on one core, a half of it for the bound, up to 10 µs where faces are needles;
-/// more where less than half of the triangles go; 300 bytes a triangle. [`Effort::Best`]: 8 to 30 µs, up to 70 µs where noise is
-/// as large as the length; 800 to 1,200 bytes.
+/// *Cost.* [`Effort::Fast`]: 1.4 µs a triangle on one core, half of it for the bound, up to 10 µs if faces
+/// are needles; more if less than half of the triangles are removed; 300 bytes a triangle. [`Effort::Best`]:
+/// 8 to 30 µs, up to 70 µs if noise is as large as the length; 800 to 1,200 bytes.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best result where the count cannot be reached; [`RefusalCode::Empty`] without a triangle; the
-/// refusals of [`check::deviation`](crate::check::deviation).
+/// [`Failure::Unmet`] with the best result if the count cannot be reached; [`RefusalCode::Empty`] without a
+/// triangle; the refusals of [`check::deviation`](crate::check::deviation).
 ///
 /// ```
 /// use chordal::lod::count::{Effort, simplify_to_count};
@@ -93,18 +96,18 @@ pub fn simplify_to_count(
         return Err(Failure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
     }
     let count = usize::try_from(most).unwrap_or(usize::MAX);
-    let made = match ZeroAreaFaces::set_aside(mesh, topology).filter(|_| mesh.faces().len() > count) {
+    let simplified = match ZeroAreaFaces::set_aside(mesh, topology).filter(|_| mesh.faces().len() > count) {
         Some(faces) => beside_zero_areas(&faces, (count, effort), topology, job)?,
         None => faces_to_count(mesh, (count, effort), topology, job)?,
     };
-    if made.shape.mesh.faces().len() as u64 > most {
-        return Err(Failure::Unmet(Box::new(made)));
+    if simplified.shape.mesh.faces().len() as u64 > most {
+        return Err(Failure::Unmet(Box::new(simplified)));
     }
-    Ok(made)
+    Ok(simplified)
 }
 
-/// A count of faces, those without area among them: these are put back where they are farther than the rest is off, unless
-/// they would be most of what is left.
+/// Reaches a count that includes faces without area: these are put back if they are farther away than the
+/// error of the others, unless they would be most of the result.
 fn beside_zero_areas(
     faces: &ZeroAreaFaces<'_>,
     (count, effort): (usize, Effort),
@@ -112,20 +115,20 @@ fn beside_zero_areas(
     job: &Job,
 ) -> Result<Bounded<SimplifiedMesh>, JobError> {
     let tiny = ROUNDINGS * faces.rest.bounds().diagonal();
-    let mut left = count;
-    // A second time with room for those that are put back.
+    let mut most_faces = count;
+    // The second time there is space in the count for the faces that are put back.
     for is_last in [false, true] {
-        let made = faces_to_count(&faces.rest, (left, effort), topology, job)?;
-        let length = greater(made.bound.at_most().unwrap_or(0.0), tiny);
-        let whole = faces.restore(made.clone(), Some(&ErrorLimit::uniform(length)), job)?;
-        let n_back = whole.shape.stats.kept_degenerate_faces as usize;
-        if whole.shape.mesh.faces().len() <= count || (is_last && n_back <= count / 2) {
-            return Ok(whole);
+        let simplified = faces_to_count(&faces.rest, (most_faces, effort), topology, job)?;
+        let length = greater(simplified.bound.at_most().unwrap_or(0.0), tiny);
+        let restored = faces.restore(simplified.clone(), Some(&ErrorLimit::uniform(length)), job)?;
+        let n_back = restored.shape.stats.kept_degenerate_faces as usize;
+        if restored.shape.mesh.faces().len() <= count || (is_last && n_back <= count / 2) {
+            return Ok(restored);
         }
         if n_back > count / 2 {
-            return faces.restore(made, None, job);
+            return faces.restore(simplified, None, job);
         }
-        left = count - n_back;
+        most_faces = count - n_back;
     }
     faces.restore(faces_to_count(&faces.rest, (count, effort), topology, job)?, None, job)
 }
@@ -147,45 +150,45 @@ fn faces_to_count(
     }
     match effort {
         Effort::Best if start.n_faces() > count => target.by_length(start),
-        _ => target.by_cost(start).map(|made| made.0),
+        _ => target.by_cost(start).map(|result| result.0),
     }
 }
 
-/// A mesh, and how many triangles are to be left of it.
+/// A mesh, and the number of triangles to which it is reduced.
 struct CountTarget<'a> {
     mesh: &'a Mesh,
     topology: Topology,
     count: usize,
-    /// That of the box around all faces.
+    /// The diagonal of the box around all faces.
     diagonal: f64,
     job: &'a Job,
 }
 
 impl<'a> CountTarget<'a> {
-    /// Each step being the one of least cost; with the largest mean distance from planes of the original.
+    /// The result of collapses of least cost, with the largest mean distance from planes of the original.
     fn by_cost(&self, mut reduction: MeshReduction<'a>) -> Result<(Bounded<SimplifiedMesh>, f64), JobError> {
         reduction.run(self.count, &LocalTolerance::uniform(f64::INFINITY), self.job)?;
-        let (made, near) = (reduction.mesh(), reduction.near_faces());
-        let (mean, kept) = (reduction.largest_mean_distance(), reduction.stats);
+        let (simplified, near) = (reduction.mesh(), reduction.near_faces());
+        let (mean, stats) = (reduction.largest_mean_distance(), reduction.stats);
         // Free the memory, since the proof needs as much again.
         drop(reduction);
-        let found = self.pair(&made, &near)?.deviation(f64::INFINITY, &self.goal(0.0), self.job)?;
-        Ok((bounded(made, &found, f64::INFINITY, kept), mean))
+        let deviation = self.pair(&simplified, &near)?.deviation(f64::INFINITY, &self.goal(0.0), self.job)?;
+        Ok((bounded(simplified, &deviation, f64::INFINITY, stats), mean))
     }
 
-    fn pair<'b>(&'b self, made: &'b Mesh, near: &'b [u32]) -> Result<MappedPair<'b>, JobError> {
+    fn pair<'b>(&'b self, simplified: &'b Mesh, near: &'b [u32]) -> Result<MappedPair<'b>, JobError> {
         let near = NearFaces { by_row: near, topology: self.topology };
-        MappedPair::new(self.mesh, made, (near, 0.0), self.job)
+        MappedPair::new(self.mesh, simplified, (near, 0.0), self.job)
     }
 
-    /// How well the distance is to be known of what is within a length, if one is known.
+    /// The goal of a deviation for distances within a length; 0 if none is known.
     fn goal(&self, length: f64) -> Goal {
         let close = greater(CLOSE * length, lesser(length, self.share_of_diagonal(TINY)));
         let close = greater(close, self.share_of_diagonal(ROUNDINGS));
         Goal { absolute: Tolerance::new(close).ok(), ..Goal::default() }
     }
 
-    /// Within a length that rises until few enough triangles are left.
+    /// The result within a length that rises until few enough triangles are left.
     fn by_length(&self, mut start: MeshReduction<'a>) -> Result<Bounded<SimplifiedMesh>, JobError> {
         let (cheapest, mean) = self.by_cost(start.clone())?;
         let enough = cheapest.bound.at_most().unwrap_or(f64::INFINITY);
@@ -198,72 +201,78 @@ impl<'a> CountTarget<'a> {
         }
         start.start_monitor(self.job)?;
         let (mut begin, mut reduction) = loop {
-            let room = start.uniform_tolerance(SHARE * length);
+            let tolerance = start.uniform_tolerance(SHARE * length);
             let few = (MANY * self.count as f64) as usize;
-            let begin = AttemptStart::new(start.after_slight((SLIGHT, few), &room, self.job)?);
+            let begin = AttemptStart::new(start.after_slight((SLIGHT, few), &tolerance, self.job)?);
             let is_shortest = SHORTER * length < flat;
             let mut reduction = begin.from(&start).clone();
-            reduction.run(if is_shortest { self.count } else { 0 }, &room, self.job)?;
+            reduction.run(if is_shortest { self.count } else { 0 }, &tolerance, self.job)?;
             if reduction.n_faces() > self.count || is_shortest {
                 break (begin, reduction);
             }
             length *= SHORTER;
         };
-        let mut mended = 0;
+        let mut n_retries = 0;
         loop {
             if !self.rise(&mut reduction, &mut length, enough)? {
                 return Ok(cheapest);
             }
-            let (made, near) = (reduction.mesh(), reduction.near_faces());
-            let pair = self.pair(&made, &near)?;
-            let places = pair.violations(length, self.job)?;
-            if places.is_empty() || mended == MENDED {
-                let most = if places.is_empty() { places.at_most } else { f64::INFINITY };
-                let found = pair.deviation(most, &self.goal(length), self.job)?;
-                let made = bounded(made, &found, most, reduction.stats);
-                return Ok(if made.bound.at_most() <= cheapest.bound.at_most() { made } else { cheapest });
+            let (simplified, near) = (reduction.mesh(), reduction.near_faces());
+            let pair = self.pair(&simplified, &near)?;
+            let report = pair.violations(length, self.job)?;
+            if report.is_empty() || n_retries == MOST_RETRIES {
+                let most = if report.is_empty() { report.at_most } else { f64::INFINITY };
+                let deviation = pair.deviation(most, &self.goal(length), self.job)?;
+                let simplified = bounded(simplified, &deviation, most, reduction.stats);
+                return Ok(if simplified.bound.at_most() <= cheapest.bound.at_most() {
+                    simplified
+                } else {
+                    cheapest
+                });
             }
             drop(pair);
-            let mut tried = FailedAttempt::new(reduction);
-            begin.follow(&mut tried, &places);
-            let room = start.uniform_tolerance(SHARE * length);
-            reduction = begin.from(&start).retry(&mut tried, &places, (&room, mended));
-            reduction.raise_check_levels(&tried, &places, CheckLevel::escalate);
-            reduction.run_open(self.count, &room, self.job)?;
-            mended += 1;
+            let mut failed = FailedAttempt::new(reduction);
+            begin.follow(&mut failed, &report);
+            let tolerance = start.uniform_tolerance(SHARE * length);
+            reduction = begin.from(&start).retry(&mut failed, &report, (&tolerance, n_retries));
+            reduction.raise_check_levels(&failed, &report, CheckLevel::escalate);
+            reduction.run_open(self.count, &tolerance, self.job)?;
+            n_retries += 1;
         }
     }
 
-    /// Raises a length until few enough triangles are left within it; `false` where none up to `most` does.
+    /// Raises a length until few enough triangles are left within it; `false` if no length up to `most`
+    /// suffices.
     fn rise(&self, reduction: &mut MeshReduction<'a>, length: &mut f64, most: f64) -> Result<bool, JobError> {
-        // As the inverse of the length to begin with, as where a surface is smooth.
+        // At first the number is assumed to fall with the inverse of the length, as on smooth surfaces.
         let (mut power, mut largest) = (1.0, STEPS[1]);
         while reduction.n_faces() > self.count {
             let before = reduction.clone();
             let n = before.n_faces() as f64;
-            let asked = n / greater(self.count as f64, 1.0);
+            let excess = n / greater(self.count as f64, 1.0);
             let is_tiny = *length < self.share_of_diagonal(MEAN_DISTANCE_ROUNDING);
             let step =
-                within(libm::pow(asked, STEP * power), [STEPS[0], if is_tiny { LEAP } else { largest }]);
-            // One that is about the last is not to be taken back.
+                within(libm::pow(excess, STEP * power), [STEPS[0], if is_tiny { LEAP } else { largest }]);
+            // If the step is about the last one, it is shortened so that it need not be taken back.
             let step = if step < LAST * LAST { lesser(step, LAST) } else { step };
             let longer = *length * step;
             if longer <= *length || longer > most {
                 return Ok(false);
             }
-            let room = reduction.uniform_tolerance(SHARE * longer);
-            // Far from the count there is none to be met: a step beyond it is taken back.
-            let until = if asked > MET_FROM && step > LAST && !is_tiny { 0 } else { self.count };
-            reduction.run_on(until, &room, self.job)?;
-            let got = reduction.n_faces();
-            if got <= self.count && step > LAST && !is_tiny {
-                // That was too far, and it is not known by how much.
+            let tolerance = reduction.uniform_tolerance(SHARE * longer);
+            // Far from the count a step does not stop at it, so that a step that goes too far is seen and
+            // taken back.
+            let until = if excess > MET_FROM && step > LAST && !is_tiny { 0 } else { self.count };
+            reduction.run_on(until, &tolerance, self.job)?;
+            let n_left = reduction.n_faces();
+            if n_left <= self.count && step > LAST && !is_tiny {
+                // The step went too far, by an unknown factor.
                 *reduction = before;
                 (power, largest) = (POWERS[1], step.sqrt());
                 continue;
             }
             *length = longer;
-            power = within(libm::log(step) / libm::log(n / got as f64), POWERS);
+            power = within(libm::log(step) / libm::log(n / n_left as f64), POWERS);
         }
         Ok(true)
     }
@@ -273,7 +282,7 @@ impl<'a> CountTarget<'a> {
     }
 }
 
-/// A number, or the end of a range that is nearest to it; the upper one for no number.
+/// A number, or the nearest end of a range; the upper end for NaN.
 fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
     if x < low {
         low

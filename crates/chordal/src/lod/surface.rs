@@ -6,21 +6,21 @@ use std::sync::{Mutex, PoisonError};
 
 /// No half-edge, no vertex.
 pub(super) const NONE: u32 = u32::MAX;
-/// The steps of a descent at most: mostly it takes fewer than three. Chosen.
+/// The most steps of a descent. Chosen: usually it takes fewer than three.
 const MOST_STEPS: u32 = 64;
 
 /// A surface in which the faces around every vertex are one fan, open or closed.
 ///
-/// Where the mesh is not like that, vertices are split: one for each fan. Those are locked in place, so that
+/// At other places of the mesh, vertices are split: one for each fan. These vertices are locked, so that
 /// the original mesh can be restored there.
 #[derive(Clone)]
 pub(super) struct HalfEdgeSurface {
-    /// By half-edge: its start vertex; [`NONE`] for the half-edges of a removed face.
+    /// By half-edge: its start vertex; [`NONE`] if its face was removed.
     pub start: Vec<u32>,
     /// By half-edge: its twin, [`NONE`] at a border.
     pub twin: Vec<u32>,
-    /// By vertex: a half-edge that starts there, at a border the border half-edge; [`NONE`] for a removed
-    /// vertex.
+    /// By vertex: a half-edge that starts there, at a border the border half-edge; [`NONE`] if the vertex was
+    /// removed.
     pub outgoing: Vec<u32>,
     /// The number of remaining faces.
     pub n_faces: usize,
@@ -33,9 +33,9 @@ pub(super) struct ManifoldSplit {
     pub first_fan: Vec<u32>,
     /// By vertex: whether it is locked, because the mesh is not a manifold there.
     pub is_locked: Vec<bool>,
-    /// By vertex: the row of one of its corners.
+    /// By vertex: one of its rows of the mesh.
     pub row: Vec<u32>,
-    /// Faces with two corners at one position, which were left out.
+    /// Faces with two corners at one position, which were dropped.
     pub n_collapsed: usize,
 }
 
@@ -64,7 +64,7 @@ impl HalfEdgeSurface {
             }
             start[h as usize] = h;
         }
-        // One vertex for each fan: corners joined across their outgoing half-edges.
+        // One vertex for each fan, which joins corners across their outgoing half-edges.
         let mut fans = DisjointSets::new(n);
         for h in 0..n as u32 {
             if start[h as usize] != NONE && twin[h as usize] != NONE {
@@ -72,7 +72,7 @@ impl HalfEdgeSurface {
             }
         }
         let mut surface = Self { start, twin, outgoing: Vec::new(), n_faces: mesh.faces().len() - collapsed };
-        let (mut position, mut place, mut row) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut position, mut first_fan, mut row) = (Vec::new(), Vec::new(), Vec::new());
         let mut vertex_of = vec![NONE; n];
         let mut fan_of = vec![NONE; mesh.positions().len()];
         for h in 0..n as u32 {
@@ -89,7 +89,7 @@ impl HalfEdgeSurface {
                 } else {
                     tied[at as usize] = true;
                 }
-                place.push(fan_of[at as usize]);
+                first_fan.push(fan_of[at as usize]);
                 position.push(at);
                 row.push(rows[h as usize]);
                 surface.outgoing.push(h);
@@ -101,7 +101,7 @@ impl HalfEdgeSurface {
             }
         }
         let is_tied = position.iter().map(|at: &u32| tied[*at as usize]).collect();
-        ManifoldSplit { surface, first_fan: place, is_locked: is_tied, row, n_collapsed: collapsed }
+        ManifoldSplit { surface, first_fan, is_locked: is_tied, row, n_collapsed: collapsed }
     }
 
     #[inline]
@@ -121,13 +121,14 @@ impl HalfEdgeSurface {
         OneRingHalfEdges { surface: self, first, next: first }
     }
 
-    /// The half-edges that start at the ends of an edge, one for each face there without the edge's own,
-    /// counter-clockwise around the vertex that the edge becomes. Its ends are not both on a border, unless it is one.
+    /// The half-edges that start at the ends of an edge, one for each face there except for the edge's two,
+    /// counter-clockwise around the vertex that the edge becomes. Its ends are not both on a border, unless
+    /// the edge is.
     pub fn around_edge(&self, h: u32) -> impl Iterator<Item = u32> + '_ {
         let across = self.twin[h as usize];
         let [a, b] = [self.start[h as usize], self.end(h)].map(|v| self.outgoing[v as usize]);
         let after = |side: u32| self.twin[previous_in_face(side) as usize];
-        // Up to a half-edge, which is left out, or the border.
+        // Up to a given half-edge, exclusive, or to the border.
         let runs = if across == NONE {
             [(b, next_in_face(h)), (after(h), NONE), (NONE, NONE)]
         } else {
@@ -146,19 +147,19 @@ impl HalfEdgeSurface {
         })
     }
 
-    /// The face nearest to a point, as far as a descent from one of them tells, and the squared distance.
+    /// The face nearest to a point, as far as a descent finds it from a given face, and its squared distance.
     pub fn descend(&self, from: u32, p: [f64; 3], at: &[[f64; 3]]) -> (u32, f64) {
         let distance_sq = |face: u32| distance_sq_to_triangle(p, self.corners(face).map(|v| at[v as usize]));
         let mut best = (from, distance_sq(from));
         for _ in 0..MOST_STEPS {
-            let here = best.0;
-            for face in self.corners(here).into_iter().flat_map(|v| self.one_ring(v)).map(|h| h / 3) {
+            let current = best.0;
+            for face in self.corners(current).into_iter().flat_map(|v| self.one_ring(v)).map(|h| h / 3) {
                 let d = distance_sq(face);
                 if d < best.1 {
                     best = (face, d);
                 }
             }
-            if best.0 == here {
+            if best.0 == current {
                 break;
             }
         }
@@ -182,16 +183,16 @@ impl HalfEdgeSurface {
     pub fn collapse(&mut self, h: u32) {
         let (a, b) = (self.start[h as usize], self.end(h));
         let across = self.twin[h as usize];
-        let left = self.twin[previous_in_face(h) as usize];
-        // The half-edge that b keeps: the border half-edge, or any. If it is in a removed face, a neighbour
-        // takes its place.
+        let kept_twin = self.twin[previous_in_face(h) as usize];
+        // The half-edge that b keeps: the border half-edge, or any. If that is in a removed face, a neighbour
+        // replaces it.
         let mut keep = match (self.is_border(a), self.is_border(b)) {
             (_, true) => self.outgoing[b as usize],
             (true, false) => self.outgoing[a as usize],
-            (false, false) => left,
+            (false, false) => kept_twin,
         };
         if keep / 3 == h / 3 {
-            keep = left;
+            keep = kept_twin;
         } else if across != NONE && keep / 3 == across / 3 {
             keep = self.twin[previous_in_face(across) as usize];
         }
@@ -223,7 +224,7 @@ impl HalfEdgeSurface {
         self.n_faces -= 1;
     }
 
-    /// Leaves out removed faces and vertices; the others stay in their order.
+    /// Drops removed faces and vertices; the others keep their order.
     pub fn compact(&mut self) -> Compaction {
         let faces = self.faces();
         let vertices: Vec<u32> =
@@ -232,24 +233,24 @@ impl HalfEdgeSurface {
         faces.iter().zip(0..).for_each(|(old, new)| new_face[*old as usize] = new);
         let mut new_vertex = vec![NONE; self.outgoing.len()];
         vertices.iter().zip(0..).for_each(|(old, new)| new_vertex[*old as usize] = new);
-        let kept = Compaction { faces, vertices, new_face, new_vertex };
-        self.start = kept.half_edges(&self.start).map(|v| kept.new_vertex[v as usize]).collect();
-        self.twin = kept.half_edges(&self.twin).map(|h| kept.half_edge(h)).collect();
-        self.outgoing = kept.vertices(&self.outgoing).map(|h| kept.half_edge(h)).collect();
-        kept
+        let compaction = Compaction { faces, vertices, new_face, new_vertex };
+        self.start = compaction.half_edges(&self.start).map(|v| compaction.new_vertex[v as usize]).collect();
+        self.twin = compaction.half_edges(&self.twin).map(|h| compaction.half_edge(h)).collect();
+        self.outgoing = compaction.vertices(&self.outgoing).map(|h| compaction.half_edge(h)).collect();
+        compaction
     }
 
-    /// The same surface in the numbers that it had before [`Self::compact`].
-    pub fn before(&self, kept: &Compaction) -> Self {
+    /// The same surface with the numbers from before [`Self::compact`].
+    pub fn before(&self, compaction: &Compaction) -> Self {
         let by_half_edge = |values: &[u32], old: &dyn Fn(u32) -> u32| {
             let rows: Vec<[u32; 3]> = values.as_chunks::<3>().0.iter().map(|row| row.map(old)).collect();
-            kept.by_old_face(&rows, [NONE; 3]).into_flattened()
+            compaction.by_old_face(&rows, [NONE; 3]).into_flattened()
         };
-        let outgoing: Vec<u32> = self.outgoing.iter().map(|h| kept.old_half_edge(*h)).collect();
+        let outgoing: Vec<u32> = self.outgoing.iter().map(|h| compaction.old_half_edge(*h)).collect();
         Self {
-            start: by_half_edge(&self.start, &|v| kept.old_vertex(v)),
-            twin: by_half_edge(&self.twin, &|h| kept.old_half_edge(h)),
-            outgoing: kept.by_old_vertex(&outgoing, NONE),
+            start: by_half_edge(&self.start, &|v| compaction.old_vertex(v)),
+            twin: by_half_edge(&self.twin, &|h| compaction.old_half_edge(h)),
+            outgoing: compaction.by_old_vertex(&outgoing, NONE),
             n_faces: self.n_faces,
         }
     }
@@ -280,15 +281,15 @@ impl HalfEdgeSurface {
     }
 }
 
-/// Some faces of a surface that have numbers of their own.
+/// Some faces of a surface, with separate numbers.
 pub(super) struct SurfaceRegion {
-    /// By number: that in the whole surface, ascending.
+    /// By number in the region: the number in the whole surface, ascending.
     pub faces: Vec<u32>,
     pub vertices: Vec<u32>,
 }
 
 impl SurfaceRegion {
-    /// The half-edges in the numbers of the whole surface, in their order.
+    /// The half-edges by their numbers in the whole surface, in the order of the region.
     pub fn half_edges(&self) -> impl Iterator<Item = u32> {
         self.faces.iter().flat_map(|face| [0, 1, 2].map(|k| 3 * face + k))
     }
@@ -299,32 +300,33 @@ impl SurfaceRegion {
     }
 }
 
-/// Tables of numbers within a region, one for each thread that is at work.
+/// Tables of numbers within a region, one for each active thread.
 pub(super) struct RegionNumbers {
     size: usize,
     free: Mutex<Vec<Vec<u32>>>,
 }
 
 impl RegionNumbers {
-    /// For numbers of the whole below `size`.
+    /// Tables for numbers of the whole surface below `size`.
     pub fn new(size: usize) -> Self {
         Self { size, free: Mutex::default() }
     }
 
-    /// What `look` makes of a table in which each member has its place among them, and all others have [`NONE`].
-    pub fn of<T>(&self, members: &[u32], look: impl FnOnce(&[u32]) -> T) -> T {
+    /// Calls `work` with a table in which each member has its index among the members, and all other numbers
+    /// have [`NONE`].
+    pub fn of<T>(&self, members: &[u32], work: impl FnOnce(&[u32]) -> T) -> T {
         let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = free().pop();
-        let mut table = known.unwrap_or_else(|| vec![NONE; self.size]);
-        members.iter().zip(0..).for_each(|(member, place)| table[*member as usize] = place);
-        let made = look(&table);
+        let free_table = free().pop();
+        let mut table = free_table.unwrap_or_else(|| vec![NONE; self.size]);
+        members.iter().zip(0..).for_each(|(member, index)| table[*member as usize] = index);
+        let result = work(&table);
         members.iter().for_each(|member| table[*member as usize] = NONE);
         free().push(table);
-        made
+        result
     }
 }
 
-/// What is left of a surface, and its new numbers.
+/// The remaining parts of a surface, and their new numbers.
 pub(super) struct Compaction {
     /// By new number: the old one.
     faces: Vec<u32>,
@@ -335,27 +337,27 @@ pub(super) struct Compaction {
 }
 
 impl Compaction {
-    /// Of values by face those that are left.
+    /// The values of the remaining faces.
     pub fn faces<T: Copy>(&self, values: &[T]) -> impl Iterator<Item = T> {
         self.faces.iter().map(|face| values[*face as usize])
     }
 
-    /// Of values by vertex those that are left.
+    /// The values of the remaining vertices.
     pub fn vertices<T: Copy>(&self, values: &[T]) -> impl Iterator<Item = T> {
         self.vertices.iter().map(|v| values[*v as usize])
     }
 
-    /// Of values by half-edge those that are left.
+    /// The values of the remaining half-edges.
     pub fn half_edges<T: Copy>(&self, values: &[T]) -> impl Iterator<Item = T> {
         self.faces.iter().flat_map(|face| [0, 1, 2].map(|k| values[3 * *face as usize + k]))
     }
 
-    /// Values by the old number of a face, of values by the new one.
+    /// Values by the old numbers of faces, from values by the new ones.
     pub fn by_old_face<T: Copy>(&self, values: &[T], missing: T) -> Vec<T> {
         by_old_number(&self.faces, self.new_face.len(), values, missing)
     }
 
-    /// Values by the old number of a vertex, of values by the new one.
+    /// Values by the old numbers of vertices, from values by the new ones.
     pub fn by_old_vertex<T: Copy>(&self, values: &[T], missing: T) -> Vec<T> {
         by_old_number(&self.vertices, self.new_vertex.len(), values, missing)
     }
@@ -375,16 +377,16 @@ impl Compaction {
         if h == NONE { NONE } else { 3 * self.faces[h as usize / 3] + h % 3 }
     }
 
-    /// The new number of a half-edge that is left; [`NONE`] for none.
+    /// The new number of a remaining half-edge; [`NONE`] for none.
     fn half_edge(&self, h: u32) -> u32 {
         if h == NONE { NONE } else { 3 * self.new_face[h as usize / 3] + h % 3 }
     }
 }
 
 fn by_old_number<T: Copy>(old: &[u32], n: usize, values: &[T], missing: T) -> Vec<T> {
-    let mut all = vec![missing; n];
-    old.iter().zip(values).for_each(|(i, value)| all[*i as usize] = *value);
-    all
+    let mut by_old = vec![missing; n];
+    old.iter().zip(values).for_each(|(i, value)| by_old[*i as usize] = *value);
+    by_old
 }
 
 /// See [`HalfEdgeSurface::one_ring`].

@@ -10,14 +10,14 @@ use crate::budget::{
 use crate::explicit::{Mesh, Topology};
 use std::collections::BTreeMap;
 
-/// Triangles for one region of a surface, shown in place of those of its children.
+/// Triangles for one region of a surface, shown instead of those of its children.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodTile {
     /// The triangles, with all attributes.
     pub mesh: Mesh,
-    /// How far the triangles are from the true shape.
+    /// The distance of the triangles from the true shape.
     pub bound: Bound,
-    /// What could not be collapsed, and what was left out.
+    /// Parts that could not be collapsed, and parts that were dropped.
     pub stats: ReductionStats,
     /// The number of its ancestors.
     pub depth: u32,
@@ -53,9 +53,9 @@ pub struct TilingOptions {
     pub factor: f64,
     /// The largest number of triangles of a tile, ≥ 1.
     pub max_triangles: usize,
-    /// A single tile for the whole mesh with at most this many triangles is the root.
+    /// A single tile for the whole mesh with at most this many triangles becomes the root.
     pub stop_at_triangles: usize,
-    /// How far attributes of every tile may be from those of `finest`.
+    /// The limits of the attributes' deviation from those of `finest`, for every tile.
     pub attributes: AttributeLimits,
 }
 
@@ -68,7 +68,8 @@ impl TilingOptions {
     }
 }
 
-/// A coarser tile for one region with more than this fraction of the triangles that it replaces is left out.
+/// A coarser tile is dropped if it has more than this fraction of the triangles that it replaces. Chosen: a
+/// larger value keeps tiles that save little.
 const WORTH_IT: f64 = 0.8;
 /// The largest number of steps: 2⁴⁸ between the finest and the coarsest error.
 const MOST_STEPS: u32 = 48;
@@ -77,19 +78,19 @@ const MOST_STEPS: u32 = 48;
 /// with fewer triangles.
 ///
 /// The leaves are the triangles of `finest`, divided into regions by position; no triangle is cut. A tile
-/// above is made from the triangles of `finest` in its region by [`simplify`](super::simplify()), within a
+/// above is built from the triangles of `finest` in its region by [`simplify`](super::simplify()), within a
 /// length that grows by `cuts.factor` from step to step. Two regions are merged as soon as their triangles
-/// fit into one tile; a region without a partner gets coarser by itself. A tile that is proved to be the same
-/// surface as its leaves replaces them.
+/// fit into one tile; a region without a partner is simplified further by itself. A tile that is proved to be
+/// the same surface as its leaves replaces them.
 ///
-/// *Which tiles may be shown together.* Any tiles that cover each region exactly once: a root, or in its
-/// place its children, and so on, whatever the neighbours do. Where a region meets another, positions, edges
+/// *Which tiles may be shown together.* Any tiles that cover each region exactly once: a root, or instead
+/// its children, and so on, whatever the neighbours do. Where a region meets another one, positions, edges
 /// and values (except the normals of flat shading, which are those of the remaining faces) stay as they are
-/// in `finest`, and no tile gets an edge of its own between two such positions. Hence there are no cracks,
+/// in `finest`, and no tile gets a new edge between two such positions. Hence there are no cracks,
 /// and such a mixture of a closed manifold is a closed manifold.
 ///
-/// *What the bound covers.* The two-sided Hausdorff distance of all points, proved where that of `finest` is:
-/// the deviation of a tile from the triangles of `finest` in its own region is added to that. The regions
+/// *What the bound covers.* The two-sided Hausdorff distance of all points, proved if that of `finest` is:
+/// the deviation of a tile from the triangles of `finest` in the same region is added to that. The regions
 /// partition `finest`. Hence every point of `finest` is near the tile that is shown for its region, and every
 /// point that is shown is near `finest`: any mixture is within the largest bound of its tiles. Errors
 /// decrease strictly from a tile to its children.
@@ -99,7 +100,7 @@ const MOST_STEPS: u32 = 48;
 ///
 /// # Errors
 /// [`RefusalCode::Budget`] for a factor that is not larger than 1 and for tiles of no triangle;
-/// [`RefusalCode::Empty`] without a triangle; [`RefusalCode::Unsupported`] where `finest` has no upper bound;
+/// [`RefusalCode::Empty`] without a triangle; [`RefusalCode::Unsupported`] if `finest` has no upper bound;
 /// the refusals of [`check::deviation`](crate::check::deviation).
 ///
 /// ```
@@ -155,7 +156,7 @@ pub fn tree(
     })
 }
 
-/// The data that stay constant while a tree is built.
+/// The data that do not change while a tree is built.
 struct TileTreeInput<'a> {
     regions: RegionTree<'a>,
     bound: &'a Bound,
@@ -164,7 +165,7 @@ struct TileTreeInput<'a> {
     job: &'a Job,
 }
 
-/// Fewer triangles for a region, with their distance from those of the finest mesh.
+/// A simplified region, with its distance from the triangles of the finest mesh.
 type SimplifiedRegion = Option<Bounded<SimplifiedMesh>>;
 
 impl TileTreeInput<'_> {
@@ -183,7 +184,7 @@ impl TileTreeInput<'_> {
             return Ok(None);
         }
         let (mesh, stays) = self.regions.mesh(region);
-        let asked = SimplifyInput {
+        let input = SimplifyInput {
             mesh: &mesh,
             topology: self.topology,
             fixed_rows: &stays,
@@ -191,16 +192,16 @@ impl TileTreeInput<'_> {
             attributes: self.cuts.attributes,
             job: self.job,
         };
-        simplify_within(&asked).map(Some)
+        simplify_within(&input).map(Some)
     }
 }
 
 /// Builds a tree from its leaves upwards.
 struct TileTreeBuilder<'a> {
     input: TileTreeInput<'a>,
-    /// All tiles, including those that were left out again; children before parents.
+    /// All tiles, including those that were replaced again; children before parents.
     tiles: Vec<LodTile>,
-    /// The coarsest tiles so far, by region that no larger region has replaced yet.
+    /// The coarsest tiles so far, by the largest region that they cover.
     coarsest: BTreeMap<usize, Vec<usize>>,
 }
 
@@ -246,14 +247,15 @@ impl<'a> TileTreeBuilder<'a> {
         tiles.map(|tile| self.tiles[*tile].mesh.faces().len()).sum()
     }
 
-    /// Adds a tile above the current ones wherever a length gives fewer triangles.
+    /// Adds a tile above the current ones wherever a length gives sufficiently few triangles.
     fn step(&mut self, length: Tolerance) -> Result<(), JobError> {
         let most = self.input.cuts.max_triangles;
-        // Two halves that are likely to fit into one tile, since each step leaves about half.
+        // Merge two halves that probably fit into one tile, since each step leaves about half of the
+        // triangles.
         let halves = |region: &usize| self.input.regions.regions[*region].halves;
         let fit = |[a, b]: [usize; 2]| {
-            let there = self.coarsest.contains_key(&a) && self.coarsest.contains_key(&b);
-            there && self.count(a).saturating_add(self.count(b)) <= most.saturating_mul(2)
+            let are_coarsest = self.coarsest.contains_key(&a) && self.coarsest.contains_key(&b);
+            are_coarsest && self.count(a).saturating_add(self.count(b)) <= most.saturating_mul(2)
         };
         let parents = self.coarsest.keys().map(|region| self.input.regions.regions[*region].parent);
         let mut parents: Vec<usize> =
@@ -273,7 +275,7 @@ impl<'a> TileTreeBuilder<'a> {
             let below = below.collect();
             self.coarsest.insert(*parent, below);
             tried.retain(|region| *region != first && *region != first + 1);
-            // Otherwise the region is merged from now on, and longer lengths will simplify it.
+            // Otherwise the region stays merged, and longer lengths will simplify it.
             if is_fewer && let Some(fewer) = fewer {
                 self.add_tile(*parent, fewer);
             }
@@ -287,24 +289,25 @@ impl<'a> TileTreeBuilder<'a> {
         Ok(())
     }
 
-    /// Adds a tile above those that show a region. Its error is larger than theirs; tiles whose error is not
-    /// smaller are removed.
+    /// Adds a tile above those that show a region. Its error must be larger than theirs, so tiles whose error
+    /// is not smaller are removed.
     fn add_tile(&mut self, region: usize, fewer: Bounded<SimplifiedMesh>) {
         let bound = self.input.bound.then(&fewer.bound);
         let Some(error) = bound.at_most() else { return };
         let is_same = fewer.bound.at_most() == Some(0.0);
         let mut below = if is_same { Vec::new() } else { self.coarsest.remove(&region).unwrap_or_default() };
-        // A leaf has the error of the finest mesh, and this one more, or it would be a leaf itself.
+        // A leaf has the error of the finest mesh; the new tile's error is larger, or it would itself be a
+        // leaf.
         while let Some(at) = below.iter().position(|tile| self.tiles[*tile].error() >= error) {
             let finer = self.tiles[below[at]].children.clone();
             below.splice(at..=at, finer);
         }
         self.coarsest.insert(region, vec![self.tiles.len()]);
-        let SimplifiedMesh { mesh, stats: kept, .. } = fewer.shape;
-        self.tiles.push(LodTile { mesh, bound, stats: kept, depth: 0, children: below });
+        let SimplifiedMesh { mesh, stats, .. } = fewer.shape;
+        self.tiles.push(LodTile { mesh, bound, stats, depth: 0, children: below });
     }
 
-    /// The tiles that are left, by depth.
+    /// The remaining tiles, by depth.
     fn finish(self) -> LodTileTree {
         let mut order: Vec<usize> = self.coarsest.into_values().flatten().collect();
         let roots = (0..order.len()).collect();
@@ -312,7 +315,7 @@ impl<'a> TileTreeBuilder<'a> {
         let mut tiles: Vec<LodTile> = Vec::new();
         let mut depths = vec![0; order.len()];
         while let Some(at) = order.get(tiles.len()) {
-            // A tile has one parent.
+            // Every tile has one parent.
             let Some(mut tile) = from[*at].take() else { break };
             tile.depth = depths[tiles.len()];
             let first = order.len();

@@ -29,7 +29,7 @@ struct WedgeColumns {
     limited: Option<LimitedAttribute>,
 }
 
-/// How values are blended.
+/// The way values are blended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum WedgeBlending {
     /// By weights.
@@ -38,11 +38,11 @@ enum WedgeBlending {
     Linear,
     /// By weights; the first three numbers are then normalized to a unit direction.
     Direction,
-    /// The values of the largest weight: for numbers that identify something.
+    /// The value of the largest weight, for numbers that identify something.
     Heaviest,
 }
 
-/// Normals farther apart than 30° make a crease, as where a mesh has no normals of its own.
+/// Normals farther apart than 30° make a crease, as for meshes without normals.
 const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Colours no farther apart than this are equal: two steps of eight bits.
 const COLOR_STEP: f64 = 2.0 / 255.0;
@@ -56,15 +56,15 @@ fn blending(semantic: &Semantic) -> WedgeBlending {
     }
 }
 
-/// Whether corners carry an attribute: those of vertices and corners. Normals of flat shading are recomputed
-/// instead.
+/// Whether corners carry an attribute: attributes of vertices and corners. Normals of flat shading are
+/// recomputed instead.
 pub(super) fn is_carried(mesh: &Mesh, attribute: &Attribute) -> bool {
     attribute.domain != Domain::Face && !is_flat(mesh, attribute)
 }
 
 impl Wedges {
-    /// The values of a mesh, and for each half-edge whether its edge is a feature line; `None` where there
-    /// are no values and only attributes of faces make lines. Rows that `stays` marks keep their values,
+    /// The values of a mesh, and for each half-edge whether its edge is a feature line; `None` if there
+    /// are no values and only attributes of faces make lines. Rows marked by `stays` keep their values,
     /// since a neighbouring region shares them.
     pub fn from_mesh(
         mesh: &Mesh,
@@ -106,12 +106,12 @@ impl Wedges {
         (Some(wedges), is_line)
     }
 
-    /// Leaves out the corners of removed faces.
-    pub fn compact(&mut self, kept: &Compaction) {
-        self.corner_row = kept.half_edges(&self.corner_row).collect();
+    /// Drops the corners of removed faces.
+    pub fn compact(&mut self, compaction: &Compaction) {
+        self.corner_row = compaction.half_edges(&self.corner_row).collect();
     }
 
-    /// The rows of a region's corners, and their numbers in the whole.
+    /// The rows of a region's corners, and their numbers in the whole surface.
     pub fn region(&self, region: &SurfaceRegion) -> (Self, Vec<u32>) {
         let corners = || region.half_edges().map(|h| self.corner_row[h as usize]);
         let mut rows: Vec<u32> = corners().collect();
@@ -127,17 +127,17 @@ impl Wedges {
         (wedges, rows)
     }
 
-    /// Takes over what became of [`Self::region`].
-    pub fn put_back(&mut self, made: &Self, rows: &[u32], region: &SurfaceRegion) {
-        for (h, row) in region.half_edges().zip(&made.corner_row) {
+    /// Takes over the result of collapses in a [`Self::region`].
+    pub fn put_back(&mut self, collapsed: &Self, rows: &[u32], region: &SurfaceRegion) {
+        for (h, row) in region.half_edges().zip(&collapsed.corner_row) {
             self.corner_row[h as usize] = rows[*row as usize];
         }
         for (local, row) in (0..).zip(rows) {
-            self.values[*row as usize * self.width..][..self.width].copy_from_slice(made.row(local));
+            self.values[*row as usize * self.width..][..self.width].copy_from_slice(collapsed.row(local));
         }
     }
 
-    /// A row for every vertex, or for every corner where some attribute belongs to corners.
+    /// A row for every vertex, or for every corner if some attribute belongs to corners.
     fn from_corners(mesh: &Mesh, carried: &[&Attribute]) -> Self {
         let mut spans = Vec::new();
         let mut width = 0;
@@ -172,16 +172,16 @@ impl Wedges {
                 }
             }
         }
-        let of = if by_vertex { rows.to_vec() } else { (0..rows.len() as u32).collect() };
-        Self { corner_row: of, values, width, spans }
+        let corner_row = if by_vertex { rows.to_vec() } else { (0..rows.len() as u32).collect() };
+        Self { corner_row, values, width, spans }
     }
 
     pub fn row(&self, wedge: u32) -> &[f64] {
         &self.values[wedge as usize * self.width..][..self.width]
     }
 
-    /// Whether two rows differ so much that the edge between them is a feature line. `crease` is the cosine from
-    /// which on directions do not.
+    /// Whether two rows differ so much that the edge between them is a feature line. Directions jump if their
+    /// cosine is below `crease`.
     fn jumps(&self, [a, b]: [u32; 2], crease: f64) -> bool {
         if a == b {
             return false;
@@ -204,7 +204,7 @@ impl Wedges {
         })
     }
 
-    /// Merges rows that no line separates into their first, with the sum of directions.
+    /// Merges rows that no line separates into the first of them, whose directions become the sum.
     fn join(&mut self, mut sets: DisjointSets) {
         for wedge in 0..(self.values.len() / self.width) as u32 {
             let root = sets.find(wedge);
@@ -244,20 +244,20 @@ impl Wedges {
 
     /// The blend of rows by weights.
     pub fn blend(&self, parts: &[(u32, f64)]) -> Vec<f64> {
-        let mut out = vec![0.0; self.width];
+        let mut blended = vec![0.0; self.width];
         let heaviest = parts.iter().fold(None, |best: Option<&(u32, f64)>, part| {
             if best.is_some_and(|best| best.1 >= part.1) { best } else { Some(part) }
         });
         for span in &self.spans {
-            for (k, out) in out.iter_mut().enumerate().skip(span.from).take(span.width) {
-                *out = match (span.blending, heaviest) {
+            for (k, value) in blended.iter_mut().enumerate().skip(span.from).take(span.width) {
+                *value = match (span.blending, heaviest) {
                     (WedgeBlending::Heaviest, Some((wedge, _))) => self.row(*wedge)[k],
                     (WedgeBlending::Direction, Some((wedge, _))) if k == span.from + 3 => self.row(*wedge)[k],
                     _ => {
                         let values = || parts.iter().map(|(wedge, _)| self.row(*wedge)[k]);
                         let sum =
                             parts.iter().fold(0.0, |sum, (wedge, weight)| sum + weight * self.row(*wedge)[k]);
-                        // Weights that are not negative lead to no value beyond the others, but for rounding.
+                        // With weights ≥ 0 the blend lies between the values, except for rounding.
                         if !parts.is_empty() && parts.iter().all(|(_, weight)| *weight >= 0.0) {
                             let least = values().fold(f64::INFINITY, |least, x| lesser(x, least));
                             let most = values().fold(f64::NEG_INFINITY, |most, x| greater(x, most));
@@ -269,7 +269,7 @@ impl Wedges {
                 };
             }
         }
-        out
+        blended
     }
 
     /// Sets a row.
@@ -278,8 +278,9 @@ impl Wedges {
         self.normalize_directions(wedge);
     }
 
-    /// Gives the corners at one end of a collapsed edge the rows of the other end: those left of the edge the
-    /// row of the corner `left`, those right of it that of `right`. Feature lines separate left from right.
+    /// Gives the corners at one end of a collapsed edge the rows of the other end: corners left of the edge
+    /// get the row of the corner `left`, corners right of it the row of `right`. Feature lines separate left
+    /// from right.
     pub fn transfer(&mut self, surface: &HalfEdgeSurface, is_line: &[bool], end: &WedgeTransfer) {
         transferred_corners(surface, is_line, end, |corner, row| self.corner_row[corner as usize] = row);
     }
@@ -366,7 +367,7 @@ pub(super) struct WedgeTransfer {
     pub right: u32,
 }
 
-/// Feature lines between faces with different attributes of their own. Face normals are ignored, since they
+/// Feature lines between faces with different face attributes. Face normals are ignored, since they
 /// follow from the faces.
 fn lines_of_faces(mesh: &Mesh, surface: &HalfEdgeSurface) -> Vec<bool> {
     let mut is_line = vec![false; surface.start.len()];

@@ -3,11 +3,11 @@ use crate::check::has_zero_area;
 use crate::explicit::{face_normal, triangulate};
 use crate::math::{Orientation, cross, difference, dot, length, orient3d};
 
-/// The largest number of corners for which the triangulation of least area is computed: n³/6 steps, 0.2 ms at
+/// The most corners for which the triangulation of least area is computed: n³/6 steps, 0.2 ms at
 /// 64, measured.
 const MOST_EXACT: usize = 64;
 
-/// Triangles over the corners of a loop, by index, all with area; `None` where every triangulation that was
+/// Triangles over the corners of a loop, by index, all with area; `None` if every triangulation that was
 /// tried uses a chord that is not free, or has a triangle without area. `is_free` says whether an edge may
 /// join two corners that are not neighbours.
 ///
@@ -17,23 +17,24 @@ const MOST_EXACT: usize = 64;
 /// Source: G. Barequet and M. Sharir, *Filling gaps in the boundary of a polyhedron*, 1995.
 pub(super) fn cap(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Option<Vec<[usize; 3]>> {
     let as_polygon = || {
-        let made = triangulate::polygon(points);
-        let triangles: Vec<_> = made.triangles.iter().map(|t| t.map(|i| i as usize)).collect();
-        chords_are_free(points.len(), &triangles, is_free).then_some((triangles, made.folded))
+        let polygon = triangulate::polygon(points);
+        let triangles: Vec<_> = polygon.triangles.iter().map(|t| t.map(|i| i as usize)).collect();
+        chords_are_free(points.len(), &triangles, is_free).then_some((triangles, polygon.folded))
     };
-    let have_area = |made: &Vec<[usize; 3]>| !made.iter().any(|t| has_zero_area(t.map(|i| points[i])));
+    let have_area =
+        |triangles: &Vec<[usize; 3]>| !triangles.iter().any(|t| has_zero_area(t.map(|i| points[i])));
     if is_flat(points)
         && let Some((triangles, 0)) = as_polygon()
         && have_area(&triangles)
     {
         return Some(triangles);
     }
-    let made = if points.len() <= MOST_EXACT {
+    let triangles = if points.len() <= MOST_EXACT {
         least_area(points, is_free)
     } else {
-        as_polygon().map(|made| made.0)
+        as_polygon().map(|(triangles, _)| triangles)
     };
-    made.filter(have_area)
+    triangles.filter(have_area)
 }
 
 fn chords_are_free(n: usize, triangles: &[[usize; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> bool {
@@ -43,10 +44,10 @@ fn chords_are_free(n: usize, triangles: &[[usize; 3]], is_free: &dyn Fn(usize, u
 
 /// Whether all points lie in one plane, exactly.
 fn is_flat(points: &[[f64; 3]]) -> bool {
-    let [a, rest @ ..] = points else { return true };
-    let Some(b) = rest.iter().find(|p| *p != a) else { return true };
-    let Some(c) = rest.iter().find(|p| !has_zero_area([*a, *b, **p])) else { return true };
-    rest.iter().all(|p| orient3d(*a, *b, *c, *p) == Orientation::Flat)
+    let [a, others @ ..] = points else { return true };
+    let Some(b) = others.iter().find(|p| *p != a) else { return true };
+    let Some(c) = others.iter().find(|p| !has_zero_area([*a, *b, **p])) else { return true };
+    others.iter().all(|p| orient3d(*a, *b, *c, *p) == Orientation::Flat)
 }
 
 /// The cost of a triangulation: triangles without area, then folded triangles, then its area.
@@ -59,7 +60,7 @@ fn plus(a: TriangulationCost, b: TriangulationCost) -> TriangulationCost {
 /// The best triangulation, by dynamic programming over the parts that chords cut off.
 fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Option<Vec<[usize; 3]>> {
     let n = points.len();
-    // A triangle is folded where it faces against the loop as a whole.
+    // A triangle is folded if it faces against the loop as a whole.
     let up = loop_normal(points);
     let cost = |t: [usize; 3]| -> TriangulationCost {
         let [a, b, c] = t.map(|i| points[i]);
@@ -67,8 +68,8 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
         let flat = has_zero_area([a, b, c]);
         (u32::from(flat), u32::from(folds), length(cross(difference(b, a), difference(c, a))))
     };
-    // The best cost of the part from corner i to corner j, which ends with the chord between them, and its
-    // third corner.
+    // By corners i and j: the best cost of the part of the loop between them, which ends with their chord,
+    // and its third corner.
     let mut best: Vec<Option<(TriangulationCost, usize)>> = vec![None; n * n];
     for i in 0..n - 1 {
         best[i * n + i + 1] = Some(((0, 0, 0.0), i));
@@ -82,9 +83,9 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
             for k in i + 1..j {
                 let (Some(left), Some(right)) = (best[i * n + k], best[k * n + j]) else { continue };
                 let sum = plus(plus(left.0, right.0), cost([i, k, j]));
-                let known = &mut best[i * n + j];
-                if known.is_none_or(|(least, _)| sum < least) {
-                    *known = Some((sum, k));
+                let entry = &mut best[i * n + j];
+                if entry.is_none_or(|(least, _)| sum < least) {
+                    *entry = Some((sum, k));
                 }
             }
         }

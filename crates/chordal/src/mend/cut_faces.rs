@@ -8,14 +8,14 @@ use crate::math::lesser;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A vertex that is to become a corner in the middle of a half-edge.
+/// A vertex that becomes a corner in the middle of a half-edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VertexInsertion {
     pub half_edge: u32,
     pub row: u32,
 }
 
-/// Decides which insertions a face can take, and builds the faces that it becomes.
+/// Decides which insertions a face can take, and builds the faces into which it is cut.
 pub(super) struct FaceCutter<'a> {
     mesh: &'a Mesh,
     id: &'a dyn Fn(u32) -> u32,
@@ -23,12 +23,12 @@ pub(super) struct FaceCutter<'a> {
     /// somewhere.
     edges: BTreeMap<[u32; 2], u32>,
     has_vertex_streams: bool,
-    /// Rows that were made for a vertex between two others.
-    made: BTreeMap<(u32, [u32; 2]), u32>,
+    /// New rows of vertices between two others.
+    new_rows: BTreeMap<(u32, [u32; 2]), u32>,
 }
 
 impl<'a> FaceCutter<'a> {
-    /// For these insertions, into a mesh where faces for which `is_left_out` is true do not count.
+    /// For these insertions, into a mesh without the faces for which `is_left_out` is true.
     pub fn new(
         mesh: &'a Mesh,
         id: &'a dyn Fn(u32) -> u32,
@@ -46,11 +46,11 @@ impl<'a> FaceCutter<'a> {
             }
         }
         let has_vertex_streams = mesh.attributes().iter().any(|stream| stream.domain == Domain::Vertex);
-        Self { mesh, id, edges, has_vertex_streams, made: BTreeMap::new() }
+        Self { mesh, id, edges, has_vertex_streams, new_rows: BTreeMap::new() }
     }
 
-    /// Cuts one face at these insertions, which are all different. Returns false and keeps the face where an
-    /// edge would get a third face, or have two equal ends, or a face with area would give one without.
+    /// Cuts one face at these insertions, which are all different. Returns `false` and keeps the face if an
+    /// edge would get a third face, or have two equal ends, or if a face with area would give one without.
     pub fn cut(&mut self, face: u32, insertions: &[VertexInsertion], draft: &mut MendBuilder) -> bool {
         let corners = self.mesh.faces()[face as usize];
         // 1. The vertices along each side, from its start to its end, with their parameters on it.
@@ -62,21 +62,21 @@ impl<'a> FaceCutter<'a> {
         }
         sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
         // 2. The polygon: corners and the vertices between them, as old rows.
-        let mut around: Vec<CutCorner> = Vec::new();
+        let mut polygon: Vec<CutCorner> = Vec::new();
         for k in 0..3 {
-            around.push(CutCorner { row: corners[k], side: k, t: 0.0 });
-            around.extend(sides[k].iter().map(|&(t, row)| CutCorner { row, side: k, t }));
+            polygon.push(CutCorner { row: corners[k], side: k, t: 0.0 });
+            polygon.extend(sides[k].iter().map(|&(t, row)| CutCorner { row, side: k, t }));
         }
         let triangles = triangulate([sides[0].len(), sides[1].len(), sides[2].len()]);
         let has_area =
             |corners: [u32; 3]| !has_zero_area(corners.map(|row| self.mesh.positions()[row as usize]));
-        let keeps_area = !has_area(corners) || triangles.iter().all(|t| has_area(t.map(|i| around[i].row)));
-        if !(keeps_area && self.keeps_manifold(&around, &triangles)) {
+        let keeps_area = !has_area(corners) || triangles.iter().all(|t| has_area(t.map(|i| polygon[i].row)));
+        if !(keeps_area && self.keeps_manifold(&polygon, &triangles)) {
             draft.faces.push(MendFace::from_mesh(self.mesh, face));
             return false;
         }
         // 3. The faces.
-        let rows: Vec<u32> = around.iter().map(|stop| self.corner_row(stop, corners, draft)).collect();
+        let rows: Vec<u32> = polygon.iter().map(|stop| self.corner_row(stop, corners, draft)).collect();
         let corner = |stop: &CutCorner| {
             let ends = [stop.side, (stop.side + 1) % 3].map(|k| 3 * face + k as u32);
             if stop.t == 0.0 {
@@ -89,7 +89,7 @@ impl<'a> FaceCutter<'a> {
             draft.faces.push(MendFace {
                 rows: triangle.map(|i| rows[i]),
                 source: face,
-                corners: triangle.map(|i| corner(&around[i])),
+                corners: triangle.map(|i| corner(&polygon[i])),
             });
         }
         true
@@ -103,7 +103,7 @@ impl<'a> FaceCutter<'a> {
         let size = along.abs().max_element();
         let (along, from_a) = (along / size, (at(row) - a) / size);
         let t = from_a.dot(along) / along.dot(along);
-        // Strictly inside, so that a stop with 0 is a corner; only rounding can bring it to an end.
+        // Strictly inside, since a stop with parameter 0 is a corner; only rounding can move it to an end.
         if t > f64::MIN_POSITIVE { lesser(t, 1.0) } else { f64::MIN_POSITIVE }
     }
 
@@ -114,7 +114,7 @@ impl<'a> FaceCutter<'a> {
             return false;
         }
         let n = around.len();
-        // Existing sides are already counted; an edge inside belongs to two of the new faces.
+        // The existing sides are already counted; an edge inside belongs to two of the new faces.
         let was_there = |i: usize, j: usize| around[i].t == 0.0 && around[j].t == 0.0;
         let mut added: BTreeMap<[u32; 2], u32> = BTreeMap::new();
         for triangle in triangles {
@@ -135,7 +135,7 @@ impl<'a> FaceCutter<'a> {
         true
     }
 
-    /// The row of a polygon corner: its own where rows carry no attributes, else a new one with the
+    /// The row of a polygon corner: the old row if rows carry no attributes, otherwise a new one with the
     /// attributes of the side at that point.
     fn corner_row(&mut self, stop: &CutCorner, corners: [u32; 3], draft: &mut MendBuilder) -> u32 {
         if stop.t == 0.0 || !self.has_vertex_streams {
@@ -144,7 +144,7 @@ impl<'a> FaceCutter<'a> {
         let ends = [corners[stop.side], corners[(stop.side + 1) % 3]];
         let source = AttributeSource::between(ends, stop.t);
         let MendRow { at, label, .. } = draft.rows[stop.row as usize];
-        *self.made.entry((stop.row, ends)).or_insert_with(|| draft.add_row(MendRow { at, label, source }))
+        *self.new_rows.entry((stop.row, ends)).or_insert_with(|| draft.add_row(MendRow { at, label, source }))
     }
 }
 
@@ -160,7 +160,7 @@ fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Triangulates a triangle with these numbers of vertices inside its sides, so that no triangle lies along a
-/// side; by the indices of the corners in boundary order.
+/// side; gives the indices of the corners in boundary order.
 fn triangulate(inside: [usize; 3]) -> Vec<[usize; 3]> {
     let n = 3 + inside.iter().sum::<usize>();
     // The first side with inner vertices, and the corners of the polygon from there on: a … b … c … .
@@ -170,13 +170,13 @@ fn triangulate(inside: [usize; 3]) -> Vec<[usize; 3]> {
     let at = |i: usize| (start + i) % n;
     let b = on(0) + 1;
     let c = b + on(1) + 1;
-    let mut made = Vec::with_capacity(n - 2);
-    // 1. Between the vertices inside the first side, to the corner across.
-    made.extend((1..on(0)).map(|i| [at(i), at(i + 1), at(c)]));
-    // 2. The last of them to the vertices on the second side, the first of them to those on the third.
-    made.extend((b..c).map(|i| [at(on(0)), at(i), at(i + 1)]));
-    made.extend((c..n).map(|i| [at(1), at(i), at(i + 1)]));
-    made
+    let mut triangles = Vec::with_capacity(n - 2);
+    // 1. From the segments between the vertices inside the first side to the corner across.
+    triangles.extend((1..on(0)).map(|i| [at(i), at(i + 1), at(c)]));
+    // 2. From the last of these vertices to the second side, and from the first of them to the third.
+    triangles.extend((b..c).map(|i| [at(on(0)), at(i), at(i + 1)]));
+    triangles.extend((c..n).map(|i| [at(1), at(i), at(i + 1)]));
+    triangles
 }
 
 #[cfg(test)]
@@ -187,10 +187,10 @@ mod tests {
     fn a_cut_triangle_is_a_disc_without_triangles_along_its_sides() {
         for inside in (0..64).map(|code| [code % 4, code / 4 % 4, code / 16]) {
             let n = 3 + inside.iter().sum::<usize>();
-            let made = triangulate(inside);
-            assert_eq!(made.len(), n - 2, "{inside:?}");
+            let triangles = triangulate(inside);
+            assert_eq!(triangles.len(), n - 2, "{inside:?}");
             let mut edges: Vec<(usize, usize)> =
-                made.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]).collect();
+                triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]).collect();
             let all = edges.clone();
             edges.retain(|&(i, j)| !all.contains(&(j, i)));
             edges.sort_unstable();
@@ -203,7 +203,10 @@ mod tests {
             // The sides that a vertex lies on, as bits: a corner lies on two.
             let corner = |i: usize| if i == 0 || side[i] != side[i - 1] { side[(i + n - 1) % n] } else { 0 };
             let on = |i: usize| side[i] | corner(i);
-            assert!(made.iter().all(|t| on(t[0]) & on(t[1]) & on(t[2]) == 0), "{inside:?}: {made:?}");
+            assert!(
+                triangles.iter().all(|t| on(t[0]) & on(t[1]) & on(t[2]) == 0),
+                "{inside:?}: {triangles:?}"
+            );
         }
     }
 }

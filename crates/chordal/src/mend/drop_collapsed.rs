@@ -1,4 +1,4 @@
-//! `drop_collapsed`: drops faces with a corner twice, for formats that forbid them.
+//! `drop_collapsed`: drops faces with two equal corners, for formats that forbid them.
 use super::drop_degenerate::coverage_bound;
 use super::limits::check_limits;
 use super::mend_builder::{MendBuilder, MendFace};
@@ -14,13 +14,13 @@ use crate::explicit::Topology;
 /// surfaces closed, and [`drop_degenerate`](super::drop_degenerate) cuts their neighbours. The change is
 /// `dropped_faces`.
 ///
-/// **Bound.** 0 as long as the segments that such faces covered are still edges of others. For a segment that
-/// is not, its distance from the remaining surface; where nothing remains there is no bound.
+/// **Bound.** 0 as long as the segments that such faces covered are still edges of other faces. For a segment
+/// that is not, its distance from the remaining surface; if nothing remains, there is no bound.
 ///
 /// O(n log n).
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, explicit::Topology, mend};
@@ -47,10 +47,11 @@ pub fn drop_collapsed(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mend
     if dropped.is_none() {
         return Ok(MendedMesh::unchanged(mesh));
     }
-    let mut kept = MendBuilder::without_faces(mesh);
-    kept.faces
+    let mut draft = MendBuilder::without_faces(mesh);
+    draft
+        .faces
         .extend((0..n_faces).filter(|face| !is_collapsed(*face)).map(|face| MendFace::from_mesh(mesh, face)));
-    let kept = kept.finish()?;
-    let bound = coverage_bound(mesh, &kept, job)?;
-    Ok(MendedMesh { bound, ..MendedMesh::exact(kept, [("dropped_faces", dropped)]) })
+    let mended = draft.finish()?;
+    let bound = coverage_bound(mesh, &mended, job)?;
+    Ok(MendedMesh { bound, ..MendedMesh::exact(mended, [("dropped_faces", dropped)]) })
 }

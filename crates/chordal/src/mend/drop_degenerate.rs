@@ -10,32 +10,33 @@ use crate::explicit::{Topology, Twin, Twins, previous_in_face};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The largest number of passes over the faces: a row of faces without area, each on the longest edge of the
+/// The most passes over the faces: a row of faces without area, each on the longest edge of the
 /// next, is removed from its end.
 const ROUNDS: usize = 64;
 
-/// The fraction of the diagonal that is nothing to a distance from the rest: roundings of proofs. Chosen.
+/// The fraction of the diagonal up to which distances from the remaining surface are not resolved. Chosen:
+/// less would take time to resolve the rounding of proofs.
 const CLOSE: f64 = 1024.0 * f64::EPSILON;
 
 /// Drops every face whose corners lie exactly on one line.
 ///
 /// - A face with two corners at one position is simply dropped; its neighbours already share an edge.
 /// - Of any other face the middle corner lies inside its longest edge. It becomes a corner of the faces
-///   across that edge, which are cut there: so the face is dropped, and no crack opens. Where an edge would
-///   get a third face by that, or the middle corner has the coordinates of an end without being the same
+///   across that edge, which are cut there: so the face is dropped, and no crack opens. If an edge would
+///   get a third face by that, or if the middle corner has the coordinates of an end without being the same
 ///   position (weld first), the face stays and is reported.
 ///
 /// Attributes of new corners are as for [`resolve_t_junctions`](super::resolve_t_junctions). The changes are
 /// `dropped_faces` and `left_faces`.
 ///
-/// **Bound.** 0 as long as each segment that such a face covered is still covered by the edges of others. For
-/// a segment that nothing else covers, its distance from the remaining surface; where nothing remains there
+/// **Bound.** 0 as long as each segment that such a face covered is still covered by edges of other faces.
+/// For a segment that nothing else covers, its distance from the remaining surface; if nothing remains, there
 /// is no bound.
 ///
 /// O(n log n).
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -56,27 +57,28 @@ pub fn drop_degenerate(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Men
     if dropped.is_none() {
         return Ok(MendedMesh::unchanged(mesh));
     }
-    let mut made = None;
+    let mut mended = None;
     for _ in 0..ROUNDS {
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
-        let Some(next) = drop_pass(made.as_ref().unwrap_or(mesh), topology)? else { break };
-        made = Some(next);
+        let Some(next) = drop_pass(mended.as_ref().unwrap_or(mesh), topology)? else { break };
+        mended = Some(next);
     }
-    let made = made.unwrap_or_else(|| mesh.clone());
-    let mut left = Finding::default();
-    for face in (0..made.faces().len() as u32).filter(|&face| has_zero_area(made.corners(face as usize))) {
-        left.add(|| Witness::face(&made, face));
+    let mended = mended.unwrap_or_else(|| mesh.clone());
+    let mut left_faces = Finding::default();
+    for face in (0..mended.faces().len() as u32).filter(|&face| has_zero_area(mended.corners(face as usize)))
+    {
+        left_faces.add(|| Witness::face(&mended, face));
     }
-    // No pass makes more faces without area than it drops.
-    dropped.count = dropped.count.saturating_sub(left.count);
-    let bound = coverage_bound(mesh, &made, job)?;
-    let changes = [("dropped_faces", dropped), ("left_faces", left)];
-    Ok(MendedMesh { bound, ..MendedMesh::exact(made, changes) })
+    // No pass creates more faces without area than it drops.
+    dropped.count = dropped.count.saturating_sub(left_faces.count);
+    let bound = coverage_bound(mesh, &mended, job)?;
+    let changes = [("dropped_faces", dropped), ("left_faces", left_faces)];
+    Ok(MendedMesh { bound, ..MendedMesh::exact(mended, changes) })
 }
 
-/// One pass: the mesh without the faces that can be dropped at once; `None` when none can.
+/// One pass: the mesh without the faces that can be dropped at once; `None` if there are none.
 fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> {
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
@@ -86,7 +88,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
     let longest: Vec<Option<u32>> = (0..n_faces)
         .map(|face| if is_flat[face as usize] { longest_edge(mesh, face) } else { None })
         .collect();
-    // 1. The dropped faces, and what is inserted for each across its longest edge.
+    // 1. The dropped faces, and the vertex that each inserts across its longest edge.
     let mut insertions: Vec<VertexInsertion> = Vec::new();
     let mut goes = vec![false; mesh.faces().len()];
     for face in (0..n_faces).filter(|&face| is_flat[face as usize]) {
@@ -95,7 +97,7 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
         match twins.get(h) {
             Twin::Boundary => goes[face as usize] = true,
             Twin::Pair(t) | Twin::Flipped(t) => {
-                // Two faces on each other's longest edge: the first is dropped before the second.
+                // If two faces are on each other's longest edge, the first is dropped before the second.
                 let is_mutual = longest[t as usize / 3] == Some(t) && face < t / 3;
                 if !is_flat[t as usize / 3] || is_mutual {
                     goes[face as usize] = true;
@@ -106,27 +108,27 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
         }
     }
     insertions.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
-    // 2. The faces across are cut; where one cannot be cut, the faces that need it stay.
+    // 2. The faces across are cut; if one cannot be cut, the faces whose vertices it needed stay.
     let mut draft = MendBuilder::without_faces(mesh);
     let mut cutter = FaceCutter::new(mesh, &id, &insertions, |face| goes[face as usize]);
     let mut cut: BTreeMap<u32, Vec<MendFace>> = BTreeMap::new();
-    for of_face in insertions.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3) {
-        let face = of_face[0].half_edge / 3;
-        if cutter.cut(face, of_face, &mut draft) {
+    for insertions_of_face in insertions.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3) {
+        let face = insertions_of_face[0].half_edge / 3;
+        if cutter.cut(face, insertions_of_face, &mut draft) {
             cut.insert(face, std::mem::take(&mut draft.faces));
             continue;
         }
         draft.faces.clear();
-        for insertion in of_face {
-            if let Twin::Pair(asked) | Twin::Flipped(asked) = twins.get(insertion.half_edge) {
-                goes[asked as usize / 3] = false;
+        for insertion in insertions_of_face {
+            if let Twin::Pair(dropped_face) | Twin::Flipped(dropped_face) = twins.get(insertion.half_edge) {
+                goes[dropped_face as usize / 3] = false;
             }
         }
     }
     if !goes.contains(&true) {
         return Ok(None);
     }
-    // 3. All faces in their order.
+    // 3. All remaining faces in their order.
     for face in (0..n_faces).filter(|&face| !goes[face as usize]) {
         match cut.remove(&face) {
             Some(faces) => draft.faces.extend(faces),
@@ -136,12 +138,12 @@ fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> 
     draft.finish().map(Some)
 }
 
-/// The half-edge opposite the middle corner of a face without area; `None` where that corner is at an end.
+/// The half-edge opposite the middle corner of a face without area; `None` if that corner is at an end.
 fn longest_edge(mesh: &Mesh, face: u32) -> Option<u32> {
     longest_side(mesh.corners(face as usize)).map(|side| 3 * face + side as u32)
 }
 
-/// The side opposite the middle one of three collinear corners, from corner k to corner k + 1; `None` where
+/// The side opposite the middle one of three collinear corners, from corner k to corner k + 1; `None` if
 /// that corner is at an end.
 fn longest_side(corners: [[f64; 3]; 3]) -> Option<usize> {
     // On one line, the order of coordinates is the order along it, or its reverse.
@@ -166,17 +168,17 @@ fn point_bits(p: [f64; 3]) -> PointBits {
     p.map(|x| (x + 0.0).to_bits())
 }
 
-/// The distance from what the flat faces of `mesh` covered to the remaining surface. Faces that were cut
-/// still cover the same points.
-pub(super) fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError> {
+/// The distance from the points that the flat faces of `mesh` covered to the remaining surface. Faces that
+/// were cut still cover the same points.
+pub(super) fn coverage_bound(mesh: &Mesh, remaining: &Mesh, job: &Job) -> Result<Bound, JobError> {
     let flat = || {
         let corners = (0..mesh.faces().len()).map(|face| mesh.corners(face));
         corners.filter(|corners| has_zero_area(*corners))
     };
     let ends: BTreeSet<PointBits> = flat().flatten().map(point_bits).collect();
     let mut edges: BTreeSet<[PointBits; 2]> = BTreeSet::new();
-    for face in 0..made.faces().len() {
-        let corners = made.corners(face).map(point_bits);
+    for face in 0..remaining.faces().len() {
+        let corners = remaining.corners(face).map(point_bits);
         for [p, q] in [[0, 1], [1, 2], [2, 0], [0, 0]].map(|edge| edge.map(|k| corners[k])) {
             if ends.contains(&p) && ends.contains(&q) {
                 edges.extend([[p, q], [q, p], [p, p], [q, q]]);
@@ -188,9 +190,9 @@ pub(super) fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Boun
     let is_covered = |corners: [[f64; 3]; 3]| {
         let [a, b, c] = corners.map(point_bits);
         let sides = [[a, b], [b, c], [c, a]].map(|edge| edges.contains(&edge));
-        // The longest side covers all of it, and so do the two others. Rounded lengths cannot tell which it
-        // is. Where no corner is between the others, some are equal, and a side between two different ones is
-        // as long as any.
+        // The longest side covers the whole face, and so do the two others together. Rounded lengths cannot
+        // tell which it is. If no corner is between the others, some are equal, and a side between two
+        // different corners is as long as any.
         let has_length = |k: &usize| corners[*k] != corners[(*k + 1) % 3];
         let longest = longest_side(corners).or_else(|| (0..3).find(has_length)).unwrap_or(0);
         sides[longest] || (sides[(longest + 1) % 3] && sides[(longest + 2) % 3])
@@ -199,11 +201,11 @@ pub(super) fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Boun
     if bare.is_empty() {
         return Ok(Bound::exact(Reference::InputTriangles));
     }
-    if made.faces().is_empty() {
+    if remaining.faces().is_empty() {
         return Ok(Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::InputTriangles));
     }
-    // All other faces are those that both have.
-    let (mut positions, mut faces) = (made.positions().to_vec(), made.faces().to_vec());
+    // Both meshes share all other faces.
+    let (mut positions, mut faces) = (remaining.positions().to_vec(), remaining.faces().to_vec());
     for corners in bare {
         let first = positions.len() as u32;
         positions.extend(corners);
@@ -211,6 +213,7 @@ pub(super) fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Boun
     }
     let with_bare = Mesh::by_construction(positions, faces);
     let close = Tolerance::new(CLOSE * mesh.bounds().diagonal()).ok();
-    let found = deviation(&with_bare, made, &Goal { absolute: close, ..Goal::default() }, job)?.forward;
-    Ok(Bound::proved(found.at_least, found.at_most, Reference::InputTriangles))
+    let one_sided =
+        deviation(&with_bare, remaining, &Goal { absolute: close, ..Goal::default() }, job)?.forward;
+    Ok(Bound::proved(one_sided.at_least, one_sided.at_most, Reference::InputTriangles))
 }

@@ -7,7 +7,7 @@ use crate::budget::{Job, JobError};
 use crate::check::{Finding, Witness};
 use crate::explicit::Topology;
 
-/// Which repeated faces are dropped.
+/// The repeated faces to drop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Duplicates {
     /// Faces with the same winding as an earlier kept face of the same positions.
@@ -16,14 +16,15 @@ pub enum Duplicates {
     EitherWay,
 }
 
-/// Drops every face that has the three positions of an earlier one, as `which` says, with its attributes.
-/// Faces with two corners at one position are left to [`drop_degenerate`](super::drop_degenerate). The
-/// surface does not change: bound 0. The change is `dropped_faces`.
+/// Drops every face that has the three positions of an earlier one, as selected by `which`, with its
+/// attributes. Faces with two corners at one position are left to
+/// [`drop_degenerate`](super::drop_degenerate). The surface does not change: bound 0. The change is
+/// `dropped_faces`.
 ///
 /// O(n log n) at worst; about 0.2 s for 1,000,000 triangles.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, explicit::Topology, mend};
@@ -60,18 +61,18 @@ pub fn drop_duplicates(
         return Ok(MendedMesh::unchanged(mesh));
     }
     let mut draft = MendBuilder::without_faces(mesh);
-    let mut found = Finding::default();
+    let mut dropped = Finding::default();
     let mut next = repeats.iter().peekable();
     for face in 0..mesh.faces().len() as u32 {
         match next.next_if(|repeat| repeat.0 == face) {
-            Some(&(face, of)) => found.add(|| Witness::repeated(mesh, face, of)),
+            Some(&(face, original)) => dropped.add(|| Witness::repeated(mesh, face, original)),
             None => draft.faces.push(MendFace::from_mesh(mesh, face)),
         }
     }
-    Ok(MendedMesh::exact(draft.finish()?, [("dropped_faces", found)]))
+    Ok(MendedMesh::exact(draft.finish()?, [("dropped_faces", dropped)]))
 }
 
-/// In ascending order, and whether that is an odd permutation.
+/// The numbers in ascending order, and whether that is an odd permutation.
 fn sorted([mut a, mut b, mut c]: [u32; 3]) -> ([u32; 3], bool) {
     let mut is_odd = false;
     for _ in 0..2 {

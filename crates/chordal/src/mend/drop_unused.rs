@@ -10,7 +10,7 @@ use crate::check::{Finding, Witness};
 /// does not change: bound 0. The change is `dropped_vertices`.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, mend};
@@ -33,7 +33,7 @@ pub fn drop_unused(mesh: &Mesh, job: &Job) -> Result<MendedMesh, JobError> {
     Ok(MendedMesh::exact(with_rows(mesh, &used)?, [("dropped_vertices", dropped)]))
 }
 
-/// The mesh with only the rows in `keep`, which include all that its faces use.
+/// The mesh with only the rows in `keep`, which include all rows that its faces use.
 fn with_rows(mesh: &Mesh, keep: &[bool]) -> Result<Mesh, JobError> {
     let mut draft = MendBuilder::without_faces(mesh);
     let mut number = Vec::with_capacity(keep.len());
@@ -42,8 +42,8 @@ fn with_rows(mesh: &Mesh, keep: &[bool]) -> Result<Mesh, JobError> {
         number.push(next);
         next += u32::from(keep);
     }
-    let mut kept = keep.iter();
-    draft.rows.retain(|_| kept.next().copied().unwrap_or(false));
+    let mut flags = keep.iter();
+    draft.rows.retain(|_| flags.next().copied().unwrap_or(false));
     draft.add_all_faces();
     draft.faces.iter_mut().for_each(|face| face.rows = face.rows.map(|row| number[row as usize]));
     draft.finish()

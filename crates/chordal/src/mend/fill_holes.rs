@@ -1,4 +1,4 @@
-//! `fill_holes`: fills the holes inside boundary loops.
+//! `fill_holes`: fills the holes that boundary loops enclose.
 use super::cap::{cap, loop_normal};
 use super::limits::check_limits;
 use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
@@ -10,7 +10,7 @@ use crate::explicit::{DisjointSets, Topology, Twin, Twins, face_normal, next_in_
 use crate::math::{Orientation, dot, orient3d};
 use std::collections::BTreeSet;
 
-/// Which holes are filled.
+/// The holes to fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoleSelection {
     /// All holes. The outer boundary of an open sheet is a hole as well, unless the sheet is flat.
@@ -22,30 +22,30 @@ pub enum HoleSelection {
 /// Fills the holes: each boundary loop of consistently wound faces gets faces of the same winding.
 ///
 /// A flat loop is triangulated as a polygon; any other with the least area if it has up to 64 edges, and as a
-/// polygon otherwise. Where that would give an edge of the mesh a third face, or a face no area, the loop
-/// gets a vertex in its middle and a fan around it. A loop that passes a position twice is split there and
-/// filled in parts. New faces have the attributes of the face at the first edge of their loop, their corners
+/// polygon otherwise. If that would give an edge of the mesh a third face, or a face no area, the loop gets a
+/// vertex in its middle and a fan around it. A loop that passes a position twice is split there and filled in
+/// parts. New faces have the attributes of the face at the first edge of their loop, and their corners have
 /// those of the vertices there; no row is changed.
 ///
-/// Not filled: loops with more edges than `holes` says; the outer boundary of a flat sheet, exactly flat,
+/// Not filled: loops with more edges than `holes` says; the outer boundary of a sheet that is exactly flat,
 /// since the new faces would lie on the sheet, and so that of a single triangle; loops on one line; chains of
 /// boundary edges that end at an edge with three faces or more, or meet faces of inconsistent winding
-/// ([`split_non_manifold`](super::split_non_manifold), [`orient`](super::orient) come first).
+/// ([`split_non_manifold`](super::split_non_manifold) and [`orient`](super::orient) repair these first).
 ///
 /// **Bound.** One-sided, from the input to the result: 0, since the whole input surface is kept. The new
-/// faces are as far from the input as the hole is wide. That is no error, since there was no surface. Where
-/// no hole was filled the bound is 0 in both directions. The changes are `filled_holes`, `added_faces`,
+/// faces are as far from the input as the hole is wide. That is no error, since there was no surface. If
+/// no hole was filled, the bound is 0 in both directions. The changes are `filled_holes`, `added_faces`,
 /// `added_vertices`, `left_holes`; a witness is the first edge of a loop. Remaining holes are counted as
 /// [`check::validity`](crate::check::validity) counts loops and chains: one that passes a position twice, or
-/// is wound against itself, is one.
+/// changes its winding, is one.
 ///
-/// A new face may cross the surface, where a loop winds around it:
+/// A new face may cross the surface if a loop winds around it:
 /// [`check::self_intersections`](crate::check::self_intersections) finds that.
 ///
 /// Linear in the mesh; n³ for a loop of n ≤ 64 edges, n log n for a longer one.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -66,7 +66,7 @@ pub fn fill_holes(
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let twins = Twins::with_ids(mesh, ids.as_deref());
     let rim = MeshBoundary { mesh, twins: &twins, id: &id };
-    let (loops, mut kept) = rim.loops();
+    let (loops, mut unfilled) = rim.loops();
     let sheets = FlatComponents::new(mesh, &twins);
     let most = match holes {
         HoleSelection::All => usize::MAX,
@@ -87,26 +87,26 @@ pub fn fill_holes(
             || sheets.has_as_outer_boundary(&hole, mesh)
             || !rim.fill(&hole, &mut edges, &mut draft)
         {
-            kept.push(first);
+            unfilled.push(first);
             continue;
         }
         filled.add(|| Witness::edge(mesh, &[first]));
     }
-    let left = rim.chains_of(&kept);
+    let left_holes = rim.chains_of(&unfilled);
     if filled.is_none() {
-        return Ok(MendedMesh::exact(mesh.clone(), [("left_holes", left)]));
+        return Ok(MendedMesh::exact(mesh.clone(), [("left_holes", left_holes)]));
     }
     let (new_faces, new_rows) = (n_faces..draft.faces.len(), n_rows..draft.rows.len());
-    let made = draft.finish()?;
-    new_faces.for_each(|face| added_faces.add(|| Witness::face(&made, face as u32)));
-    new_rows.for_each(|row| added_vertices.add(|| Witness::vertex(&made, row as u32)));
+    let filled_mesh = draft.finish()?;
+    new_faces.for_each(|face| added_faces.add(|| Witness::face(&filled_mesh, face as u32)));
+    new_rows.for_each(|row| added_vertices.add(|| Witness::vertex(&filled_mesh, row as u32)));
     let changes = [
         ("filled_holes", filled),
         ("added_faces", added_faces),
         ("added_vertices", added_vertices),
-        ("left_holes", left),
+        ("left_holes", left_holes),
     ];
-    let mut mended = MendedMesh::exact(made, changes);
+    let mut mended = MendedMesh::exact(filled_mesh, changes);
     mended.bound.metric = Metric::OneSided;
     Ok(mended)
 }
@@ -143,8 +143,8 @@ impl FlatComponents {
     }
 
     /// Whether the loop is the outer boundary of a flat component: it runs in the same direction as the
-    /// faces, while a hole in it runs in the opposite one. Faces that filled an outer boundary would lie on
-    /// the component.
+    /// faces, while the loop of a hole runs in the opposite one. Faces that fill an outer boundary would lie
+    /// on the component.
     fn has_as_outer_boundary(&self, hole: &[u32], mesh: &Mesh) -> bool {
         let face = hole[0] / 3;
         if !self.is_flat[self.root[face as usize] as usize] {
@@ -173,8 +173,8 @@ impl MeshBoundary<'_> {
         (self.id)(self.row(h))
     }
 
-    /// The boundary half-edge that follows this one, around the fan at its end; `None` where the fan does not
-    /// end at the boundary, or its faces are not consistently wound.
+    /// The boundary half-edge that follows this one, around the fan at its end; `None` if the fan does not
+    /// end at the boundary, or if its faces are not consistently wound.
     fn next_boundary(&self, h: u32) -> Option<u32> {
         let mut next = next_in_face(h);
         loop {
@@ -190,22 +190,22 @@ impl MeshBoundary<'_> {
     /// a loop.
     fn loops(&self) -> (Vec<Vec<u32>>, Vec<u32>) {
         let (mut loops, mut broken) = (Vec::new(), Vec::new());
-        let mut seen = vec![false; self.twins.len()];
-        let mut place = vec![u32::MAX; self.mesh.positions().len()];
+        let mut visited = vec![false; self.twins.len()];
+        let mut index_in_loop = vec![u32::MAX; self.mesh.positions().len()];
         for start in 0..self.twins.len() as u32 {
-            if seen[start as usize] || self.twins.get(start) != Twin::Boundary {
+            if visited[start as usize] || self.twins.get(start) != Twin::Boundary {
                 continue;
             }
             let mut string = vec![start];
-            seen[start as usize] = true;
+            visited[start as usize] = true;
             let mut next = self.next_boundary(start);
-            while let Some(h) = next.filter(|&h| !seen[h as usize]) {
-                seen[h as usize] = true;
+            while let Some(h) = next.filter(|&h| !visited[h as usize]) {
+                visited[h as usize] = true;
                 string.push(h);
                 next = self.next_boundary(h);
             }
             if next == Some(start) {
-                self.split_at_repeats(&string, &mut place, &mut loops);
+                self.split_at_repeats(&string, &mut index_in_loop, &mut loops);
             } else {
                 broken.push(start);
             }
@@ -214,33 +214,34 @@ impl MeshBoundary<'_> {
     }
 
     /// The chains that contain at least one of these half-edges, each once.
-    fn chains_of(&self, some: &[u32]) -> Finding {
-        let mut found = Finding::default();
-        let mut seen = vec![false; if some.is_empty() { 0 } else { self.twins.len() }];
-        for &h in some {
-            if !seen[h as usize] {
-                found.add(|| Witness::edge(self.mesh, &[h]));
-                boundary_path(self.twins, h).into_iter().for_each(|h| seen[h as usize] = true);
+    fn chains_of(&self, half_edges: &[u32]) -> Finding {
+        let mut chains = Finding::default();
+        let mut visited = vec![false; if half_edges.is_empty() { 0 } else { self.twins.len() }];
+        for &h in half_edges {
+            if !visited[h as usize] {
+                chains.add(|| Witness::edge(self.mesh, &[h]));
+                boundary_path(self.twins, h).into_iter().for_each(|h| visited[h as usize] = true);
             }
         }
-        found
+        chains
     }
 
-    /// Splits a loop where it returns to a position. `place` is all `u32::MAX`, before and after.
-    fn split_at_repeats(&self, string: &[u32], place: &mut [u32], loops: &mut Vec<Vec<u32>>) {
+    /// Splits a loop at the positions to which it returns. `index_in_loop` is all `u32::MAX` before and
+    /// after.
+    fn split_at_repeats(&self, string: &[u32], index_in_loop: &mut [u32], loops: &mut Vec<Vec<u32>>) {
         let mut open: Vec<u32> = Vec::new();
         for &h in string {
-            let here = self.origin(h);
-            let before = place[here as usize];
+            let position = self.origin(h);
+            let before = index_in_loop[position as usize];
             if before != u32::MAX {
                 let part = open.split_off(before as usize);
-                part.iter().for_each(|&h| place[self.origin(h) as usize] = u32::MAX);
+                part.iter().for_each(|&h| index_in_loop[self.origin(h) as usize] = u32::MAX);
                 loops.push(part);
             }
-            place[here as usize] = open.len() as u32;
+            index_in_loop[position as usize] = open.len() as u32;
             open.push(h);
         }
-        open.iter().for_each(|&h| place[self.origin(h) as usize] = u32::MAX);
+        open.iter().for_each(|&h| index_in_loop[self.origin(h) as usize] = u32::MAX);
         loops.push(open);
     }
 
@@ -260,12 +261,12 @@ impl MeshBoundary<'_> {
         edges
     }
 
-    /// Adds the faces of one hole and records their edges; false where it cannot be filled.
+    /// Adds the faces of one hole and records their edges; `false` if it cannot be filled.
     fn fill(&self, hole: &[u32], edges: &mut BTreeSet<[u32; 2]>, draft: &mut MendBuilder) -> bool {
         if hole.len() < 3 {
             return false;
         }
-        // In reverse: the new faces run against the edges of the faces around the hole.
+        // In reverse order, since the new faces run against the edges of the faces around the hole.
         let around: Vec<u32> = hole.iter().rev().copied().collect();
         let ids: Vec<u32> = around.iter().map(|&h| self.origin(h)).collect();
         let points: Vec<[f64; 3]> =

@@ -1,5 +1,5 @@
-//! `MendBuilder`: the rows and faces of a new mesh, each with the element of the old mesh that its attributes
-//! come from.
+//! `MendBuilder`: the rows and faces of a new mesh, each with the element of the old mesh from which its
+//! attributes come.
 use super::limits::refusal;
 use crate::Mesh;
 use crate::budget::{JobError, RefusalCode};
@@ -29,7 +29,7 @@ impl AttributeSource {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MendRow {
     pub at: [f64; 3],
-    /// Rows with one label are one position.
+    /// Rows with the same label are one position.
     pub label: u32,
     pub source: AttributeSource,
 }
@@ -38,7 +38,7 @@ pub(super) struct MendRow {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MendFace {
     pub rows: [u32; 3],
-    /// The old face whose attributes it has.
+    /// The old face that provides its attributes.
     pub source: u32,
     /// The sources of its corners' attributes, as half-edge numbers.
     pub corners: [AttributeSource; 3],
@@ -66,7 +66,7 @@ pub(super) struct MendBuilder<'a> {
 }
 
 impl<'a> MendBuilder<'a> {
-    /// All rows of `mesh`, tied as they are, and no face.
+    /// All rows of `mesh`, tied as in `mesh`, and no face.
     pub fn without_faces(mesh: &'a Mesh) -> Self {
         let row = |(i, at): (u32, &[f64; 3])| MendRow {
             at: *at,
@@ -91,23 +91,23 @@ impl<'a> MendBuilder<'a> {
         number
     }
 
-    /// The mesh. Rows with one label get the coordinates of the first of them; those differ at most in the
-    /// sign of zero.
+    /// The mesh. Rows with the same label get the coordinates of the first of them; these differ at most in
+    /// the sign of zero.
     pub fn finish(self) -> Result<Mesh, JobError> {
         let Self { mesh, rows, faces } = self;
         let most = rows.iter().map(|row| row.label as usize + 1).max().unwrap_or(0);
         let mut first = vec![u32::MAX; most];
         let mut ids = Vec::with_capacity(rows.len());
         for (number, row) in (0..).zip(&rows) {
-            let known = &mut first[row.label as usize];
-            *known = if *known == u32::MAX { number } else { *known };
-            ids.push(*known);
+            let first_row = &mut first[row.label as usize];
+            *first_row = if *first_row == u32::MAX { number } else { *first_row };
+            ids.push(*first_row);
         }
         let positions = ids.iter().map(|&id| rows[id as usize].at).collect();
         let is_tied = mesh.position_id().is_some() || (0..).zip(&ids).any(|(row, &id)| row != id);
-        let mut made = Mesh::new(positions, faces.iter().map(|face| face.rows).collect());
+        let mut result = Mesh::new(positions, faces.iter().map(|face| face.rows).collect());
         if is_tied {
-            made = made.and_then(|made| made.with_position_id(ids));
+            result = result.and_then(|mesh| mesh.with_position_id(ids));
         }
         for attribute in mesh.attributes() {
             let values = match attribute.domain {
@@ -117,10 +117,10 @@ impl<'a> MendBuilder<'a> {
                     interpolate(attribute, faces.iter().map(|face| AttributeSource::from_row(face.source)))
                 }
             };
-            made = made.and_then(|made| made.with_attribute(Attribute { values, ..attribute.clone() }));
+            result = result.and_then(|mesh| mesh.with_attribute(Attribute { values, ..attribute.clone() }));
         }
-        // Rows and faces come from a valid mesh: only their number can be too large.
-        made.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
+        // Rows and faces come from a valid mesh, so only their number can be too large.
+        result.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
     }
 }
 
@@ -144,7 +144,7 @@ fn interpolate(attribute: &Attribute, sources: impl Iterator<Item = AttributeSou
     values
 }
 
-/// Scales the first three numbers to length 1; leaves them unchanged where they have no direction.
+/// Scales the first three numbers to length 1; leaves them unchanged if they have no direction.
 fn normalize(row: &mut [f64]) {
     let length = row.iter().take(3).map(|x| x * x).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() {

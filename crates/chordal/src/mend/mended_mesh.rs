@@ -1,4 +1,4 @@
-//! `MendedMesh`: the result of a repair: the mesh, what was changed, and how far the surface moved.
+//! `MendedMesh`: the result of a repair: the mesh, the changes, and a bound on the movement of the surface.
 use super::limits::refusal;
 use crate::Mesh;
 use crate::budget::{Bound, JobError, Reference, RefusalCode};
@@ -9,17 +9,18 @@ use crate::check::Finding;
 pub struct MendedMesh {
     /// The repaired mesh.
     pub mesh: Mesh,
-    /// What was changed, and what was found but left; one entry for each kind that was found at all.
+    /// The changes, and the findings that were left; one entry for each kind of which there is any.
     pub changes: Vec<MendChange>,
-    /// How far the surface moved: all faces, those without area included, against those of the input.
+    /// A bound on the movement of the surface: all faces, including those without area, compared with those
+    /// of the input.
     pub bound: Bound,
 }
 
-/// One kind of change, with its count and first witnesses. Rows in the witnesses are those of the input.
+/// One kind of change, with its count and first witnesses. The rows in the witnesses are those of the input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MendChange {
-    /// Stable, for programs: `turned_faces`, `filled_holes`, … A kind that was found and not repaired starts
-    /// with `left_`.
+    /// A stable name, for programs: `turned_faces`, `filled_holes`, … The name of a kind that was found and
+    /// not repaired starts with `left_`.
     pub what: &'static str,
     /// The count, and the first witnesses.
     pub finding: Finding,
@@ -52,7 +53,7 @@ impl MendedMesh {
         Ok(Self { mesh, changes: nonempty_changes(changes), bound })
     }
 
-    /// How often changes of that kind were made or found.
+    /// The number of changes or findings of that kind.
     #[must_use]
     pub fn count(&self, what: &str) -> u64 {
         self.changes.iter().find(|change| change.what == what).map_or(0, |change| change.finding.count)
@@ -66,6 +67,6 @@ impl MendedMesh {
 }
 
 fn nonempty_changes<const N: usize>(changes: [(&'static str, Finding); N]) -> Vec<MendChange> {
-    let met = changes.into_iter().filter(|(_, found)| !found.is_none());
-    met.map(|(what, found)| MendChange { what, finding: found }).collect()
+    let nonempty = changes.into_iter().filter(|(_, finding)| !finding.is_none());
+    nonempty.map(|(what, finding)| MendChange { what, finding }).collect()
 }

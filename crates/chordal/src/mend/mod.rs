@@ -39,7 +39,7 @@ pub use resolve_t_junctions::resolve_t_junctions;
 pub use split_non_manifold::split_non_manifold;
 pub use weld::{Weld, weld};
 
-/// What closed pieces within others are.
+/// The treatment of closed pieces inside others.
 pub mod nesting {
     pub use super::orient::NestedShells;
 }

@@ -7,14 +7,14 @@ use crate::budget::{Job, JobError, RefusalCode};
 use crate::check::{Component, Facing, Finding, MeshConnectivity, Witness};
 use crate::explicit::{DisjointSets, Topology, Twin, Twins};
 
-/// Which way closed components within others are to face.
+/// The direction in which closed components inside others should face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NestedShells {
-    /// As they are wound, compared to the component around them: one that faces the same way is a body of its own in there,
-    /// one that faces the other way is a cavity. What is solid stays solid.
+    /// As they are wound, compared to the component around them: one that faces the same way is a separate
+    /// body inside it, one that faces the other way is a cavity. Solid regions stay solid.
     #[default]
     Keep,
-    /// By their depth: within an odd number of others they are cavities, within an even number bodies.
+    /// By their depth: inside an odd number of others they are cavities, inside an even number bodies.
     Cavity,
 }
 
@@ -22,22 +22,23 @@ pub enum NestedShells {
 ///
 /// - In each component neighbours are made consistent. The orientation of the majority of its faces is kept;
 ///   with equal numbers, that of its first face.
-/// - Then closed components that no other one encloses are turned where [`check::components`](crate::check::components)
-///   finds them inside out, and those within them along with them ([`NestedShells::Keep`]). With [`NestedShells::Cavity`]
-///   all that are found inside out are turned: cavities, which lie within an odd number of others, face inwards, whatever
-///   they were. What is undecided there stays as it is.
+/// - Then closed components that no other one encloses are turned if
+///   [`check::components`](crate::check::components) finds them inside out, together with those inside them
+///   ([`NestedShells::Keep`]). With [`NestedShells::Cavity`] all that are found inside out are turned:
+///   cavities, which lie inside an odd number of others, face inwards, however they were wound. Undecided
+///   components stay as they are.
 /// - A non-orientable component, such as a Möbius strip, stays as it is and is reported.
 ///
-/// The surface does not change: bound 0. The changes are `turned_faces`, `left_unorientable` with the first face of such a
-/// component, and with the first face of each component whose depth says otherwise than its winding `left_nested_shells` or
-/// `turned_nested_shells`. Attributes stay with their corners; normals are not turned, since they say
-/// how the file is to be shaded.
+/// The surface does not change: bound 0. The changes are `turned_faces`; `left_unorientable`, with the first
+/// face of such a component; and `left_nested_shells` or `turned_nested_shells`, with the first face of each
+/// component whose depth contradicts its winding. Attributes stay with their corners; normals are not turned,
+/// since they define the shading of the file.
 ///
-/// Linear; with several closed components that enclose each other, a bounding volume hierarchy and some
+/// Linear; if several closed components enclose each other, also a bounding volume hierarchy and some
 /// microseconds each.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend, mend::nesting::NestedShells};
@@ -63,8 +64,8 @@ pub fn orient(
         return Err(JobError::Cancelled);
     }
     let agreed = sides.agreed(mesh)?;
-    let found = MeshConnectivity::new(&agreed, topology).components_under(job)?;
-    let ShellTurns { wrong, at_odds } = ShellTurns::new(&found, nested);
+    let components = MeshConnectivity::new(&agreed, topology).components_under(job)?;
+    let ShellTurns { wrong, at_odds } = ShellTurns::new(&components, nested);
     sides.turn(&wrong, &twins);
     let mut shells = Finding::default();
     at_odds.into_iter().for_each(|face| shells.add(|| Witness::face(mesh, face)));
@@ -86,8 +87,8 @@ pub fn orient(
     }
     let mut draft = MendBuilder::without_faces(mesh);
     for (face, &turned) in (0..).zip(&sides.flipped) {
-        let kept = MendFace::from_mesh(mesh, face);
-        draft.faces.push(if turned { kept.flipped() } else { kept });
+        let mend_face = MendFace::from_mesh(mesh, face);
+        draft.faces.push(if turned { mend_face.flipped() } else { mend_face });
     }
     Ok(MendedMesh::exact(draft.finish()?, changes))
 }
@@ -99,7 +100,7 @@ struct OrientableComponent {
     is_orientable: bool,
 }
 
-/// Which faces are to be turned.
+/// The faces to be turned.
 struct FaceFlips {
     flipped: Vec<bool>,
     components: Vec<OrientableComponent>,
@@ -108,12 +109,12 @@ struct FaceFlips {
 impl FaceFlips {
     /// Finds the components and makes the faces of each consistent.
     fn make_consistent(&mut self, twins: &Twins) {
-        let mut seen = vec![false; self.flipped.len()];
+        let mut visited = vec![false; self.flipped.len()];
         for start in 0..self.flipped.len() as u32 {
-            if seen[start as usize] || twins.get(3 * start) == Twin::Collapsed {
+            if visited[start as usize] || twins.get(3 * start) == Twin::Collapsed {
                 continue;
             }
-            let piece = self.collect_component(start, twins, &mut seen);
+            let piece = self.collect_component(start, twins, &mut visited);
             let n_turned = piece.faces.iter().filter(|&&face| self.flipped[face as usize]).count();
             let all_back = !piece.is_orientable;
             let other_side = 2 * n_turned > piece.faces.len();
@@ -125,10 +126,10 @@ impl FaceFlips {
         }
     }
 
-    /// The component of a face, with the inconsistent faces turned.
-    fn collect_component(&mut self, start: u32, twins: &Twins, seen: &mut [bool]) -> OrientableComponent {
+    /// The component of a face; inconsistent faces in it are turned.
+    fn collect_component(&mut self, start: u32, twins: &Twins, visited: &mut [bool]) -> OrientableComponent {
         let mut piece = OrientableComponent { faces: vec![start], is_orientable: true };
-        seen[start as usize] = true;
+        visited[start as usize] = true;
         let mut next = 0;
         while let Some(&face) = piece.faces.get(next) {
             next += 1;
@@ -139,7 +140,7 @@ impl FaceFlips {
                     Twin::Flipped(t) => (t / 3, !turned),
                     Twin::Boundary | Twin::NonManifold | Twin::Collapsed => continue,
                 };
-                if !std::mem::replace(&mut seen[neighbour as usize], true) {
+                if !std::mem::replace(&mut visited[neighbour as usize], true) {
                     self.flipped[neighbour as usize] = wanted;
                     piece.faces.push(neighbour);
                 } else if self.flipped[neighbour as usize] != wanted {
@@ -160,17 +161,17 @@ impl FaceFlips {
         if let Some(ids) = mesh.position_id() {
             agreed = agreed.and_then(|agreed| agreed.with_position_id(ids.to_vec()));
         }
-        // The rows of a valid mesh, and as many faces.
+        // The rows of a valid mesh, and the same number of faces, so this cannot fail.
         agreed.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
     }
 
-    /// Turns components by their first faces, in their order.
+    /// Turns the components with these first faces, which are in the order of the components.
     fn turn(&mut self, wrong: &[u32], twins: &Twins) {
         if wrong.is_empty() {
             return;
         }
-        // A component of [`MeshConnectivity`] may contain several of these, which meet at edges with more
-        // than two faces.
+        // A component of [`MeshConnectivity`] may contain several of these components, which meet at edges
+        // with more than two faces.
         let mut sets = DisjointSets::new(self.flipped.len());
         for h in 0..twins.len() as u32 {
             if let Twin::Pair(t) | Twin::Flipped(t) = twins.get(h) {
@@ -187,21 +188,21 @@ impl FaceFlips {
     }
 }
 
-/// Which components are to be turned, all of them by their first faces.
+/// The components to be turned, given by their first faces.
 struct ShellTurns {
     wrong: Vec<u32>,
-    /// Nested ones whose depth says otherwise than their winding.
+    /// Nested components whose depth contradicts their winding.
     at_odds: Vec<u32>,
 }
 
 impl ShellTurns {
-    fn new(found: &[Component], nested: NestedShells) -> Self {
+    fn new(components: &[Component], nested: NestedShells) -> Self {
         let is_wrong = |component: &Component| component.facing == Facing::InsideOut;
         let (mut wrong, mut at_odds) = (Vec::new(), Vec::new());
-        for component in found.iter().filter(|component| component.depth.is_some()) {
-            let around = component.outermost.and_then(|number| found.get(number as usize));
-            // Along with what is around it.
-            let along = around.map_or(component.depth == Some(0) && is_wrong(component), is_wrong);
+        for component in components.iter().filter(|component| component.depth.is_some()) {
+            let enclosing = component.outermost.and_then(|number| components.get(number as usize));
+            // It turns together with the component around it.
+            let along = enclosing.map_or(component.depth == Some(0) && is_wrong(component), is_wrong);
             let is_at_odds = component.depth != Some(0) && along != is_wrong(component);
             at_odds.extend(is_at_odds.then_some(component.first_face));
             let turns = match nested {

@@ -9,22 +9,22 @@ pub(super) struct RadialFace {
     pub half_edge: u32,
     /// Its third corner.
     pub apex: [f64; 3],
-    /// Whether it uses the edge from `a` to `b`: then its back is on the side of smaller angles.
+    /// Whether it runs along the edge from `a` to `b`: then its back is on the side of smaller angles.
     pub is_up: bool,
 }
 
 /// Pairs of half-edges whose faces enclose a wedge of the inside that contains no other face to pair. So
-/// where two solids touch along the edge, each gets its own two faces.
+/// if two solids touch along the edge, each gets its two faces.
 pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<[u32; 2]> {
     sort_by_angle(edge, leaves);
-    let mut made = Vec::new();
-    // By growing angle, the inside starts at a face that uses the edge downwards and ends at one that uses it
-    // upwards, like brackets.
+    let mut pairs = Vec::new();
+    // With growing angle, the inside starts at a face that runs along the edge downwards and ends at one that
+    // runs upwards, like brackets.
     let mut open: Vec<u32> = Vec::new();
     let mut late: Vec<u32> = Vec::new();
     for leaf in leaves.iter() {
         match (leaf.is_up, open.pop()) {
-            (true, Some(start)) => made.push([start, leaf.half_edge]),
+            (true, Some(start)) => pairs.push([start, leaf.half_edge]),
             (true, None) => late.push(leaf.half_edge),
             (false, last) => {
                 open.extend(last);
@@ -32,13 +32,14 @@ pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<
             }
         }
     }
-    // Brackets that are open at the end are closed by those before the first opening: the order is circular.
-    made.extend(open.into_iter().rev().zip(late).map(|(start, end)| [start, end]));
-    made
+    // Brackets still open at the end are closed by faces before the first opening, since the order is
+    // circular.
+    pairs.extend(open.into_iter().rev().zip(late).map(|(start, end)| [start, end]));
+    pairs
 }
 
-/// Sorts by the angle around the edge, starting at the first face that has one; faces at equal angles keep
-/// their order.
+/// Sorts by the angle around the edge, starting at the first face that has an angle; faces at equal angles
+/// keep their order.
 fn sort_by_angle([a, b]: [[f64; 3]; 2], leaves: &mut [RadialFace]) {
     let Some(first) = leaves.iter().map(|leaf| leaf.apex).find(|&apex| !is_collinear(a, b, apex)) else {
         return;
@@ -60,7 +61,7 @@ fn sort_by_angle([a, b]: [[f64; 3]; 2], leaves: &mut [RadialFace]) {
     });
 }
 
-/// Whether two points in one plane with the line are on different sides of it.
+/// Whether two points in a plane that contains the line are on different sides of it.
 fn is_across(a: [f64; 3], b: [f64; 3], points: [[f64; 3]; 2]) -> bool {
     [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
         let side = |p: [f64; 3]| orient2d([a[i], a[j]], [b[i], b[j]], [p[i], p[j]]);

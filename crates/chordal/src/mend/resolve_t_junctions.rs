@@ -1,4 +1,4 @@
-//! `resolve_t_junctions`: makes vertices in the middle of an edge corners of the face there.
+//! `resolve_t_junctions`: makes vertices in the middle of an edge corners of its face.
 use super::cut_faces::{FaceCutter, VertexInsertion};
 use super::limits::check_limits;
 use super::mend_builder::{MendBuilder, MendFace};
@@ -13,19 +13,19 @@ use crate::math::{add_up, greater, lesser, mul_up};
 /// becomes a corner of it: the T-junctions that [`check::t_junctions`](crate::check::t_junctions) finds,
 /// exactly or within a tolerance.
 ///
-/// Where vertices carry attributes, the new corner gets a row of its own with the interpolated attributes of
+/// If vertices carry attributes, the new corner gets an additional row with the interpolated attributes of
 /// the edge, tied to the vertex by position; normals and tangents are normalized again, group numbers are
 /// those of the nearer end.
 ///
-/// **Bound.** 0 when exact. Else the largest distance of such a vertex from its edge, rounded up: the edge is
-/// bent to it, and all points of the face follow in proportion. The changes are `resolved_t_junctions`, each
-/// vertex and edge, and `left_t_junctions`, where an edge would have got a third face, or the face has no
-/// area.
+/// **Bound.** 0 when exact. Otherwise the largest distance of such a vertex from its edge, rounded up: the
+/// edge is bent to the vertex, and all points of the face follow in proportion. The changes are
+/// `resolved_t_junctions`, one for each vertex and edge, and `left_t_junctions`, if an edge would have got a
+/// third face, or if the face has no area.
 ///
-/// O(n log n) for n boundary edges that do not all pass through one small place.
+/// O(n log n) for n boundary edges, unless all of them pass through one small place.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -45,25 +45,25 @@ pub fn resolve_t_junctions(
     check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
-    let mut found: Vec<VertexInsertion> = Vec::new();
+    let mut insertions: Vec<VertexInsertion> = Vec::new();
     vertices_in_edges(&MeshConnectivity::new(mesh, topology), within, |rows, half_edge| {
-        found.extend(rows.iter().map(|&row| VertexInsertion { half_edge, row }));
+        insertions.extend(rows.iter().map(|&row| VertexInsertion { half_edge, row }));
     });
-    if found.is_empty() {
+    if insertions.is_empty() {
         return Ok(MendedMesh::unchanged(mesh));
     }
-    found.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
-    let mut cutter = FaceCutter::new(mesh, &id, &found, |_| false);
+    insertions.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
+    let mut cutter = FaceCutter::new(mesh, &id, &insertions, |_| false);
     let mut draft = MendBuilder::without_faces(mesh);
-    let (mut resolved, mut left) = (Finding::default(), Finding::default());
+    let (mut resolved, mut unresolved) = (Finding::default(), Finding::default());
     let mut most = 0.0;
-    let mut by_face = found.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3).peekable();
+    let mut by_face = insertions.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3).peekable();
     for face in 0..mesh.faces().len() as u32 {
         let Some(insertions) = by_face.next_if(|of_face| of_face[0].half_edge / 3 == face) else {
             draft.faces.push(MendFace::from_mesh(mesh, face));
             continue;
         };
-        // A face without area would become several of them.
+        // A face without area would be cut into several faces without area.
         let is_cut = if has_zero_area(mesh.corners(face as usize)) {
             draft.faces.push(MendFace::from_mesh(mesh, face));
             false
@@ -71,15 +71,15 @@ pub fn resolve_t_junctions(
             cutter.cut(face, insertions, &mut draft)
         };
         for insertion in insertions {
-            let finding = if is_cut { &mut resolved } else { &mut left };
+            let finding = if is_cut { &mut resolved } else { &mut unresolved };
             finding.add(|| witness(mesh, insertion));
             if let (Some(_), true) = (within, is_cut) {
-                let off = distance_up(mesh, insertion);
-                most = greater(off, most);
+                let distance = distance_up(mesh, insertion);
+                most = greater(distance, most);
             }
         }
     }
-    let changes = [("resolved_t_junctions", resolved), ("left_t_junctions", left)];
+    let changes = [("resolved_t_junctions", resolved), ("left_t_junctions", unresolved)];
     if changes[0].1.is_none() {
         return Ok(MendedMesh::exact(mesh.clone(), changes));
     }
@@ -91,11 +91,11 @@ fn ends(mesh: &Mesh, half_edge: u32) -> [u32; 2] {
 }
 
 fn witness(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -> Witness {
-    let place = MeshLocation::OnEdge { vertex: row, edge: ends(mesh, half_edge), face: half_edge / 3 };
-    Witness { place, at: mesh.positions()[row as usize] }
+    let location = MeshLocation::OnEdge { vertex: row, edge: ends(mesh, half_edge), face: half_edge / 3 };
+    Witness { place: location, at: mesh.positions()[row as usize] }
 }
 
-/// An upper bound of the distance of a vertex from its edge: the distance to a point that is on the edge up
+/// An upper bound on the distance of a vertex from its edge: the distance to a point that is on the edge up
 /// to rounding, plus that rounding.
 fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -> f64 {
     let [a, b] = ends(mesh, half_edge).map(|row| mesh.positions()[row as usize]);

@@ -16,16 +16,16 @@ use std::collections::BTreeMap;
 /// - Of the faces along an edge with three or more, two stay together if only the inside is between them, by
 ///   their exact angles around the edge: two cubes that touch along an edge become two cubes. A face without
 ///   such a partner gets a boundary there.
-/// - Each further fan at a position gets a position of its own, with rows of its own for the attributes.
+/// - Each further fan at a position gets a new position, with new rows for the attributes.
 ///
-/// Nothing moves, so the copies coincide: bound 0. They are kept apart by [`Mesh::position_id`] or their
+/// Nothing moves, so the copies coincide: bound 0. They are separated by [`Mesh::position_id`] or by their
 /// rows, so [`Topology::Positions`] ties them again; examine the result with [`Topology::Indices`]. The
 /// changes are `split_edges` and `split_vertices`, each new position once.
 ///
 /// Linear, except for a sort of the faces along each such edge.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -49,23 +49,23 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
     twins.non_manifold_edges().for_each(|edge| split_edges.add(|| Witness::edge(mesh, edge)));
     let mut draft = MendBuilder::without_faces(mesh);
     draft.rows.iter_mut().zip(0..).for_each(|(row, i)| row.label = id(i));
-    // 1. A label for each fan: the first at a position keeps that of the position.
+    // 1. A label for each fan: the first fan at a position keeps the label of the position.
     let n = mesh.positions().len() as u32;
     let mut label_of_fan = vec![u32::MAX; 3 * mesh.faces().len()];
     let mut is_taken = vec![false; n as usize];
     let mut split_vertices = Finding::default();
     let mut next_label = n;
     // 2. A row for each row and fan: the first fan at a row keeps the row.
-    let mut owner = vec![u32::MAX; n as usize];
+    let mut fan_of_row = vec![u32::MAX; n as usize];
     let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     for face in 0..mesh.faces().len() as u32 {
-        let mut made = MendFace::from_mesh(mesh, face);
+        let mut mend_face = MendFace::from_mesh(mesh, face);
         for k in 0..3 {
             let h = 3 * face + k as u32;
             if twins.get(h) == Twin::Collapsed {
                 continue;
             }
-            let (fan, row) = (fans[h as usize], made.rows[k]);
+            let (fan, row) = (fans[h as usize], mend_face.rows[k]);
             let label = &mut label_of_fan[fan as usize];
             if *label == u32::MAX {
                 let position = id(row);
@@ -76,22 +76,22 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
                     split_vertices.add(|| Witness::vertex(mesh, row));
                 }
             }
-            let owner = &mut owner[row as usize];
-            if *owner == u32::MAX {
-                *owner = fan;
+            let fan_of_row = &mut fan_of_row[row as usize];
+            if *fan_of_row == u32::MAX {
+                *fan_of_row = fan;
                 draft.rows[row as usize].label = *label;
-            } else if *owner != fan {
+            } else if *fan_of_row != fan {
                 let at = mesh.positions()[row as usize];
                 let copy = MendRow { at, label: *label, source: AttributeSource::from_row(row) };
-                made.rows[k] = *copies.entry((row, fan)).or_insert_with(|| draft.add_row(copy));
+                mend_face.rows[k] = *copies.entry((row, fan)).or_insert_with(|| draft.add_row(copy));
             }
         }
-        draft.faces.push(made);
+        draft.faces.push(mend_face);
     }
     if split_vertices.is_none() && split_edges.is_none() {
         return Ok(MendedMesh::unchanged(mesh));
     }
-    // 3. A face with two corners at one position is in no fan, and stays at the first.
+    // 3. A face with two corners at one position is in no fan, and keeps the position's label.
     for face in draft.faces.iter_mut().filter(|face| twins.get(3 * face.source) == Twin::Collapsed) {
         for row in &mut face.rows {
             let (label, source) = (id(*row), *row);
@@ -134,8 +134,8 @@ impl CornerFans<'_> {
                 }
             }
             partners.iter().flatten().for_each(|&[h, t]| self.join(&mut sets, h, t));
-            // A surface that passes through both ends of an edge twice keeps its faces together there.
-            // Separate all of them along that edge: then at most two of them share a fan at each end.
+            // If a surface passes through both ends of an edge twice, its faces are joined again at the ends.
+            // Then separate all of them along that edge, so that at most two of them share a fan at each end.
             let mut is_done = true;
             for (edge, partners) in non_manifold.iter().zip(&mut partners) {
                 if !partners.is_empty() && self.is_still_non_manifold(edge, &mut sets) {

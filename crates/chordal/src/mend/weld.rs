@@ -12,30 +12,31 @@ use crate::math::Box3;
 pub enum Weld {
     /// Vertices with the same coordinates, where `−0.0` equals `0.0`.
     Exact,
-    /// Vertices no farther than this from the vertex that they are moved to.
+    /// Vertices no farther than this from the vertex to which they are moved.
     Within(Tolerance),
 }
 
-/// Makes vertices at equal or close coordinates one position: one row where their vertex attributes agree bit
-/// for bit as well, and else rows tied by [`Mesh::position_id`], so that a seam in the attributes is kept.
+/// Makes vertices at equal or close coordinates one position: one row if their vertex attributes agree bit
+/// for bit as well, and otherwise rows tied by [`Mesh::position_id`], so that a seam in the attributes is
+/// kept.
 ///
-/// **Within a tolerance**, some positions are *centres* and stay; every other is moved to its nearest centre.
-/// Positions are processed in the order of their coordinates (x, then y, then z), and one becomes a centre
-/// where no centre lies within the tolerance. So the result does not depend on the order of the rows, nothing
-/// moves farther than the tolerance, and afterwards no two positions are within it.
+/// **Within a tolerance**, some positions are *centres* and stay; every other one is moved to its nearest
+/// centre. Positions are processed in the order of their coordinates (x, then y, then z), and one becomes a
+/// centre if no centre lies within the tolerance. So the result does not depend on the order of the rows,
+/// nothing moves farther than the tolerance, and afterwards no two positions are within it.
 ///
-/// Faces are kept, also those that collapse to a segment or a point;
+/// Faces are kept, even if they collapse to a segment or a point;
 /// [`drop_degenerate`](super::drop_degenerate) drops them.
 ///
-/// **Bound.** 0 when exact; else the longest move, rounded up: points between corners move in proportion to
-/// the corners. The changes are `welded_vertices`, rows that share the position of an earlier one and did not
-/// before; `merged_rows`, those that became one with an earlier one; and `collapsed_faces`.
+/// **Bound.** 0 when exact; otherwise the longest move, rounded up: points between corners move in proportion
+/// to the corners. The changes are `welded_vertices`, rows that share the position of an earlier one and did
+/// not before; `merged_rows`, rows that became one with an earlier one; and `collapsed_faces`.
 ///
 /// Linear when exact: 3,000,000 rows of 1,000,000 triangles in about 0.1 s on one core. O(n log n) within a
 /// tolerance.
 ///
 /// # Errors
-/// [`JobError`] by a cancel or the memory limit.
+/// [`JobError`] if the job is cancelled or its memory limit is too low.
 ///
 /// ```
 /// use chordal::{Job, Mesh, Tolerance, mend::{Weld, weld}};
@@ -57,10 +58,11 @@ pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
     weld_rows(mesh, exact, how, job)
 }
 
-/// [`Weld::Exact`] for a mesh that is positions and faces alone: there a row stays where it is the first one at its
-/// position, and nothing is left of the others. The same as [`weld_rows`] in a third of its passes.
+/// [`Weld::Exact`] for a mesh of positions and faces alone: the first row at each position stays, and all
+/// others are dropped. The same as [`weld_rows`] in a third of its passes.
 fn weld_positions(mesh: &Mesh, mut ids: Vec<u32>) -> Result<MendedMesh, JobError> {
-    // 1. Numbers for the rows that stay, in place: the first row of a position has its own before it is asked for.
+    // 1. New numbers for the kept rows, in place: the first row of a position gets its number before others
+    //    ask for it.
     let n_positions = ids.iter().enumerate().filter(|(row, first)| *row == **first as usize).count();
     let mut positions = Vec::with_capacity(n_positions);
     let mut welded = Finding::default();
@@ -81,34 +83,34 @@ fn weld_positions(mesh: &Mesh, mut ids: Vec<u32>) -> Result<MendedMesh, JobError
     let mut faces = vec![[0; 3]; mesh.faces().len()];
     let chunks = faces.chunks_mut(FACES).enumerate().collect();
     let parts = par_map_owned(&Job::default(), chunks, |(number, chunk): (usize, &mut [[u32; 3]])| {
-        let mut found = Finding::default();
+        let mut collapsed_here = Finding::default();
         for (face, named) in (number * FACES..).zip(chunk) {
             let rows = mesh.faces()[face];
             *named = rows.map(|row| ids[row as usize]);
             if !is_proper(*named) && is_proper(rows) {
-                found.add(|| Witness::face(mesh, face as u32));
+                collapsed_here.add(|| Witness::face(mesh, face as u32));
             }
         }
-        found
+        collapsed_here
     });
     let mut collapsed = Finding::default();
-    parts.into_iter().for_each(|found| collapsed.append(found));
-    let made = Mesh::by_construction(positions, faces);
+    parts.into_iter().for_each(|part| collapsed.append(part));
+    let renamed = Mesh::by_construction(positions, faces);
     let merged = welded.clone();
     let changes = [("welded_vertices", welded), ("merged_rows", merged), ("collapsed_faces", collapsed)];
-    MendedMesh::moved(made, changes, 0.0)
+    MendedMesh::moved(renamed, changes, 0.0)
 }
 
-/// Faces that are renamed at a time: their number is free.
+/// Faces that are renumbered in one task; the result does not depend on it.
 const FACES: usize = 1 << 14;
 
-/// Both ways of welding, for all meshes, given the rows that are equal bit for bit.
+/// Both ways of welding, for any mesh, given the ids of rows that are equal bit for bit.
 fn weld_rows(mesh: &Mesh, exact: Vec<u32>, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
     let (ids, moved) = match how {
         Weld::Exact => (exact, LongestMove { most: 0.0, at: None }),
         Weld::Within(tolerance) => nearest_centres(mesh.positions(), exact, tolerance, job)?,
     };
-    // A centre may come after the rows that are moved to it; from here on the first row represents a
+    // A centre may come after the rows that are moved to it; from here on, the first row represents a
     // position.
     let firsts = match how {
         Weld::Exact => None,
@@ -122,8 +124,8 @@ fn weld_rows(mesh: &Mesh, exact: Vec<u32>, how: Weld, job: &Job) -> Result<Mende
         }
     }
     let collapsed = collapsed_faces(mesh, &ids);
-    let look = first_with_attributes(mesh, first_of);
-    let first_of_look = look.as_deref().unwrap_or(first_of);
+    let first_equal = first_with_attributes(mesh, first_of);
+    let first_of_look = first_equal.as_deref().unwrap_or(first_of);
     let mut merged = Finding::default();
     for (row, _) in (0..).zip(first_of_look).filter(|(row, first)| row != *first) {
         merged.add(|| Witness::vertex(mesh, row));
@@ -131,9 +133,9 @@ fn weld_rows(mesh: &Mesh, exact: Vec<u32>, how: Weld, job: &Job) -> Result<Mende
     if welded.is_none() && merged.is_none() {
         return Ok(MendedMesh::unchanged(mesh));
     }
-    let made = rebuild(mesh, &ids, [first_of, first_of_look])?;
+    let rebuilt = rebuild(mesh, &ids, [first_of, first_of_look])?;
     let changes = [("welded_vertices", welded), ("merged_rows", merged), ("collapsed_faces", collapsed)];
-    let mut mended = MendedMesh::moved(made, changes, moved.most)?;
+    let mut mended = MendedMesh::moved(rebuilt, changes, moved.most)?;
     mended.bound.at = moved.at;
     Ok(mended)
 }
@@ -154,7 +156,7 @@ fn nearest_centres(
     let firsts: Vec<u32> = (0..).zip(&exact).filter(|(row, id)| row == *id).map(|(row, _)| row).collect();
     let points: Vec<[f64; 3]> = firsts.iter().map(|&row| positions[row as usize].map(|x| x + 0.0)).collect();
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
-    // All keys are different, and −0 is 0 by now, so the order is unique.
+    // All keys are different, and −0 has become 0, so the order is unique.
     order.sort_unstable_by(|&a, &b| {
         let [a, b] = [a, b].map(|i| points[i as usize]);
         a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
@@ -171,17 +173,17 @@ fn nearest_centres(
         let p = points[i as usize];
         tree.near_segment([p; 2], tolerance.get(), |j| {
             let distance = distance_up(p, points[j as usize]);
-            let known = &mut centre[j as usize];
-            if distance <= tolerance.get() && known.is_none_or(|(best, _)| distance < best) {
-                *known = Some((distance, i));
+            let nearest = &mut centre[j as usize];
+            if distance <= tolerance.get() && nearest.is_none_or(|(best, _)| distance < best) {
+                *nearest = Some((distance, i));
             }
         });
         centre[i as usize] = Some((0.0, i));
     }
     let mut moved = LongestMove { most: 0.0, at: None };
     let mut id_of = vec![0; positions.len()];
-    for (i, found) in centre.iter().enumerate() {
-        let (distance, centre) = found.unwrap_or((0.0, i as u32));
+    for (i, nearest) in centre.iter().enumerate() {
+        let (distance, centre) = nearest.unwrap_or((0.0, i as u32));
         if distance > moved.most {
             moved = LongestMove { most: distance, at: Some(points[i]) };
         }
@@ -198,34 +200,34 @@ pub(super) fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
     Box3::from_points([&a, &b]).diagonal()
 }
 
-/// Whether all corners differ.
+/// Whether all three rows differ.
 fn is_proper([a, b, c]: [u32; 3]) -> bool {
     a != b && b != c && c != a
 }
 
 /// Faces with two corners at one position that had three positions before.
 fn collapsed_faces(mesh: &Mesh, ids: &[u32]) -> Finding {
-    let mut found = Finding::default();
+    let mut collapsed = Finding::default();
     for (face, rows) in (0..).zip(mesh.faces()) {
         if !is_proper(rows.map(|row| ids[row as usize])) && is_proper(rows.map(|row| mesh.position_of(row))) {
-            found.add(|| Witness::face(mesh, face));
+            collapsed.add(|| Witness::face(mesh, face));
         }
     }
-    found
+    collapsed
 }
 
-/// For every row the first with the same id.
+/// For every row: the first row with the same id.
 fn first_rows(ids: &[u32]) -> Vec<u32> {
     let mut first = vec![u32::MAX; ids.len()];
     let mut first_of = |(row, &id): (u32, &u32)| {
-        let known = &mut first[id as usize];
-        *known = if *known == u32::MAX { row } else { *known };
-        *known
+        let first_row = &mut first[id as usize];
+        *first_row = if *first_row == u32::MAX { row } else { *first_row };
+        *first_row
     };
     (0..).zip(ids).map(&mut first_of).collect()
 }
 
-/// For every row the first at its position with the same vertex attributes; `None` where there are none.
+/// For every row: the first row at its position with the same vertex attributes; `None` if there are none.
 fn first_with_attributes(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
     let streams: Vec<&Attribute> =
         mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
@@ -235,9 +237,9 @@ fn first_with_attributes(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
 /// The mesh with one row for each distinct pair of position and attributes, in the order of first occurrence.
 /// A row's coordinates are those of its row in `ids`.
 fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> Result<Mesh, JobError> {
-    // 1. Numbers for the rows that stay.
+    // 1. New numbers for the kept rows.
     let mut number = Vec::with_capacity(ids.len());
-    let mut kept: Vec<u32> = Vec::new();
+    let mut kept_rows: Vec<u32> = Vec::new();
     let has_looks = mesh.attributes().iter().any(|attribute| attribute.domain == Domain::Vertex);
     let mut position_id = Vec::new();
     for row in 0..ids.len() {
@@ -246,32 +248,35 @@ fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> 
             number.push(number[first]);
             continue;
         }
-        number.push(kept.len() as u32);
+        number.push(kept_rows.len() as u32);
         if has_looks {
-            // The first row of a position is also the first with its attributes, and has its number by now.
+            // The first row of a position is also the first with its attributes, so it has its number
+            // already.
             position_id.push(number[first_of[row] as usize]);
         }
-        kept.push(row as u32);
+        kept_rows.push(row as u32);
     }
     // 2. The arrays.
-    let positions = kept.iter().map(|&row| mesh.positions()[ids[row as usize] as usize]).collect();
+    let positions = kept_rows.iter().map(|&row| mesh.positions()[ids[row as usize] as usize]).collect();
     let faces = mesh.faces().iter().map(|face| face.map(|row| number[row as usize])).collect();
-    let mut made = Mesh::new(positions, faces);
+    let mut result = Mesh::new(positions, faces);
     if (0..).zip(&position_id).any(|(row, &id)| row != id) {
-        made = made.and_then(|made| made.with_position_id(position_id));
+        result = result.and_then(|mesh| mesh.with_position_id(position_id));
     }
     for attribute in mesh.attributes() {
         let values = match attribute.domain {
-            Domain::Vertex => kept.iter().flat_map(|&row| attribute.row(row as usize)).copied().collect(),
+            Domain::Vertex => {
+                kept_rows.iter().flat_map(|&row| attribute.row(row as usize)).copied().collect()
+            }
             Domain::Corner | Domain::Face => attribute.values.clone(),
         };
-        made = made.and_then(|made| made.with_attribute(Attribute { values, ..attribute.clone() }));
+        result = result.and_then(|mesh| mesh.with_attribute(Attribute { values, ..attribute.clone() }));
     }
-    // Fewer rows than before, all of them valid.
-    made.map_err(|error| refusal(RefusalCode::TooMuchMemory, error.to_string()))
+    // There are fewer rows than before, and all of them are valid, so only memory can fail.
+    result.map_err(|error| refusal(RefusalCode::TooMuchMemory, error.to_string()))
 }
 
-/// For every row the first with the same id and, bit for bit, the same attributes.
+/// For every row: the first row with the same id and, bit for bit, the same attributes.
 fn same_rows(ids: &[u32], streams: &[&Attribute]) -> Vec<u32> {
     let bits = |row: u32| streams.iter().flat_map(move |s| s.row(row as usize)).map(|x| x.to_bits());
     let mut rows: Vec<u32> = (0..ids.len() as u32).collect();

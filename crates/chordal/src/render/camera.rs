@@ -1,4 +1,4 @@
-//! `RayGenerator`: from a position in the picture to a ray; and the camera that frames a mesh.
+//! `RayGenerator`: the ray through a position in the picture; and the camera that frames a mesh.
 use super::options::UpAxis;
 use crate::budget::{Camera, Projection, Screen};
 use crate::explicit::{Mesh, Ray};
@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// The vertical field of view of the automatic viewpoint: a short telephoto, which keeps proportions.
 const FOV_Y_DEG: f64 = 30.0;
-/// Its direction: this far to the right of the front and above it.
+/// Its direction, as angles to the right of the front and above it.
 const AZIMUTH_DEG: f64 = 30.0;
 const ELEVATION_DEG: f64 = 22.0;
 /// The fraction of the picture's height and width that the mesh fills.
@@ -48,7 +48,7 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     let tan_y = libm::tan(FOV_Y_DEG.to_radians() / 2.0) * FILL;
     let tan_x = tan_y * f64::from(screen.width_px) / f64::from(screen.height_px.max(1));
     let centre = used().next().unwrap_or(DVec3::ZERO);
-    // A point p at depth d is inside when |p·right| ≤ tan·d. In the eye's coordinates these are four
+    // A point p at depth d is inside if |p·right| ≤ tan·d. In the eye's coordinates these are four
     // half-planes, each pushed out by one point. Opposite ones meet at the nearest eye for that axis; the
     // farther one serves both.
     let farthest = |slope: &dyn Fn(DVec3) -> f64| {
@@ -67,7 +67,7 @@ pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
     let (eye, distance) = if offset.is_finite() && size > 0.0 {
         (centre + offset, size)
     } else {
-        // No faces, or all in one point: the eye is one unit away.
+        // There are no faces, or all are in one point: the eye is one unit away.
         (centre + towards_eye, 1.0)
     };
     Camera {
@@ -97,7 +97,7 @@ pub(super) struct RayGenerator {
 }
 
 impl RayGenerator {
-    /// `None` when the camera has no axes.
+    /// `None` if the camera has no axes.
     pub fn new(camera: &Camera) -> Option<Self> {
         let [right, up, forward] = camera.axes()?.map(DVec3::from);
         let eye = DVec3::from(camera.eye);
@@ -130,7 +130,7 @@ impl RayGenerator {
         Ray { origin: origin.into(), direction: direction.into(), t_min: self.near, t_max: f64::INFINITY }
     }
 
-    /// The place of a point in the picture, and its depth along the line of sight.
+    /// The position of a point in the picture, and its depth along the line of sight.
     pub fn project(&self, p: [f64; 3]) -> [f64; 3] {
         let from = DVec3::from(p) - self.eye;
         let depth = from.dot(self.forward);
@@ -148,11 +148,11 @@ impl RayGenerator {
         if self.perspective { DVec3::from(p) - self.eye } else { self.forward }
     }
 
-    /// The distances in the picture from where a ray meets a triangle to the triangle's edges. For the edge
-    /// opposite each corner: the distance in pixels, and the height of the triangle above that edge in
-    /// pixels.
+    /// The distances in the picture from the point at which a ray meets a triangle to the triangle's edges.
+    /// For the edge opposite each corner: the distance in pixels, and the height of the triangle above that
+    /// edge in pixels.
     ///
-    /// The triple product of a ray with two points vanishes where the ray meets the line through them. It is
+    /// The triple product of a ray with two points vanishes if the ray meets the line through them. It is
     /// linear in the position, so its value over the length of its gradient is the distance in the picture,
     /// perspective included. The three products are in proportion to the barycentric weights, so their sum
     /// over the gradient is the height.
@@ -163,7 +163,7 @@ impl RayGenerator {
         let products: [[f64; 2]; 3] = std::array::from_fn(|k| {
             let (a, b) = (p[(k + 1) % 3], p[(k + 2) % 3]);
             let plane = a.cross(b);
-            // When the origin moves by δ, (a − δ) × (b − δ)·d changes by (a − b) × δ·d.
+            // If the origin moves by δ, (a − δ) × (b − δ)·d changes by (a − b) × δ·d.
             let gradient = [0, 1].map(|axis| {
                 plane.dot(self.direction_by[axis]) + (a - b).cross(self.origin_by[axis]).dot(direction)
             });

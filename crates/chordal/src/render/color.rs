@@ -17,7 +17,7 @@ fn decoded(channel: f64) -> f64 {
 
 /// The sRGB byte of a channel of linear light.
 pub(super) fn linear_to_srgb(light: f64) -> u8 {
-    // Where one byte ends and the next one starts: to look it up is several times as fast as a power.
+    // The thresholds between bytes: a search among them is several times as fast as a power.
     static STARTS: LazyLock<[f64; 255]> =
         LazyLock::new(|| std::array::from_fn(|byte| decoded(byte as f64 + 0.5)));
     STARTS.partition_point(|start| *start <= light) as u8

@@ -20,21 +20,24 @@ pub struct CombPicture {
     pub most: f64,
 }
 
-/// The longest tooth, as a fraction of the diagonal of the paths' box. Chosen: combs are seen, and paths too.
+/// The longest tooth, as a fraction of the diagonal of the paths' box. Chosen: both combs and paths are
+/// visible.
 const LONGEST: f64 = 0.15;
-/// Teeth a piece, and how many steps of a piece are drawn between two of them. Chosen by looking.
+/// Teeth for each piece, and the steps of a piece that are drawn between two of them. Chosen by looking.
 const TEETH: usize = 24;
 const STEPS: usize = 4;
 /// The width of paths, tips and teeth in pixels. Chosen by looking.
 const WIDTHS: [f64; 3] = [3.0, 1.5, 0.75];
 
-/// Draws paths with their curvature combs: teeth on the outer side of each bend, as long as the curvature there, and
-/// their tips joined. Where the curvature jumps, so does the line of tips; where a path kinks, it opens.
+/// Draws paths with their curvature combs: teeth on the outer side of each bend, as long as the curvature
+/// there, with their tips joined. Where the curvature jumps, so does the line of tips; at a kink of a path it
+/// is interrupted.
 ///
-/// All paths have one scale, by which the longest tooth is 0.15 of the diagonal of their box. Straight pieces have no teeth.
+/// All paths have the same scale: the longest tooth is 0.15 of the diagonal of their box. Straight pieces
+/// have no teeth.
 ///
 /// # Errors
-/// [`JobError::Refused`] where nothing bends, and as for [`render`].
+/// [`JobError::Refused`] if no path bends, and as for [`render`].
 ///
 /// ```
 /// use chordal::{Bezier, Job, render::{RenderOptions, drawings::render_comb}};
@@ -47,7 +50,7 @@ const WIDTHS: [f64; 3] = [3.0, 1.5, 0.75];
 /// ```
 pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Result<CombPicture, JobError> {
     let refused = |message: &str| JobError::Refused(Refusal::new(RefusalCode::Empty, message));
-    // 1. One scale for all.
+    // 1. The same scale for all paths.
     let teeth = |scale: f64| paths.iter().flat_map(move |path| curvature_comb(path, TEETH, scale));
     let most = teeth(1.0).flatten().fold(0.0, |most, tooth| greater(tooth.curvature.abs(), most));
     if most == 0.0 {
@@ -58,7 +61,7 @@ pub fn render_comb(paths: &[Curve<2>], options: &RenderOptions, job: &Job) -> Re
         paths.iter().fold(Box3::EMPTY, |all, path| all.union(Box3::from_points(&path.bounds().map(lift))));
     let scale = LONGEST * bounds.diagonal() / most;
     let combs: Vec<Vec<Tooth>> = teeth(scale).collect();
-    // 2. The camera, and with it the width of a pixel.
+    // 2. The camera, which determines the width of a pixel.
     let around =
         combs.iter().flatten().fold(bounds, |all, tooth| all.union(Box3::from_points(&[lift(tooth.tip)])));
     let camera = match options.viewpoint {

@@ -1,4 +1,5 @@
-//! Drawings of planar fields: tiles that are all on one side by intervals, and pixels only along the outline.
+//! Drawings of planar fields: intervals decide tiles that are all on one side, so pixels are evaluated only
+//! along the outline.
 use super::camera::RayGenerator;
 use super::color::srgb_to_linear;
 use super::field::{FieldPicture, FieldRenderError, refusal};
@@ -16,9 +17,9 @@ const INK: [u8; 3] = [38, 48, 62];
 /// Pixels along the side of the first tiles, and of the last ones, which are evaluated pixel by pixel.
 const FIRST: u32 = 128;
 const LAST: u32 = 8;
-/// Sample points along the side of a pixel on the outline, per ray along it in a picture in space.
+/// Sample points along the side of a pixel on the outline, for each ray along it in a picture in space.
 const PARTS: u32 = 2;
-/// The fraction of the picture that the field's box takes, as for drawings.
+/// The fraction of the picture that the field's box fills, as usual for drawings.
 const FRAMED: f64 = 0.92;
 
 /// Draws a field that does not depend on z.
@@ -52,10 +53,10 @@ pub(super) fn draw(
 }
 
 /// An orthographic camera along −z onto the whole box.
-pub(super) fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderError> {
-    let finite = (0..2).all(|k| place.min[k].is_finite() && place.max[k].is_finite());
-    // Drawings of formulas are commonly made for this square where they give none.
-    let (min, max) = if finite { (place.min, place.max) } else { ([-1.0; 3], [1.0; 3]) };
+pub(super) fn top_view_camera(bounds: &Box3, screen: Screen) -> Result<Camera, FieldRenderError> {
+    let finite = (0..2).all(|k| bounds.min[k].is_finite() && bounds.max[k].is_finite());
+    // Drawings of formulas without bounds are commonly made for this square.
+    let (min, max) = if finite { (bounds.min, bounds.max) } else { ([-1.0; 3], [1.0; 3]) };
     let framed = if finite { FRAMED } else { 1.0 };
     let size = |k: usize| max[k] - min[k];
     let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));
@@ -81,11 +82,11 @@ struct DrawingRenderer<'a> {
     backdrop: Backdrop,
 }
 
-/// The coverage of a tile, before it is drawn.
+/// The coverage of a tile, before its pixels are coloured.
 struct TileCoverage<'a> {
     /// The fraction of each pixel that is inside, row by row of the first tile.
     cover: &'a mut [f64],
-    /// The gradient's direction, where the inside is coloured by it.
+    /// The direction of the gradient, if the inside is coloured by it.
     slopes: &'a mut [[f64; 2]],
     first: ImageTile,
     counts: BeamCounts,
@@ -115,7 +116,7 @@ impl DrawingRenderer<'_> {
         let [x, y] = tile.at.map(f64::from);
         let [w, h] = tile.size.map(f64::from);
         let corners = [[x, y], [x + w, y + h], [x, y + h], [x + w, y]];
-        Box3::from_points(&corners.map(|at| self.place(at)))
+        Box3::from_points(&corners.map(|at| self.point_at(at)))
     }
 
     fn divide(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
@@ -143,8 +144,8 @@ impl DrawingRenderer<'_> {
     /// The last tiles: pixels that are on one side by their interval, and signs at several points of the
     /// others.
     ///
-    /// A ramp from value and gradient would be cheaper. But where two parts of a drawing touch, the value is
-    /// 0 inside of it, and such a ramp shows seams.
+    /// A ramp from value and gradient would be cheaper. But if two parts of a drawing touch, the value is
+    /// 0 between them, and such a ramp shows seams.
     fn pixels(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
         let pixels: Vec<[u32; 2]> = tile.pixels().collect();
         let boxes: Vec<Box3> =
@@ -162,8 +163,9 @@ impl DrawingRenderer<'_> {
                 None => {
                     inked.counts.uncertain += u64::from(ranges[i].is_entire());
                     open.push(index[i]);
-                    let places = (0..side * side).map(|k| [part(k % side), part(k / side)]);
-                    points.extend(places.map(|[u, v]| self.place([f64::from(*x) + u, f64::from(*y) + v])));
+                    let offsets = (0..side * side).map(|k| [part(k % side), part(k / side)]);
+                    points
+                        .extend(offsets.map(|[u, v]| self.point_at([f64::from(*x) + u, f64::from(*y) + v])));
                 }
             }
         }
@@ -173,8 +175,10 @@ impl DrawingRenderer<'_> {
         }
         inked.counts.hits += index.iter().filter(|k| inked.cover[**k] > 0.0).count() as u64;
         if self.options.show == RenderStyle::Normals {
-            let middles: Vec<[f64; 3]> =
-                pixels.iter().map(|[x, y]| self.place([f64::from(*x) + 0.5, f64::from(*y) + 0.5])).collect();
+            let middles: Vec<[f64; 3]> = pixels
+                .iter()
+                .map(|[x, y]| self.point_at([f64::from(*x) + 0.5, f64::from(*y) + 0.5]))
+                .collect();
             for (k, normal) in index.into_iter().zip(normals(tape, &middles)?) {
                 inked.slopes[k] = normal.map_or([0.0; 2], |n| [n[0], n[1]]);
             }
@@ -183,7 +187,7 @@ impl DrawingRenderer<'_> {
     }
 
     /// The point in the plane that a position in the picture shows.
-    fn place(&self, at: [f64; 2]) -> [f64; 3] {
+    fn point_at(&self, at: [f64; 2]) -> [f64; 3] {
         let p = self.eye.ray(at).origin;
         [p[0], p[1], 0.0]
     }
@@ -205,7 +209,7 @@ impl DrawingRenderer<'_> {
     }
 }
 
-/// Whether all is inside, or nothing is; `None` where the interval does not decide.
+/// Whether all points are inside, or none is; `None` if the interval does not decide.
 fn certain_side(range: &Interval) -> Option<bool> {
     if range.is_empty() || range.lo() >= 0.0 {
         return Some(false);

@@ -1,4 +1,4 @@
-//! Pictures straight from a field: rays meet the surface where the field changes its sign, without triangles.
+//! Pictures directly from a field: rays meet the surface where the field changes its sign, without triangles.
 use super::Picture;
 use super::camera::frame_points;
 use super::drawing::draw;
@@ -18,8 +18,8 @@ use std::fmt;
 
 /// The radius of shadow rays at their start as a fraction of the size, and its growth: far below the lamp's.
 const SHADOW_CONE: [f64; 2] = [2e-3, 1e-2]; // measured: a tenth of it takes five times as long, and looks the same
-/// By how much shadow rays start off the surface, as a fraction of the size: far above the rounding of hits
-/// (2⁻⁴²) and far below a pixel.
+/// The height above the surface at which shadow rays start, as a fraction of the size: far above the rounding
+/// of hits (2⁻⁴²) and far below a pixel.
 const LIFT: f64 = 1e-6; // derived: see above
 
 /// A picture of a field, with its camera and the counts of its rays.
@@ -29,11 +29,11 @@ pub struct FieldPicture {
     pub picture: Picture,
     /// Its camera.
     pub camera: Camera,
-    /// The counts of the camera rays; of the pixels, for a planar field.
+    /// The counts of the camera rays, or of the pixels for a planar field.
     pub counts: BeamCounts,
 }
 
-/// Why there is no picture of a field.
+/// The reason why there is no picture of a field.
 #[derive(Clone, Debug)]
 pub enum FieldRenderError {
     /// The rendering was refused or cancelled.
@@ -89,11 +89,11 @@ pub(super) fn refusal(message: String) -> FieldRenderError {
 ///
 /// The bytes are the same on any number of threads and every target.
 ///
-/// Cost: the octree around the surface once; then as for a mesh, with some 5 values of the field per ray.
+/// Cost: the octree around the surface once; then as for a mesh, with about 5 values of the field per ray.
 ///
 /// # Errors
-/// [`FieldRenderError`]: as for [`super::render`]; when the field has no finite box; for edges and lanes; and
-/// when a leaf fails.
+/// [`FieldRenderError`]: as for [`super::render`]; if the field has no finite box; for edges and lanes; and
+/// if a leaf fails.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
@@ -162,7 +162,7 @@ pub fn frame_field(cells: &FieldOctree, up: UpAxis, screen: Screen) -> Camera {
     frame_points(|| cells.corners().map(DVec3::from), up, screen)
 }
 
-/// The cone of half a pixel, for rays whose direction is 1 long along the line of sight.
+/// The cone of half a pixel, for rays whose direction has length 1 along the line of sight.
 fn pixel_cone(camera: &Camera) -> [f64; 2] {
     let height = f64::from(camera.screen.height_px);
     match camera.projection {
@@ -220,8 +220,8 @@ impl TracedSurface for FieldSurface<'_> {
         let records = self.visible_hits(&beams)?;
         *counts = records.iter().fold(*counts, BeamCounts::add_record);
         let spots = self.shading_points(&beams, &records)?;
-        let both = spots.into_iter().zip(&records);
-        Ok(both
+        let points = spots.into_iter().zip(&records);
+        Ok(points
             .map(|(spot, record)| TracedRay {
                 spot,
                 uncertain: record.hit.is_none() && (record.uncertain || record.capped),
@@ -230,12 +230,12 @@ impl TracedSurface for FieldSurface<'_> {
     }
 
     fn with_occlusion<R>(&self, work: impl Fn(&mut dyn OcclusionTest) -> R) -> Result<R, FieldRenderError> {
-        let mut ask = ShadowRayCollector { beams: Vec::new(), size: self.size };
-        let made = work(&mut ask);
-        if ask.beams.is_empty() {
-            return Ok(made);
+        let mut collector = ShadowRayCollector { beams: Vec::new(), size: self.size };
+        let result = work(&mut collector);
+        if collector.beams.is_empty() {
+            return Ok(result);
         }
-        let answers = self.tracer.occluded(&ask.beams)?.into_iter();
+        let answers = self.tracer.occluded(&collector.beams)?.into_iter();
         Ok(work(&mut ShadowRayResults { answers }))
     }
 
@@ -268,7 +268,7 @@ impl FieldSurface<'_> {
             if again.is_empty() {
                 return Ok(records);
             }
-            let rest: Vec<Beam> = again
+            let next_beams: Vec<Beam> = again
                 .iter()
                 .map(|k| {
                     let from = records[*k].hit.map_or(f64::INFINITY, |met| met.t);
@@ -276,7 +276,7 @@ impl FieldSurface<'_> {
                     Beam { from: from + LIFT * self.size / length, ..beams[*k] }
                 })
                 .collect();
-            for (k, record) in again.iter().zip(self.tracer.intersect(&rest)?) {
+            for (k, record) in again.iter().zip(self.tracer.intersect(&next_beams)?) {
                 let uncertain = records[*k].uncertain || record.uncertain;
                 records[*k] = BeamRecord { uncertain, ..record };
             }
@@ -294,7 +294,7 @@ impl FieldSurface<'_> {
         let spot = |(beam, record): (&Beam, &BeamRecord)| {
             let met = record.hit?;
             let direction = DVec3::from(beam.direction);
-            // Without a gradient the surface faces the eye.
+            // Without a gradient the surface normal points to the eye.
             let outward = normals.next().flatten().map(DVec3::from);
             let away = if met.entering { 1.0 } else { -1.0 };
             let facing = outward.map_or(-direction.normalize(), |n| n * away);

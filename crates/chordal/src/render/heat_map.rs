@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct ReferenceSurface<'a> {
     /// The other surface.
     pub mesh: &'a Mesh,
-    /// The distance with the last colour; points farther away have it too.
+    /// The distance of the last colour, which is used for larger distances, too.
     pub most: f64,
 }
 
@@ -28,11 +28,12 @@ impl HeatMap {
     }
 
     /// The colour of a point.
-    pub fn at(&self, place: [f64; 3]) -> DVec3 {
-        let off = self.bvh.closest_point(place).map_or(f64::INFINITY, |closest| closest.distance_sq.sqrt());
-        let share = off / self.most;
+    pub fn at(&self, point: [f64; 3]) -> DVec3 {
+        let distance =
+            self.bvh.closest_point(point).map_or(f64::INFINITY, |closest| closest.distance_sq.sqrt());
+        let share = distance / self.most;
         // 0/0 counts as distance 0 on a scale without extent.
-        let share = if share < 1.0 || off == 0.0 { greater(share, 0.0) } else { 1.0 };
+        let share = if share < 1.0 || distance == 0.0 { greater(share, 0.0) } else { 1.0 };
         self.ramp.at(share)
     }
 }

@@ -12,7 +12,7 @@ const LAMP_RADIUS: f64 = 0.16;
 /// The light of the lamp, of the sky straight above, at the horizon and from the ground.
 const LAMP_LIGHT: f64 = 0.78;
 const SKY_LIGHT: [f64; 3] = [0.56, 0.40, 0.26];
-/// The light from directions in which the sky is hidden: what hides it is lit too.
+/// The light from directions in which the sky is hidden, since the hiding surface is lit too.
 const HIDDEN_LIGHT: f64 = 0.07;
 /// The reflectance of a glazed surface seen from the front: that of glass.
 const GLAZE: f64 = 0.04;
@@ -37,7 +37,7 @@ pub(super) enum Material {
     Paper,
 }
 
-/// What stands in the studio.
+/// The shape in the studio.
 #[derive(Clone, Copy)]
 pub(super) struct StudioShape {
     pub bounds: Box3,
@@ -52,7 +52,7 @@ pub(super) struct StudioLights {
     lamp_axes: [DVec3; 2],
     /// The height of the ground along `up`.
     ground: f64,
-    /// The middle of the ground's shadow, and how far from it the shadow fades out.
+    /// The middle of the ground's shadow, and the distance from it at which the shadow fades out.
     middle: DVec3,
     reach: f64,
     front: DVec3,
@@ -77,7 +77,7 @@ impl StudioLights {
         let [right, above, forward] =
             camera.axes().unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
         let (right, above, forward) = (DVec3::from(right), DVec3::from(above), DVec3::from(forward));
-        // Level and towards the viewer; seen from straight above, down in the picture.
+        // Level and towards the viewer; if seen from straight above, downwards in the picture.
         let level = |v: DVec3| (v - top * v.dot(top)).normalize_or_zero();
         let towards = if level(-forward) == DVec3::ZERO { level(-above) } else { level(-forward) };
         let lamp = (top * 1.15 - right * 0.75 + towards * 0.75).normalize();
@@ -94,8 +94,8 @@ impl StudioLights {
             up: top,
             lamp,
             lamp_axes: tangents(lamp),
-            // A thousandth of the size below the lowest point: contact is seen, and flat meshes are not
-            // hidden.
+            // A thousandth of the size below the lowest point, so that the contact is seen and flat meshes
+            // are not hidden.
             ground: low.dot(top) - 1e-3 * size,
             middle: low * 0.5 + high * 0.5,
             reach: 4.0 * size,
@@ -112,7 +112,8 @@ impl StudioLights {
         sky_radiance(direction.dot(self.up))
     }
 
-    /// The shares of the light that reach a point, by the given directions of the sky and points of the lamp.
+    /// The shares of the light that reach a point, from the given directions of the sky and points of the
+    /// lamp.
     pub fn shares(
         &self,
         shadows: &mut dyn OcclusionTest,
@@ -125,7 +126,7 @@ impl StudioLights {
         for direction in sky {
             let light = self.sky_radiance(direction);
             open += light;
-            // There is no sky below the triangle's own plane.
+            // There is no sky below the plane of the triangle.
             if direction.dot(point.flat) <= 0.0 || shadows.is_occluded(point.origin, direction) {
                 hidden += 1.0;
             } else {
@@ -160,14 +161,15 @@ impl StudioLights {
         sum
     }
 
-    /// Sky and lamp as they arrive at a surface of that normal, and what would arrive without any occlusion.
+    /// The light of sky and lamp that arrives at a surface with this normal, and the light without any
+    /// occlusion.
     fn irradiance(&self, normal: DVec3, shares: LightShares) -> [f64; 2] {
         let sky = self.open_sky.at(normal.dot(self.up));
         let lamp = self.open_lamp.at(normal.dot(self.lamp));
         [sky * shares.sky + HIDDEN_LIGHT * shares.hidden + lamp * shares.lamp, sky + lamp]
     }
 
-    /// The direction in which a glazed surface mirrors what is around it; `None` for one that does not.
+    /// The direction in which a glazed surface mirrors its surroundings; `None` for other surfaces.
     pub fn mirrored(&self, spot: &ShadingPoint, direction: DVec3) -> Option<DVec3> {
         if self.material == Material::Paper {
             return None;
@@ -175,13 +177,13 @@ impl StudioLights {
         let toward = direction.normalize();
         let cos = -toward.dot(spot.normal);
         let mirrored = toward + spot.normal * (2.0 * cos);
-        // Near silhouettes a smooth normal mirrors into the triangle; the curved surface that it stands for
+        // Near silhouettes a smooth normal mirrors into the triangle; the curved surface that it approximates
         // does not.
         let into = mirrored.dot(spot.flat);
         Some(if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored })
     }
 
-    /// The light that a point sends along a ray.
+    /// The light that a point sends back along a ray.
     pub fn shade(
         &self,
         shadows: &mut dyn OcclusionTest,
@@ -193,7 +195,8 @@ impl StudioLights {
         let diffuse = albedo * self.irradiance(spot.normal, shares)[0];
         let Some(mirrored) = self.mirrored(spot, direction) else { return diffuse };
         let seen = if shadows.is_occluded(spot.origin, mirrored) {
-            // The shape itself, in about the same light; without light it would look like a slit.
+            // The mirrored point is on the shape itself, in about the same light; without light it would look
+            // like a slit.
             diffuse
         } else {
             DVec3::splat(
@@ -201,8 +204,8 @@ impl StudioLights {
             )
         };
         // Source: C. Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994.
-        let off = 1.0 - greater(-direction.normalize().dot(spot.normal), 0.0);
-        let share = GLAZE + (GLAZE_GRAZING - GLAZE) * (off * off) * (off * off) * off;
+        let grazing = 1.0 - greater(-direction.normalize().dot(spot.normal), 0.0);
+        let share = GLAZE + (GLAZE_GRAZING - GLAZE) * (grazing * grazing) * (grazing * grazing) * grazing;
         diffuse * (1.0 - share) + seen * share
     }
 
@@ -211,7 +214,7 @@ impl StudioLights {
         lit / if spot.front { self.front } else { self.back } * color
     }
 
-    /// Where a ray meets the ground from above, unless the shadow has faded out there.
+    /// The point at which a ray meets the ground from above, unless the shadow has faded out there.
     pub fn ground(&self, origin: DVec3, direction: DVec3) -> Option<GroundPoint> {
         let (height, slope) = (origin.dot(self.up) - self.ground, direction.dot(self.up));
         if height <= 0.0 || slope >= 0.0 {
@@ -227,15 +230,15 @@ impl StudioLights {
         LitPoint { origin: ground.at + self.up * ray_offset, normal: self.up, flat: self.up }
     }
 
-    /// The fraction of light that the mesh leaves on the ground.
+    /// The fraction of the ground's light that the mesh does not hide.
     pub fn ground_share(&self, ground: &GroundPoint, shares: LightShares) -> f64 {
-        let [found, open] = self.irradiance(self.up, shares);
-        let share = found / open;
+        let [received, open] = self.irradiance(self.up, shares);
+        let share = received / open;
         share + (1.0 - share) * ground.fade
     }
 }
 
-/// The light of the sky in a direction of that height.
+/// The light of the sky in a direction of the given height.
 fn sky_radiance(height: f64) -> f64 {
     let [zenith, horizon, ground] = SKY_LIGHT;
     if height < 0.0 { horizon + (horizon - ground) * height } else { horizon + (zenith - horizon) * height }
@@ -245,10 +248,10 @@ fn sky_radiance(height: f64) -> f64 {
 struct CosineTable(Vec<f64>);
 
 impl CosineTable {
-    /// Steps from −1 to 1: a chord over one is off by less than a byte of a picture shows.
+    /// Steps from −1 to 1: the error of a chord over one step is less than a byte of a picture shows.
     const STEPS: usize = 256;
 
-    /// Calls `mean` with unit vectors at angles of those cosines to the z axis.
+    /// Calls `mean` with unit vectors at angles with these cosines to the z axis.
     fn new(mean: impl Fn(DVec3) -> f64) -> Self {
         let vector = |i: usize| {
             let cos = 2.0 * i as f64 / Self::STEPS as f64 - 1.0;
@@ -258,10 +261,10 @@ impl CosineTable {
     }
 
     fn at(&self, cos: f64) -> f64 {
-        let place = (0.5 * cos + 0.5) * Self::STEPS as f64;
-        let place = if place > 0.0 { lesser(place, Self::STEPS as f64) } else { 0.0 };
-        let step = (place as usize).min(Self::STEPS - 1);
-        let part = place - step as f64;
+        let position = (0.5 * cos + 0.5) * Self::STEPS as f64;
+        let position = if position > 0.0 { lesser(position, Self::STEPS as f64) } else { 0.0 };
+        let step = (position as usize).min(Self::STEPS - 1);
+        let part = position - step as f64;
         self.0[step] * (1.0 - part) + self.0[step + 1] * part
     }
 }
@@ -276,7 +279,7 @@ fn open_sky(pattern: &SamplePattern) -> CosineTable {
     })
 }
 
-/// The light of the whole lamp, by the cosine of its direction with the normal.
+/// The light of the whole lamp, by the cosine between its direction and the normal.
 fn open_lamp(pattern: &SamplePattern) -> CosineTable {
     let points = &pattern.light[0].lamp;
     CosineTable::new(|normal| {
@@ -286,12 +289,12 @@ fn open_lamp(pattern: &SamplePattern) -> CosineTable {
     })
 }
 
-/// A point whose light is asked for.
+/// A point to be lit.
 #[derive(Clone, Copy)]
 pub(super) struct LitPoint {
     /// The origin of shadow rays.
     pub origin: DVec3,
-    /// The normal to shade by, and the triangle's own.
+    /// The shading normal, and the normal of the triangle.
     pub normal: DVec3,
     pub flat: DVec3,
 }
@@ -300,12 +303,12 @@ pub(super) struct LitPoint {
 #[derive(Clone, Copy)]
 pub(super) struct GroundPoint {
     pub at: DVec3,
-    /// By how much the shadow has faded out there: 0 to 1.
+    /// The share by which the shadow has faded out there: 0 to 1.
     pub fade: f64,
 }
 
-/// The shares of light that reach a point: of the sky's and of the lamp's light, and of the directions in which the
-/// sky is hidden. Unlike the light itself they hardly depend on the normal.
+/// The shares of light that reach a point: of the sky's and of the lamp's light, and of the directions in
+/// which the sky is hidden. Unlike the light itself they hardly depend on the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LightShares {
     pub sky: f64,
@@ -329,16 +332,16 @@ pub(super) struct LampSum {
 }
 
 impl LampSum {
-    /// The share that is seen; all of nothing.
+    /// The visible share; 1 if there is no light.
     pub fn share(self) -> f64 {
         if self.open > 0.0 { self.seen / self.open } else { 1.0 }
     }
 }
 
 /// Tests whether the light is hidden. The rays never depend on the answers, so they may be collected first
-/// and traced together: shading once with made-up answers gives all the rays, and once more with the true
+/// and traced together: shading once with dummy answers gives all the rays, and once more with the true
 /// answers gives the light.
 pub(super) trait OcclusionTest {
-    /// Whether something lies between a point and the light in a direction.
+    /// Whether a surface lies between a point and the light in a direction.
     fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool;
 }

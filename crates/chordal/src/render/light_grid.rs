@@ -1,8 +1,9 @@
-//! `LightGrid`: the light that reaches the pixels of a tile, traced at few of them and interpolated between, wherever
-//! the surface is one and the light hardly changes.
+//! `LightGrid`: the light that reaches the pixels of a tile, traced at few of them and interpolated between
+//! them wherever the surface is smooth and the light hardly changes.
 //!
-//! Source: G. Ward, F. Rubinstein, R. Clear, *A ray tracing solution for diffuse interreflection*, 1988, for light that
-//! is cached and interpolated; here a quadtree of pixels takes the place of the cache, so that no order matters.
+//! Source: G. Ward, F. Rubinstein, R. Clear, *A ray tracing solution for diffuse interreflection*, 1988, for
+//! light that is cached and interpolated; here a quadtree of pixels replaces the cache, so that no order
+//! matters.
 use super::light::{LightShares, LitPoint, StudioLights};
 use super::sample_pattern::{LightDetail, SamplePattern};
 use super::traced_surface::{SeenPoint, TracedSurface};
@@ -10,13 +11,14 @@ use crate::math::{greater, lesser};
 
 /// Pixels along the largest cells of the quadtree.
 pub(super) const CELL: usize = 8;
-/// Cells up to this size may hold edges: then each pixel takes the corners on its own side.
+/// Cells up to this size may contain edges: then each pixel uses the corners on its side of the edge.
 const SMALL: usize = 4;
-/// The widest range of shares over the corners of a cell that is interpolated, for cells of 8, 4 and 2 pixels: the
-/// smaller the cell, the less a kink in between counts. Compared side by side with every pixel traced.
+/// The widest range of shares over the corners of a cell that is interpolated, for cells of 8, 4 and 2
+/// pixels: the smaller the cell, the less visible a kink inside it. Chosen by comparison side by side with
+/// every pixel traced.
 const RANGE: [f64; 3] = [0.08, 0.11, 0.16];
 
-/// Pixels of a picture: those of a tile, rounded up to whole cells, with one more on each side.
+/// A rectangle of pixels: those of a tile, rounded up to whole cells, with one more on each side.
 #[derive(Clone, Copy)]
 pub(super) struct TileFrame {
     /// The first pixel, one left of and above the tile; may be −1.
@@ -42,14 +44,14 @@ impl TileFrame {
     }
 }
 
-/// What lights the pixels: all that does not change from tile to tile.
+/// The data that light the pixels and do not change from tile to tile.
 pub(super) struct LightSource<'a, S> {
     pub surface: &'a S,
     pub studio: &'a StudioLights,
     pub pattern: &'a SamplePattern,
 }
 
-/// What the pixels of a frame see.
+/// The points that the pixels of a frame see.
 pub(super) struct SeenPixels<'a> {
     pub frame: TileFrame,
     pub seen: &'a [SeenPoint],
@@ -57,7 +59,7 @@ pub(super) struct SeenPixels<'a> {
     pub edge: &'a [bool],
 }
 
-/// The light of each pixel, as far as it is known.
+/// The light of each pixel, as far as it has been computed.
 pub(super) struct LightGrid {
     pub shares: Vec<Option<LightShares>>,
 }
@@ -77,7 +79,7 @@ impl LightCell {
 }
 
 impl LightGrid {
-    /// The light of all pixels of a tile but its border.
+    /// The light of all pixels of a tile except its border.
     pub fn new<S: TracedSurface>(source: &LightSource<S>, pixels: &SeenPixels) -> Result<Self, S::Error> {
         let SeenPixels { frame, seen, .. } = *pixels;
         let mut grid = Self { shares: vec![None; frame.len()] };
@@ -87,17 +89,17 @@ impl LightGrid {
             .collect();
         while !cells.is_empty() {
             let detail = if cells[0].side > 1 { LightDetail::Area } else { LightDetail::Pixel };
-            let mut asked: Vec<usize> =
+            let mut needed: Vec<usize> =
                 cells.iter().flat_map(|c| c.corners()).map(|p| frame.index(p)).collect();
             if detail == LightDetail::Pixel {
-                // The light of a single pixel is that of its own corner.
-                asked = cells.iter().map(|c| frame.index(c.at)).collect();
+                // A cell of one pixel needs the light of that pixel alone.
+                needed = cells.iter().map(|c| frame.index(c.at)).collect();
             }
-            asked.sort_unstable();
-            asked.dedup();
-            asked.retain(|k| grid.shares[*k].is_none() && !matches!(seen[*k], SeenPoint::Nothing));
-            let found = shares_at(source, pixels, &asked, detail)?;
-            for (k, shares) in asked.into_iter().zip(found) {
+            needed.sort_unstable();
+            needed.dedup();
+            needed.retain(|k| grid.shares[*k].is_none() && !matches!(seen[*k], SeenPoint::Nothing));
+            let traced = shares_at(source, pixels, &needed, detail)?;
+            for (k, shares) in needed.into_iter().zip(traced) {
                 grid.shares[k] = Some(shares);
             }
             let mut parts = Vec::new();
@@ -114,12 +116,14 @@ impl LightGrid {
         Ok(grid)
     }
 
-    /// Fills the pixels of a cell whose light follows from its corners; whether that is all of them.
+    /// Fills the pixels of a cell whose light follows from its corners; returns whether these are all of its
+    /// pixels.
     fn interpolate(&mut self, cell: LightCell, pixels: &SeenPixels) -> bool {
         let SeenPixels { frame, seen, edge } = *pixels;
         let corners = cell.corners().map(|p| frame.index(p));
         let n = cell.side;
-        // Shadows change quickly beside edges, where one part stands on another: the largest cells keep off them.
+        // Shadows change quickly beside edges, where one part stands on another, so the largest cells avoid
+        // them.
         let margin = if n > SMALL { n / 2 } else { 0 };
         let span = |at: usize, size: usize| at.saturating_sub(margin)..=(at + n + margin).min(size - 1);
         let [columns, rows] = [0, 1].map(|k| span(cell.at[k], frame.size[k]));
@@ -132,29 +136,31 @@ impl LightGrid {
             return true;
         }
         let range = RANGE[(CELL.ilog2() - n.ilog2()) as usize];
-        let found = corners.map(|k| self.shares[k]);
-        if even && spread(&found) > range {
+        let at_corners = corners.map(|k| self.shares[k]);
+        if even && spread(&at_corners) > range {
             return false;
         }
-        let mut all = true;
+        let mut is_filled = true;
         for [i, j] in (0..n).flat_map(|j| (0..n).map(move |i| [i, j])) {
             let k = frame.index([cell.at[0] + i, cell.at[1] + j]);
             if self.shares[k].is_some() || matches!(seen[k], SeenPoint::Nothing) {
                 continue;
             }
-            // Of a cell with an edge, the corners on the pixel's own side count.
-            let own = |c: usize| found[c].filter(|_| even || seen[corners[c]].is_one_with(&seen[k]));
-            let own: [Option<LightShares>; 4] = std::array::from_fn(own);
+            // In a cell with an edge, only corners on the pixel's side of it count.
+            let of_corner =
+                |c: usize| at_corners[c].filter(|_| even || seen[corners[c]].is_one_with(&seen[k]));
+            let same_surface: [Option<LightShares>; 4] = std::array::from_fn(of_corner);
             let [u, v] = [i, j].map(|k| k as f64 / n as f64);
             let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-            self.shares[k] = if even || spread(&own) <= range { weighted(own, weights) } else { None };
-            all &= self.shares[k].is_some();
+            self.shares[k] =
+                if even || spread(&same_surface) <= range { weighted(same_surface, weights) } else { None };
+            is_filled &= self.shares[k].is_some();
         }
-        all
+        is_filled
     }
 
-    /// The light at a position between the middles of pixels, from those around it that show the same surface; `None`
-    /// where none does.
+    /// The light at a position between the middles of pixels, from those around it that show the same
+    /// surface; `None` if none does.
     pub fn at(&self, [x, y]: [f64; 2], point: &SeenPoint, pixels: &SeenPixels) -> Option<LightShares> {
         let SeenPixels { frame, seen, .. } = *pixels;
         let (i, j) = (x.floor(), y.floor());
@@ -166,26 +172,26 @@ impl LightGrid {
             ([i, j + 1], (1.0 - u) * v),
             ([i + 1, j + 1], u * v),
         ];
-        let own = around.map(|([i, j], _)| {
+        let same_surface = around.map(|([i, j], _)| {
             let k = (i < frame.size[0] && j < frame.size[1]).then(|| frame.index([i, j]))?;
             self.shares[k].filter(|_| seen[k].is_one_with(point))
         });
-        weighted(own, around.map(|(_, weight)| weight))
+        weighted(same_surface, around.map(|(_, weight)| weight))
     }
 }
 
-/// The least weight of pixels from which light is taken: what is farther says little.
+/// The least weight of pixels from which light is interpolated: pixels farther away say little.
 const LEAST_WEIGHT: f64 = 0.05;
 
-/// The mean of what is known; `None` where that has next to no weight.
+/// The weighted mean of the known shares; `None` if these have next to no weight.
 fn weighted(shares: [Option<LightShares>; 4], weights: [f64; 4]) -> Option<LightShares> {
-    let known: [f64; 4] = std::array::from_fn(|k| if shares[k].is_some() { weights[k] } else { 0.0 });
-    let sum: f64 = known.iter().sum();
-    let mean = || LightShares::mean(shares.map(Option::unwrap_or_default), known.map(|w| w / sum));
+    let known_weights: [f64; 4] = std::array::from_fn(|k| if shares[k].is_some() { weights[k] } else { 0.0 });
+    let sum: f64 = known_weights.iter().sum();
+    let mean = || LightShares::mean(shares.map(Option::unwrap_or_default), known_weights.map(|w| w / sum));
     (sum > LEAST_WEIGHT).then(mean)
 }
 
-/// The range of the shares that are known.
+/// The range of the known shares.
 fn spread(shares: &[Option<LightShares>; 4]) -> f64 {
     let range = |f: fn(&LightShares) -> f64| {
         let values = || shares.iter().flatten().map(f);
@@ -199,7 +205,7 @@ fn spread(shares: &[Option<LightShares>; 4]) -> f64 {
 fn shares_at<S: TracedSurface>(
     source: &LightSource<S>,
     pixels: &SeenPixels,
-    asked: &[usize],
+    needed: &[usize],
     detail: LightDetail,
 ) -> Result<Vec<LightShares>, S::Error> {
     let LightSource { surface, studio, pattern } = *source;
@@ -210,28 +216,30 @@ fn shares_at<S: TracedSurface>(
             pattern.for_pixel(pixels.frame.pixel(k))
         }
     };
-    let points: Vec<(usize, LitPoint)> =
-        asked.iter().filter_map(|k| Some((*k, pixels.seen[*k].lit(studio, surface.ray_offset())?))).collect();
-    let mut found = surface.with_occlusion(|shadows| {
+    let points: Vec<(usize, LitPoint)> = needed
+        .iter()
+        .filter_map(|k| Some((*k, pixels.seen[*k].lit(studio, surface.ray_offset())?)))
+        .collect();
+    let mut shares = surface.with_occlusion(|shadows| {
         let first = |(k, point): &(usize, LitPoint)| {
             let turned = turned(*k);
             studio.shares(shadows, point, turned.whole_sky(detail, point.normal), turned.rim())
         };
         points.iter().map(first).collect::<Vec<LightShares>>()
     })?;
-    // Where the whole rim is seen, or hidden, so is the lamp.
+    // If the whole rim is visible, or hidden, so is the lamp; only the other points need all rays.
     let open: Vec<usize> =
-        (0..found.len()).filter(|k| found[*k].lamp > 0.0 && found[*k].lamp < 1.0).collect();
+        (0..shares.len()).filter(|k| shares[*k].lamp > 0.0 && shares[*k].lamp < 1.0).collect();
     let lamps = surface.with_occlusion(|shadows| {
-        let whole = |k: &usize| {
-            let (place, point) = &points[*k];
-            let turned = turned(*place);
+        let whole_lamp = |k: &usize| {
+            let (index, point) = &points[*k];
+            let turned = turned(*index);
             studio.lamp_sum(shadows, point, turned.whole_lamp(detail)).share()
         };
-        open.iter().map(whole).collect::<Vec<f64>>()
+        open.iter().map(whole_lamp).collect::<Vec<f64>>()
     })?;
     for (k, lamp) in open.into_iter().zip(lamps) {
-        found[k].lamp = lamp;
+        shares[k].lamp = lamp;
     }
-    Ok(found)
+    Ok(shares)
 }

@@ -1,4 +1,4 @@
-//! `LineDepths`: where a mesh's outlines and creases are in the picture, so that no part is too thin to be found.
+//! `LineDepths`: the outlines and creases of a mesh in the picture, so that no part is too thin to be found.
 use super::camera::RayGenerator;
 use super::normals::CREASE_COS;
 use crate::budget::{Job, Screen, par_map};
@@ -8,14 +8,16 @@ use crate::math::{greater, lesser};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// For each pixel the least depth of a line in it: an edge at the boundary, between front and back, or of a crease.
+/// For each pixel the least depth of a line in it: of a boundary edge, an edge between front and back, or a
+/// crease.
 pub(super) struct LineDepths {
     screen: Screen,
-    /// The upper halves of the bits of f64: of positive numbers, in their order, and 2⁻²⁰ of each apart.
+    /// The upper halves of the bits of f64: for positive numbers these sort alike, in steps of 2⁻²⁰ of the
+    /// number.
     bits: Vec<AtomicU32>,
 }
 
-/// The faces of one task.
+/// The faces in one task.
 const TASK: usize = 1 << 14;
 
 impl LineDepths {
@@ -49,7 +51,7 @@ impl LineDepths {
             let is_line = match twins.get(half_edge) {
                 Twin::Collapsed => false,
                 Twin::Boundary | Twin::NonManifold | Twin::Flipped(_) => true,
-                // Each edge once.
+                // Each edge is drawn once.
                 Twin::Pair(other) => other < half_edge && is_line(mesh, eye, [face, other as usize / 3]),
             };
             if is_line {
@@ -58,7 +60,8 @@ impl LineDepths {
         }
     }
 
-    /// Marks the pixels along an edge. One behind the eye, or that passes it, is left out: it is no thin line.
+    /// Marks the pixels along an edge. An edge behind the eye, or passing it, is left out: it is no thin
+    /// line.
     fn draw(&self, eye: &RayGenerator, ends: [[f64; 3]; 2]) {
         let [a, b] = ends.map(|p| eye.project(p));
         if !(a[2] > 0.0 && b[2] > 0.0) {
@@ -81,7 +84,7 @@ impl LineDepths {
         }
         let longest = greater((b[0] - a[0]).abs(), (b[1] - a[1]).abs());
         let steps = (longest * (to - from)).ceil();
-        // NaN and infinities end here too: no edge inside the picture is longer than it.
+        // NaN and infinities end here too, since no edge inside the picture is longer than it.
         if !(from <= to && steps <= 2.0 * (size[0] + size[1])) {
             return;
         }
@@ -89,7 +92,7 @@ impl LineDepths {
         for step in 0..=steps {
             let t = from + (to - from) * f64::from(step) / f64::from(steps.max(1));
             let [x, y] = [0, 1].map(|k| a[k] + t * (b[k] - a[k]));
-            // Inverse depth is linear in the picture, where the rays come from one eye; where they are parallel the
+            // Inverse depth is linear in the picture if the rays come from one eye; if they are parallel, the
             // nearer end is near enough.
             let depth = 1.0 / ((1.0 - t) / a[2] + t / b[2]);
             let [x, y] = [x as usize, y as usize];

@@ -32,7 +32,7 @@ pub mod drawings {
     pub use super::comb_picture::{CombPicture, render_comb};
 }
 
-/// Pictures of fields, and of what they are compared with.
+/// Pictures of fields, and the surfaces with which they are compared.
 pub mod fields {
     pub use super::field::{FieldPicture, FieldRenderError, frame_field, render_field};
     pub use super::heat_map::ReferenceSurface;

@@ -4,24 +4,24 @@ use crate::explicit::{Attribute, Domain, Mesh, Semantic, face_normal};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Edges sharper than this (its cosine) are creases in a mesh without normals of its own: cos 30°.
+/// Edges sharper than this (its cosine) are creases in a mesh without normals: cos 30°.
 pub(super) const CREASE_COS: f64 = 0.866_025_403_784_438_6;
 
 /// The source of the normals at a face's corners.
 pub(super) enum ShadingNormals<'a> {
-    /// The mesh's own.
+    /// The normals of the mesh.
     Given(&'a Attribute),
-    /// One per corner, smooth across edges that are not sharp.
+    /// One normal per corner, smooth across edges that are not sharp.
     Smooth(Vec<[f32; 3]>),
-    /// The face's own.
+    /// The normal of the face.
     Flat,
 }
 
 impl<'a> ShadingNormals<'a> {
-    /// The mesh's own normals, or smooth ones.
+    /// The normals of the mesh, or smooth ones if it has none.
     pub fn from_mesh(mesh: &'a Mesh, job: &Job) -> Self {
         match mesh.attribute(&Semantic::Normal) {
-            Some(own) if own.width == 3 => Self::Given(own),
+            Some(given) if given.width == 3 => Self::Given(given),
             _ => Self::Smooth(smooth(mesh, job)),
         }
     }
@@ -31,20 +31,20 @@ impl<'a> ShadingNormals<'a> {
         match self {
             Self::Flat => None,
             Self::Smooth(rows) => Some([0, 1, 2].map(|k| DVec3::from(rows[3 * face + k].map(f64::from)))),
-            Self::Given(own) => Some([0, 1, 2].map(|k| {
-                let row = match own.domain {
+            Self::Given(given) => Some([0, 1, 2].map(|k| {
+                let row = match given.domain {
                     Domain::Vertex => mesh.faces()[face][k] as usize,
                     Domain::Corner => 3 * face + k,
                     Domain::Face => face,
                 };
-                DVec3::from_slice(own.row(row))
+                DVec3::from_slice(given.row(row))
             })),
         }
     }
 }
 
-/// For each corner, the angle-weighted sum of the normals of those faces around its position that are within
-/// the crease angle of its own.
+/// For each corner, the angle-weighted sum of the normals of those faces around its position whose normals
+/// are within the crease angle of that of its face.
 fn smooth(mesh: &Mesh, job: &Job) -> Vec<[f32; 3]> {
     let n_faces = mesh.faces().len();
     let normals = for_faces(n_faces, job, |f| face_normal(mesh.corners(f)).map_or(DVec3::ZERO, DVec3::from));
@@ -63,43 +63,43 @@ fn smooth(mesh: &Mesh, job: &Job) -> Vec<[f32; 3]> {
         around[*at as usize] = corner as u32;
         *at += 1;
     }
-    let run = |place: usize| &around[starts[place] as usize..starts[place + 1] as usize];
-    let sum_of = |corners: &[u32], own: Option<DVec3>| {
+    let run = |position_id: usize| &around[starts[position_id] as usize..starts[position_id + 1] as usize];
+    let sum_of = |corners: &[u32], face_normal: Option<DVec3>| {
         corners.iter().fold(DVec3::ZERO, |sum, corner| {
             let (face, k) = (*corner as usize / 3, *corner as usize % 3);
-            let smooth = own.is_none_or(|own| normals[face].dot(own) >= CREASE_COS);
+            let smooth = face_normal.is_none_or(|face_normal| normals[face].dot(face_normal) >= CREASE_COS);
             if smooth { sum + normals[face] * angles[face][k] } else { sum }
         })
     };
     let fans: BTreeMap<usize, DVec3> = (0..mesh.positions().len())
-        .filter(|place| run(*place).len() > MOST_COMPARED)
-        .map(|place| (place, sum_of(run(place), None).normalize_or_zero()))
+        .filter(|position_id| run(*position_id).len() > MOST_COMPARED)
+        .map(|position_id| (position_id, sum_of(run(position_id), None).normalize_or_zero()))
         .collect();
     let rows = for_faces(n_faces, job, |face| {
-        let own = normals[face];
+        let face_normal = normals[face];
         [0, 1, 2].map(|k| {
-            let place = position(3 * face + k);
-            let sum = match fans.get(&place) {
-                None => sum_of(run(place), Some(own)),
-                Some(all) if all.dot(own) >= CREASE_COS => *all,
-                Some(_) => own,
+            let position_id = position(3 * face + k);
+            let sum = match fans.get(&position_id) {
+                None => sum_of(run(position_id), Some(face_normal)),
+                Some(mean) if mean.dot(face_normal) >= CREASE_COS => *mean,
+                Some(_) => face_normal,
             };
-            let normal = sum.normalize_or(own);
+            let normal = sum.normalize_or(face_normal);
             [normal.x as f32, normal.y as f32, normal.z as f32]
         })
     });
     rows.into_flattened()
 }
 
-/// Faces of one task.
+/// The faces in one task.
 const TASK: usize = 1 << 14;
 
-fn for_faces<T: Send + Clone>(n: usize, job: &Job, one: impl Fn(usize) -> T + Sync) -> Vec<T> {
+fn for_faces<T: Send + Clone>(n: usize, job: &Job, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let chunks: Vec<usize> = (0..n).step_by(TASK).collect();
-    par_map(job, &chunks, |_, from| (*from..n.min(from + TASK)).map(&one).collect::<Vec<T>>()).concat()
+    par_map(job, &chunks, |_, from| (*from..n.min(from + TASK)).map(&work).collect::<Vec<T>>()).concat()
 }
 
-/// Up to this many faces around a position, each is compared with each, which costs their square. In larger
+/// Up to this many faces around a position, each is compared with each, which takes their square. In larger
 /// fans (the poles of spheres) each is compared with the mean.
 const MOST_COMPARED: usize = 256;
 

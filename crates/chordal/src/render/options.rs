@@ -1,35 +1,35 @@
-//! `RenderOptions`: what a picture shows, from where, and how finely.
+//! `RenderOptions`: the content, viewpoint and resolution of a picture.
 use crate::budget::{Camera, Screen};
 
-/// What a picture shows.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RenderStyle {
-    /// The lit surface, smooth by the mesh's own normals; without any, smooth across edges of less than 30°.
+    /// The lit surface, smooth by the mesh's normals; without normals, smooth across edges of less than 30°.
     #[default]
     Shaded,
-    /// The lit triangles as they are.
+    /// The lit triangles, unsmoothed.
     Flat,
     /// The triangles' edges over a light surface, hidden lines removed.
     Wire,
     /// The normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not gamma-corrected.
     Normals,
     /// The reflection of striped walls in the surface. The stripes jump at edges, bend where only tangent
-    /// planes agree, and run on smoothly where curvatures agree. Normals are as in [`RenderStyle::Shaded`].
+    /// planes agree, and continue smoothly where curvatures agree. Normals are as in [`RenderStyle::Shaded`].
     Zebra,
     /// The number of lanes that a graphics processor launches for each pixel: see
     /// [`super::render_overshade`].
     Overshade,
 }
 
-/// Which sides of triangles are culled, as graphics processors do.
+/// The sides of triangles that are culled, as by graphics processors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CullMode {
     /// No culling: both sides are shown, in different colours.
     #[default]
     None,
-    /// Culls back faces: what is seen from inside is a hole. A triangle wound the wrong way opens one.
+    /// Culls back faces: surfaces seen from inside are holes. A triangle wound the wrong way opens one.
     Back,
-    /// Culls front faces: the inside of what is turned away is shown.
+    /// Culls front faces: shows the inside of surfaces that are turned away.
     Front,
 }
 
@@ -73,15 +73,15 @@ pub enum Viewpoint {
     Camera(Camera),
 }
 
-/// What is behind the mesh.
+/// The background behind the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Background {
-    /// A light backdrop, and a ground under the mesh that takes its shadow.
+    /// A light backdrop, and a ground under the mesh that receives its shadow.
     #[default]
     Studio,
-    /// Nothing; where the mesh would cast a shadow on the ground, black of that opacity.
+    /// Transparent; the shadow of the mesh on the ground is black of its opacity.
     Shadow,
-    /// Nothing at all.
+    /// Transparent, without a shadow.
     Transparent,
 }
 
@@ -94,15 +94,15 @@ pub enum Background {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderOptions {
-    /// What is shown.
+    /// The content.
     pub show: RenderStyle,
-    /// What is culled. Culled faces still cast shadows.
+    /// The sides that are culled. Culled faces still cast shadows.
     pub cull: CullMode,
     /// The viewpoint.
     pub viewpoint: Viewpoint,
     /// The axis that points up: for the light, the ground and the automatic viewpoint.
     pub up: UpAxis,
-    /// What is behind the mesh.
+    /// The background behind the mesh.
     pub background: Background,
     /// `samples²` rays per pixel; 1 to 16.
     pub samples: u32,

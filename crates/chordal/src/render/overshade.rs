@@ -1,4 +1,4 @@
-//! Pictures of what a graphics processor shades: how many lanes are launched for each pixel.
+//! Pictures of shading cost: the number of lanes that a graphics processor launches for each pixel.
 use super::color::linear_to_srgb;
 use super::color_ramp::ColorRamp;
 use super::frame;
@@ -14,8 +14,8 @@ pub const DARKEST_LANES: u32 = 16;
 
 /// The shading counts of a mesh at the camera of the options, and a picture of them: light for one lane per
 /// pixel, over yellow for two, orange for four and red for eight, to dark violet for 16 and more. All lanes
-/// count, those of hidden triangles too; `options.cull` says which sides are left out. Pixels without a lane
-/// show the background. One sample per pixel; other options are ignored.
+/// count, including those of hidden triangles; `options.cull` selects the sides that are culled. Pixels
+/// without a lane show the background. One sample per pixel; other options are ignored.
 ///
 /// # Errors
 /// As for [`overshade`].
@@ -42,22 +42,22 @@ pub fn render_overshade(
         CullMode::Back => HitSides::Front,
         CullMode::Front => HitSides::Back,
     };
-    let found = overshade(mesh, &camera, sides, job)?;
-    let picture = picture(&found, &camera, options.background);
-    Ok((picture, found))
+    let shading = overshade(mesh, &camera, sides, job)?;
+    let picture = picture(&shading, &camera, options.background);
+    Ok((picture, shading))
 }
 
-fn picture(found: &Overshade, camera: &Camera, background: Background) -> Picture {
+fn picture(shading: &Overshade, camera: &Camera, background: Background) -> Picture {
     let [width, height] = [camera.screen.width_px, camera.screen.height_px];
-    let columns = found.quad_columns as usize;
+    let columns = shading.quad_columns as usize;
     let ramp = ColorRamp::new();
     let doublings = f64::from(DARKEST_LANES.ilog2());
-    // The scale doubles; between two doublings it is linear.
+    // The scale is logarithmic at powers of two, and linear between them.
     let colors: Vec<[u8; 4]> = (0..=DARKEST_LANES)
         .map(|lanes| {
-            let whole = lanes.max(1).ilog2();
-            let rest = f64::from(lanes.max(1)) / f64::from(1_u32 << whole) - 1.0;
-            let [r, g, b] = ramp.at((f64::from(whole) + rest) / doublings).to_array().map(linear_to_srgb);
+            let octave = lanes.max(1).ilog2();
+            let part = f64::from(lanes.max(1)) / f64::from(1_u32 << octave) - 1.0;
+            let [r, g, b] = ramp.at((f64::from(octave) + part) / doublings).to_array().map(linear_to_srgb);
             [r, g, b, 255]
         })
         .collect();
@@ -72,7 +72,7 @@ fn picture(found: &Overshade, camera: &Camera, background: Background) -> Pictur
             Background::Shadow | Background::Transparent => [0; 4],
         };
         for x in 0..width {
-            let lanes = found.launches[(y / 2) as usize * columns + (x / 2) as usize];
+            let lanes = shading.launches[(y / 2) as usize * columns + (x / 2) as usize];
             rgba.extend(if lanes == 0 { empty } else { colors[lanes.min(DARKEST_LANES) as usize] });
         }
     }

@@ -15,7 +15,7 @@ impl Picture {
     /// Red, green, blue and alpha of the pixel in column `x` of row `y`.
     ///
     /// # Panics
-    /// When there is no such pixel.
+    /// If there is no such pixel.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> [u8; 4] {
         assert!(x < self.width && y < self.height, "({x}, {y}) is outside {} x {}", self.width, self.height);

@@ -1,5 +1,5 @@
-//! `TileRenderer`: the pixels of one tile. The ray through the middle of each decides what it shows; only pixels beside
-//! edges, and those whose colour differs from their neighbours', get all their rays.
+//! `TileRenderer`: the pixels of one tile. The ray through the middle of each decides what it shows; only
+//! pixels beside edges, and those whose colour differs from their neighbours', get all their rays.
 use super::Picture;
 use super::camera::RayGenerator;
 use super::heat_map::HeatMap;
@@ -24,8 +24,8 @@ const TILE: u32 = 96;
 const LINE_PX: f64 = 1.3;
 /// The width over which a line's side fades out: less than a pixel, so that lines are as smooth as outlines.
 const LINE_SOFT_PX: f64 = 0.5;
-/// Neighbours whose channels differ by more than this fraction, plus a small part of white, get all their rays: some
-/// six levels of 255 in the middle of the range.
+/// A pixel with a neighbour whose channels differ by more than this fraction, plus a small part of white,
+/// gets all its rays: some six levels of 255 in the middle of the range.
 const SEEN_CHANGE: [f64; 2] = [0.06, 0.004];
 /// Lines at this depth relative to that of the middle ray are in front of it: above the rounding of stored depths.
 const IN_FRONT: f64 = 1.001;
@@ -40,7 +40,7 @@ pub(super) struct TileRenderer<'a, S> {
     pub screen: Screen,
     pub backdrop: Backdrop,
     pub heat: Option<HeatMap>,
-    /// The colour of lines along the triangles' edges, where they are shown.
+    /// The colour of lines along the triangles' edges, if these are shown.
     pub lines: Option<DVec3>,
 }
 
@@ -67,7 +67,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
     /// The bytes of a tile, row by row.
     pub fn tile(&self, tile: ImageTile) -> Result<(Vec<u8>, BeamCounts), S::Error> {
         let mut counts = BeamCounts::default();
-        // 1. What the middles of the pixels see, and where that changes.
+        // 1. The points that the middles of the pixels see, and the edges between them.
         let frame = TileFrame {
             first: tile.at.map(|k| i64::from(k) - 1),
             size: tile.size.map(|n| (n as usize).next_multiple_of(CELL) + 2),
@@ -76,7 +76,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         let (seen, uncertain) = self.see(&rays, &mut counts)?;
         let edge = self.edges(frame, &seen, &uncertain);
         let pixels = SeenPixels { frame, seen: &seen, edge: &edge };
-        // 2. Their light, at few of them.
+        // 2. Their light, traced at few pixels.
         let source = LightSource { surface: &self.surface, studio: &self.studio, pattern: &self.pattern };
         let light = if self.is_lit() {
             LightGrid::new(&source, &pixels)?
@@ -84,13 +84,13 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
             LightGrid { shares: vec![None; frame.len()] }
         };
         // 3. Their colours.
-        let places: Vec<(usize, [u32; 2])> = tile
+        let tile_pixels: Vec<(usize, [u32; 2])> = tile
             .pixels()
             .map(|[x, y]| {
                 (frame.index([(x - tile.at[0]) as usize + 1, (y - tile.at[1]) as usize + 1]), [x, y])
             })
             .collect();
-        let shown: Vec<PictureRay> = places
+        let shown: Vec<PictureRay> = tile_pixels
             .iter()
             .map(|(k, [_, row])| PictureRay {
                 ray: &rays[*k],
@@ -100,14 +100,14 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
             })
             .collect();
         let colors = self.colors(&shown)?;
-        // 4. All rays of the pixels where one is not enough.
-        let fine: Vec<bool> = (0..places.len())
-            .map(|p| edge[places[p].0] || self.is_lined(&shown[p]) || changes(&colors, tile.size, p))
+        // 4. All rays of the pixels for which one is not enough.
+        let fine: Vec<bool> = (0..tile_pixels.len())
+            .map(|p| edge[tile_pixels[p].0] || self.is_lined(&shown[p]) || changes(&colors, tile.size, p))
             .collect();
-        let fine_places: Vec<FinePixel> =
-            places.iter().zip(&fine).filter(|(_, fine)| **fine).map(|(place, _)| *place).collect();
-        let mut fine_bytes = self.fine_pixels(&fine_places, &pixels, &light, &mut counts)?.into_iter();
-        let mut bytes = Vec::with_capacity(4 * places.len());
+        let to_refine: Vec<FinePixel> =
+            tile_pixels.iter().zip(&fine).filter(|(_, fine)| **fine).map(|(pixel, _)| *pixel).collect();
+        let mut fine_bytes = self.fine_pixels(&to_refine, &pixels, &light, &mut counts)?.into_iter();
+        let mut bytes = Vec::with_capacity(4 * tile_pixels.len());
         for (color, fine) in colors.into_iter().zip(fine) {
             let exact = if fine { fine_bytes.next() } else { None };
             bytes.extend(exact.unwrap_or_else(|| {
@@ -123,7 +123,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         self.eye.ray([x as f64 + 0.5, y as f64 + 0.5])
     }
 
-    /// Whether the light of surfaces and ground is shown.
+    /// Whether the light of surfaces and ground is rendered.
     fn is_lit(&self) -> bool {
         !matches!(self.options.show, RenderStyle::Normals | RenderStyle::Zebra)
     }
@@ -134,7 +134,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
     }
 
     fn see(&self, rays: &[Ray], counts: &mut BeamCounts) -> Result<(Vec<SeenPoint>, Vec<bool>), S::Error> {
-        let found = self.surface.trace(rays, counts)?;
+        let hits = self.surface.trace(rays, counts)?;
         let seen = |(ray, spot): (&Ray, Option<ShadingPoint>)| match spot {
             Some(spot) => SeenPoint::Surface(spot),
             None if self.has_ground() => self
@@ -143,12 +143,12 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
                 .map_or(SeenPoint::Nothing, SeenPoint::Ground),
             None => SeenPoint::Nothing,
         };
-        let uncertain = found.iter().map(|found| found.uncertain).collect();
-        Ok((rays.iter().zip(found.into_iter().map(|found| found.spot)).map(seen).collect(), uncertain))
+        let uncertain = hits.iter().map(|hit| hit.uncertain).collect();
+        Ok((rays.iter().zip(hits.into_iter().map(|hit| hit.spot)).map(seen).collect(), uncertain))
     }
 
-    /// The pixels of the frame, but not of its border, that see another surface than one of their neighbours, or
-    /// beside which a line is too thin to be seen by its middle.
+    /// The pixels of the frame, except its border, that see a different surface than one of their neighbours,
+    /// or contain a line too thin to be seen by their middle ray.
     fn edges(&self, frame: TileFrame, seen: &[SeenPoint], uncertain: &[bool]) -> Vec<bool> {
         let lined =
             |k: usize| uncertain[k] || self.surface.nearest_line(frame.pixel(k)) < IN_FRONT * seen[k].depth();
@@ -163,13 +163,13 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         edge
     }
 
-    /// Whether lines are drawn on what is seen.
+    /// Whether lines are drawn on the surface that is seen.
     fn is_lined(&self, shown: &PictureRay) -> bool {
         self.lines.is_some() && matches!(shown.seen, SeenPoint::Surface(_))
     }
 
     fn colors(&self, shown: &[PictureRay]) -> Result<Vec<PremultipliedColor>, S::Error> {
-        self.surface.with_occlusion(|shadows| shown.iter().map(|one| self.color(shadows, one)).collect())
+        self.surface.with_occlusion(|shadows| shown.iter().map(|shown| self.color(shadows, shown)).collect())
     }
 
     fn color(&self, shadows: &mut dyn OcclusionTest, shown: &PictureRay) -> PremultipliedColor {
@@ -207,7 +207,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         PremultipliedColor { color, alpha: 1.0 }
     }
 
-    /// The strength of the lines where a ray meets a triangle.
+    /// The strength of the lines at the point where a ray meets a triangle.
     fn line_strength(&self, ray: &Ray, spot: &ShadingPoint) -> f64 {
         let Some(corners) = self.surface.corners(spot) else { return 0.0 };
         let edges = self.eye.edge_distances(ray, corners);
@@ -215,60 +215,60 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
         let side = (0.5 * (LINE_PX + LINE_SOFT_PX) - nearest) / LINE_SOFT_PX;
         let side = if side > 0.0 { lesser(side, 1.0) } else { 0.0 };
         // The radius of the inscribed circle is the inverse sum of the inverse heights. Triangles that are
-        // narrower than their lines would be all line: these fade, so that fine meshes turn grey and not
-        // black.
+        // narrower than their lines would be covered by lines: these fade, so that fine meshes turn grey and
+        // not black.
         let radius = 1.0 / edges.iter().map(|e| 1.0 / e[1]).sum::<f64>();
-        let room = radius / LINE_PX;
-        side * if room < 1.0 { 0.3 + 0.7 * room } else { 1.0 }
+        let relative_width = radius / LINE_PX;
+        side * if relative_width < 1.0 { 0.3 + 0.7 * relative_width } else { 1.0 }
     }
 
-    /// The bytes of pixels by all their rays. Light is that of the pixels around, where these show the same surface.
+    /// The bytes of pixels by all their rays. Light is interpolated from the pixels around if these show the
+    /// same surface.
     fn fine_pixels(
         &self,
-        places: &[FinePixel],
+        fine: &[FinePixel],
         pixels: &SeenPixels,
         light: &LightGrid,
         counts: &mut BeamCounts,
     ) -> Result<Vec<[u8; 4]>, S::Error> {
         let offsets = &self.pattern.pixel_offsets;
         let n = offsets.len();
-        let rays: Vec<Ray> = places
+        let rays: Vec<Ray> = fine
             .iter()
             .flat_map(|(_, [x, y])| {
                 offsets.iter().map(|[dx, dy]| self.eye.ray([f64::from(*x) + dx, f64::from(*y) + dy]))
             })
             .collect();
         let (seen, _) = self.see(&rays, counts)?;
-        let known = |s: usize| {
-            let (column, row) =
-                (places[s / n].0 % pixels.frame.size[0], places[s / n].0 / pixels.frame.size[0]);
+        let interpolated = |s: usize| {
+            let (column, row) = (fine[s / n].0 % pixels.frame.size[0], fine[s / n].0 / pixels.frame.size[0]);
             let [dx, dy] = offsets[s % n];
             light.at([column as f64 + dx - 0.5, row as f64 + dy - 0.5], &seen[s], pixels)
         };
-        let mut shares: Vec<Option<LightShares>> = (0..seen.len()).map(known).collect();
-        // Rays that see what no middle ray saw have light of their own.
+        let mut shares: Vec<Option<LightShares>> = (0..seen.len()).map(interpolated).collect();
+        // Rays that see a surface that no middle ray saw need light of their own.
         let new: Vec<usize> = (0..seen.len())
             .filter(|s| self.is_lit() && shares[*s].is_none() && !matches!(seen[*s], SeenPoint::Nothing))
             .collect();
-        let own = self.surface.with_occlusion(|shadows| {
-            let one = |s: &usize| {
-                let [x, y] = places[s / n].1;
+        let traced = self.surface.with_occlusion(|shadows| {
+            let trace_one = |s: &usize| {
+                let [x, y] = fine[s / n].1;
                 let turned = self.pattern.for_pixel([i64::from(x), i64::from(y)]);
                 let point = seen[*s].lit(&self.studio, self.surface.ray_offset())?;
                 let (sky, lamp) = (turned.sky(s % n, point.normal), turned.lamp(s % n));
                 Some(self.studio.shares(shadows, &point, sky, lamp))
             };
-            new.iter().map(one).collect::<Vec<Option<LightShares>>>()
+            new.iter().map(trace_one).collect::<Vec<Option<LightShares>>>()
         })?;
-        for (s, own) in new.into_iter().zip(own) {
-            shares[s] = own;
+        for (s, share) in new.into_iter().zip(traced) {
+            shares[s] = share;
         }
         let shown: Vec<PictureRay> = (0..seen.len())
             .map(|s| PictureRay {
                 ray: &rays[s],
                 seen: &seen[s],
                 shares: shares[s].unwrap_or_default(),
-                row: places[s / n].1[1],
+                row: fine[s / n].1[1],
             })
             .collect();
         let colors = self.colors(&shown)?;
@@ -281,7 +281,7 @@ impl<S: TracedSurface> TileRenderer<'_, S> {
     }
 }
 
-/// Whether a pixel of a tile differs from one beside it by more than shading does.
+/// Whether a pixel of a tile differs from a neighbour by more than shading explains.
 fn changes(colors: &[PremultipliedColor], size: [u32; 2], p: usize) -> bool {
     let [w, h] = size.map(|n| n as usize);
     let (i, j) = (p % w, p / w);

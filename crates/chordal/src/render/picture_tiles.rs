@@ -1,4 +1,4 @@
-//! `ImageTile`: the parts of a picture, in parallel.
+//! `ImageTile`: the parts of a picture, rendered in parallel.
 use super::Picture;
 use crate::budget::{Job, JobError, Progress, Screen, par_map};
 use crate::implicit::query::BeamCounts;
@@ -48,23 +48,23 @@ pub(super) fn each_tile<E: From<JobError> + Send>(
     work: impl Fn(ImageTile) -> Result<(Vec<u8>, BeamCounts), E> + Sync,
 ) -> Result<(Vec<Vec<u8>>, BeamCounts), E> {
     let done = AtomicU64::new(0);
-    let found = par_map(job, tiles, |_, tile| {
+    let results = par_map(job, tiles, |_, tile| {
         if job.is_cancelled() {
             return Ok((Vec::new(), BeamCounts::default()));
         }
-        let found = work(*tile);
+        let result = work(*tile);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         job.report(Progress { stage: "render", done, total: tiles.len() as u64 });
-        found
+        result
     });
     if job.is_cancelled() {
         return Err(JobError::Cancelled.into());
     }
     let mut counts = BeamCounts::default();
     let mut bytes = Vec::with_capacity(tiles.len());
-    for found in found {
-        let (one, count) = found?;
-        bytes.push(one);
+    for result in results {
+        let (tile_bytes, count) = result?;
+        bytes.push(tile_bytes);
         counts = counts.merge(count);
     }
     Ok((bytes, counts))

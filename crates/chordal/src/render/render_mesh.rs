@@ -17,8 +17,8 @@ pub(super) struct RenderMesh<'a> {
     normals: ShadingNormals<'a>,
     sides: HitSides,
     lines: LineDepths,
-    /// By how much secondary rays start off the surface: a millionth of its extent, far above the rounding of
-    /// hits (10⁻¹⁵ of it) and far below a pixel.
+    /// The height above the surface at which secondary rays start: a millionth of its extent, far above the
+    /// rounding of hits (10⁻¹⁵ of it) and far below a pixel.
     ray_offset: f64,
 }
 
@@ -34,12 +34,12 @@ pub(super) struct ShadingPoint {
     pub flat: DVec3,
     /// The unit shading normal, on the same side.
     pub normal: DVec3,
-    /// Whether the front side is seen.
+    /// Whether the front side is visible.
     pub front: bool,
 }
 
 impl ShadingPoint {
-    /// The normal as a colour, −1 … 1 as 0 … 1.
+    /// The normal as a colour, with −1 … 1 as 0 … 1.
     pub fn normal_as_color(&self) -> DVec3 {
         self.normal * 0.5 + DVec3::splat(0.5)
     }
@@ -97,7 +97,7 @@ impl<'a> RenderMesh<'a> {
             let sum = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
             let side = if sum.dot(flat) < 0.0 { -1.0 } else { 1.0 };
             let normal = (sum * side).normalize_or_zero();
-            // With normals of length 0, or not finite, the triangle's own stays.
+            // If the normals have length 0, or are not finite, the triangle's normal is used.
             if normal.is_finite() && normal != DVec3::ZERO {
                 spot.normal = facing_normal(normal, flat, DVec3::from(ray.direction));
                 spot.origin =
@@ -154,7 +154,8 @@ impl TracedSurface for RenderMesh<'_> {
     }
 }
 
-/// The normal. Where it points away although the triangle is seen, it is turned until it is across the ray.
+/// The normal. If it points away although the triangle is visible, it is turned until it is perpendicular to
+/// the ray.
 pub(super) fn facing_normal(normal: DVec3, flat: DVec3, direction: DVec3) -> DVec3 {
     let away = normal.dot(direction);
     if away <= 0.0 {

@@ -1,24 +1,25 @@
 //! The fixed points at which a pixel, the sky and the lamp are sampled: the same for every picture.
 use glam::DVec3;
 
-/// The golden ratio minus 1: its multiples modulo 1 are spread most evenly.
+/// The golden ratio minus 1: its multiples modulo 1 are spread the most evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// The inverse of the real root of x³ = x + 1 and its square: the same in the plane (M. Roberts, *The
 /// unreasonable effectiveness of quasirandom sequences*, 2018).
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Rotations of the points on the hemisphere and the lamp, so that neighbouring pixels do not repeat a
-/// pattern. More are not seen.
+/// pattern. More make no visible difference.
 const TURNS: usize = 64;
-/// The fewest points on the sky and on the lamp for all rays of a pixel together. Compared side by side: with
+/// The fewest points on the sky and on the lamp for all rays of a pixel together. Chosen side by side: with
 /// 16, shadows show a weave.
 const SKY: usize = 32;
 const LAMP: usize = 32;
-/// The points on each for a place whose light is that of many pixels, and of one.
+/// The points on each for a position whose light is that of many pixels, and of one.
 const LIGHT: [usize; 2] = [64, 32];
-/// The points along the lamp's rim, and along a circle inside, which with its middle see the same as all of it unless they
-/// see both.
+/// The points along the lamp's rim, and along a circle inside: unless these and the middle differ in
+/// visibility, the whole lamp is taken for visible, or for hidden.
 const RIM: usize = 8;
-/// The radius of that circle: what is thinner than the gaps casts a shadow too faint to see. Compared side by side.
+/// The radius of that circle. Chosen side by side: an object thinner than the gaps casts a shadow too faint
+/// to see.
 const INNER: f64 = 0.55;
 
 /// Sample points for `n` rays per pixel.
@@ -27,10 +28,10 @@ pub(super) struct SamplePattern {
     /// Offsets from the corner of the pixel. Their density is a tent two pixels wide, so the plain mean of
     /// the rays is a filtered picture.
     pub pixel_offsets: Vec<[f64; 2]>,
-    /// For the rays of a pixel together; each takes its part.
+    /// Points for all rays of a pixel together; each ray takes its share.
     sky: Vec<[f64; 3]>,
     lamp: Vec<[f64; 2]>,
-    /// For one point alone: for many pixels, and for one.
+    /// Points for a single position: for the light of many pixels, and of one.
     pub light: [LightPattern; 2],
     turns: Vec<[f64; 2]>,
 }
@@ -56,7 +57,7 @@ impl SamplePattern {
     /// The pattern for `side²` rays.
     pub fn new(side: u32) -> Self {
         let n = (side * side) as usize;
-        // Each ray gets the same number of them.
+        // The number is a multiple of the rays, so that each ray gets the same number of points.
         let [sky, lamp] = [SKY, LAMP].map(|least| n * least.div_ceil(n));
         let even = |n: usize, i: usize| (i as f64 + 0.5) / n as f64;
         let circle = |u: f64| [libm::cos(std::f64::consts::TAU * u), libm::sin(std::f64::consts::TAU * u)];
@@ -77,9 +78,9 @@ impl SamplePattern {
                 .chain([[0.0; 2]])
                 .collect(),
         };
-        let place = |i| [even(n, i), fraction(0.5 + i as f64 * GOLDEN)].map(|u| 0.5 + tent(u));
+        let offset = |i| [even(n, i), fraction(0.5 + i as f64 * GOLDEN)].map(|u| 0.5 + tent(u));
         Self {
-            pixel_offsets: (0..n).map(place).collect(),
+            pixel_offsets: (0..n).map(offset).collect(),
             sky: (0..sky).map(|i| hemisphere(sky, i)).collect(),
             lamp: (0..lamp).map(|i| disc(lamp, i)).collect(),
             light: LIGHT.map(light),
@@ -87,7 +88,7 @@ impl SamplePattern {
         }
     }
 
-    /// The pattern as it is, for points between which light is interpolated: without noise.
+    /// The pattern without rotation, for points between which light is interpolated: without noise.
     pub fn unturned(&self) -> PixelPattern<'_> {
         PixelPattern { pattern: self, turn: [1.0, 0.0] }
     }
@@ -127,22 +128,22 @@ impl PixelPattern<'_> {
     /// Directions around `normal`, as dense as their cosine with it, for one of the pixel's rays. All rays
     /// together have the whole set.
     pub fn sky(&self, ray: usize, normal: DVec3) -> impl ExactSizeIterator<Item = DVec3> {
-        let own = self.pattern.sky[ray..].iter().step_by(self.pattern.pixel_offsets.len());
-        self.sky_around(own, normal)
+        let of_ray = self.pattern.sky[ray..].iter().step_by(self.pattern.pixel_offsets.len());
+        self.sky_around(of_ray, normal)
     }
 
     /// Points of the unit disc for one of the pixel's rays.
     pub fn lamp(&self, ray: usize) -> impl ExactSizeIterator<Item = [f64; 2]> {
-        let own = self.pattern.lamp[ray..].iter().step_by(self.pattern.pixel_offsets.len());
-        own.map(|[x, y]| self.rotate(*x, *y))
+        let of_ray = self.pattern.lamp[ray..].iter().step_by(self.pattern.pixel_offsets.len());
+        of_ray.map(|[x, y]| self.rotate(*x, *y))
     }
 
-    /// Directions around `normal`, for one point.
+    /// Directions around `normal`, all of them for one point.
     pub fn whole_sky(&self, detail: LightDetail, normal: DVec3) -> impl ExactSizeIterator<Item = DVec3> {
         self.sky_around(self.pattern.light[detail as usize].sky.iter(), normal)
     }
 
-    /// Points of the unit disc, for one point.
+    /// Points of the unit disc, all of them for one point.
     pub fn whole_lamp(&self, detail: LightDetail) -> impl ExactSizeIterator<Item = [f64; 2]> {
         self.pattern.light[detail as usize].lamp.iter().map(|[x, y]| self.rotate(*x, *y))
     }
@@ -153,7 +154,7 @@ impl PixelPattern<'_> {
     }
 }
 
-/// For how much of the picture the light of a point counts.
+/// The part of the picture that the light of a point determines.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum LightDetail {
     /// For many pixels.

@@ -22,19 +22,19 @@ const MOST_SAMPLES: u32 = 16;
 /// Renders a mesh.
 ///
 /// Pixels along outlines, creases and lines, and where colours change, are the mean over `samples²` rays at
-/// fixed positions under a tent filter two pixels wide, in linear light and not in sRGB values. The others have
-/// one ray, through their middle. Outlines and creases are found in the mesh, so that no part is too thin.
-/// Shaded surfaces are lit by a lamp over the viewer's left shoulder with soft shadows, a sky with ambient
-/// occlusion, and the ground; fronts and backs differ in colour. Light is traced at every eighth pixel, closer
-/// where it changes or the surface ends, and interpolated between. All sample points are fixed, so the picture
-/// is the same, byte for byte, on any number of threads and every target.
+/// fixed positions under a tent filter two pixels wide, in linear light and not in sRGB values. All other
+/// pixels have one ray, through their middle. Outlines and creases are found in the mesh, so that no part is
+/// too thin to be seen. Shaded surfaces are lit by a lamp over the viewer's left shoulder with soft shadows,
+/// a sky with ambient occlusion, and the ground; fronts and backs differ in colour. Light is traced at every
+/// eighth pixel, at more pixels where it changes or the surface ends, and interpolated between. All sample
+/// points are fixed, so the picture is the same, byte for byte, on any number of threads and every target.
 ///
-/// Cost: the tree over the mesh and its neighbours; then one ray for each pixel, two for one that shows the
+/// Cost: the tree over the mesh and its adjacency; then one ray for each pixel, two for one that shows the
 /// mesh, `2·samples²` along edges, and some hundred for each point where light is traced.
 ///
 /// # Errors
 /// [`JobError::Refused`] for an invalid camera, 0 or more than 16 samples, or a picture or tree beyond the
-/// job's memory limit; [`JobError::Cancelled`] when the job was.
+/// job's memory limit; [`JobError::Cancelled`] if the job was cancelled.
 ///
 /// ```
 /// use chordal::{Job, Mesh, render::{Background, RenderOptions, RenderStyle, render}};
@@ -52,7 +52,7 @@ pub fn render(mesh: &Mesh, options: &RenderOptions, job: &Job) -> Result<Picture
     render_mesh(mesh, options, None, job)
 }
 
-/// Renders a mesh coloured by its distance from another surface: light where there is none, over yellow and
+/// Renders a mesh coloured by its distance from another surface: light for distance 0, over yellow and
 /// red to dark violet at `against.most` and beyond. The distance is that of the very point that is seen, not
 /// interpolated between vertices. [`RenderStyle::Flat`] is lit as such; every other style is lit as
 /// [`RenderStyle::Shaded`].
@@ -125,7 +125,7 @@ pub(super) fn ray_generator(
         return Err(refused(RefusalCode::Unsupported, message));
     }
     let Screen { width_px: width, height_px: height } = camera.screen;
-    // Each tile is stored once by itself and once in the picture; a mesh has a depth of lines in each pixel.
+    // Each tile is stored twice, by itself and in the picture; a mesh has a depth of lines in each pixel.
     let bytes = (12 * u64::from(width)).saturating_mul(u64::from(height));
     if bytes > job.memory_limit {
         let message =
@@ -135,7 +135,7 @@ pub(super) fn ray_generator(
     Ok(eye)
 }
 
-/// The backdrop: its light at the top and at the bottom.
+/// The light of the backdrop, at the top and at the bottom.
 pub(super) struct Backdrop {
     ends: [DVec3; 2],
     height: u32,
@@ -152,7 +152,7 @@ impl Backdrop {
     }
 }
 
-/// Premultiplied: colour times alpha, and alpha.
+/// A premultiplied colour: colour times alpha, and alpha.
 #[derive(Clone, Copy)]
 pub(super) struct PremultipliedColor {
     pub color: DVec3,
@@ -162,7 +162,7 @@ pub(super) struct PremultipliedColor {
 impl PremultipliedColor {
     pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0 };
 
-    /// Adds a sample, clamped: a glint brighter than white would spoil the smoothness of its outline.
+    /// Adds a sample, clamped, since a glint brighter than white would spoil the smoothness of its outline.
     pub fn add(&mut self, sample: Self) {
         self.color += sample.color.clamp(DVec3::ZERO, DVec3::ONE);
         self.alpha += sample.alpha;

@@ -2,7 +2,7 @@
 use super::color::srgb_to_linear;
 use glam::DVec3;
 
-/// Stripes from straight down to straight up; chosen so that a ball shows some thirty.
+/// Stripes from straight down to straight up. Chosen so that a ball shows some thirty.
 const STRIPES: f64 = 16.0;
 /// Light and dark stripes, in sRGB.
 const COLORS: [[u8; 3]; 2] = [[250, 250, 246], [26, 32, 44]];
@@ -10,13 +10,13 @@ const COLORS: [[u8; 3]; 2] = [[250, 250, 246], [26, 32, 44]];
 /// The colour of the stripe seen at a point with this unit normal, looking along a unit direction.
 ///
 /// Stripes are as smooth as normals: across an edge they jump, where only tangent planes agree they bend, and
-/// where curvatures agree they run on smoothly.
+/// where curvatures agree they continue smoothly.
 pub(super) fn zebra_color(normal: DVec3, direction: DVec3, up: DVec3) -> DVec3 {
     let facing = direction.dot(normal);
     let mirrored = direction - 2.0 * facing * normal;
     let height = STRIPES * 0.5 * (1.0 + mirrored.dot(up));
     let color = srgb_to_linear(COLORS[usize::from(height.floor() as i64 % 2 != 0)]);
-    // Darker towards the silhouette, so that the shape is seen as well.
+    // Darker towards the silhouette, so that the shape is visible as well.
     color * (0.6 + 0.4 * facing.abs())
 }
 

@@ -1,4 +1,5 @@
-//! `CurveLength`: how long paths and splines are, and where a length is reached, enclosed.
+//! `CurveLength`: the lengths of paths and splines, and the parameters at which a length is reached,
+//! enclosed.
 mod speed;
 
 use crate::budget::Tolerance;
@@ -11,13 +12,13 @@ use std::collections::BinaryHeap;
 
 /// The length of a path or a spline along its parameter, in intervals that contain the exact values.
 ///
-/// The curve is taken exactly as its numbers say: [`Curve::slack`] is no part of it, since curves that are near each other may
-/// differ in length by any amount. Hence a spline is measured as it is, and not as the path of rounded pieces that
-/// [`NurbsCurve::to_curve`] makes.
+/// The curve is taken exactly as its numbers say: [`Curve::slack`] is ignored, since curves that are near
+/// each other may differ in length by any amount. Hence a spline is measured itself, and not the path of
+/// rounded pieces that [`NurbsCurve::to_curve`] gives.
 ///
-/// The speed is integrated by Taylor polynomials about the middle of each part, whose last coefficient is taken over the
-/// whole part, all in intervals. Parts are halved until their errors fit. Where the speed comes near 0, as in a cusp, its
-/// range itself is the bound, and parts get short.
+/// The speed is integrated by Taylor polynomials about the middle of each part, whose last coefficient is
+/// taken over the whole part, all in intervals. Parts are halved until their errors are small enough. If the
+/// speed comes near 0, as in a cusp, the bound is its range, and parts get short.
 ///
 /// ```
 /// use chordal::{check::curves::CurveLength, explicit::nurbs::NurbsCurve};
@@ -30,14 +31,14 @@ use std::collections::BinaryHeap;
 /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
 /// ```
 ///
-/// *Cost.* Some ten parts of ten microseconds each for a piece of low degree without a tolerance; some hundred parts where a
-/// piece has a cusp or very uneven weights.
+/// *Cost.* Some ten parts of ten microseconds each for a piece of low degree without a tolerance; some
+/// hundred parts if a piece has a cusp or very uneven weights.
 ///
 /// Source: G. Corliss, L. Rall, *Adaptive, self-validating numerical quadrature*, 1987.
 #[derive(Clone, Debug)]
 pub struct CurveLength<const D: usize> {
     pieces: Vec<SpeedPiece<D>>,
-    /// Where each piece starts and ends in the parameter of the whole.
+    /// The start and the end of each piece, in the parameter of the whole curve.
     ranges: Vec<[f64; 2]>,
     parts: Vec<LengthPart>,
 }
@@ -48,83 +49,89 @@ struct LengthPart {
     piece: usize,
     from: f64,
     to: f64,
-    own: Interval,
+    length: Interval,
     /// The length from the start of the curve to the start of the part.
     before: Interval,
 }
 
-/// Without a tolerance the errors of the parts sum up to this share of the length of the control polygon, or to what rounding
-/// leaves, which is more for high degrees. Chosen.
+/// Without a tolerance the errors of the parts sum up to this share of the length of the control polygon, or
+/// to the rounding, which is larger for high degrees. Chosen: a smaller share gives more parts.
 const NEAR: f64 = 64.0 * f64::EPSILON;
 
-/// A part that is known so well is known well enough: what rounding leaves of a part of low degree. Measured.
+/// A part whose relative error is below this is settled: the rounding of a part of low degree. Measured.
 const SETTLED: f64 = 32.0 * f64::EPSILON;
 
-/// A part that is known so well and that halving does not help is as narrow as rounding permits. Chosen: far above what was
-/// measured, 1e-13 for degrees up to 7, and far below what a few halvings of a part that converges leave.
+/// A part whose relative error is below this, and which halving does not improve, is as narrow as rounding
+/// permits. Chosen: far above the largest measured rounding, 1e-13 for degrees up to 7, and far below the
+/// error that a few halvings of a converging part leave.
 const ROUNDED: f64 = 1e-9;
 
-/// Halvings of one piece at most: by then a part with a bounded speed is as short as rounding. Chosen.
+/// The most halvings of one piece. Chosen: after so many, a part with a bounded speed is as short as
+/// rounding.
 const DEEPEST: u32 = 60;
 
-/// Parts of one curve at most, for each of its pieces; chosen.
+/// The most parts of a curve for each of its pieces. Chosen: it bounds the time of a curve whose parts do not
+/// converge.
 const MOST_PARTS: usize = 1 << 12;
 
 impl<const D: usize> CurveLength<D> {
-    /// The length of a path, within `tolerance` or, without one, as narrow as rounding permits: relative to it some hundred ε.
-    /// A place is that of [`Curve::at`].
+    /// The length of a path, within `tolerance` or, without one, as narrow as rounding permits: relative to
+    /// the length some hundred ε. A place is a parameter of [`Curve::at`].
     ///
-    /// Where intervals stay wider, as for weights that differ by many orders of magnitude, they still hold. Where subnormal
-    /// numbers are flushed to zero, or numbers overflow, they reach to ∞.
+    /// If intervals stay wider, as for weights that differ by many orders of magnitude, they still hold. If
+    /// subnormal numbers are flushed to zero, or numbers overflow, they reach to ∞.
     #[must_use]
     pub fn from_curve(curve: &Curve<D>, tolerance: Option<Tolerance>) -> Self {
         let pieces = curve.segments().iter().map(SpeedPiece::of_segment).collect::<Vec<_>>();
         let ranges = (0..pieces.len()).map(|k| [k as f64, (k + 1) as f64]).collect();
-        let about = curve.segments().iter().map(polygon_length).sum();
-        Self::new(pieces, ranges, about, tolerance)
+        let rough_length = curve.segments().iter().map(polygon_length).sum();
+        Self::new(pieces, ranges, rough_length, tolerance)
     }
 
-    /// The length of a spline, as [`CurveLength::from_curve`]; a place is the parameter.
+    /// The length of a spline, as [`CurveLength::from_curve`]; a place is its parameter.
     #[must_use]
     pub fn from_nurbs(curve: &NurbsCurve<D>, tolerance: Option<Tolerance>) -> Self {
         let n = curve.knots().n_pieces();
         let pieces = (0..n).map(|k| SpeedPiece::of_nurbs(curve, k)).collect();
         let ranges = (0..n).map(|k| curve.knots().piece(k)).collect();
-        let about = points_length(curve.control());
-        Self::new(pieces, ranges, about, tolerance)
+        let rough_length = points_length(curve.control());
+        Self::new(pieces, ranges, rough_length, tolerance)
     }
 
     fn new(
         pieces: Vec<SpeedPiece<D>>,
         ranges: Vec<[f64; 2]>,
-        about: f64,
+        rough_length: f64,
         tolerance: Option<Tolerance>,
     ) -> Self {
-        let goal = greater(tolerance.map_or(0.0, |t| 0.5 * t.get()), NEAR * about);
+        let goal = greater(tolerance.map_or(0.0, |t| 0.5 * t.get()), NEAR * rough_length);
         let part = |piece: usize, [from, to]: [f64; 2], depth: u32| {
-            let own = SpeedPiece::length(&pieces[piece], from, to);
+            let part_length = SpeedPiece::length(&pieces[piece], from, to);
             let before = Interval::point(0.0);
-            PriorityItem { bound: own.width(), item: (LengthPart { piece, from, to, own, before }, depth) }
+            PriorityItem {
+                bound: part_length.width(),
+                item: (LengthPart { piece, from, to, length: part_length, before }, depth),
+            }
         };
         let mut open: BinaryHeap<_> = (0..pieces.len()).map(|piece| part(piece, [0.0, 1.0], 0)).collect();
         let mut parts = Vec::new();
         let (mut waiting, mut settled, most) = (width_of(&open), 0.0, pieces.len() * MOST_PARTS);
-        // The widest first. What does not get narrower is rounding, and stays; what waits gets small beside it.
+        // The widest part first. A part that does not get narrower is limited by rounding, and stays.
         while waiting > greater(goal - settled, 0.25 * goal) && open.len() + parts.len() < most {
-            let Some(PriorityItem { bound, item: (whole, depth) }) = open.pop() else { break };
-            let middle = 0.5 * (whole.from + whole.to);
-            let halves =
-                [[whole.from, middle], [middle, whole.to]].map(|range| part(whole.piece, range, depth + 1));
+            let Some(PriorityItem { bound, item: (widest, depth) }) = open.pop() else { break };
+            let middle = 0.5 * (widest.from + widest.to);
+            let halves = [[widest.from, middle], [middle, widest.to]]
+                .map(|range| part(widest.piece, range, depth + 1));
             let narrower = halves[0].bound + halves[1].bound;
-            // Halving a range halves its error, and of polynomials more.
-            let is_rounding = narrower > 0.6 * bound && bound <= ROUNDED * whole.own.hi();
-            if depth >= DEEPEST || bound <= SETTLED * whole.own.hi() || is_rounding {
+            // Halving a range halves its error; for polynomials it reduces the error more.
+            let is_rounding = narrower > 0.6 * bound && bound <= ROUNDED * widest.length.hi();
+            if depth >= DEEPEST || bound <= SETTLED * widest.length.hi() || is_rounding {
                 (waiting, settled) = (waiting - bound, settled + bound);
-                parts.push(whole);
+                parts.push(widest);
                 continue;
             }
             open.extend(halves);
-            // An infinite width leaves no difference; sums are made anew now and then, as roundings add up.
+            // Infinite widths cannot be subtracted; sums are recomputed now and then, since roundings add up.
             let is_new = bound.is_infinite() || open.len().is_power_of_two();
             waiting = if is_new { width_of(&open) } else { waiting + (narrower - bound) };
         }
@@ -133,23 +140,23 @@ impl<const D: usize> CurveLength<D> {
         let mut before = Interval::point(0.0);
         for part in &mut parts {
             part.before = before;
-            let sum = before + part.own;
-            // Lengths do not decrease, which a sum that is rounded down forgets.
+            let sum = before + part.length;
+            // Lengths do not decrease along the curve, which sums rounded down may violate.
             before = Interval::from_endpoints(greater(sum.lo(), before.lo()), sum.hi());
         }
         Self { pieces, ranges, parts }
     }
 
-    /// The length of the whole.
+    /// The length of the whole curve.
     #[must_use]
     pub fn total(&self) -> Interval {
         if flushes_subnormals() {
             return unknown();
         }
-        self.parts.last().map_or(Interval::point(0.0), |part| positive(part.before + part.own))
+        self.parts.last().map_or(Interval::point(0.0), |part| positive(part.before + part.length))
     }
 
-    /// The length from the start to a place; outside of the curve that to the nearer end.
+    /// The length from the start to a place; outside the curve, to the nearer end.
     #[must_use]
     pub fn up_to(&self, place: f64) -> Interval {
         if flushes_subnormals() {
@@ -158,7 +165,7 @@ impl<const D: usize> CurveLength<D> {
         let after = self.ranges.partition_point(|range| range[0] <= place);
         let Some(piece) = after.checked_sub(1) else { return Interval::point(0.0) };
         if place >= self.ranges[piece][1] {
-            // The end of the last piece: others end where the next one starts.
+            // The end of the last piece: any other piece ends where the next one starts.
             return self.total();
         }
         let [from, to] = self.ranges[piece].map(Interval::point);
@@ -176,17 +183,18 @@ impl<const D: usize> CurveLength<D> {
         let length = if at <= part.from {
             part.before
         } else if at >= part.to {
-            part.before + part.own
+            part.before + part.length
         } else {
-            // The whole part is no shorter than a part of it.
-            let own = self.pieces[piece].length(part.from, at);
-            part.before + own.intersection(Interval::from_endpoints(0.0, part.own.hi()))
+            // The whole part is at least as long as any part of it.
+            let rest_length = self.pieces[piece].length(part.from, at);
+            part.before + rest_length.intersection(Interval::from_endpoints(0.0, part.length.hi()))
         };
         (positive(length), at)
     }
 
-    /// All places at which the length from the start may be `length`: one place, known to some roundings, or a stretch along
-    /// which the curve stands still. `None` when the curve is shorter for sure, or the length negative or not finite.
+    /// All places at which the length from the start may be `length`: one place, known to some roundings, or
+    /// a stretch along which the curve stands still. `None` if the curve is certainly shorter, or if the
+    /// length is negative or not finite.
     ///
     /// *Cost.* Some hundred parts of the curve.
     #[must_use]
@@ -200,17 +208,17 @@ impl<const D: usize> CurveLength<D> {
         if flushes_subnormals() {
             return Some(self.place(ends[0]).hull(self.place(ends[1])));
         }
-        // Shorter for sure before the one, longer for sure after the other.
+        // The length is certainly shorter before one end, and certainly longer after the other.
         let shorter = self.parts.partition_point(|part| part.before.hi() < length);
         let longer = self.parts.partition_point(|part| part.before.lo() <= length);
         let low = self.parts[shorter.saturating_sub(1)];
         let high = self.parts[longer.saturating_sub(1)];
-        let from = self.halved(low, |own| own.hi() < length, |is_shorter| is_shorter);
-        let to = self.halved(high, |own| own.lo() > length, |is_longer| !is_longer);
+        let from = self.halved(low, |length_to| length_to.hi() < length, |is_shorter| is_shorter);
+        let to = self.halved(high, |length_to| length_to.lo() > length, |is_longer| !is_longer);
         Some(self.place((low.piece, from[0])).hull(self.place((high.piece, to[1]))))
     }
 
-    /// Halves a part until its ends are neighbours: the test holds at one end, at the other it need not.
+    /// Halves a part until its ends are neighbours: the test holds at one end, and need not at the other.
     fn halved(
         &self,
         part: LengthPart,
@@ -246,7 +254,7 @@ impl<const D: usize> CurveLength<D> {
     }
 }
 
-/// The sum of the widths of parts that wait.
+/// The sum of the widths of the open parts.
 fn width_of(open: &BinaryHeap<PriorityItem<(LengthPart, u32)>>) -> f64 {
     open.iter().fold(0.0, |sum, part| sum + part.bound)
 }
@@ -260,7 +268,7 @@ fn unknown() -> Interval {
     positive(Interval::ENTIRE)
 }
 
-/// About the length of a piece: that of its control polygon.
+/// The approximate length of a piece: the length of its control polygon.
 fn polygon_length<const D: usize>(segment: &CurveSegment<D>) -> f64 {
     match segment {
         CurveSegment::Line(ends) => points_length(ends),

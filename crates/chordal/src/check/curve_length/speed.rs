@@ -1,4 +1,4 @@
-//! `SpeedPiece`: how fast a piece of a curve runs, as Taylor polynomials in intervals, and the integral of that.
+//! `SpeedPiece`: the speed of a piece of a curve, as Taylor polynomials in intervals, and its integral.
 //!
 //! With a parameter σ from 0 to 1 along a part, and `f` the speed,
 //! `∫f = Σ cₖ·2⁻ᵏ/(k + 1) + cₘ(ξ)·2⁻ᵐ/(m + 1)` over even `k < m`, with the coefficients `cₖ` about the middle and `cₘ` one of
@@ -20,9 +20,9 @@ type Series = [Interval; ORDER + 1];
 /// A piece of a curve by its derivative.
 #[derive(Clone, Debug)]
 pub(super) enum SpeedPiece<const D: usize> {
-    /// `h/w²`, or `h` without weights, and what a unit of length is in it.
+    /// `h/w²`, or `h` without weights, and the length that is its unit.
     Rows { h: IntervalRow<D>, w: Option<IntervalRow<1>>, unit: f64 },
-    /// An arc whose axes are in a unit.
+    /// An arc, whose axes are in units of a length.
     Arc { axes: [[f64; D]; 2], start_rad: f64, sweep_rad: f64, unit: f64 },
 }
 
@@ -40,7 +40,7 @@ impl<const D: usize> SpeedPiece<D> {
     }
 
     pub fn of_nurbs(curve: &NurbsCurve<D>, piece: usize) -> Self {
-        // Near the piece, so that large coordinates cost no digits.
+        // Relative to a point near the piece, so that large coordinates cost no digits.
         let origin = curve.at(curve.knots().piece(piece)[0]);
         let origin = if origin.iter().all(|x| x.is_finite()) { origin } else { [0.0; D] };
         Self::of_piece(&mut EnclosedPiece::of_nurbs(curve, piece, origin))
@@ -48,7 +48,7 @@ impl<const D: usize> SpeedPiece<D> {
 
     fn of_arc(arc: &Arc<D>) -> Self {
         let unit = unit_of(arc.axes().as_flattened().iter().copied());
-        // Exact, but for what is far below the unit.
+        // Exact, except for numbers far below the unit.
         let axes = arc.axes();
         Self::Arc { axes, start_rad: arc.start_rad(), sweep_rad: arc.sweep_rad(), unit }
     }
@@ -77,7 +77,7 @@ impl<const D: usize> SpeedPiece<D> {
         Self::Rows { h: IntervalRow(h), w: Some(w), unit }
     }
 
-    /// The length from one parameter to another, which lie in `[0, 1]` in order.
+    /// The length from one parameter to another; both are in `[0, 1]`, in this order.
     pub fn length(&self, from: f64, to: f64) -> Interval {
         let width = Interval::point(to) - Interval::point(from);
         let (middle, range, width, unit) = match self {
@@ -106,13 +106,13 @@ impl<const D: usize> SpeedPiece<D> {
             let share =
                 |k: usize| Interval::point(power_of_two(-(k as i32))) / Interval::point((k + 1) as f64);
             sum = sum + middle[m - 2] * share(m - 2);
-            let all = sum + range[m] * share(m);
-            let both = narrowest.intersection(all);
+            let integral = sum + range[m] * share(m);
+            let common = narrowest.intersection(integral);
             // Never empty: both contain the exact value.
-            narrowest = if both.is_empty() { narrowest } else { both };
+            narrowest = if common.is_empty() { narrowest } else { common };
         }
         let length = (narrowest * width / Interval::point(unit)).max(Interval::point(0.0));
-        // What overflowed is not known.
+        // An overflow makes the length unknown.
         if length.is_empty() || length.hi().is_nan() {
             Interval::from_endpoints(0.0, f64::INFINITY)
         } else {
@@ -121,12 +121,12 @@ impl<const D: usize> SpeedPiece<D> {
     }
 }
 
-/// A power of two that takes the largest of some numbers to about 1.
+/// A power of two that scales the largest of some numbers to about 1.
 fn unit_of(numbers: impl Iterator<Item = f64>) -> f64 {
     power_of_two(-exponent(numbers.fold(0.0, |most: f64, x| greater(x.abs(), most))))
 }
 
-/// The coefficients of a polynomial about ½, and intervals around those about any place from 0 to 1.
+/// The coefficients of a polynomial about ½, and intervals that contain those about any place from 0 to 1.
 fn row_series(row: &IntervalRow<1>) -> [Series; 2] {
     let zero = Interval::point(0.0);
     let (mut middle, mut range) = ([zero; ORDER + 1], [zero; ORDER + 1]);
@@ -144,7 +144,7 @@ fn row_series(row: &IntervalRow<1>) -> [Series; 2] {
     [middle, range]
 }
 
-/// The coefficients of `cos(a)·v − sin(a)·u` where `a` grows by `step` over the part.
+/// The coefficients of `cos(a)·v − sin(a)·u` for an angle `a` that grows by `step` over the part.
 fn arc_series<const D: usize>(
     [u, v]: &[[f64; D]; 2],
     unit: f64,
@@ -156,19 +156,19 @@ fn arc_series<const D: usize>(
     // The derivatives of the cosine and the sine, in turn.
     let cosines = [cos, -sin, -cos, sin];
     let sines = [sin, cos, -sin, -cos];
-    let mut made = [[Interval::point(0.0); ORDER + 1]; D];
+    let mut coefficients = [[Interval::point(0.0); ORDER + 1]; D];
     let mut factor = Interval::point(1.0);
     for k in 0..=ORDER {
-        for (axis, series) in made.iter_mut().enumerate() {
+        for (axis, series) in coefficients.iter_mut().enumerate() {
             let [u, v] = [u[axis], v[axis]].map(|x| Interval::point(x) * unit);
             series[k] = factor * (cosines[k % 4] * v - sines[k % 4] * u);
         }
         factor = factor * step / Interval::point((k + 1) as f64);
     }
-    made
+    coefficients
 }
 
-/// The coefficients of `|h|/w²`. Where it may be 0, all but the first are anything.
+/// The coefficients of `|h|/w²`. If `|h|` may be 0, all except the first are unknown.
 fn speed<const D: usize>(h: &[Series; D], w: Option<Series>) -> Series {
     let mut squares = [Interval::point(0.0); ORDER + 1];
     for series in h {
@@ -180,24 +180,24 @@ fn speed<const D: usize>(h: &[Series; D], w: Option<Series>) -> Series {
     root[0] = squares[0].sqrt();
     if root[0].lo() > 0.0 {
         for k in 1..=ORDER {
-            let mut rest = squares[k];
+            let mut remainder = squares[k];
             for i in 1..k {
-                rest = rest - root[i] * root[k - i];
+                remainder = remainder - root[i] * root[k - i];
             }
-            root[k] = half_quotient(rest, root[0]);
+            root[k] = half_quotient(remainder, root[0]);
         }
     }
     let Some(w) = w else { return root };
     let below: Series = std::array::from_fn(|k| square_term(&w, k));
-    let mut made = [Interval::UNKNOWN; ORDER + 1];
+    let mut quotient = [Interval::UNKNOWN; ORDER + 1];
     for k in 0..=ORDER {
-        let mut rest = root[k];
+        let mut remainder = root[k];
         for i in 1..=k {
-            rest = rest - below[i] * made[k - i];
+            remainder = remainder - below[i] * quotient[k - i];
         }
-        made[k] = rest / below[0];
+        quotient[k] = remainder / below[0];
     }
-    made
+    quotient
 }
 
 /// A coefficient of the square of a series.
@@ -206,8 +206,8 @@ fn square_term(x: &Series, k: usize) -> Interval {
     for i in 0..k.div_ceil(2) {
         twice = twice + x[i] * x[k - i];
     }
-    let both = twice + twice;
-    if k.is_multiple_of(2) { both + x[k / 2].square() } else { both }
+    let fourfold = twice + twice;
+    if k.is_multiple_of(2) { fourfold + x[k / 2].square() } else { fourfold }
 }
 
 fn half_quotient(x: Interval, y: Interval) -> Interval {

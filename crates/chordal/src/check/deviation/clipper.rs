@@ -26,7 +26,7 @@ use crate::math::{greater, lesser};
 pub(super) struct ConvexClipper<'a> {
     view: &'a SubtriangleProjection,
     /// `√3(εL + ½εR)`, rounded up.
-    moved: f64,
+    displacement: f64,
 }
 
 /// The most corners after three cuts, even where rounding makes a line meet the polygon more than twice: a
@@ -38,47 +38,47 @@ impl<'a> ConvexClipper<'a> {
     pub fn new(view: &'a SubtriangleProjection, piece: &MeshSubtriangle) -> Self {
         let corners = piece.corners.map(|corner| corner.at);
         let reach = corners.as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
-        let wide = |k: usize| {
+        let width = |k: usize| {
             let [ab, bc, ca] = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (corners[i][k] - corners[j][k]).abs());
             greater(greater(ab, bc), ca)
         };
-        let wide = greater(greater(wide(0), wide(1)), wide(2));
-        Self { view, moved: f64::EPSILON * (1.8 * wide + 0.9 * reach) } // √3 and √3/2, rounded up
+        let width = greater(greater(width(0), width(1)), width(2));
+        Self { view, displacement: f64::EPSILON * (1.8 * width + 0.9 * reach) } // √3 and √3/2, rounded up
     }
 
     /// An upper bound on the distance from the part of the piece over the face to the face, and the farthest
-    /// corner of that part. `flat` is the face's image, counter-clockwise.
+    /// corner of that part. `face_image` is counter-clockwise.
     pub fn farthest(
         &self,
         piece: &MeshSubtriangle,
-        flat: [[f64; 2]; 3],
+        face_image: [[f64; 2]; 3],
         corners: &[[f64; 3]; 3],
     ) -> (f64, [f64; 3]) {
-        let mut part = ClippedPolygon { at: [[0.0; 3]; MOST], image: [[0.0; 2]; MOST], n: 0 };
+        let mut polygon = ClippedPolygon { at: [[0.0; 3]; MOST], image: [[0.0; 2]; MOST], n: 0 };
         for corner in &piece.corners {
-            part.push(corner.at, self.view.project(corner.at));
+            polygon.push(corner.at, self.view.project(corner.at));
         }
-        let margin = 16.0 * f64::EPSILON * self.extent(&flat); // derived above
+        let margin = 16.0 * f64::EPSILON * self.extent(&face_image); // derived above
         let mut cuts = 0;
         for k in 0..3 {
-            cuts += u32::from(cut(&mut part, [flat[k], flat[(k + 1) % 3]], margin));
+            cuts += u32::from(cut(&mut polygon, [face_image[k], face_image[(k + 1) % 3]], margin));
         }
         let mut worst = (0.0, piece.corners[0].at);
-        for &at in &part.at[..part.n] {
+        for &at in &polygon.at[..polygon.n] {
             let up = distance_up(at, corners);
             if up > worst.0 {
                 worst = (up, at);
             }
         }
         if cuts > 0 {
-            worst.0 = (worst.0 + f64::from(cuts) * self.moved).next_up();
+            worst.0 = (worst.0 + f64::from(cuts) * self.displacement).next_up();
         }
         worst
     }
 
     /// The largest difference of two coordinates along one axis.
-    fn extent(&self, flat: &[[f64; 2]; 3]) -> f64 {
-        let all = || flat.iter().chain(&self.view.piece);
+    fn extent(&self, image: &[[f64; 2]; 3]) -> f64 {
+        let all = || image.iter().chain(&self.view.piece);
         (0..2).fold(0.0, |most, k| {
             let low = all().fold(f64::INFINITY, |low, p| lesser(p[k], low));
             let high = all().fold(f64::NEG_INFINITY, |high, p| greater(p[k], high));
@@ -87,12 +87,12 @@ impl<'a> ConvexClipper<'a> {
     }
 }
 
-/// Removes the part right of a line; returns whether that made new corners.
-fn cut(part: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
+/// Removes the part right of a line; returns whether new corners arose.
+fn cut(polygon: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
     let e = [b[0] - a[0], b[1] - a[1]];
     // Products that underflow lose less than the smallest normal number.
     let least = -(margin * greater(e[0].abs(), e[1].abs()) + f64::MIN_POSITIVE);
-    let old = *part;
+    let old = *polygon;
     let mut sides = [0.0; MOST];
     for (side, p) in sides.iter_mut().zip(&old.image[..old.n]) {
         *side = e[0] * (p[1] - a[1]) - e[1] * (p[0] - a[0]);
@@ -100,18 +100,18 @@ fn cut(part: &mut ClippedPolygon, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
     if sides[..old.n].iter().all(|s| *s >= least) {
         return false;
     }
-    part.n = 0;
+    polygon.n = 0;
     for i in 0..old.n {
         let j = if i + 1 == old.n { 0 } else { i + 1 };
         let (inside, next_inside) = (sides[i] >= least, sides[j] >= least);
         if inside {
-            part.push(old.at[i], old.image[i]);
+            polygon.push(old.at[i], old.image[i]);
         }
         if inside != next_inside {
             let (from, to) = if inside { (i, j) } else { (j, i) };
             let t = (sides[from] - least) / (sides[from] - sides[to]);
             let t = lesser(t, 1.0);
-            part.push(between(old.at[from], old.at[to], t), between(old.image[from], old.image[to], t));
+            polygon.push(between(old.at[from], old.at[to], t), between(old.image[from], old.image[to], t));
         }
     }
     true

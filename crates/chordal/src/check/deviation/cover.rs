@@ -1,5 +1,5 @@
-//! Covers: faces of the other surface that together lie under a whole piece, and how far the piece is from
-//! them.
+//! Covers: faces of the other surface that together lie under a whole piece, and the distance of the piece
+//! from them.
 //!
 //! Every vertex has an image in a plane: its two coordinates along axes perpendicular to the piece's normal,
 //! rounded, the same number wherever the vertex occurs. Faces and piece have as images the triangles between
@@ -12,11 +12,11 @@
 //! nothing in all. Hence the number is the same at almost every point of the piece's image, and where one
 //! face of `S` overlaps its inside, it is 1 or more: together they cover all of it.
 //!
-//! A side without such a neighbour is accepted where it stays within some depth of the border of the piece's
+//! A side without such a neighbour is accepted if it stays within some depth of the border of the piece's
 //! image. Then the same holds for the piece shrunk by the greatest such depth, if one face covers the centre
 //! of the inscribed circle. The smaller triangle is the piece scaled about that centre by 1 − depth/radius,
 //! so that no point of the piece is farther from it than the share depth/radius of its distance to the
-//! centre. This handles surfaces that end at the same line, where rounding puts one end inside the other.
+//! centre. This handles surfaces that end at the same line, if rounding puts one end inside the other.
 //!
 //! So every point of the piece is in the part over some face: the points whose image is in that face's image,
 //! a convex polygon on the piece. Its distance to the face is at most that of its farthest corner. The
@@ -36,39 +36,40 @@ pub(super) enum Cover {
     Within(f64),
     /// This point of the piece is too far from a face under it.
     TooFar([f64; 3]),
-    /// The surface ends, folds or branches under the piece, or too many faces are there.
+    /// The surface ends, folds or branches under the piece, or has too many faces there.
     None,
 }
 
-/// Faces visited for the current piece; the table is reused from piece to piece.
+/// The faces visited for the current piece. The table is reused from piece to piece.
 #[derive(Default)]
 pub(super) struct CoverScratch {
-    met: Vec<u32>,
+    /// By face: the round in which it was last visited, so that a new round need not clear the table.
+    last_visit: Vec<u32>,
     round: u32,
     faces: Vec<u32>,
 }
 
 impl CoverScratch {
-    /// Starts a new round without visited faces. The table is allocated when first needed; the system commits
-    /// its pages as they are touched.
+    /// Starts a new round without visited faces. The table is allocated when it is first needed; the system
+    /// commits its pages as they are touched.
     fn start(&mut self, other: &DistanceSurface) {
-        if self.met.is_empty() {
-            self.met = vec![0; other.mesh().faces().len()];
+        if self.last_visit.is_empty() {
+            self.last_visit = vec![0; other.mesh().faces().len()];
         }
         self.round += 1;
         self.faces.clear();
     }
 
-    fn meet(&mut self, face: u32) {
-        let met = &mut self.met[face as usize];
-        if *met != self.round {
-            *met = self.round;
+    fn visit(&mut self, face: u32) {
+        let last_visit = &mut self.last_visit[face as usize];
+        if *last_visit != self.round {
+            *last_visit = self.round;
             self.faces.push(face);
         }
     }
 }
 
-/// The most faces under one piece and the distance that suffices.
+/// The limits of a search for a cover: the distance that suffices, and the most faces under one piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoverLimits {
     pub tolerance: f64,
@@ -81,56 +82,57 @@ pub(super) struct CoverLimits {
 pub(super) fn cover(
     piece: &MeshSubtriangle,
     other: &DistanceSurface,
-    terms: CoverLimits,
+    limits: CoverLimits,
     scratch: &mut CoverScratch,
 ) -> Cover {
     let Some(view) = SubtriangleProjection::along_normal(piece) else { return Cover::None };
     let mesh = other.mesh();
-    let seen = |face: u32| mesh.corners(face as usize).map(|p| view.project(p));
-    // 1. A face that overlaps the inside of the piece.
+    let image_of = |face: u32| mesh.corners(face as usize).map(|p| view.project(p));
+    // 1. A face of the other surface whose image overlaps the inside of the piece.
     let mut first = None;
     for corner in &piece.corners {
-        let flat = seen(corner.face);
-        let turn = orient2d(flat[0], flat[1], flat[2]);
-        if turn != Orientation::Flat && view.overlaps(flat) {
-            first = Some((corner.face, turn));
+        let image = image_of(corner.face);
+        let orientation = orient2d(image[0], image[1], image[2]);
+        if orientation != Orientation::Flat && view.overlaps(image) {
+            first = Some((corner.face, orientation));
             break;
         }
     }
     let Some((first, front)) = first else { return Cover::None };
     // 2. All faces reached from it across edges inside the piece.
     scratch.start(other);
-    scratch.meet(first);
-    let cutter = ConvexClipper::new(&view, piece);
+    scratch.visit(first);
+    let clipper = ConvexClipper::new(&view, piece);
     let (mut n_faces, mut most, mut trim) = (0, 0.0, 0.0);
     while n_faces < scratch.faces.len() {
         let face = scratch.faces[n_faces];
         n_faces += 1;
-        if n_faces > terms.most_faces {
+        if n_faces > limits.most_faces {
             return Cover::None;
         }
-        let flat = seen(face);
-        let turn = orient2d(flat[0], flat[1], flat[2]);
-        if turn == front.flipped() {
+        let image = image_of(face);
+        let orientation = orient2d(image[0], image[1], image[2]);
+        if orientation == front.flipped() {
             return Cover::None;
         }
         for k in 0..3 {
-            let side = [flat[k], flat[(k + 1) % 3]];
+            let side = [image[k], image[(k + 1) % 3]];
             if !view.crosses(side) {
                 continue;
             }
             match across(other.twins(), 3 * face + k as u32) {
-                Some(neighbour) => scratch.meet(neighbour),
+                Some(neighbour) => scratch.visit(neighbour),
                 None => trim = greater(trim, view.depth(side)),
             }
         }
-        // 3. The distance of the piece's part over this face.
-        if turn != Orientation::Flat {
+        // 3. The distance of that part of the piece that is over this face.
+        if orientation != Orientation::Flat {
             let corners = mesh.corners(face as usize);
-            let flat = if turn == Orientation::Front { flat } else { [flat[0], flat[2], flat[1]] };
-            let (far, at) = cutter.farthest(piece, flat, &corners);
+            let image =
+                if orientation == Orientation::Front { image } else { [image[0], image[2], image[1]] };
+            let (far, at) = clipper.farthest(piece, image, &corners);
             let far = piece.with_slack(far);
-            if far > terms.tolerance {
+            if far > limits.tolerance {
                 return Cover::TooFar(at);
             }
             most = greater(most, far);
@@ -139,15 +141,15 @@ pub(super) fn cover(
     if trim == 0.0 {
         return Cover::Within(most);
     }
-    // 4. The surface ends a little inside: the deeper part is covered if the centre is, and the rest is near
-    //    that.
-    match view.trimmed(trim, piece, scratch.faces.iter().map(|face| seen(*face))) {
-        Some(rest) => Cover::Within((most + rest).next_up()),
+    // 4. The surface ends a little inside the piece: if the centre is covered, so is the part deeper than
+    //    that, and every other point is near that part.
+    match view.trimmed(trim, piece, scratch.faces.iter().map(|face| image_of(*face))) {
+        Some(to_deeper_part) => Cover::Within((most + to_deeper_part).next_up()),
         None => Cover::None,
     }
 }
 
-/// The face across a half-edge, where there is exactly one and it is wound alike.
+/// The face across a half-edge if there is exactly one and it is wound alike.
 fn across(twins: &Twins, half_edge: u32) -> Option<u32> {
     match twins.get(half_edge) {
         Twin::Pair(twin) => Some(twin / 3),

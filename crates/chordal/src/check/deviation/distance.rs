@@ -8,7 +8,7 @@ const EPS: f64 = f64::EPSILON;
 /// The loss of squares and products to underflow, as a length, is less than `√(6 · 2⁻¹⁰⁷⁴)`; this is `2⁻⁵⁰⁸`.
 pub(super) const UNDERFLOW: f64 = f64::from_bits((1023 - 508) << 52);
 
-/// An upper bound on the distance from `q` to the triangle, 0 where `q` is one of its corners.
+/// An upper bound on the distance from `q` to the triangle; 0 if `q` is one of its corners.
 ///
 /// The weights `w ≥ 0` of the nearest point decide how sharp it is; its validity does not depend on them,
 /// since `Σ wᵢ cᵢ / W` with `W = Σ wᵢ` is some point of the triangle. Its distance is `|v|/W` with
@@ -23,7 +23,7 @@ pub(crate) fn distance_up(q: [f64; 3], corners: &[[f64; 3]; 3]) -> f64 {
         return 0.0;
     }
     let w = closest_on_triangle(q, *corners);
-    let whole = w[0] + w[1] + w[2];
+    let weight_sum = w[0] + w[1] + w[2];
     let (mut square, mut size) = (0.0, 0.0);
     for k in 0..3 {
         let [a, b, c] = [0, 1, 2].map(|i| w[i] * (q[k] - corners[i][k]));
@@ -31,7 +31,7 @@ pub(crate) fn distance_up(q: [f64; 3], corners: &[[f64; 3]; 3]) -> f64 {
         square += sum * sum;
         size += a.abs() + b.abs() + c.abs();
     }
-    (square.sqrt() + 3.0 * EPS * size) / whole * (1.0 + 8.0 * EPS) + UNDERFLOW
+    (square.sqrt() + 3.0 * EPS * size) / weight_sum * (1.0 + 8.0 * EPS) + UNDERFLOW
 }
 
 /// The distance between two points, bounded from above: seven roundings, of which the first is of a

@@ -27,14 +27,14 @@ impl<'a> DistanceSurface<'a> {
         &self.twins
     }
 
-    /// An upper bound on the distance of a point to this surface, and the face that it is measured to.
+    /// An upper bound on the distance of a point to this surface, and the face to which it is measured.
     pub fn sample(&self, at: [f64; 3]) -> DistanceSample {
         match self.bvh.closest_point(at) {
             Some(closest) => {
                 let up = super::distance::distance_up(at, &self.mesh.corners(closest.face as usize));
                 DistanceSample { at, up, face: closest.face }
             }
-            // Nothing is known for a surface without faces or a point that is not finite.
+            // Nothing is known if the surface has no faces or the point is not finite.
             None => DistanceSample { at, up: f64::INFINITY, face: 0 },
         }
     }

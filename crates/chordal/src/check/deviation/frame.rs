@@ -1,12 +1,12 @@
-//! `DeviationFrame`: coordinates in which two meshes lie around zero with an extent near 1, and the rounding
-//! of the transform.
+//! `DeviationFrame`: coordinates in which two meshes lie around zero with an extent near 1, and a bound on
+//! the rounding of the transform.
 use crate::explicit::Mesh;
 use crate::math::{
     Box3, DoubleDouble, add_down, add_up, div_down, div_up, greater, lesser, mul_up, sqrt_up, sub_down,
 };
 use std::borrow::Cow;
 
-/// World → local: subtract the origin, multiply by a power of two.
+/// World to local coordinates: subtract the origin, multiply by a power of two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DeviationFrame {
     origin: [f64; 3],
@@ -16,11 +16,12 @@ pub(super) struct DeviationFrame {
 /// Exponents of extents for which squares and products of four lengths stay far inside the range of f64.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -100..=100;
 
-/// Coordinates this many times larger than the extent lose digits by their position alone.
+/// A coordinate larger than this multiple of the extent loses digits by its position alone. Chosen: a larger
+/// value loses more digits, a smaller one shifts, and so rounds, more meshes.
 const FAR: f64 = 4.0;
 
 impl DeviationFrame {
-    /// A frame for shapes in `bounds`, which is not empty: the world's own where that suffices.
+    /// A frame for shapes in `bounds`, which is not empty: that of the world if it suffices.
     pub fn around(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
@@ -43,12 +44,12 @@ impl DeviationFrame {
     }
 
     /// The mesh in this frame, and the largest displacement of a vertex by rounding, in this frame; `None`
-    /// where a coordinate overflows.
+    /// if a coordinate overflows.
     pub fn local<'a>(&self, mesh: &'a Mesh) -> Option<(Cow<'a, Mesh>, f64)> {
         if self.is_world() {
             return Some((Cow::Borrowed(mesh), 0.0));
         }
-        let (mut moved, mut underflowed) = (0.0, false);
+        let (mut displacement, mut underflowed) = (0.0, false);
         let mut positions = Vec::with_capacity(mesh.positions().len());
         for p in mesh.positions() {
             let shifted: [f64; 3] = std::array::from_fn(|k| p[k] - self.origin[k]);
@@ -58,16 +59,16 @@ impl DeviationFrame {
                 let lost = if lost == 0.0 { 0.0 } else { mul_up(lost.abs(), self.scale) };
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
-            moved = greater(square, moved);
+            displacement = greater(square, displacement);
             let scaled = shifted.map(|x| x * self.scale);
             underflowed |= (0..3).any(|k| scaled[k] / self.scale != shifted[k]);
             positions.push(scaled);
         }
-        let moved = if moved == 0.0 { 0.0 } else { sqrt_up(moved) };
+        let displacement = if displacement == 0.0 { 0.0 } else { sqrt_up(displacement) };
         // Underflow moves a coordinate by at most half of the smallest number.
-        let moved = if underflowed { add_up(moved, f64::MIN_POSITIVE) } else { moved };
-        // Equal positions stay equal, so only an overflow can be refused.
-        Some((Cow::Owned(mesh.with_positions(positions).ok()?), moved))
+        let displacement = if underflowed { add_up(displacement, f64::MIN_POSITIVE) } else { displacement };
+        // Positions that were equal stay equal, so only an overflow can be refused.
+        Some((Cow::Owned(mesh.with_positions(positions).ok()?), displacement))
     }
 
     /// A length of this frame in world space, rounded down: exact except for underflow.
@@ -90,15 +91,15 @@ impl DeviationFrame {
         world * self.scale
     }
 
-    /// A world-space box around all points within `off` of the bounding box of some points of this frame,
+    /// A world-space box around all points within `radius` of the bounding box of some points of this frame,
     /// rounded outwards.
-    pub fn world_box(&self, points: &[[f64; 3]], off: f64) -> Box3 {
+    pub fn world_box(&self, points: &[[f64; 3]], radius: f64) -> Box3 {
         let local = Box3::from_points(points);
-        if self.is_world() && off == 0.0 {
+        if self.is_world() && radius == 0.0 {
             return local;
         }
-        let low = |k: usize| add_down(self.origin[k], div_down(sub_down(local.min[k], off), self.scale));
-        let high = |k: usize| add_up(self.origin[k], div_up(add_up(local.max[k], off), self.scale));
+        let low = |k: usize| add_down(self.origin[k], div_down(sub_down(local.min[k], radius), self.scale));
+        let high = |k: usize| add_up(self.origin[k], div_up(add_up(local.max[k], radius), self.scale));
         Box3 { min: std::array::from_fn(low), max: std::array::from_fn(high) }
     }
 

@@ -1,5 +1,5 @@
-//! The branch-and-bound search: rounds over all open pieces of both surfaces, each against the lower bound at
-//! its start.
+//! The branch-and-bound search for the Hausdorff distance: each round visits all open pieces of both surfaces
+//! and compares them with the lower bound from the start of the round.
 //!
 //! Tasks of a round share nothing, so threads cannot change the result. Between rounds the lower bound rises
 //! to the farthest point that any piece has found.
@@ -13,14 +13,15 @@ use std::collections::VecDeque;
 
 /// Pieces in one task.
 const CHUNK: usize = 512;
-/// Bisections of one piece in the first round; twice as many in each following round, up to [`MOST_CUTS`].
+/// Bisections of one piece in the first round; each later round allows twice as many, up to [`MOST_CUTS`].
 const FIRST_CUTS: u32 = 4;
 const MOST_CUTS: u32 = 256;
-/// The most bisections in all, as a multiple of the faces of both surfaces and at least so many times
-/// [`FEW_FACES`]; after that the search stops.
+/// The search stops after this many bisections for each face of both surfaces; surfaces of fewer than
+/// [`FEW_FACES`] faces get the bisections of so many.
 const CUTS_A_FACE: u64 = 64;
 const FEW_FACES: u64 = 1 << 14;
-/// Points that take as long as a bisection, or as a face before any. Derived: of three microseconds, as a vertex takes.
+/// Work units of one bisection, and of one face before any. Derived: both take three microseconds, as a
+/// vertex does.
 const POINTS_A_CUT: u64 = 64;
 
 /// The goal of the search.
@@ -30,7 +31,7 @@ pub(super) struct HausdorffGoal {
     pub relative: f64,
     /// … or by this length.
     pub absolute: f64,
-    /// Closer together than this, rounding decides.
+    /// Rounding decides about lengths below this one.
     pub floor: f64,
     /// If given, only decides on which side of this limit the distance is.
     pub max: Option<LimitInterval>,
@@ -46,13 +47,13 @@ pub(super) struct LimitInterval {
 }
 
 impl LimitInterval {
-    /// A limit for surfaces that rounding displaced by at most `moved` together.
-    pub fn around(limit: f64, moved: f64) -> Self {
-        if moved == 0.0 {
+    /// A limit for surfaces that rounding displaced by at most `displacement` together.
+    pub fn around(limit: f64, displacement: f64) -> Self {
+        if displacement == 0.0 {
             return Self { within: limit, beyond: limit };
         }
         // Twice, to cover the roundings of the way back.
-        Self { within: sub_down(limit, 2.0 * moved), beyond: add_up(limit, 2.0 * moved) }
+        Self { within: sub_down(limit, 2.0 * displacement), beyond: add_up(limit, 2.0 * displacement) }
     }
 
     /// Distances up to this are within the limit, rounding included.
@@ -62,17 +63,18 @@ impl LimitInterval {
 }
 
 impl HausdorffGoal {
-    /// The distance that suffices for every point when some point has `least`.
+    /// The upper bound that suffices for every point if the distance of some point is `least`.
     pub fn sufficient_distance(&self, least: f64) -> f64 {
         match self.max {
-            // Closer to the limit than rounding allows, nothing is required.
+            // The two sides of the limit cannot be told apart within the rounding, so nothing closer is
+            // required.
             Some(limit) => greater(limit.within, least + self.floor),
             None => greater(least * (1.0 + self.relative), least + greater(self.absolute, self.floor)),
         }
     }
 }
 
-/// The farthest point found of one surface from the other.
+/// The farthest point of one surface from the other that was found so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FarthestSample {
     pub at: [f64; 3],
@@ -82,12 +84,12 @@ pub(super) struct FarthestSample {
 
 /// One direction of the search.
 pub(super) struct OneSidedSearch<'a> {
-    own: &'a DistanceSurface<'a>,
+    surface: &'a DistanceSurface<'a>,
     other: &'a DistanceSurface<'a>,
     pub farthest: FarthestSample,
-    /// An upper bound on the distance of all points outside of open pieces.
+    /// An upper bound on the distance of all points outside the open pieces.
     pub settled: f64,
-    /// Whether the frame may have displaced what is bounded: faces that both surfaces share lose nothing.
+    /// Whether the frame may have displaced the compared faces. Faces that both surfaces share lose nothing.
     pub is_displaced: bool,
     open: Vec<MeshSubtriangle>,
 }
@@ -96,14 +98,14 @@ pub(super) struct OneSidedSearch<'a> {
 struct HausdorffBatchResult {
     settled: f64,
     open: Vec<MeshSubtriangle>,
-    seen: Option<(DistanceSample, f64)>,
+    farthest: Option<(DistanceSample, f64)>,
     cuts: u64,
 }
 
 impl HausdorffBatchResult {
-    /// Records a sample that represents a surface point at most `off` away; returns its upper bound.
-    fn see(&mut self, corner: DistanceSample, off: f64) -> f64 {
-        self.seen = farther_of(self.seen, Some((corner, off)));
+    /// Records a sample for a surface point at most `slack` away; returns its upper bound.
+    fn record(&mut self, corner: DistanceSample, slack: f64) -> f64 {
+        self.farthest = farther_of(self.farthest, Some((corner, slack)));
         corner.up
     }
 }
@@ -111,18 +113,18 @@ impl HausdorffBatchResult {
 /// The limits of one round.
 #[derive(Clone, Copy)]
 struct HausdorffRound {
-    terms: CoverLimits,
+    limits: CoverLimits,
     cuts: u32,
 }
 
 impl<'a> OneSidedSearch<'a> {
     pub fn new(
-        own: &'a DistanceSurface<'a>,
+        surface: &'a DistanceSurface<'a>,
         other: &'a DistanceSurface<'a>,
         vertices: &VertexDistances,
     ) -> Self {
         let mut this = Self {
-            own,
+            surface,
             other,
             farthest: FarthestSample { at: [0.0; 3], at_least: 0.0 },
             settled: 0.0,
@@ -131,18 +133,18 @@ impl<'a> OneSidedSearch<'a> {
         };
         if let Some(far) = vertices.farthest() {
             this.farthest.at = far.at;
-            this.see(far, 0.0);
+            this.record(far, 0.0);
         }
         this
     }
 
-    /// Raises the lower bound by a sample that represents a surface point at most `off` away.
-    fn see(&mut self, corner: DistanceSample, off: f64) {
+    /// Raises the lower bound by a sample for a surface point at most `slack` away.
+    fn record(&mut self, corner: DistanceSample, slack: f64) {
         if corner.up <= self.farthest.at_least {
             return;
         }
         let least = self.other.distance_down(corner.at);
-        let least = if off == 0.0 { least } else { (least - off).next_down() };
+        let least = if slack == 0.0 { least } else { (least - slack).next_down() };
         if least > self.farthest.at_least {
             self.farthest = FarthestSample { at: corner.at, at_least: least };
         }
@@ -150,22 +152,22 @@ impl<'a> OneSidedSearch<'a> {
 
     /// An upper bound on the distance from the surface to the other.
     pub fn at_most(&self) -> f64 {
-        self.open.iter().fold(self.settled, |most, piece| greater(most, piece.known))
+        self.open.iter().fold(self.settled, |most, piece| greater(most, piece.at_most))
     }
 
-    /// Merges the results of the tasks of a round in their order; returns the number of bisections.
-    fn merge_batches(&mut self, found: Vec<HausdorffBatchResult>) -> u64 {
+    /// Merges the results of a round's tasks in the order of the tasks; returns the number of bisections.
+    fn merge_batches(&mut self, results: Vec<HausdorffBatchResult>) -> u64 {
         let mut cuts = 0;
-        let mut seen: Option<(DistanceSample, f64)> = None;
+        let mut farthest: Option<(DistanceSample, f64)> = None;
         self.open.clear();
-        for part in found {
+        for part in results {
             self.settled = greater(self.settled, part.settled);
             self.open.extend(part.open);
             cuts += part.cuts;
-            seen = farther_of(seen, part.seen);
+            farthest = farther_of(farthest, part.farthest);
         }
-        if let Some((corner, off)) = seen {
-            self.see(corner, off);
+        if let Some((corner, slack)) = farthest {
+            self.record(corner, slack);
         }
         cuts
     }
@@ -187,50 +189,51 @@ fn farther_of(
     }
 }
 
-/// Runs both directions until both meet the goal; false where they do not, or the job was cancelled.
+/// Runs both directions until both meet the goal; `false` if they do not, or the job was cancelled.
 pub(super) fn search(
     directions: &mut [OneSidedSearch; 2],
     vertices: &[VertexDistances; 2],
-    asked: &HausdorffQuery,
+    query: &HausdorffQuery,
     job: &Job,
 ) -> bool {
-    let n_faces: u64 = directions.iter().map(|d| d.own.mesh().faces().len() as u64).sum();
+    let n_faces: u64 = directions.iter().map(|d| d.surface.mesh().faces().len() as u64).sum();
     let most_cuts = lesser(CUTS_A_FACE * greater(n_faces, FEW_FACES), job.work_left() / POINTS_A_CUT);
     job.count_work(POINTS_A_CUT * n_faces);
-    probe_some_faces(directions, vertices, asked, job);
-    let (mut cuts, mut a_piece) = (0, FIRST_CUTS);
+    probe_some_faces(directions, vertices, query, job);
+    let (mut cuts, mut cuts_per_piece) = (0, FIRST_CUTS);
     let mut first = true;
     loop {
         let n_open: u64 = directions.iter().map(|direction| direction.open.len() as u64).sum();
-        // The remaining bisections are divided among all pieces.
-        let share = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
-        let share = if share < u64::from(a_piece) { share as u32 } else { a_piece };
+        // The remaining bisections are divided evenly among all open pieces.
+        let cuts_allowed = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
+        let cuts_allowed =
+            if cuts_allowed < u64::from(cuts_per_piece) { cuts_allowed as u32 } else { cuts_per_piece };
         let cuts_before = cuts;
         let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
-        let enough = reachable_bound(asked.goal, directions, least);
-        if asked.goal.max.is_some_and(|limit| least > limit.beyond) {
-            // The side of the limit is known; open pieces stay open.
+        let enough = reachable_bound(query.goal, directions, least);
+        if query.goal.max.is_some_and(|limit| least > limit.beyond) {
+            // The distance is beyond the limit, which is all that was wanted; open pieces stay open.
             for k in 0..2 {
                 if first {
-                    directions[k].open = all_subtriangles(directions[k].own, &vertices[k]);
+                    directions[k].open = all_subtriangles(directions[k].surface, &vertices[k]);
                     bound_all(&mut directions[k]);
                 }
             }
             return true;
         }
         for k in 0..2 {
-            let terms = CoverLimits {
+            let limits = CoverLimits {
                 tolerance: enough,
-                most_faces: asked.most_faces(&directions[k], first),
-                reach: asked.reach,
+                most_faces: query.most_faces(&directions[k], first),
+                reach: query.reach,
             };
-            let round = HausdorffRound { terms, cuts: share };
-            let found = if first {
+            let round = HausdorffRound { limits, cuts: cuts_allowed };
+            let results = if first {
                 over_faces(&directions[k], &vertices[k], &vertices[k].faces, round, job)
             } else {
                 over_pieces(&directions[k], round, job)
             };
-            cuts += directions[k].merge_batches(found);
+            cuts += directions[k].merge_batches(results);
         }
         first = false;
         if job.is_cancelled() {
@@ -238,13 +241,14 @@ pub(super) fn search(
         }
         let least_before = least;
         let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
-        let wanted = asked.goal.sufficient_distance(least);
-        let enough = reachable_bound(asked.goal, directions, least);
-        // A bound too large for the old lower bound may suffice for the new one.
+        let wanted = query.goal.sufficient_distance(least);
+        let enough = reachable_bound(query.goal, directions, least);
+        // A piece whose upper bound exceeded the old lower bound may be settled by the new one.
         for direction in directions.iter_mut() {
             let open = std::mem::take(&mut direction.open);
-            let (done, open): (Vec<_>, Vec<_>) = open.into_iter().partition(|piece| piece.known <= enough);
-            direction.settled = done.iter().fold(direction.settled, |most, piece| greater(most, piece.known));
+            let (done, open): (Vec<_>, Vec<_>) = open.into_iter().partition(|piece| piece.at_most <= enough);
+            direction.settled =
+                done.iter().fold(direction.settled, |most, piece| greater(most, piece.at_most));
             direction.open = open;
         }
         if directions.iter().all(|direction| direction.open.is_empty()) {
@@ -255,39 +259,41 @@ pub(super) fn search(
         if cuts > most_cuts || stuck {
             return false;
         }
-        a_piece = lesser(2 * a_piece, MOST_CUTS);
+        cuts_per_piece = lesser(2 * cuts_per_piece, MOST_CUTS);
     }
 }
 
-/// The distance that suffices when some point has `least`, or that of pieces too small to be bisected.
+/// The upper bound that can be reached: pieces too small to be bisected may keep it above the one that
+/// suffices.
 fn reachable_bound(wanted: HausdorffGoal, directions: &[OneSidedSearch; 2], least: f64) -> f64 {
     greater(wanted.sufficient_distance(least), greater(directions[0].settled, directions[1].settled))
 }
 
-/// Faces of each direction that are sampled first, to raise the lower bound.
+/// The most faces of each direction that are sampled first, to raise the lower bound. Larger values cost more
+/// before the first round; smaller ones miss far points.
 const PILOT: usize = 1 << 10;
 
-/// Samples some faces to find far points: later most pieces are then settled at once.
+/// Samples some faces for far points, so that most pieces are settled at their first visit later.
 fn probe_some_faces(
     directions: &mut [OneSidedSearch; 2],
     vertices: &[VertexDistances; 2],
-    asked: &HausdorffQuery,
+    query: &HausdorffQuery,
     job: &Job,
 ) {
     let least = greater(directions[0].farthest.at_least, directions[1].farthest.at_least);
-    let enough = asked.goal.sufficient_distance(least);
+    let enough = query.goal.sufficient_distance(least);
     for (direction, vertices) in directions.iter_mut().zip(vertices) {
         let every = vertices.faces.len() / PILOT + 1;
         let faces: Vec<u32> = vertices.faces.iter().step_by(every).copied().collect();
-        let terms = CoverLimits {
+        let limits = CoverLimits {
             tolerance: enough,
-            most_faces: asked.most_faces(direction, true),
-            reach: asked.reach,
+            most_faces: query.most_faces(direction, true),
+            reach: query.reach,
         };
-        let found = over_faces(direction, vertices, &faces, HausdorffRound { terms, cuts: 0 }, job);
-        let seen = found.into_iter().fold(None, |seen, part| farther_of(seen, part.seen));
-        if let Some((corner, off)) = seen {
-            direction.see(corner, off);
+        let results = over_faces(direction, vertices, &faces, HausdorffRound { limits, cuts: 0 }, job);
+        let farthest = results.into_iter().fold(None, |farthest, part| farther_of(farthest, part.farthest));
+        if let Some((corner, slack)) = farthest {
+            direction.record(corner, slack);
         }
     }
 }
@@ -300,32 +306,32 @@ pub(super) struct HausdorffQuery {
 }
 
 impl HausdorffQuery {
-    /// The most faces a search for a cover may visit: many where there are few pieces to cover.
+    /// The most faces that a search for a cover may visit: the fewer the pieces, the more faces for each.
     fn most_faces(&self, direction: &OneSidedSearch, first: bool) -> usize {
-        let (own, other) = (direction.own.mesh().faces().len(), direction.other.mesh().faces().len());
-        let pieces = if first { own } else { direction.open.len() };
-        LEAST_COVER + COVERS * (own + other) / (pieces + 1)
+        let (n_own, n_other) = (direction.surface.mesh().faces().len(), direction.other.mesh().faces().len());
+        let pieces = if first { n_own } else { direction.open.len() };
+        LEAST_COVER + COVERS * (n_own + n_other) / (pieces + 1)
     }
 }
 
-/// The most faces that any search for a cover may visit.
+/// The number of faces that every search for a cover may visit.
 const LEAST_COVER: usize = 1 << 12;
-/// Beyond that, so many times all faces, divided among the pieces.
+/// Further visits for all pieces together, as a multiple of the faces of both surfaces.
 const COVERS: usize = 16;
 
-fn all_subtriangles(own: &DistanceSurface, vertices: &VertexDistances) -> Vec<MeshSubtriangle> {
-    vertices.faces.iter().map(|face| subtriangle_of(own, vertices, *face)).collect()
+fn all_subtriangles(surface: &DistanceSurface, vertices: &VertexDistances) -> Vec<MeshSubtriangle> {
+    vertices.faces.iter().map(|face| subtriangle_of(surface, vertices, *face)).collect()
 }
 
 fn bound_all(direction: &mut OneSidedSearch) {
     for piece in &mut direction.open {
-        piece.known = piece.bound_by_corners(direction.other, f64::INFINITY);
+        piece.at_most = piece.bound_by_corners(direction.other, f64::INFINITY);
     }
 }
 
-fn subtriangle_of(own: &DistanceSurface, vertices: &VertexDistances, face: u32) -> MeshSubtriangle {
-    let corners = own.mesh().faces()[face as usize].map(|row| vertices.corner(row));
-    MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY }
+fn subtriangle_of(surface: &DistanceSurface, vertices: &VertexDistances, face: u32) -> MeshSubtriangle {
+    let corners = surface.mesh().faces()[face as usize].map(|row| vertices.corner(row));
+    MeshSubtriangle { corners, slack: 0.0, at_most: f64::INFINITY }
 }
 
 fn over_faces(
@@ -337,7 +343,7 @@ fn over_faces(
 ) -> Vec<HausdorffBatchResult> {
     let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
     par_map(job, &chunks, |_, faces| {
-        let pieces = faces.iter().map(|face| subtriangle_of(direction.own, vertices, *face));
+        let pieces = faces.iter().map(|face| subtriangle_of(direction.surface, vertices, *face));
         run_batch(pieces, direction.other, round, job)
     })
 }
@@ -353,7 +359,7 @@ fn run_batch(
     round: HausdorffRound,
     job: &Job,
 ) -> HausdorffBatchResult {
-    let mut found = HausdorffBatchResult { settled: 0.0, open: Vec::new(), seen: None, cuts: 0 };
+    let mut result = HausdorffBatchResult { settled: 0.0, open: Vec::new(), farthest: None, cuts: 0 };
     let mut scratch = CoverScratch::default();
     // First in, first out: when the bisections run out, the remaining pieces are of similar size.
     let mut waiting = VecDeque::new();
@@ -364,44 +370,44 @@ fn run_batch(
         let mut cuts = 0;
         waiting.push_back(piece);
         while let Some(mut piece) = waiting.pop_front() {
-            let enough = round.terms.tolerance;
-            piece.known = piece.bound_by_corners(other, enough);
-            // A point that is too far raises the lower bound, against which the piece is then tried again.
+            let enough = round.limits.tolerance;
+            piece.at_most = piece.bound_by_corners(other, enough);
+            // A point that is too far raises the lower bound; the piece is then compared with the raised one.
             let mut cut = cuts < round.cuts;
-            if piece.known > enough {
-                match cover(&piece, other, round.terms, &mut scratch) {
-                    Cover::Within(most) => piece.known = lesser(piece.known, most),
+            if piece.at_most > enough {
+                match cover(&piece, other, round.limits, &mut scratch) {
+                    Cover::Within(most) => piece.at_most = lesser(piece.at_most, most),
                     Cover::TooFar(at) => {
-                        // Clipped three times: each moves it by at most 4.5 ε of the largest coordinate; see
-                        // `ConvexClipper`.
-                        let off = piece.off + f64::EPSILON * 16.0 * round.terms.reach; // rounded up
-                        cut &= found.see(other.sample(at), off) <= enough;
+                        // The point was clipped up to three times, each of which moves it by at most 4.5 ε of
+                        // the largest coordinate; see `ConvexClipper`.
+                        let slack = piece.slack + f64::EPSILON * 16.0 * round.limits.reach; // rounded up
+                        cut &= result.record(other.sample(at), slack) <= enough;
                     }
                     Cover::None => {}
                 }
             }
-            if piece.known <= enough {
-                found.settled = greater(found.settled, piece.known);
+            if piece.at_most <= enough {
+                result.settled = greater(result.settled, piece.at_most);
                 continue;
             }
             if !cut {
-                found.open.push(piece);
+                result.open.push(piece);
                 continue;
             }
             match piece.halves(|at| other.sample(at)) {
                 Some(halves) => {
                     cuts += 1;
-                    if found.see(halves[0].corners[1], halves[0].off) <= enough {
+                    if result.record(halves[0].corners[1], halves[0].slack) <= enough {
                         waiting.extend(halves);
                     } else {
-                        found.open.extend(halves);
+                        result.open.extend(halves);
                     }
                 }
-                // Too small to be bisected: its bound is final.
-                None => found.settled = greater(found.settled, piece.known),
+                // Too small to be bisected, so its bound is final.
+                None => result.settled = greater(result.settled, piece.at_most),
             }
         }
-        found.cuts += u64::from(cuts);
+        result.cuts += u64::from(cuts);
     }
-    found
+    result
 }

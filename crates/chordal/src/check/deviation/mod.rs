@@ -67,7 +67,7 @@ pub struct Deviation {
     pub forward: OneSidedDistance,
     /// From the points of the second surface to the first.
     pub backward: OneSidedDistance,
-    /// Whether the goal was reached. Where it was not, the bounds hold nevertheless.
+    /// Whether the goal was reached. The bounds hold even if it was not.
     pub reached: bool,
 }
 
@@ -90,13 +90,13 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers clipped in rounded n
 /// of a surface. Attributes are not compared. With [`Goal::max`] the bounds may be far apart, but they show
 /// on which side of it the distance is.
 ///
-/// *Cost.* About 3 µs a vertex and direction on one core where the two are close together compared to their
-/// triangles; more where they are far apart and curved. Memory: 300 bytes a triangle. The result does not
+/// *Cost.* About 3 µs a vertex and direction on one core if the two are close together compared to their
+/// triangles; more if they are far apart and curved. Memory: 300 bytes a triangle. The result does not
 /// depend on the number of threads.
 ///
 /// # Errors
-/// [`JobError::Refused`] with [`RefusalCode::Empty`] when a mesh has no face, [`RefusalCode::NotFinite`] when
-/// an extent overflows, the refusals of [`Bvh::build`], and where subnormals are flushed;
+/// [`JobError::Refused`] with [`RefusalCode::Empty`] if a mesh has no face, with [`RefusalCode::NotFinite`]
+/// if an extent overflows, with the refusals of [`Bvh::build`], or if the processor flushes subnormals;
 /// [`JobError::Cancelled`].
 ///
 /// ```
@@ -118,21 +118,22 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
         let pair = SurfacePair::from_meshes([a, b], job)?;
         let vertices = [0, 1].map(|which| pair.vertex_distances(which, job));
         let [a, b] = &pair.sides;
-        let mut both = [OneSidedSearch::new(a, b, &vertices[0]), OneSidedSearch::new(b, a, &vertices[1])];
-        pair.search(&mut both, &vertices, goal, job)
+        let mut directions =
+            [OneSidedSearch::new(a, b, &vertices[0]), OneSidedSearch::new(b, a, &vertices[1])];
+        pair.search(&mut directions, &vertices, goal, job)
     })
 }
 
-/// The frame of two meshes.
+/// The coordinate frame in which two meshes are compared.
 #[derive(Clone, Copy)]
 struct CommonFrame {
     frame: DeviationFrame,
     /// The diagonal of the box around both, in the frame.
     diagonal: f64,
-    /// An upper bound on the displacement of both surfaces together by the frame's rounding, in the frame.
-    /// Faces that both have are displaced alike.
-    moved: f64,
-    /// The largest coordinate of either, in the frame.
+    /// An upper bound on the sum of the displacements of both surfaces by the frame's rounding, in the frame.
+    /// A face that both meshes contain is displaced alike in both.
+    displacement: f64,
+    /// The largest coordinate of both meshes, in the frame.
     reach: f64,
 }
 
@@ -160,19 +161,19 @@ impl CommonFrame {
         let (Some((local_a, a_moved)), Some((local_b, b_moved))) = (frame.local(a), frame.local(b)) else {
             return overflows();
         };
-        let moved = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
+        let displacement = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
         let reach = Box3::from_points(local_a.positions().iter().chain(local_b.positions()));
         let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| greater(most, x.abs()));
         let diagonal = used_bounds(&local_a).union(used_bounds(&local_b)).diagonal();
-        Ok((Self { frame, diagonal, moved, reach }, [local_a, local_b]))
+        Ok((Self { frame, diagonal, displacement, reach }, [local_a, local_b]))
     }
 
     /// A world-space length as a limit in the frame.
     fn limit(&self, length: f64) -> LimitInterval {
-        LimitInterval::around(self.frame.local_length(length), self.moved)
+        LimitInterval::around(self.frame.local_length(length), self.displacement)
     }
 
-    /// Closer together than this, rounding decides.
+    /// Rounding decides about lengths below this one.
     fn floor(&self) -> f64 {
         FLOOR * self.diagonal
     }
@@ -187,11 +188,17 @@ impl CommonFrame {
         }
     }
 
-    /// The result of a direction in world space. Rounding displaced both surfaces together by at most `moved`.
-    fn one_sided(&self, far: FarthestSample, (at_most, moved): (f64, f64), to: [f64; 3]) -> OneSidedDistance {
-        let least = if moved == 0.0 { far.at_least } else { sub_down(far.at_least, moved) };
+    /// The result of one direction in world space. `moved` bounds how far rounding displaced both surfaces
+    /// together.
+    fn one_sided(
+        &self,
+        far: FarthestSample,
+        (at_most, displacement): (f64, f64),
+        to: [f64; 3],
+    ) -> OneSidedDistance {
+        let least = if displacement == 0.0 { far.at_least } else { sub_down(far.at_least, displacement) };
         let most = greater(at_most, far.at_least);
-        let most = if moved == 0.0 { most } else { add_up(most, moved) };
+        let most = if displacement == 0.0 { most } else { add_up(most, displacement) };
         OneSidedDistance {
             at_least: self.frame.length_down(greater(least, 0.0)),
             at_most: self.frame.length_up(most),
@@ -203,64 +210,65 @@ impl CommonFrame {
 
 /// Two surfaces in one frame, ready for comparison.
 struct SurfacePair<'a> {
-    shared: CommonFrame,
-    common: SharedPositionIds,
+    common_frame: CommonFrame,
+    position_ids: SharedPositionIds,
     sides: [DistanceSurface<'a>; 2],
 }
 
 impl<'a> SurfacePair<'a> {
     fn from_meshes(meshes: [&'a Mesh; 2], job: &Job) -> Result<Self, JobError> {
-        let (shared, [a, b]) = CommonFrame::around(meshes)?;
+        let (common_frame, [a, b]) = CommonFrame::around(meshes)?;
         // From the original meshes: positions that the frame rounds to the same number need not be equal.
-        let common = SharedPositionIds::from_meshes(meshes);
+        let position_ids = SharedPositionIds::from_meshes(meshes);
         let sides = [DistanceSurface::new(a, job)?, DistanceSurface::new(b, job)?];
-        Ok(Self { shared, common, sides })
+        Ok(Self { common_frame, position_ids, sides })
     }
 
-    /// Searches both directions until the goal is met, as far as it can be.
+    /// Searches both directions until the goal is met or cannot be improved further.
     fn search(
         &self,
-        both: &mut [OneSidedSearch<'_>; 2],
+        directions: &mut [OneSidedSearch<'_>; 2],
         vertices: &[VertexDistances; 2],
         goal: &Goal,
         job: &Job,
     ) -> Result<Deviation, JobError> {
-        let query = HausdorffQuery { goal: self.shared.goal(goal), reach: self.shared.reach };
-        let reached = search(both, vertices, &query, job);
+        let query = HausdorffQuery { goal: self.common_frame.goal(goal), reach: self.common_frame.reach };
+        let reached = search(directions, vertices, &query, job);
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
         }
         let [forward, backward] = [0, 1].map(|k| {
-            let moved = if both[k].is_displaced { self.shared.moved } else { 0.0 };
-            let far = both[k].farthest;
+            let displacement = if directions[k].is_displaced { self.common_frame.displacement } else { 0.0 };
+            let far = directions[k].farthest;
             let to = self.sides[1 - k].nearest(far.at);
-            self.shared.one_sided(far, (both[k].at_most(), moved), to)
+            self.common_frame.one_sided(far, (directions[k].at_most(), displacement), to)
         });
         let bound = two_sided(&forward, &backward);
-        // Rounding may undo a decision made in the frame.
+        // Rounding on the way back to world space may undo a decision made in the frame.
         let decided = goal.max.is_none_or(|max| {
             bound.at_least() > max.get() || bound.at_most().is_some_and(|most| most <= max.get())
         });
         Ok(Deviation { bound, forward, backward, reached: reached && decided })
     }
 
-    /// The vertices of some faces of either side with their distances to the other.
+    /// The distance samples of the vertices of some faces of each side.
     fn vertices_of(&self, faces: [Vec<u32>; 2], job: &Job) -> [VertexDistances; 2] {
         let [a, b] = &self.sides;
-        let [of_a, of_b] = faces;
-        [(0, of_a), (1, of_b)].map(|faces| VertexDistances::of_faces(&self.common, [a, b], faces, job))
+        let [faces_a, faces_b] = faces;
+        [(0, faces_a), (1, faces_b)]
+            .map(|faces| VertexDistances::of_faces(&self.position_ids, [a, b], faces, job))
     }
 
-    /// The vertices of a side with their distances to the other.
-    fn vertex_distances(&self, which: usize, job: &Job) -> VertexDistances {
+    /// The distance samples of all vertices of one side.
+    fn vertex_distances(&self, side: usize, job: &Job) -> VertexDistances {
         let [a, b] = &self.sides;
-        VertexDistances::measure(&self.common, [a, b], which, job)
+        VertexDistances::measure(&self.position_ids, [a, b], side, job)
     }
 }
 
 /// The distance of every vertex of `mesh` to the surface of `against`, rounded up by a few units in the last
-/// place, as for colouring vertices by error. Between vertices the distance may be larger; [`deviation`]
-/// bounds it.
+/// place; for colouring vertices by error. Between vertices the distance may be larger: [`deviation`] bounds
+/// it.
 ///
 /// Cost: 2 to 4 µs a vertex on one core, and the bounding volume hierarchy over `against`.
 ///

@@ -1,8 +1,8 @@
-//! `SubtriangleProjection`: the projection of a piece and of points beside it along the piece's normal.
+//! `SubtriangleProjection`: projects a piece and points near it along the piece's normal.
 use super::subtriangle::MeshSubtriangle;
 use crate::math::{Orientation, cross, difference, dot, greater, length, lesser, orient2d, unit_and_length};
 
-/// Projects points; `piece` is the piece's image, counter-clockwise.
+/// A projection; `piece` is the image of the piece, counter-clockwise.
 pub(super) struct SubtriangleProjection {
     origin: [f64; 3],
     axes: [[f64; 3]; 2],
@@ -34,8 +34,8 @@ impl SubtriangleProjection {
     }
 
     /// Whether a segment may meet the inside of the piece. It does not if one side of the piece has the
-    /// segment beyond it, or the segment's line has the whole piece on one side; one of these holds whenever
-    /// they do not meet.
+    /// segment beyond it, or if the segment's line has the whole piece on one side; one of these holds for
+    /// every segment that does not meet it.
     pub fn crosses(&self, [p, q]: [[f64; 2]; 2]) -> bool {
         let t = &self.piece;
         let outside = |point: [f64; 2], k: usize| orient2d(t[k], t[(k + 1) % 3], point) != Orientation::Front;
@@ -46,9 +46,9 @@ impl SubtriangleProjection {
         sides.contains(&Orientation::Front) && sides.contains(&Orientation::Back)
     }
 
-    /// An upper bound on how deep a segment reaches into the piece: the least over the sides of the piece of
-    /// how far its ends are inside of that side. Two products and differences, off by less than 4 ε of the
-    /// largest possible value.
+    /// An upper bound on how deep a segment reaches into the piece: the least, over the sides of the piece,
+    /// of the distance of its ends inside that side. Two products and differences, whose rounding is less
+    /// than 4 ε of the largest possible value.
     pub fn depth(&self, segment: [[f64; 2]; 2]) -> f64 {
         let t = &self.piece;
         (0..3).fold(f64::INFINITY, |least, k| {
@@ -67,21 +67,21 @@ impl SubtriangleProjection {
         })
     }
 
-    /// An upper bound on the distance of any point of the piece from the part deeper than `trim`, where one
-    /// of the images `flat` covers the centre; `None` where none does, or nothing is certainly that deep.
+    /// An upper bound on the distance of any point of the piece from the part deeper than `trim`, if one of
+    /// the `images` covers the centre; `None` if none does, or nothing is certainly that deep.
     pub fn trimmed(
         &self,
         trim: f64,
         piece: &MeshSubtriangle,
-        mut flat: impl Iterator<Item = [[f64; 2]; 3]>,
+        mut images: impl Iterator<Item = [[f64; 2]; 3]>,
     ) -> Option<f64> {
         let t = &self.piece;
         let sides: [f64; 3] = std::array::from_fn(|k| length(difference(t[(k + 2) % 3], t[(k + 1) % 3])));
         let around = sides[0] + sides[1] + sides[2];
         let centre: [f64; 2] =
             std::array::from_fn(|k| (sides[0] * t[0][k] + sides[1] * t[1][k] + sides[2] * t[2][k]) / around);
-        // The radius from below: the centre's own distance to each side is at least this, whatever it was
-        // rounded to, and the true centre's is at least as large as the least of any point.
+        // The radius, rounded down: the distance of the rounded centre to each side is at least this, and the
+        // true centre, which is the farthest from the sides of all points, is at least as deep.
         let radius = (0..3).fold(f64::INFINITY, |least, k| {
             let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
             let [x, y] = difference(centre, a);
@@ -94,10 +94,10 @@ impl SubtriangleProjection {
         if radius.is_nan() || radius <= trim {
             return None;
         }
-        let covered = flat.any(|flat| {
-            let turn = orient2d(flat[0], flat[1], flat[2]);
-            turn != Orientation::Flat
-                && (0..3).all(|k| orient2d(flat[k], flat[(k + 1) % 3], centre) != turn.flipped())
+        let covered = images.any(|image| {
+            let orientation = orient2d(image[0], image[1], image[2]);
+            orientation != Orientation::Flat
+                && (0..3).all(|k| orient2d(image[k], image[(k + 1) % 3], centre) != orientation.flipped())
         });
         let (longest, _) = piece.longest();
         covered.then(|| trim / radius * longest * (1.0 + 4.0 * f64::EPSILON)) // three roundings

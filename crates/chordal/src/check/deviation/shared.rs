@@ -1,4 +1,4 @@
-//! Vertices and whole faces that two surfaces share bit by bit, whose distance is 0 without a query.
+//! The vertices and faces that two surfaces share bit by bit: their distance is 0 without a query.
 use super::distance_surface::DistanceSurface;
 use super::subtriangle::DistanceSample;
 use crate::budget::{Job, par_map};
@@ -17,18 +17,18 @@ pub(super) struct SharedPositionIds {
 
 impl SharedPositionIds {
     pub fn from_meshes(meshes: [&Mesh; 2]) -> Self {
-        let all = [meshes[0].positions(), meshes[1].positions()].concat();
-        let mut ids = position_id_by_bits(&all);
+        let positions = [meshes[0].positions(), meshes[1].positions()].concat();
+        let mut ids = position_id_by_bits(&positions);
         let second = ids.split_off(meshes[0].positions().len());
-        Self { ids: [ids, second], n: all.len() }
+        Self { ids: [ids, second], n: positions.len() }
     }
 
-    /// The first of some faces at each position on side `which`; [`NONE`] where there is none.
-    fn first_faces(&self, mesh: &Mesh, which: usize, faces: impl Iterator<Item = u32>) -> Vec<u32> {
+    /// For each position of a side, the first of the given faces that uses it; [`NONE`] if there is none.
+    fn first_faces(&self, mesh: &Mesh, side: usize, faces: impl Iterator<Item = u32>) -> Vec<u32> {
         let mut first = vec![NONE; self.n];
         for face in faces {
             for row in mesh.faces()[face as usize] {
-                let first = &mut first[self.ids[which][row as usize] as usize];
+                let first = &mut first[self.ids[side][row as usize] as usize];
                 if *first == NONE {
                     *first = face;
                 }
@@ -37,19 +37,19 @@ impl SharedPositionIds {
         first
     }
 
-    fn key(&self, rows: [u32; 3], which: usize) -> [u32; 3] {
-        let mut key = rows.map(|row| self.ids[which][row as usize]);
+    fn key(&self, rows: [u32; 3], side: usize) -> [u32; 3] {
+        let mut key = rows.map(|row| self.ids[side][row as usize]);
         key.sort_unstable();
         key
     }
 
-    /// For each face of side `which` whether the other side has one with the same three positions.
-    fn shared_faces(&self, meshes: [&Mesh; 2], which: usize) -> Vec<bool> {
-        let other = 1 - which;
+    /// For each face of a side, whether the other side has a face with the same three positions.
+    fn shared_faces(&self, meshes: [&Mesh; 2], side: usize) -> Vec<bool> {
+        let other = 1 - side;
         let mut keys: Vec<_> = meshes[other].faces().iter().map(|rows| self.key(*rows, other)).collect();
         keys.sort_unstable();
-        let has = |rows: &[u32; 3]| keys.binary_search(&self.key(*rows, which)).is_ok();
-        meshes[which].faces().iter().map(has).collect()
+        let has = |rows: &[u32; 3]| keys.binary_search(&self.key(*rows, side)).is_ok();
+        meshes[side].faces().iter().map(has).collect()
     }
 }
 
@@ -63,57 +63,58 @@ pub(super) struct VertexDistances {
 }
 
 impl VertexDistances {
-    /// Queries `other` for every vertex of side `which` that a face uses.
+    /// Queries the other side for every vertex of a side that a face uses.
     pub fn measure(
-        common: &SharedPositionIds,
+        position_ids: &SharedPositionIds,
         sides: [&DistanceSurface; 2],
-        which: usize,
+        side: usize,
         job: &Job,
     ) -> Self {
-        let all = 0..sides[which].mesh().faces().len() as u32;
-        Self::of_faces(common, sides, (which, all.collect()), job)
+        let faces = 0..sides[side].mesh().faces().len() as u32;
+        Self::of_faces(position_ids, sides, (side, faces.collect()), job)
     }
 
-    /// The same for the vertices of some faces.
+    /// Like [`Self::measure`], for the vertices of some faces.
     pub fn of_faces(
-        common: &SharedPositionIds,
+        position_ids: &SharedPositionIds,
         sides: [&DistanceSurface; 2],
-        (which, asked): (usize, Vec<u32>),
+        (side, faces): (usize, Vec<u32>),
         job: &Job,
     ) -> Self {
         let meshes = sides.map(DistanceSurface::mesh);
-        let (own, other) = (meshes[which], sides[1 - which]);
-        let mine = common.first_faces(own, which, asked.iter().copied());
-        let theirs = common.first_faces(other.mesh(), 1 - which, 0..other.mesh().faces().len() as u32);
-        let mut corners = vec![DistanceSample { at: [0.0; 3], up: 0.0, face: NONE }; common.n];
+        let (mesh, other) = (meshes[side], sides[1 - side]);
+        let own_first = position_ids.first_faces(mesh, side, faces.iter().copied());
+        let other_first =
+            position_ids.first_faces(other.mesh(), 1 - side, 0..other.mesh().faces().len() as u32);
+        let mut corners = vec![DistanceSample { at: [0.0; 3], up: 0.0, face: NONE }; position_ids.n];
         let mut open = Vec::new();
-        for (row, &id) in common.ids[which].iter().enumerate() {
+        for (row, &id) in position_ids.ids[side].iter().enumerate() {
             let corner = &mut corners[id as usize];
-            if mine[id as usize] == NONE || corner.face != NONE {
+            if own_first[id as usize] == NONE || corner.face != NONE {
                 continue;
             }
-            *corner = DistanceSample { at: own.positions()[row], up: 0.0, face: theirs[id as usize] };
+            *corner = DistanceSample { at: mesh.positions()[row], up: 0.0, face: other_first[id as usize] };
             if corner.face == NONE {
                 corner.face = NONE - 1;
                 open.push(id);
             }
         }
         let chunks: Vec<&[u32]> = open.chunks(CHUNK).collect();
-        let found = par_map(job, &chunks, |_, chunk| {
-            let ask = |id: &u32| other.sample(corners[*id as usize].at);
-            if job.is_cancelled() { Vec::new() } else { chunk.iter().map(ask).collect() }
+        let samples = par_map(job, &chunks, |_, chunk| {
+            let sample = |id: &u32| other.sample(corners[*id as usize].at);
+            if job.is_cancelled() { Vec::new() } else { chunk.iter().map(sample).collect() }
         });
-        for (id, corner) in open.iter().zip(found.into_iter().flatten()) {
+        for (id, corner) in open.iter().zip(samples.into_iter().flatten()) {
             corners[*id as usize] = corner;
         }
-        let some_shared = mine.iter().zip(&theirs).any(|(a, b)| *a != NONE && *b != NONE);
+        let some_shared = own_first.iter().zip(&other_first).any(|(a, b)| *a != NONE && *b != NONE);
         let faces = if some_shared {
-            let shared = common.shared_faces(meshes, which);
-            asked.into_iter().filter(|face| !shared[*face as usize]).collect()
+            let shared = position_ids.shared_faces(meshes, side);
+            faces.into_iter().filter(|face| !shared[*face as usize]).collect()
         } else {
-            asked
+            faces
         };
-        Self { corners, ids: common.ids[which].clone(), faces }
+        Self { corners, ids: position_ids.ids[side].clone(), faces }
     }
 
     /// A vertex of the mesh by its row.
@@ -123,7 +124,7 @@ impl VertexDistances {
 
     /// The vertex with the largest upper bound on its distance from the other side.
     pub fn farthest(&self) -> Option<DistanceSample> {
-        let asked = self.corners.iter().filter(|corner| corner.face != NONE);
-        asked.copied().reduce(|far, corner| if corner.up > far.up { corner } else { far })
+        let queried = self.corners.iter().filter(|corner| corner.face != NONE);
+        queried.copied().reduce(|far, corner| if corner.up > far.up { corner } else { far })
     }
 }

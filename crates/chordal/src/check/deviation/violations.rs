@@ -10,10 +10,10 @@ use crate::math::{add_up, greater};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A point of a face that is farther from the other surface than allowed, or may be.
+/// A point of a face that is farther from the other surface than allowed, or possibly so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToleranceViolation {
-    /// The face of its own mesh.
+    /// The face, in its mesh.
     pub face: u32,
     /// The point, rounded.
     pub at: [f64; 3],
@@ -23,24 +23,23 @@ pub struct ToleranceViolation {
 
 /// Faces in one task.
 const CHUNK: usize = 512;
-/// Bisections of one face before it counts as too far while undecided.
+/// Bisections of one face after which it counts as too far if it is still undecided.
 const MOST_CUTS: u32 = 64;
-/// The same while no point was found too far: large faces along edges of the other surface need more than a
-/// hundred.
-const MOST_CUTS_UNSEEN: u32 = 1 << 12; // chosen
-/// The most faces of the other surface under one piece.
+/// The same as long as none of its points was found too far: large faces along edges of the other surface need
+/// more than a hundred. Chosen: a larger value proves more of them, and costs time on hopeless ones.
+const MOST_CUTS_UNSEEN: u32 = 1 << 12;
+/// The most faces of the other surface that are visited under one piece.
 const MOST_FACES: usize = 1 << 14;
 
 /// The result of checking every face of two surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ViolationReport {
-    /// Faces of the first surface, and of the second, with a point that is too far, in the order of the
-    /// faces.
+    /// The violations on the first and on the second surface, in the order of the faces.
     pub violations: [Vec<ToleranceViolation>; 2],
-    /// Where there are none: no point of either surface is farther than this from the other, proved.
+    /// If there are no violations: no point of either surface is farther than this from the other, proved.
     pub at_most: f64,
-    /// Where there are none and a camera is given: the same in pixels on the screen, proved; infinite where
-    /// there is no such number.
+    /// If there are no violations and a camera is given: the same in pixels on the screen, proved; infinite
+    /// if there is no such number.
     pub pixels: f64,
 }
 
@@ -53,7 +52,7 @@ impl ViolationReport {
         self.violations.iter().all(Vec::is_empty)
     }
 
-    /// How many faces of both surfaces are too far.
+    /// The number of faces of both surfaces that are too far.
     pub fn count(&self) -> usize {
         self.violations.iter().map(Vec::len).sum()
     }
@@ -61,16 +60,16 @@ impl ViolationReport {
 
 /// A tolerance that depends on the position.
 pub(crate) trait ToleranceField {
-    /// The tolerance for all points at most `off` from a triangle.
-    fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance;
+    /// The tolerance for all points at most `radius` from a triangle.
+    fn over_triangle(&self, triangle: [[f64; 3]; 3], radius: f64) -> RegionTolerance;
 
     /// The tolerance for one point.
     fn at(&self, point: [f64; 3]) -> f64 {
         self.over_triangle([point; 3], 0.0).tolerance
     }
 
-    /// The size of a distance there in pixels on the screen, if there is one; rounded up.
-    fn pixels_of(&self, _here: &RegionTolerance, _distance: f64) -> f64 {
+    /// The size of a distance in that region in pixels on the screen, rounded up; 0 without a camera.
+    fn pixels_of(&self, _region: &RegionTolerance, _distance: f64) -> f64 {
         0.0
     }
 }
@@ -80,7 +79,7 @@ pub(crate) trait ToleranceField {
 pub(crate) struct RegionTolerance {
     /// The largest distance allowed.
     pub tolerance: f64,
-    /// The pixel scale of the region, where there is a camera.
+    /// The pixel scale of the region, if there is a camera.
     pub sight: Option<PixelScale>,
 }
 
@@ -102,27 +101,31 @@ struct WorldTolerance<'a> {
 }
 
 impl ToleranceField for WorldTolerance<'_> {
-    /// World-space points are where the frame has them, up to its rounding. Where the eye is too close for
-    /// any length, only points that have not moved at all are within tolerance.
-    fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance {
-        let CommonFrame { frame, moved, .. } = &self.pair.shared;
-        let off = if off == 0.0 || *moved == 0.0 { off + *moved } else { add_up(off, *moved) };
-        let (length, sight) = self.allowed.at_with_scale(&frame.world_box(&triangle, off));
-        RegionTolerance { tolerance: self.pair.shared.limit(length.unwrap_or(0.0)).within(), sight }
+    /// World-space points are at their positions in the frame, up to its rounding. If the eye is too close
+    /// for any length, only points that have not moved at all are within tolerance.
+    fn over_triangle(&self, triangle: [[f64; 3]; 3], radius: f64) -> RegionTolerance {
+        let CommonFrame { frame, displacement, .. } = &self.pair.common_frame;
+        let radius = if radius == 0.0 || *displacement == 0.0 {
+            radius + *displacement
+        } else {
+            add_up(radius, *displacement)
+        };
+        let (length, sight) = self.allowed.at_with_scale(&frame.world_box(&triangle, radius));
+        RegionTolerance { tolerance: self.pair.common_frame.limit(length.unwrap_or(0.0)).within(), sight }
     }
 
-    fn pixels_of(&self, here: &RegionTolerance, distance: f64) -> f64 {
-        let CommonFrame { frame, moved, .. } = &self.pair.shared;
-        let distance = if *moved == 0.0 { distance } else { add_up(distance, *moved) };
-        let seen = here.sight.and_then(|sight| sight.pixels_of(frame.length_up(distance)));
+    fn pixels_of(&self, region: &RegionTolerance, distance: f64) -> f64 {
+        let CommonFrame { frame, displacement, .. } = &self.pair.common_frame;
+        let distance = if *displacement == 0.0 { distance } else { add_up(distance, *displacement) };
+        let seen = region.sight.and_then(|sight| sight.pixels_of(frame.length_up(distance)));
         seen.unwrap_or(f64::INFINITY)
     }
 }
 
-/// Finds, for each face of `a` that has a point farther from `b` than allowed, the farthest such point found,
-/// and the same from `b` to `a`, each in the order of the faces. Where both lists are empty every point is
-/// within the tolerance at its own position, proved as by [`super::deviation`]; a face that could not be
-/// decided is in its list.
+/// Finds, for each face of `a` that has a point farther from `b` than allowed, the farthest such point, and
+/// likewise from `b` to `a`, in the order of the faces. If both lists are empty, every point is within the
+/// tolerance at its position, proved as by [`super::deviation`]; a face that could not be decided is in its
+/// list.
 ///
 /// A local tolerance is evaluated around every piece of a face: a face that is near the eye and reaches far
 /// away is split until its pieces are either within their tolerance or found too far.
@@ -140,76 +143,85 @@ pub(crate) fn tolerance_violations(
     job.run(|| {
         let pair = SurfacePair::from_meshes([a, b], job)?;
         let vertices = [0, 1].map(|which| pair.vertex_distances(which, job));
-        let places = match allowed.constant() {
-            Some(length) => find_violations(&pair, &vertices, &pair.shared.limit(length).within(), job),
+        let report = match allowed.constant() {
+            Some(length) => find_violations(&pair, &vertices, &pair.common_frame.limit(length).within(), job),
             None => find_violations(&pair, &vertices, &WorldTolerance { allowed, pair: &pair }, job),
         };
-        if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(places) }
+        if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(report) }
     })
 }
 
-/// The violations of the faces of both sides that are to be compared.
+/// The violations among the faces that are to be compared, on both sides.
 pub(super) fn find_violations(
     pair: &SurfacePair<'_>,
     vertices: &[VertexDistances; 2],
-    near: &(impl ToleranceField + Sync),
+    tolerance: &(impl ToleranceField + Sync),
     job: &Job,
 ) -> ViolationReport {
-    let CommonFrame { frame, moved, .. } = &pair.shared;
+    let CommonFrame { frame, displacement, .. } = &pair.common_frame;
     let [a, b] = &pair.sides;
     let (mut at_most, mut pixels) = (0.0, 0.0);
-    let beyond = [(a, b, 0), (b, a, 1)].map(|(own, other, which)| {
-        let vertices = &vertices[which];
+    let violations = [(a, b, 0), (b, a, 1)].map(|(surface, other, side_idx)| {
+        let vertices = &vertices[side_idx];
         let chunks: Vec<&[u32]> = vertices.faces.chunks(CHUNK).collect();
-        let found = par_map(job, &chunks, |_, faces| {
-            let asked = FaceComparison { pair, own, other, vertices };
-            if job.is_cancelled() { ViolationReport::NONE } else { asked.find_in_faces(faces, which, near) }
+        let reports = par_map(job, &chunks, |_, faces| {
+            let comparison = FaceComparison { pair, surface, other, vertices };
+            if job.is_cancelled() {
+                ViolationReport::NONE
+            } else {
+                comparison.find_in_faces(faces, side_idx, tolerance)
+            }
         });
-        let most = found.iter().fold(0.0, |most, found| greater(most, found.at_most));
-        pixels = found.iter().fold(pixels, |most, found| greater(most, found.pixels));
-        // Faces that both surfaces share were not queried, and nothing of them was rounded.
-        let rounded = !vertices.faces.is_empty() && *moved > 0.0;
-        at_most = greater(at_most, if rounded { add_up(most, *moved) } else { most });
-        found.into_iter().flat_map(|found| found.violations).flatten().collect()
+        let most = reports.iter().fold(0.0, |most, report| greater(most, report.at_most));
+        pixels = reports.iter().fold(pixels, |most, report| greater(most, report.pixels));
+        // Faces that both surfaces share were not queried, and their vertices were displaced alike.
+        let rounded = !vertices.faces.is_empty() && *displacement > 0.0;
+        at_most = greater(at_most, if rounded { add_up(most, *displacement) } else { most });
+        reports.into_iter().flat_map(|report| report.violations).flatten().collect()
     });
-    ViolationReport { violations: beyond, at_most: frame.length_up(at_most), pixels }
+    ViolationReport { violations, at_most: frame.length_up(at_most), pixels }
 }
 
 /// Compares faces of one surface with the other.
 struct FaceComparison<'a> {
     pair: &'a SurfacePair<'a>,
-    own: &'a DistanceSurface<'a>,
+    surface: &'a DistanceSurface<'a>,
     other: &'a DistanceSurface<'a>,
     vertices: &'a VertexDistances,
 }
 
 impl FaceComparison<'_> {
-    /// The violations of side `which`; upper bounds are in the frame.
-    fn find_in_faces(&self, faces: &[u32], which: usize, near: &impl ToleranceField) -> ViolationReport {
-        let CommonFrame { frame, reach, .. } = &self.pair.shared;
-        let terms = CoverLimits { tolerance: 0.0, most_faces: MOST_FACES, reach: *reach };
+    /// The violations among some faces of a side; upper bounds are in the frame.
+    fn find_in_faces(
+        &self,
+        faces: &[u32],
+        side_idx: usize,
+        tolerance: &impl ToleranceField,
+    ) -> ViolationReport {
+        let CommonFrame { frame, reach, .. } = &self.pair.common_frame;
+        let limits = CoverLimits { tolerance: 0.0, most_faces: MOST_FACES, reach: *reach };
         let mut scratch = CoverScratch::default();
-        let mut found = ViolationReport::NONE;
+        let mut report = ViolationReport::NONE;
         for face in faces {
-            let corners = self.own.mesh().faces()[*face as usize].map(|row| self.vertices.corner(row));
-            let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
-            match classify(piece, self.other, terms, ViolationSearch::Farthest, near, &mut scratch) {
+            let corners = self.surface.mesh().faces()[*face as usize].map(|row| self.vertices.corner(row));
+            let piece = MeshSubtriangle { corners, slack: 0.0, at_most: f64::INFINITY };
+            match classify(piece, self.other, limits, ViolationSearch::Farthest, tolerance, &mut scratch) {
                 SubtriangleVerdict::Within { up, pixels } => {
-                    found.at_most = greater(found.at_most, up);
-                    found.pixels = greater(found.pixels, pixels);
+                    report.at_most = greater(report.at_most, up);
+                    report.pixels = greater(report.pixels, pixels);
                 }
                 SubtriangleVerdict::TooFar(at, up) => {
                     let (at, distance) = (frame.world(at), frame.length_up(up));
-                    found.violations[which].push(ToleranceViolation { face: *face, at, distance });
+                    report.violations[side_idx].push(ToleranceViolation { face: *face, at, distance });
                 }
             }
         }
-        found
+        report
     }
 }
 
-/// The most faces of the other surface under one piece, and bisections of it, where a quick answer is preferred. Chosen:
-/// four times as many bisections settle a few faces in a thousand, and cost needles twice the time.
+/// The most faces of the other surface under one piece, and the most bisections of it, for a quick answer.
+/// Chosen: four times as many bisections settle a few faces in a thousand, and cost needles twice the time.
 const FEW_FACES: usize = 512;
 const FEW_CUTS: u32 = 16;
 
@@ -221,11 +233,11 @@ enum ViolationSearch {
     Farthest,
 }
 
-/// What is known of a piece.
+/// The result for one piece.
 enum SubtriangleVerdict {
-    /// No point is farther than this, which is within tolerance, nor so many pixels away.
+    /// No point is farther than `up`, which is within tolerance, nor farther than that many pixels.
     Within { up: f64, pixels: f64 },
-    /// A point that is too far, or may be, and an upper bound on its distance.
+    /// A point that is too far, or possibly so, and an upper bound on its distance.
     TooFar([f64; 3], f64),
 }
 
@@ -234,9 +246,9 @@ enum SubtriangleVerdict {
 struct WorstViolation(Option<([f64; 3], f64)>);
 
 impl WorstViolation {
-    /// Records a point of the region `here` if it violates the tolerance.
-    fn consider(&mut self, at: [f64; 3], up: f64, here: &RegionTolerance, near: &impl ToleranceField) {
-        if up > here.tolerance && up > near.at(at) {
+    /// Records a point of a region if it violates the tolerance.
+    fn consider(&mut self, at: [f64; 3], up: f64, region: &RegionTolerance, tolerance: &impl ToleranceField) {
+        if up > region.tolerance && up > tolerance.at(at) {
             self.take(at, up);
         }
     }
@@ -248,48 +260,48 @@ impl WorstViolation {
     }
 }
 
-/// Whether all of a piece is proved to be within tolerance.
+/// Decides whether all of a piece is within tolerance, proved.
 fn classify(
     piece: MeshSubtriangle,
     other: &DistanceSurface,
-    terms: CoverLimits,
+    limits: CoverLimits,
     find: ViolationSearch,
-    near: &impl ToleranceField,
+    tolerance: &impl ToleranceField,
     scratch: &mut CoverScratch,
 ) -> SubtriangleVerdict {
     let mut worst = WorstViolation::default();
-    let place =
-        |piece: &MeshSubtriangle| near.over_triangle(piece.corners.map(|corner| corner.at), piece.off);
-    let here = place(&piece);
-    piece.corners.iter().for_each(|corner| worst.consider(corner.at, corner.up, &here, near));
-    let mut open = vec![(piece, here)];
+    let tolerance_of =
+        |piece: &MeshSubtriangle| tolerance.over_triangle(piece.corners.map(|corner| corner.at), piece.slack);
+    let region = tolerance_of(&piece);
+    piece.corners.iter().for_each(|corner| worst.consider(corner.at, corner.up, &region, tolerance));
+    let mut open = vec![(piece, region)];
     let (mut cuts, mut most, mut pixels) = (0, 0.0, 0.0);
-    while let Some((mut piece, here)) = open.pop() {
+    while let Some((mut piece, region)) = open.pop() {
         if find == ViolationSearch::Any && worst.0.is_some() {
             break;
         }
-        let terms = CoverLimits { tolerance: here.tolerance, ..terms };
-        piece.known = piece.bound_by_corners(other, terms.tolerance);
-        if piece.known <= terms.tolerance {
-            most = greater(most, piece.known);
-            pixels = greater(pixels, near.pixels_of(&here, piece.known));
+        let limits = CoverLimits { tolerance: region.tolerance, ..limits };
+        piece.at_most = piece.bound_by_corners(other, limits.tolerance);
+        if piece.at_most <= limits.tolerance {
+            most = greater(most, piece.at_most);
+            pixels = greater(pixels, tolerance.pixels_of(&region, piece.at_most));
             continue;
         }
-        match cover(&piece, other, terms, scratch) {
-            Cover::Within(up) if up <= terms.tolerance => {
+        match cover(&piece, other, limits, scratch) {
+            Cover::Within(up) if up <= limits.tolerance => {
                 most = greater(most, up);
-                pixels = greater(pixels, near.pixels_of(&here, up));
+                pixels = greater(pixels, tolerance.pixels_of(&region, up));
                 continue;
             }
-            // A border of the other surface that leaves a gap adds to the bound: halves are closer.
+            // Here a border of the other surface adds to the bound; for halves it adds less.
             Cover::Within(_) => {}
             Cover::TooFar(at) => {
                 let corner = other.sample(at);
-                worst.consider(at, corner.up, &here, near);
+                worst.consider(at, corner.up, &region, tolerance);
             }
             Cover::None => {}
         }
-        // As long as no point was found too far, the piece may well be within tolerance.
+        // As long as no point was found too far, more bisections may prove the piece to be within tolerance.
         let most_cuts = match find {
             ViolationSearch::Any => FEW_CUTS,
             ViolationSearch::Farthest if worst.0.is_none() => MOST_CUTS_UNSEEN,
@@ -300,10 +312,10 @@ fn classify(
             Some(halves) => {
                 cuts += 1;
                 let middle = halves[0].corners[1];
-                worst.consider(middle.at, middle.up, &here, near);
+                worst.consider(middle.at, middle.up, &region, tolerance);
                 open.extend(halves.map(|half| {
-                    let here = place(&half);
-                    (half, here)
+                    let region = tolerance_of(&half);
+                    (half, region)
                 }));
             }
             // Too small, or too many bisections: undecided, so it counts as a violation.
@@ -312,7 +324,7 @@ fn classify(
                     .corners
                     .iter()
                     .fold(piece.corners[0], |far, c| if c.up > far.up { *c } else { far });
-                worst.take(far.at, piece.known);
+                worst.take(far.at, piece.at_most);
             }
         }
     }
@@ -321,17 +333,17 @@ fn classify(
     })
 }
 
-/// A surface against which pieces of others are checked, one after the other.
+/// A surface against which pieces of other surfaces are checked, one after the other.
 pub(crate) struct ProximityChecker<'a> {
-    side: Arc<DistanceSurface<'a>>,
+    surface: Arc<DistanceSurface<'a>>,
     scratch: Mutex<CoverScratch>,
     reach: f64,
 }
 
 impl Clone for ProximityChecker<'_> {
-    /// The same surface, with memory of its own to work in.
+    /// The same surface, with scratch memory of its own.
     fn clone(&self) -> Self {
-        Self { side: Arc::clone(&self.side), scratch: Mutex::default(), reach: self.reach }
+        Self { surface: Arc::clone(&self.surface), scratch: Mutex::default(), reach: self.reach }
     }
 }
 
@@ -342,7 +354,7 @@ impl<'a> ProximityChecker<'a> {
     /// As for [`crate::explicit::Bvh::build`].
     pub fn new(mesh: Cow<'a, Mesh>, job: &Job) -> Result<Self, JobError> {
         let reach = mesh.positions().as_flattened().iter().fold(0.0, |most, x| greater(most, x.abs()));
-        Ok(Self { side: Arc::new(DistanceSurface::new(mesh, job)?), scratch: Mutex::default(), reach })
+        Ok(Self { surface: Arc::new(DistanceSurface::new(mesh, job)?), scratch: Mutex::default(), reach })
     }
 
     /// A checker for a surface of a few faces, which cannot be cancelled.
@@ -353,25 +365,25 @@ impl<'a> ProximityChecker<'a> {
 
     /// The squared distance of a point to the surface, up to rounding.
     pub fn distance_sq(&self, at: [f64; 3]) -> f64 {
-        self.side.distance_sq(at)
+        self.surface.distance_sq(at)
     }
 
-    /// Whether all points of a triangle are within tolerance of the surface, proved; `false` where that is
-    /// not known.
-    pub fn is_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> bool {
-        self.distance_within(triangle, near).is_some()
+    /// Whether all points of a triangle are within tolerance of the surface, proved; `false` if that could
+    /// not be decided.
+    pub fn is_within(&self, triangle: [[f64; 3]; 3], tolerance: &impl ToleranceField) -> bool {
+        self.distance_within(triangle, tolerance).is_some()
     }
 
-    /// A bound on the distance of all points of a triangle that is within tolerance, proved; `None` where
-    /// there is no such bound.
-    pub fn distance_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> Option<f64> {
-        let corners = triangle.map(|at| self.side.sample(at));
+    /// An upper bound on the distance of all points of a triangle, proved, if they are within tolerance;
+    /// `None` otherwise.
+    pub fn distance_within(&self, triangle: [[f64; 3]; 3], tolerance: &impl ToleranceField) -> Option<f64> {
+        let corners = triangle.map(|at| self.surface.sample(at));
         let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| greater(most, x.abs()));
-        let terms = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
-        let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
+        let limits = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
+        let piece = MeshSubtriangle { corners, slack: 0.0, at_most: f64::INFINITY };
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        let look = classify(piece, &self.side, terms, ViolationSearch::Any, near, &mut scratch);
-        match look {
+        let verdict = classify(piece, &self.surface, limits, ViolationSearch::Any, tolerance, &mut scratch);
+        match verdict {
             SubtriangleVerdict::Within { up, .. } => Some(up),
             SubtriangleVerdict::TooFar(..) => None,
         }

@@ -1,4 +1,4 @@
-//! `field_deviation_at`: how far a mesh and the surface of a field are apart at least, as one point shows.
+//! `field_deviation_at`: lower bounds on the deviation of a mesh from a field, from one given point.
 use super::from_mesh::{is_inside, is_outside};
 use super::probe::{ProbeSharpness, probe_distances};
 use super::slope::distance_up;
@@ -8,17 +8,19 @@ use crate::explicit::{Bvh, Mesh};
 use crate::implicit::{Dual, Field, Tape};
 use crate::math::{Box3, Interval, greater, sub_down, unit_and_length};
 
-/// Lower bounds on the distance from a mesh to the surface of a field, and from that to the mesh, as a point near either
-/// shows: `[from the mesh, from the field]`, each 0 where the point does not show it.
+/// Lower bounds on the distance from a mesh to the surface of a field, and from that surface to the mesh,
+/// from one point near either: `[from the mesh, from the field]`, each 0 if the point proves nothing.
 ///
-/// *What they cover.* Both are proved, rounding included, whatever the point is. From the mesh it is the distance of the
-/// point from the surface, less that from the mesh; from the field the other way round. Without proved ranges both are 0.
+/// *What they cover.* Both are proved, rounding included, for any point. From the mesh it is the distance of
+/// the point from the surface, less that from the mesh; from the field the other way round. Without proved
+/// ranges both are 0.
 ///
-/// *Cost.* The tree over the mesh and at most some hundred thousand evaluations: for a point that is said to be where the
-/// two are farthest apart, in place of a search for one as in [`field_deviation`](super::field_deviation).
+/// *Cost.* The tree over the mesh and at most some hundred thousand evaluations: for a point at which the two
+/// are claimed to be farthest apart, in place of a search for one as in
+/// [`field_deviation`](super::field_deviation).
 ///
 /// # Errors
-/// [`JobError::Refused`] when a leaf of the field fails, and as for [`Bvh::build`].
+/// [`JobError::Refused`] if a leaf of the field fails, and as for [`Bvh::build`].
 ///
 /// ```
 /// use chordal::check::field_deviation_at;
@@ -49,26 +51,26 @@ pub fn field_deviation_at(mesh: &Mesh, field: &Field, p: [f64; 3], job: &Job) ->
     let Some((low, high)) = bvh.closest_distance_down(p).zip(bvh.closest_distance_up(p)) else {
         return Ok([0.0; 2]);
     };
-    let near = surface_within(&tape, &bounds, p, reach(mesh, &bounds))?;
+    let surface_distance = surface_within(&tape, &bounds, p, reach(mesh, &bounds))?;
     job.count_work(POINTS_A_BOX * 2 * STEPS as u64);
-    let backward = near.map_or(0.0, |near| greater(sub_down(low, near), 0.0));
-    // A surface that is nearer than the mesh leaves nothing to show the other way.
-    if near.is_some_and(|near| near <= high) {
+    let backward = surface_distance.map_or(0.0, |distance| greater(sub_down(low, distance), 0.0));
+    // If the surface is nearer than the mesh, the point proves nothing in the other direction.
+    if surface_distance.is_some_and(|distance| distance <= high) {
         return Ok([0.0, backward]);
     }
-    let most = near.unwrap_or_else(|| bounds.union(mesh.bounds()).diagonal());
+    let most = surface_distance.unwrap_or_else(|| bounds.union(mesh.bounds()).diagonal());
     let probed = probe_distances(&tape, &[p], &[most], ProbeSharpness::CLOSE).map_err(leaf_failure)?;
     job.count_work(POINTS_A_BOX * probed.iter().map(|probed| probed.n_boxes).sum::<u64>());
     let forward = probed.first().map_or(0.0, |probed| greater(sub_down(probed.at_least, high), 0.0));
     Ok([forward, backward])
 }
 
-/// Lengths, each twice the one before, at which the other side of the surface is looked for: from the last place of the
-/// largest coordinate on to all of it. Derived.
+/// The number of step lengths at which the other side of the surface is searched. Derived: each is twice the
+/// previous one, from the last place of the largest coordinate to all of it.
 const STEPS: usize = f64::MANTISSA_DIGITS as usize;
 
-/// An upper bound on the distance of a point from the surface, by two points beside it along the gradient whose signs
-/// differ: the segment between them meets the boundary.
+/// An upper bound on the distance of a point from the surface, from two points beside it along the gradient
+/// whose signs differ: the segment between them meets the boundary.
 fn surface_within(tape: &Tape, bounds: &Box3, p: [f64; 3], size: f64) -> Result<Option<f64>, JobError> {
     let mut slope = [Dual { value: 0.0, gradient: [0.0; 3] }];
     tape.gradient_at(&[p], &mut slope).map_err(leaf_failure)?;
@@ -76,22 +78,25 @@ fn surface_within(tape: &Tape, bounds: &Box3, p: [f64; 3], size: f64) -> Result<
     if !(length > 0.0 && length.is_finite()) {
         return Ok(None);
     }
-    // The last place of the largest coordinate.
+    // One unit in the last place of the largest coordinate.
     let mut step = f64::EPSILON * size;
     let mut pairs = Vec::with_capacity(STEPS);
     for _ in 0..STEPS {
-        pairs.push([step, -step].map(|by| -> [f64; 3] { std::array::from_fn(|k| p[k] + by * unit[k]) }));
+        pairs.push(
+            [step, -step].map(|offset| -> [f64; 3] { std::array::from_fn(|k| p[k] + offset * unit[k]) }),
+        );
         step *= 2.0;
     }
     let ends: Vec<Box3> = pairs.iter().flatten().map(|p| Box3 { min: *p, max: *p }).collect();
     let mut signs = vec![Interval::UNKNOWN; ends.len()];
     tape.over(&ends, &mut signs).map_err(leaf_failure)?;
-    // A point where F is 0 may be in a closed crack, with no surface nearby; and beyond the bounds nothing is one.
+    // A point where F is 0 may be in a closed crack, with no surface nearby; and outside the bounds there is
+    // none.
     let is_above = |sign: Interval| is_outside(sign) && sign.lo() > 0.0;
     let sides = |[a, b]: [Interval; 2]| is_inside(a) && is_above(b) || is_above(a) && is_inside(b);
-    let found = pairs
+    let bracket = pairs
         .iter()
         .zip(signs.chunks_exact(2))
         .find(|(ends, signs)| ends.iter().all(|end| bounds.contains(*end)) && sides([signs[0], signs[1]]));
-    Ok(found.map(|(ends, _)| greater(distance_up(p, ends[0]), distance_up(p, ends[1]))))
+    Ok(bracket.map(|(ends, _)| greater(distance_up(p, ends[0]), distance_up(p, ends[1]))))
 }

@@ -1,8 +1,9 @@
-//! The search from the points of a field's surface to a mesh: which boxes are split next, and when it ends.
+//! The search from the points of a field's surface to a mesh: the order in which boxes are split, and its
+//! end.
 //!
 //! Every box has an upper bound at once: its centre's distance plus half its diagonal. As in the other
-//! direction, the boxes that seem farthest come first, and those with a certain sign change raise the lower
-//! bound. When the allowed work is used up, the answer is the largest upper bound of the remaining boxes.
+//! direction, the boxes that seem farthest come first, and those with a proved sign change raise the lower
+//! bound. Once the allowed work is used up, the result is the largest upper bound of the remaining boxes.
 use super::forward::ForwardDistance;
 use super::from_field::{self, BoxVerdict, TargetMesh, may_cross};
 use super::{FieldDeviationSearch, LEAF_CHUNK, POINTS_A_BOX, cube, leaf_failure, sub_boxes};
@@ -22,23 +23,23 @@ pub(super) struct BackwardDistance {
 /// The most boxes in all: a multiple of the faces plus a constant.
 const BOXES_A_FACE: usize = 16;
 const FEW_BOXES: usize = 1 << 21;
-/// Boxes in which a sign change is searched in a round.
+/// The most boxes of one round in which a sign change is searched.
 const TRIED: usize = 256;
-/// The most rounds: a box of the last one is 2⁻⁴⁸ of the first.
+/// The most rounds: boxes of the last one have 2⁻⁴⁸ of the side of the first.
 const ROUNDS: usize = 24;
-/// A box whose diagonal is below this share of its distance is about as informative as its parts.
+/// A box whose diagonal is below this share of its distance tells about as much as its parts would.
 const SMALL: f64 = 0.01;
-/// With a limit, the same share of the sufficient distance.
+/// The same share of the sufficient distance, if there is a limit.
 const SMALL_FOR_LIMIT: f64 = 0.02;
 /// A round processes the boxes above this fraction between the sufficient distance and the largest bound.
 const UPPER_PART: f64 = 0.5;
 
-/// A box that the surface may pass through.
+/// A box through which the surface may pass.
 #[derive(Clone)]
 struct OpenBox {
     tape: Arc<Tape>,
     bounds: Box3,
-    /// An upper bound on the distance of the surface in it.
+    /// An upper bound on the distance of the surface in it from the mesh.
     most: f64,
     cuts: usize,
 }
@@ -51,22 +52,23 @@ impl FieldDeviationSearch<'_> {
     ) -> Result<BackwardDistance, JobError> {
         let faces = self.mesh.faces().len();
         let relative = self.goal.max.is_none();
-        let mut left = BOXES_A_FACE * faces + FEW_BOXES;
-        let mut out = BackwardDistance { least: 0.0, most: 0.0, at: self.bounds.centre() };
-        let whole = cube(&self.bounds);
+        let mut boxes_left = BOXES_A_FACE * faces + FEW_BOXES;
+        let mut result = BackwardDistance { least: 0.0, most: 0.0, at: self.bounds.centre() };
+        let root = cube(&self.bounds);
         let tape = Arc::new(self.tape.clone());
         let mut open =
-            vec![OpenBox { tape, bounds: whole, most: from_field::distance_of(&whole, target), cuts: 0 }];
+            vec![OpenBox { tape, bounds: root, most: from_field::distance_of(&root, target), cuts: 0 }];
         loop {
             self.check_cancelled()?;
-            out.least = greater(out.least, self.farthest(&open, greater(out.least, forward.least), target)?);
-            let least = greater(out.least, forward.least);
+            result.least =
+                greater(result.least, self.farthest(&open, greater(result.least, forward.least), target)?);
+            let least = greater(result.least, forward.least);
             target.tolerance = self.sufficient_distance(least);
             if relative && forward.most > self.aim(least, super::FORWARD_SHARE) {
-                // The other direction's remaining gap cannot be closed here. And the residual of the mesh, by
-                // which columns are measured, is no less for the surface.
-                let room = 1.0 + (1.0 - super::FORWARD_SHARE) * greater(self.goal.relative, 0.0);
-                target.tolerance = greater(target.tolerance, room * forward.most);
+                // The remaining gap of the other direction cannot be closed here. And columns here are
+                // measured by the residual of the mesh, so the bound of the surface is no smaller.
+                let factor = 1.0 + (1.0 - super::FORWARD_SHARE) * greater(self.goal.relative, 0.0);
+                target.tolerance = greater(target.tolerance, factor * forward.most);
             }
             let beyond = self.goal.max.is_some_and(|max| least > max.get());
             let tiny = |open: &OpenBox| {
@@ -74,41 +76,41 @@ impl FieldDeviationSearch<'_> {
                 open.cuts >= ROUNDS || open.bounds.diagonal() < share
             };
             let level = round_threshold(&open, target.tolerance);
-            let exhausted = left == 0 || beyond || self.job.is_over();
+            let exhausted = boxes_left == 0 || beyond || self.job.is_over();
             let (next, done): (Vec<_>, Vec<_>) =
                 open.into_iter().partition(|b| b.most > target.tolerance && !exhausted && !tiny(b));
-            done.iter().for_each(|b| out.settle(b.most, &b.bounds));
+            done.iter().for_each(|b| result.settle(b.most, &b.bounds));
             let (mut now, mut later): (Vec<_>, Vec<_>) = next.into_iter().partition(|b| b.most > level);
             if now.is_empty() {
-                return Ok(out);
+                return Ok(result);
             }
-            // No more at once than the remaining work allows.
-            later.extend(now.split_off(now.len().min(left / 64 + 1)));
+            // No more boxes at once than the remaining work allows.
+            later.extend(now.split_off(now.len().min(boxes_left / 64 + 1)));
             let tasks = self.tasks(now)?;
             let results = par_map(self.job, &tasks, |_, task| task.run(target));
             open = later;
-            for result in results {
-                let result = result.map_err(leaf_failure)?;
-                left = left.saturating_sub(result.looked_at);
-                self.job.count_work(POINTS_A_BOX * result.looked_at as u64);
-                if let Some((most, bounds)) = result.settled {
-                    out.settle(most, &bounds);
+            for batch in results {
+                let batch = batch.map_err(leaf_failure)?;
+                boxes_left = boxes_left.saturating_sub(batch.n_boxes);
+                self.job.count_work(POINTS_A_BOX * batch.n_boxes as u64);
+                if let Some((most, bounds)) = batch.settled {
+                    result.settle(most, &bounds);
                 }
-                open.extend(result.open);
+                open.extend(batch.open);
             }
         }
     }
 
-    /// A lower bound on the distance from some point of the field's surface to the mesh: among the boxes that
-    /// seem farthest, the distance of one with a certain sign change.
+    /// A lower bound on the distance from some point of the field's surface to the mesh: the largest one of
+    /// the boxes that seem farthest and have a proved sign change.
     fn farthest(&self, open: &[OpenBox], least: f64, target: &TargetMesh) -> Result<f64, JobError> {
-        // An estimate; the certified number is computed for a few.
-        let about = |b: &OpenBox| b.most - b.bounds.diagonal();
+        // An estimate, to select a few boxes; the proved number is computed for these.
+        let estimate = |b: &OpenBox| b.most - b.bounds.diagonal();
         let mut far: Vec<(f64, usize)> = open
             .iter()
             .enumerate()
-            .map(|(k, b)| (about(b), k))
-            .filter(|(about, k)| 1.05 * about > least && open[*k].most < f64::INFINITY)
+            .map(|(k, b)| (estimate(b), k))
+            .filter(|(estimate, k)| 1.05 * estimate > least && open[*k].most < f64::INFINITY)
             .collect();
         let order = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
         if far.len() > TRIED {
@@ -131,7 +133,7 @@ impl FieldDeviationSearch<'_> {
         Ok(sure.fold(0.0, greater))
     }
 
-    /// The batches of a round, with pruned tapes where that pays.
+    /// The batches of a round, with pruned tapes if that pays.
     fn tasks(&self, open: Vec<OpenBox>) -> Result<Vec<BoxBatch>, JobError> {
         if self.tape.has_leaves() {
             let tape = Arc::new(self.tape.clone());
@@ -140,15 +142,15 @@ impl FieldDeviationSearch<'_> {
                 .map(|boxes| BoxBatch { tape: Arc::clone(&tape), boxes: boxes.to_vec() })
                 .collect());
         }
-        // Neighbours in the list are neighbours in space: a tape for a few of them is nearly as short as one
-        // for each.
+        // Neighbours in the list are neighbours in space, so a tape for a few of them is nearly as short as
+        // one for each.
         let groups: Vec<&[OpenBox]> =
             open.chunk_by(|a, b| Arc::ptr_eq(&a.tape, &b.tape)).flat_map(|run| run.chunks(8)).collect();
         let tasks = par_map(self.job, &groups, |_, group| -> Result<BoxBatch, LeafError> {
-            let about =
+            let domain =
                 group.iter().fold(Box3::EMPTY, |all, b| all.union(from_field::tape_domain(&b.bounds)));
             let tape = &group[0].tape;
-            let short = if tape.len() < 16 { None } else { tape.prune(&about)?.1 };
+            let short = if tape.len() < 16 { None } else { tape.prune(&domain)?.1 };
             Ok(BoxBatch { tape: short.map_or_else(|| Arc::clone(tape), Arc::new), boxes: group.to_vec() })
         });
         tasks.into_iter().collect::<Result<_, _>>().map_err(leaf_failure)
@@ -174,36 +176,36 @@ struct BoxBatchResult {
     /// The farthest of the settled boxes.
     settled: Option<(f64, Box3)>,
     open: Vec<OpenBox>,
-    looked_at: usize,
+    n_boxes: usize,
 }
 
 impl BoxBatch {
     fn run(&self, target: &TargetMesh) -> Result<BoxBatchResult, LeafError> {
         let parts: Vec<Box3> = self.boxes.iter().flat_map(|b| sub_boxes(&b.bounds)).collect();
         let crossed = may_cross(&self.tape, &parts)?;
-        let left: Vec<usize> = (0..parts.len()).filter(|k| crossed[*k]).collect();
-        let boxes: Vec<Box3> = left.iter().map(|k| parts[*k]).collect();
-        let found = from_field::bound_boxes(&self.tape, &boxes, target)?;
-        let mut out = BoxBatchResult { looked_at: parts.len(), ..BoxBatchResult::default() };
-        for ((k, bounds), found) in left.iter().zip(boxes).zip(found) {
-            let whole = &self.boxes[k / 64];
-            let most = match found {
+        let crossed_idx: Vec<usize> = (0..parts.len()).filter(|k| crossed[*k]).collect();
+        let boxes: Vec<Box3> = crossed_idx.iter().map(|k| parts[*k]).collect();
+        let verdicts = from_field::bound_boxes(&self.tape, &boxes, target)?;
+        let mut result = BoxBatchResult { n_boxes: parts.len(), ..BoxBatchResult::default() };
+        for ((k, bounds), verdict) in crossed_idx.iter().zip(boxes).zip(verdicts) {
+            let parent = &self.boxes[k / 64];
+            let most = match verdict {
                 BoxVerdict::Nothing => continue,
-                // A bound for the whole holds for its parts.
-                BoxVerdict::Near(far) | BoxVerdict::Open(far) => lesser(far, whole.most),
+                // A bound for a box holds for its parts.
+                BoxVerdict::Near(far) | BoxVerdict::Open(far) => lesser(far, parent.most),
             };
             if most > target.tolerance {
                 let tape = Arc::clone(&self.tape);
-                out.open.push(OpenBox { tape, bounds, most, cuts: whole.cuts + 1 });
-            } else if out.settled.is_none_or(|(far, _)| most > far) {
-                out.settled = Some((most, bounds));
+                result.open.push(OpenBox { tape, bounds, most, cuts: parent.cuts + 1 });
+            } else if result.settled.is_none_or(|(far, _)| most > far) {
+                result.settled = Some((most, bounds));
             }
         }
-        Ok(out)
+        Ok(result)
     }
 }
 
-/// The upper bound above which boxes are split in this round.
+/// The upper bound above which boxes are split in a round.
 fn round_threshold(open: &[OpenBox], enough: f64) -> f64 {
     let most = open.iter().map(|b| b.most).filter(|most| *most < f64::INFINITY).fold(enough, greater);
     enough + UPPER_PART * (most - enough)

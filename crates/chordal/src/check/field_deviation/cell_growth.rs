@@ -1,4 +1,4 @@
-//! Whether the field grows throughout a cell, or in parts that planes and shared faces cut it into.
+//! Whether the field grows throughout a cell, or in the parts into which planes and shared faces cut it.
 //!
 //! *Parts.* Let the zero set of a primitive p have no interior in the cell's box. The parts {p ≤ 0} and {p ≥ 0} of the
 //! cell are closed, and may replace the cell in the lemma of [`super::cover`], each with a direction for flows inward
@@ -8,39 +8,39 @@
 //! to it in B*.) With several such primitives all cases of signs are enumerated; levels of one function have one more
 //! than there are levels.
 //!
-//! This is used where p occurs together with its complement, as at a face of two stacked boxes; and where several
-//! parallel planes pass a cell, as where a countersink is raised by a hundredth above its plate: no direction suits two
-//! planes that face each other, but between them the sign is known.
+//! This is used if p occurs together with its complement, as at a face of two stacked boxes; and if several
+//! parallel planes pass a cell, as where a countersink is raised by a hundredth above its plate: no direction
+//! suits two planes that face each other, but between them the sign is known.
 //!
 //! *Decided parts.* A part that planes bound is convex. If F has one sign in its interior, that interior is in one
-//! component of A*, or of B*, and a flow that reaches the part has reached that component: it may end there, and a
-//! point of the part is one that the mesh has to wind around correctly.
+//! component of A*, or of B*, and a flow that reaches the part has reached that component: it may end there,
+//! and the mesh has to wind correctly around a point of the part.
 use super::cover::WindingProbe;
 use super::growth::direction;
 use super::local_trees::{LiteralSides, LocalTree, MOST_CASES, by_height, by_value, has_thin_zeros};
 use crate::implicit::{DualRange, Membership, Primitive};
 use crate::math::{Box3, Interval, greater, lesser};
 
-/// A tree that gives the value in a cell, with the slopes of its primitives there.
+/// A tree that has the field's value in a cell, with the slopes of its primitives there.
 pub(super) struct CellGrowth<'a, S> {
     pub local: &'a LocalTree,
-    /// The slope of a primitive.
+    /// The slope of a primitive in the cell.
     pub slope: S,
     /// All primitives.
     pub primitives: &'a [Primitive],
     pub bounds: &'a Box3,
 }
 
-/// A primitive of which a part has one sign, and whether it is positive.
+/// A primitive that has one sign in a part, and whether that is positive.
 pub(super) type KnownSign = (u32, bool);
 
-/// The parts that a cell is cut into, by the signs there.
+/// The parts into which a cell is cut, by the signs in each.
 type CellCut = Vec<Vec<KnownSign>>;
 
-/// A part of a cell where a flow may end.
+/// A part of a cell in which a flow may end.
 #[derive(Clone, Debug)]
 pub(super) struct DecidedPart {
-    /// A point in it, if the signs hold there.
+    /// A point in the part, provided that the signs are proved there.
     pub probe: WindingProbe,
     pub signs: Vec<KnownSign>,
 }
@@ -49,7 +49,7 @@ pub(super) struct DecidedPart {
 const FLOWS: [Membership; 2] = [Membership::Inside, Membership::Outside];
 
 impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
-    /// Whether there is a direction in which all literals of a tree grow.
+    /// Whether all literals of a tree grow along some direction.
     pub fn has_direction(&self, tree: &LocalTree) -> bool {
         let gradient = |(p, falls): (u32, bool)| {
             let gradient = (self.slope)(p).gradient?;
@@ -59,7 +59,7 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         gradients.is_some_and(|gradients| direction(&gradients).is_some())
     }
 
-    /// The decided parts of the cell, if all its other parts have directions.
+    /// The decided parts of the cell, provided that all its other parts have directions.
     pub fn parts(&self) -> Option<Vec<DecidedPart>> {
         let by_faces = self.mixed_cuts().and_then(|cuts| self.parts_by(&cuts));
         by_faces.or_else(|| self.parts_by(&self.plane_cuts()?))
@@ -72,15 +72,16 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         }
         let mut decided = Vec::new();
         for case in 0..n_cases {
-            let mut rest = case;
+            let mut remaining_case = case;
             let mut signs: Vec<KnownSign> = Vec::new();
             for cut in cuts {
-                signs.extend(&cut[rest % cut.len()]);
-                rest /= cut.len();
+                signs.extend(&cut[remaining_case % cut.len()]);
+                remaining_case /= cut.len();
             }
             for flow in FLOWS {
                 if !self.flows(flow, &signs) {
-                    // A point is known only on the diagonal across one family.
+                    // A point with given signs can be found only for one family of planes, on the diagonal
+                    // across it.
                     decided.push(self.decided(flow, signs.clone()).filter(|_| cuts.len() == 1)?);
                 }
             }
@@ -94,21 +95,22 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         low < 0.0 && high > 0.0
     }
 
-    /// Cuts by the primitives that occur as themselves and as their complements; `None` where one of them may vanish
+    /// Cuts by the primitives that occur together with their complements; `None` if one of them may vanish
     /// on more than a surface.
     fn mixed_cuts(&self) -> Option<Vec<CellCut>> {
-        let shared: Vec<u32> = self.local.mixed().filter(|p| self.is_open(*p)).collect();
-        let is_thin = shared.iter().all(|p| has_thin_zeros((self.slope)(*p)));
-        is_thin.then(|| shared.into_iter().map(|p| vec![vec![(p, false)], vec![(p, true)]]).collect())
+        let mixed: Vec<u32> = self.local.mixed().filter(|p| self.is_open(*p)).collect();
+        let is_thin = mixed.iter().all(|p| has_thin_zeros((self.slope)(*p)));
+        is_thin.then(|| mixed.into_iter().map(|p| vec![vec![(p, false)], vec![(p, true)]]).collect())
     }
 
-    /// The same, and cuts by parallel planes; `None` where these are too near to have an order.
+    /// The same cuts and those by parallel planes; `None` if these are too near to each other to have an
+    /// order.
     fn plane_cuts(&self) -> Option<Vec<CellCut>> {
         let mut cuts = self.mixed_cuts()?;
-        let of = |p: u32| &self.primitives[p as usize];
+        let primitive = |p: u32| &self.primitives[p as usize];
         let mut families: Vec<Vec<u32>> = Vec::new();
         for p in self.local.primitives.iter().filter(|p| self.is_open(**p)) {
-            match families.iter_mut().find(|family| of(family[0]).is_plane_along(of(*p))) {
+            match families.iter_mut().find(|family| primitive(family[0]).is_plane_along(primitive(*p))) {
                 Some(family) => family.push(*p),
                 None => families.push(vec![*p]),
             }
@@ -125,19 +127,19 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         Some(cuts)
     }
 
-    /// The signs of parallel planes in the parts that they cut space into.
+    /// The signs of parallel planes in the slabs into which they cut space.
     fn slabs(&self, family: Vec<u32>) -> Option<CellCut> {
-        let of = |p: u32| &self.primitives[p as usize];
+        let primitive = |p: u32| &self.primitives[p as usize];
         let family = by_height(self.primitives, family)?;
         let slab = |above: usize| {
-            let sign = |(k, p): (usize, &u32)| (*p, (k < above) != of(*p).falls());
+            let sign = |(k, p): (usize, &u32)| (*p, (k < above) != primitive(*p).falls());
             family.iter().enumerate().map(sign).collect()
         };
         Some((0..=family.len()).map(slab).collect())
     }
 
     /// Whether there is a direction for a flow inward, through negative values, or outward, through positive
-    /// ones, where some primitives have given signs; or no flow is possible.
+    /// ones, if some primitives have given signs; or no flow is possible.
     fn flows(&self, flow: Membership, signs: &[KnownSign]) -> bool {
         let inward = flow == Membership::Inside;
         let is_positive = |p: u32| signs.iter().find(|(q, _)| *q == p).map(|(_, is_positive)| *is_positive);
@@ -146,7 +148,7 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
             let [low, high] = if falls { [-high, -low] } else { [low, high] };
             match is_positive(p).map(|is_positive| is_positive != falls) {
                 None => [low, high],
-                // With the other sign it is never the value.
+                // With this sign it never has the value.
                 Some(true) if inward => [f64::INFINITY; 2],
                 Some(false) if !inward => [f64::NEG_INFINITY; 2],
                 Some(true) => [0.0, high],
@@ -157,9 +159,10 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         is_empty || self.has_direction(&LocalTree::new(tree))
     }
 
-    /// The part as one in which a flow may end: all of it is on the flow's side, and planes bound it.
+    /// The part as one in which a flow may end, provided that all of it is on the flow's side and bounded by
+    /// planes.
     fn decided(&self, flow: Membership, signs: Vec<KnownSign>) -> Option<DecidedPart> {
-        let of = |p: u32| &self.primitives[p as usize];
+        let primitive = |p: u32| &self.primitives[p as usize];
         let side_of = |p: &u32| match signs.iter().find(|(q, _)| q == p) {
             Some((_, true)) => LiteralSides::OUTSIDE,
             Some((_, false)) => LiteralSides::INSIDE,
@@ -167,15 +170,15 @@ impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
         };
         let sides: Vec<LiteralSides> = self.local.primitives.iter().map(side_of).collect();
         let is_decided = self.local.membership_without_cracks(&sides) == flow;
-        let is_convex = signs.iter().all(|(p, _)| of(*p).is_plane_along(of(*p)));
+        let is_convex = signs.iter().all(|(p, _)| primitive(*p).is_plane_along(primitive(*p)));
         if !is_decided || !is_convex {
             return None;
         }
         Some(DecidedPart { probe: WindingProbe { at: self.point_with(&signs)?, side: flow }, signs })
     }
 
-    /// A point of the cell where planes of one family seem to have given signs: on the diagonal along which they
-    /// change most.
+    /// A point of the cell at which planes of one family seem to have given signs: on the diagonal along
+    /// which they change most.
     fn point_with(&self, signs: &[KnownSign]) -> Option<[f64; 3]> {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         let (first, _) = *signs.first()?;

@@ -2,7 +2,7 @@
 //!
 //! **Lemma (cover).** Let closed cells cover a cube about the field's bounds, so that those which meet the
 //! cube's boundary do not meet the bounds. Let each be
-//! - *decided*: F < 0 on all of it but for cracks, or F ≥ 0 on all of it,
+//! - *decided*: F < 0 on all of it except for cracks, or F ≥ 0 on all of it,
 //! - *growing*: with a direction n and a rate g > 0 so that n·γ ≥ g for every generalized gradient γ, in a
 //!   box that holds the cell in its interior, of every literal that can have the value of F there; the
 //!   literals are Lipschitz in that box, or
@@ -47,13 +47,13 @@ use crate::math::{Box3, add_down, add_up, greater, lesser, mul_up, sub_up};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CellState {
-    /// Decided.
+    /// F has one sign in it.
     Decided(Membership),
     /// The field grows along a direction.
     Grows,
     /// A terminal cell, handled by its walls.
     Walls,
-    /// None of these.
+    /// None of the other states.
     Open,
     /// Divided; its children are consecutive from this index.
     Divided(u32),
@@ -66,11 +66,11 @@ pub(super) struct CoverCell {
     corner: [u32; 3],
     level: u32,
     pub state: CellState,
-    /// The tree that gives the field's value in it.
+    /// The tree that has the field's value in it.
     pub tree: u32,
 }
 
-/// A point of a set that the mesh has to wind around correctly.
+/// A point of a component, around which the mesh has to wind correctly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WindingProbe {
     pub at: [f64; 3],
@@ -94,24 +94,24 @@ pub(super) struct FieldCover {
 
 /// The most halvings: corners are integers of u32, and a cell of this level is 2⁻³⁰ of the cube.
 const DEEPEST: u32 = 30;
-/// The cube's side as a multiple of the longest side of the bounds, and the offset of its centre: boundary
-/// cells of level 2 do not meet the bounds, and planes of symmetry do not run along sides of cells. Chosen.
+/// The cube's side as a multiple of the longest side of the bounds, and the offset of its centre. Chosen:
+/// boundary cells of level 2 do not meet the bounds, and planes of symmetry do not run along sides of cells.
 const ROOM: f64 = 2.25;
 const OFF_CENTRE: [f64; 3] = [0.0137, 0.0071, -0.0113];
 /// The first level whose cells are classified: its boundary cells do not meet the bounds.
 const FIRST: u32 = 2;
-/// Boxes over which ranges are taken exceed cells by this share of the largest coordinate.
+/// Ranges are taken over boxes that exceed their cells by this share of the largest coordinate.
 const PAD: f64 = 8.0 * f64::EPSILON;
 /// The share of the job's memory for cells and their trees: the mesh, its copies and the queries need the
 /// rest.
 const MEMORY_SHARE: u64 = 8;
-/// The most cells: indices are u32, and it takes some seconds. Chosen.
+/// The most cells: indices are u32. Chosen: so many take some seconds.
 const MOST_CELLS: usize = 1 << 22;
 /// Ranges of primitives in one query: some tens of megabytes.
 const ASKED_AT_ONCE: usize = 1 << 17;
 
-/// Walls are searched only in cells with at most so many primitives. Chosen: twice as many as meet in common
-/// corners, with as many copies of them.
+/// Walls are searched only in cells with at most this many primitives. Chosen: twice as many as usually meet
+/// in a corner, with as many copies of them.
 const FEW: usize = 24;
 /// Cells in which walls are searched at once: some tens of megabytes.
 const WALLS_AT_ONCE: usize = 1 << 11;
@@ -150,7 +150,7 @@ impl FieldCover {
         }
     }
 
-    /// The cube.
+    /// The cube that the cells cover.
     pub fn domain(&self) -> Box3 {
         self.bounds_of(&self.cells[0])
     }
@@ -168,8 +168,8 @@ impl FieldCover {
         }
     }
 
-    /// Divides open cells, and those that stay open, until none is left or there are too many. `is_worth`
-    /// selects them by box and size.
+    /// Divides open cells, and those of their children that stay open, until none is left or there are too
+    /// many. `is_worth` selects cells by box and size.
     pub fn refine(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -197,23 +197,23 @@ impl FieldCover {
                     self.open.extend(now);
                     break;
                 }
-                let rest = now.split_off(self.batch_len(&now));
+                let later = now.split_off(self.batch_len(&now));
                 let parts: Vec<u32> = now.iter().flat_map(|cell| self.divide(*cell)).collect();
                 self.classify_cells(evaluator, &parts)?;
-                now = rest;
+                now = later;
             }
             self.resolve_walls(evaluator, regions, first_open)?;
         }
     }
 
-    /// Whether so many more cells are allowed.
+    /// Whether there is memory for `n_more` cells.
     fn has_room(&self, n_more: usize) -> bool {
         let n_cells = self.cells.len() + n_more;
         n_cells < MOST_CELLS
             && (n_cells * size_of::<CoverCell>()) as u64 + self.trees.bytes() < self.most_bytes
     }
 
-    /// How many of some cells are divided at once, at least one.
+    /// How many of the given cells are divided at once; at least one.
     fn batch_len(&self, cells: &[u32]) -> usize {
         let mut n_asked = 0;
         let fits = |cell: &&u32| {
@@ -237,9 +237,9 @@ impl FieldCover {
         first..first + 8
     }
 
-    /// Classifies cells. Cells that stay open are added to the list.
+    /// Classifies cells. Cells that stay open are added to the list of open cells.
     fn classify_cells(&mut self, evaluator: &mut PrimitiveEvaluator, cells: &[u32]) -> Result<(), LeafError> {
-        let mut asked = Vec::with_capacity(cells.len());
+        let mut padded_cells = Vec::with_capacity(cells.len());
         for cell in cells {
             let bounds = self.bounds_of(&self.cells[*cell as usize]);
             let is_apart =
@@ -249,31 +249,31 @@ impl FieldCover {
             } else if self.cells[*cell as usize].level < FIRST {
                 self.open.push(*cell);
             } else {
-                asked.push((*cell, padded(&bounds)));
+                padded_cells.push((*cell, padded(&bounds)));
             }
         }
         let primitives =
             |cover: &Self, cell: u32| cover.trees.get(cover.cells[cell as usize].tree).primitives.clone();
-        let questions: Vec<(u32, Box3)> = asked
+        let questions: Vec<(u32, Box3)> = padded_cells
             .iter()
             .flat_map(|(cell, bounds)| primitives(self, *cell).into_iter().map(|p| (p, *bounds)))
             .collect();
         let slopes = evaluator.dual_ranges(&questions)?;
-        let mut rest = slopes.as_slice();
-        let mut left: Vec<(u32, CellRanges)> = Vec::new();
-        for (cell, bounds) in asked {
-            let (own, after) = rest.split_at(primitives(self, cell).len());
-            rest = after;
-            let ranges = CellRanges { bounds, slopes: own.to_vec() };
+        let mut remaining = slopes.as_slice();
+        let mut undecided: Vec<(u32, CellRanges)> = Vec::new();
+        for (cell, bounds) in padded_cells {
+            let (cell_slopes, after) = remaining.split_at(primitives(self, cell).len());
+            remaining = after;
+            let ranges = CellRanges { bounds, slopes: cell_slopes.to_vec() };
             if !self.decide(cell, &ranges) {
-                left.push((cell, ranges));
+                undecided.push((cell, ranges));
             }
         }
-        self.sharpen(evaluator, &mut left)?;
+        self.sharpen(evaluator, &mut undecided)?;
         let primitives = evaluator.csg().primitives();
         let mut parts: Vec<(u32, DecidedPart)> = Vec::new();
         let mut grown: Vec<u32> = Vec::new();
-        for (cell, ranges) in left {
+        for (cell, ranges) in undecided {
             if !self.decide(cell, &ranges) {
                 match self.find_growth(cell, &ranges, primitives) {
                     Some(decided) => {
@@ -287,7 +287,8 @@ impl FieldCover {
         self.settle_parts(evaluator, grown, &parts)
     }
 
-    /// Takes cells that grow but for decided parts, if the signs hold at the points of these.
+    /// Accepts cells that grow except for decided parts, if the signs are proved at the points of these
+    /// parts.
     fn settle_parts(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -300,16 +301,16 @@ impl FieldCover {
             .flat_map(|(_, part)| part.signs.iter().map(|(p, _)| (*p, point(part.probe.at))))
             .collect();
         let ranges = evaluator.ranges(&questions)?;
-        let mut rest = ranges.as_slice();
-        let mut held = parts.iter().map(|(cell, part)| {
-            let (own, after) = rest.split_at(part.signs.len());
-            rest = after;
+        let mut remaining = ranges.as_slice();
+        let mut results = parts.iter().map(|(cell, part)| {
+            let (part_ranges, after) = remaining.split_at(part.signs.len());
+            remaining = after;
             let holds = |((_, is_positive), [low, high]): (&(u32, bool), &[f64; 2])| {
                 if *is_positive { *low > 0.0 } else { *high < 0.0 }
             };
-            (*cell, part.signs.iter().zip(own).all(holds))
+            (*cell, part.signs.iter().zip(part_ranges).all(holds))
         });
-        let failed: Vec<u32> = held.by_ref().filter(|(_, holds)| !holds).map(|(cell, _)| cell).collect();
+        let failed: Vec<u32> = results.by_ref().filter(|(_, holds)| !holds).map(|(cell, _)| cell).collect();
         let is_failed = |cell: u32| failed.binary_search(&cell).is_ok();
         for cell in grown {
             if is_failed(cell) {
@@ -323,7 +324,7 @@ impl FieldCover {
         Ok(())
     }
 
-    /// Searches walls in the cells that were just left open.
+    /// Searches for walls in the cells that were just left open.
     fn resolve_walls(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
@@ -332,10 +333,10 @@ impl FieldCover {
     ) -> Result<(), LeafError> {
         let primitives = evaluator.csg().primitives();
         let has_walls = |cell: u32| {
-            let all = &self.trees.get(self.cells[cell as usize].tree).primitives;
+            let in_cell = &self.trees.get(self.cells[cell as usize].tree).primitives;
             let is_parallel = |a: u32, b: u32| primitives[a as usize].is_parallel_to(&primitives[b as usize]);
-            let has_parallel = |k: usize| all[..k].iter().any(|b| is_parallel(all[k], *b));
-            all.len() <= FEW && (0..all.len()).any(has_parallel)
+            let has_parallel = |k: usize| in_cell[..k].iter().any(|b| is_parallel(in_cell[k], *b));
+            in_cell.len() <= FEW && (0..in_cell.len()).any(has_parallel)
         };
         let cells: Vec<u32> =
             self.open[first_open..].iter().copied().filter(|cell| has_walls(*cell)).collect();
@@ -355,7 +356,7 @@ impl FieldCover {
         Ok(())
     }
 
-    /// Whether a cell is on one side.
+    /// Decides a cell if it is on one side.
     fn decide(&mut self, cell: u32, ranges: &CellRanges) -> bool {
         let local = self.trees.get(self.cells[cell as usize].tree);
         let sides: Vec<LiteralSides> =
@@ -371,21 +372,21 @@ impl FieldCover {
     fn sharpen(
         &self,
         evaluator: &mut PrimitiveEvaluator,
-        left: &mut [(u32, CellRanges)],
+        cells: &mut [(u32, CellRanges)],
     ) -> Result<(), LeafError> {
         let mut questions = Vec::new();
-        for (cell, ranges) in left.iter() {
+        for (cell, ranges) in cells.iter() {
             let local = self.trees.get(self.cells[*cell as usize].tree);
             let centre = ranges.bounds.centre();
             questions.extend(local.primitives.iter().map(|p| (*p, Box3 { min: centre, max: centre })));
         }
         let middles = evaluator.ranges(&questions)?;
-        let mut rest = middles.as_slice();
-        for (_, ranges) in left {
-            let (own, after) = rest.split_at(ranges.slopes.len());
-            rest = after;
+        let mut remaining = middles.as_slice();
+        for (_, ranges) in cells {
+            let (cell_middles, after) = remaining.split_at(ranges.slopes.len());
+            remaining = after;
             let centre = ranges.bounds.centre();
-            for (slope, middle) in ranges.slopes.iter_mut().zip(own) {
+            for (slope, middle) in ranges.slopes.iter_mut().zip(cell_middles) {
                 let Some(gradient) = slope.gradient else { continue };
                 let stray = (0..3).fold(0.0, |sum, k| {
                     let (low, high) =
@@ -401,8 +402,8 @@ impl FieldCover {
         Ok(())
     }
 
-    /// Drops the literals that never have the value, and searches a direction in which all others grow, or one
-    /// for each part of the cell; the decided parts, if that is found.
+    /// Drops the literals that never have the value, and searches for a direction in which all others grow,
+    /// or one for each part of the cell. Returns the decided parts if that succeeds.
     fn find_growth(
         &mut self,
         cell: u32,
@@ -413,30 +414,30 @@ impl FieldCover {
         let values: Vec<[f64; 2]> = ranges.slopes.iter().map(|slope| slope.value).collect();
         let tree = self.trees.by_value(before, &values);
         let (old, local) = (self.trees.get(before), self.trees.get(tree));
-        let slope = |p: u32| &ranges.slopes[old.place(p)];
+        let slope = |p: u32| &ranges.slopes[old.index_of(p)];
         let growth = CellGrowth { local, slope, primitives, bounds: &ranges.bounds };
-        let found = if growth.has_direction(local) { Some(Vec::new()) } else { growth.parts() };
+        let decided_parts = if growth.has_direction(local) { Some(Vec::new()) } else { growth.parts() };
         self.cells[cell as usize].tree = tree;
-        found
+        decided_parts
     }
 
-    /// The leaf that contains a cell of a level, if it is of that level or larger.
+    /// The leaf that contains a given cell of a level, if the leaf is at least as large.
     fn leaf(&self, corner: [u32; 3], level: u32) -> Option<u32> {
         let mut cell = 0_u32;
         loop {
-            let of = &self.cells[cell as usize];
-            let CellState::Divided(first) = of.state else { return Some(cell) };
-            if of.level == level {
+            let node = &self.cells[cell as usize];
+            let CellState::Divided(first) = node.state else { return Some(cell) };
+            if node.level == level {
                 return None;
             }
-            let shift = level - of.level - 1;
+            let shift = level - node.level - 1;
             let octant = (0..3).fold(0, |octant, k| octant | (corner[k] >> shift & 1) << k);
             cell = first + octant;
         }
     }
 
-    /// The points that a mesh has to wind around correctly: one of each set of decided cells of one side that
-    /// are joined across sides, and those of the parts of cells with walls.
+    /// The points around which a mesh has to wind correctly: one for each set of decided cells of one side
+    /// that are joined across sides, and those of the parts of cells with walls.
     pub fn winding_probes(&self) -> Vec<WindingProbe> {
         let mut points = self.component_probes();
         points.extend(&self.part_points);
@@ -461,7 +462,7 @@ impl FieldCover {
                 let Some(other) = self.leaf(corner, cell.level) else { continue };
                 if self.cells[other as usize].state == cell.state {
                     let (a, b) = (root(&mut sets, number as u32), root(&mut sets, other));
-                    // The lower number stays, whatever the order.
+                    // The lower number becomes the root, so the result does not depend on the order.
                     let (low, high) = if a < b { (a, b) } else { (b, a) };
                     sets[high as usize] = low;
                 }
@@ -485,12 +486,12 @@ impl FieldCover {
     }
 }
 
-fn root(sets: &mut [u32], mut of: u32) -> u32 {
-    while sets[of as usize] != of {
-        sets[of as usize] = sets[sets[of as usize] as usize];
-        of = sets[of as usize];
+fn root(sets: &mut [u32], mut cell: u32) -> u32 {
+    while sets[cell as usize] != cell {
+        sets[cell as usize] = sets[sets[cell as usize] as usize];
+        cell = sets[cell as usize];
     }
-    of
+    cell
 }
 
 pub(super) fn padded(bounds: &Box3) -> Box3 {

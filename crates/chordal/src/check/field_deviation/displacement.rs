@@ -1,13 +1,12 @@
 //! Heuristic displacements that move the vertices of a mesh to one side of a field's surface, from samples.
-//!
 //! On a face each deciding primitive is taken as a distance, value by gradient, at some points. The CSG tree
 //! determines at each point which of them have to be on a side so that the whole is: of an intersection that
 //! has to be outside the one that is nearest to it, of a union all. A primitive that has to be raised must be
-//! above 0 at the three corners, by its deficit there and by how far its samples lie below the plane through
-//! the corners. Displacements are linear over a face, so then it is above 0 at all samples.
+//! above 0 at the three corners, by its deficit there and by the height of the plane through the corners
+//! above its samples. Displacements are linear over a face, so then it is above 0 at all samples.
 //!
-//! Nothing here is proved, nor has to be: the signs on the displaced faces are proved, whatever the
-//! displacements are.
+//! Nothing is proved here, and nothing need be: the signs on the displaced faces are proved for any
+//! displacements.
 use super::local_trees::{LocalTree, LocalTrees, MOST_CASES};
 use super::regions::SignRegions;
 use crate::explicit::Mesh;
@@ -15,12 +14,13 @@ use crate::implicit::{CsgNode, Dual, LeafError, PrimitiveEvaluator};
 use crate::math::{Box3, cross, difference, dot, greater, length, lesser};
 use std::ops::Range;
 
-/// Estimates of how far the corners of a face are displaced.
+/// Estimates of the displacements of a face's corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DisplacementReach {
-    /// As far as samples require; the face is on a primitive that is at most this far throughout.
+    /// As far as samples require. The face lies on a primitive if that is at most this far from it
+    /// throughout.
     pub at_first: f64,
-    /// In this attempt.
+    /// In the current attempt.
     pub now: f64,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct DisplacementReach {
 pub(super) struct FaceConstraint {
     pub directions: [[f64; 3]; 3],
     pub deficits: [f64; 3],
-    /// 1 where the primitive is near, 0 where it is as far as the displacement's reach.
+    /// 1 if the primitive is near, 0 if it is as far as the displacement's reach.
     pub shares: [f64; 3],
     /// Whether the face lies on the primitive; otherwise it is only near it.
     pub is_on: bool,
@@ -49,14 +49,14 @@ impl FaceConstraint {
 /// The constraints of all faces for one side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceConstraints {
-    all: Vec<FaceConstraint>,
-    /// Where the constraints of each face begin; one more entry than faces.
+    constraints: Vec<FaceConstraint>,
+    /// The start of each face's constraints; one more entry than faces.
     starts: Vec<u32>,
 }
 
 impl FaceConstraints {
     pub fn of_face(&self, face: u32) -> &[FaceConstraint] {
-        &self.all[self.starts[face as usize] as usize..self.starts[face as usize + 1] as usize]
+        &self.constraints[self.starts[face as usize] as usize..self.starts[face as usize + 1] as usize]
     }
 }
 
@@ -88,10 +88,10 @@ fn parts(mesh: &Mesh) -> impl Iterator<Item = Range<usize>> {
 /// The primitives at the samples of some faces.
 struct FaceSamples {
     first: usize,
-    /// By face, the index of its tree; `None` for faces whose side is already decided.
+    /// By face: the index of its tree; `None` for faces whose side is already decided.
     trees: Vec<Option<u32>>,
     slopes: Vec<Dual<f64>>,
-    /// Where the slopes of each face begin.
+    /// The start of each face's slopes.
     starts: Vec<usize>,
 }
 
@@ -110,10 +110,10 @@ impl FaceSamples {
             regions.trees_of(evaluator, &boxes)?.into_iter().map(Result::ok).collect();
         let mut questions = Vec::new();
         let mut starts = Vec::with_capacity(trees.len());
-        for (place, tree) in trees.iter().enumerate() {
+        for (index, tree) in trees.iter().enumerate() {
             starts.push(questions.len());
             let Some(tree) = tree else { continue };
-            let corners = mesh.corners(first + place);
+            let corners = mesh.corners(first + index);
             for p in &regions.trees.get(*tree).primitives {
                 questions.extend(SAMPLES.map(|weights| (*p, mixed(&corners, &weights))));
             }
@@ -124,13 +124,13 @@ impl FaceSamples {
 
     /// The faces with their samples.
     fn faces<'s>(&'s self, trees: &'s LocalTrees) -> impl Iterator<Item = (usize, Option<SampledFace<'s>>)> {
-        self.trees.iter().zip(&self.starts).enumerate().map(move |(place, (tree, start))| {
+        self.trees.iter().zip(&self.starts).enumerate().map(move |(index, (tree, start))| {
             let sampled = |tree: &u32| {
                 let local = trees.get(*tree);
                 let slopes = &self.slopes[*start..][..local.primitives.len() * SAMPLES.len()];
                 SampledFace { local, slopes }
             };
-            (self.first + place, tree.as_ref().map(sampled))
+            (self.first + index, tree.as_ref().map(sampled))
         })
     }
 }
@@ -141,26 +141,26 @@ struct SampledFace<'s> {
     slopes: &'s [Dual<f64>],
 }
 
-/// By face, its approximate distance from the surface.
+/// By face: its approximate distance from the surface.
 pub(super) fn deviations(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
 ) -> Result<Vec<f64>, LeafError> {
-    let mut found = Vec::with_capacity(mesh.faces().len());
+    let mut deviations = Vec::with_capacity(mesh.faces().len());
     for part in parts(mesh) {
         let samples = FaceSamples::from_faces(regions, evaluator, mesh, part, |_| 0.0)?;
         for (face, sampled) in samples.faces(&regions.trees) {
             let Some(SampledFace { local, slopes }) = sampled else {
-                found.push(longest(&mesh.corners(face)));
+                deviations.push(longest(&mesh.corners(face)));
                 continue;
             };
-            let value = |p: u32, sample: usize| distance(&slopes[local.place(p) * SAMPLES.len() + sample]);
+            let value = |p: u32, sample: usize| distance(&slopes[local.index_of(p) * SAMPLES.len() + sample]);
             let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
-            found.push(far.fold(0.0, |most: f64, far| greater(far, most)));
+            deviations.push(far.fold(0.0, |most: f64, far| greater(far, most)));
         }
     }
-    Ok(found)
+    Ok(deviations)
 }
 
 /// The assumed displacement directions of a mesh: raising a primitive across all of them is avoided.
@@ -168,45 +168,48 @@ pub(super) fn deviations(
 pub(super) enum DisplacementNormals {
     /// The vertex normals of a face's corners.
     Vertex,
-    /// Also the face's own normal, which differs where the vertex normals turn back about a narrow notch.
+    /// Also the normal of the face itself, which differs if the vertex normals turn back about a narrow
+    /// notch.
     VertexAndFace,
 }
 
-/// The constraints of the faces of a mesh to be outside, and to be inside, with the reach of each face.
+/// The constraints of the faces of a mesh to be outside, and to be inside, for a reach of each face.
 /// Primitives farther than twice the reach are assumed to stay on their side.
 pub(super) fn face_constraints(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
     reaches: &[DisplacementReach],
-    ways: DisplacementNormals,
+    directions: DisplacementNormals,
 ) -> Result<[FaceConstraints; 2], LeafError> {
     let band = |face: usize| 2.0 * reaches[face].now;
     let normals = normals(mesh);
-    let mut found = [FaceConstraints::default(), FaceConstraints::default()];
+    let mut constraints_by_side = [FaceConstraints::default(), FaceConstraints::default()];
     for part in parts(mesh) {
         let samples = FaceSamples::from_faces(regions, evaluator, mesh, part, band)?;
         for (face, sampled) in samples.faces(&regions.trees) {
-            found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
+            constraints_by_side
+                .iter_mut()
+                .for_each(|demands| demands.starts.push(demands.constraints.len() as u32));
             let Some(SampledFace { local, slopes }) = sampled else { continue };
             let distances: Vec<f64> = slopes.iter().map(distance).collect();
-            let of_corners = sum(mesh.faces()[face].map(|v| normals[v as usize]));
-            let ways = match ways {
-                DisplacementNormals::Vertex => [of_corners; 2],
-                DisplacementNormals::VertexAndFace => [of_corners, normal(&mesh.corners(face))],
+            let vertex_normal = sum(mesh.faces()[face].map(|v| normals[v as usize]));
+            let directions = match directions {
+                DisplacementNormals::Vertex => [vertex_normal; 2],
+                DisplacementNormals::VertexAndFace => [vertex_normal, normal(&mesh.corners(face))],
             };
-            for (side, demands) in found.iter_mut().enumerate() {
-                let outward = ways.map(|way| if side == 1 { way.map(|x| -x) } else { way });
+            for (side, demands) in constraints_by_side.iter_mut().enumerate() {
+                let outward = directions.map(|d| if side == 1 { d.map(|x| -x) } else { d });
                 let of_face =
                     FaceDistances { local, slopes, distances: &distances, outward, band: band(face) };
                 let raised = of_face.raised_literals(side == 1);
                 let demand = |literal| face_constraint(slopes, &distances, literal, &reaches[face]);
-                demands.all.extend(raised.iter().filter_map(demand));
+                demands.constraints.extend(raised.iter().filter_map(demand));
             }
         }
     }
-    found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
-    Ok(found)
+    constraints_by_side.iter_mut().for_each(|demands| demands.starts.push(demands.constraints.len() as u32));
+    Ok(constraints_by_side)
 }
 
 fn distance(slope: &Dual<f64>) -> f64 {
@@ -233,13 +236,13 @@ struct NodeSamples {
 
 /// A primitive is raised across the normal of the mesh if its gradient has a smaller cosine with it.
 const ACROSS: f64 = 0.3;
-/// A primitive that is raised across is penalised by this share of a band: the constraint of one face may be
-/// opposite to that of the next, as on both sides of a face that two solids share. Chosen.
+/// A primitive that is raised across is penalised by this share of a band. Chosen: without it the constraint
+/// of one face may be opposite to that of the next, as on both sides of a face that two solids share.
 const DETOUR: f64 = 0.25;
 
 impl NodeSamples {
-    /// The least value, without the corners, where several primitives may be equal and most are unrelated to
-    /// the face.
+    /// The least value except at the corners, at which several primitives may be equal and most are unrelated
+    /// to the face.
     fn least(&self) -> f64 {
         self.values[3..].iter().fold(f64::INFINITY, |a, b| lesser(*b, a))
     }
@@ -258,10 +261,12 @@ impl NodeSamples {
         self
     }
 
-    /// Of several operands the one with the least deficit; where that is more than can be raised, the largest
+    /// Of several operands the one with the least deficit; if that is more than can be raised, the largest
     /// one at each sample.
     fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
-        let rank = |one: &Self| if one.is_across { one.least() - DETOUR * band } else { one.least() };
+        let rank = |operand: &Self| {
+            if operand.is_across { operand.least() - DETOUR * band } else { operand.least() }
+        };
         let best = (0..operands.len())
             .reduce(|a, b| if rank(&operands[b]) > rank(&operands[a]) { b } else { a })
             .expect("an operator has operands");
@@ -273,13 +278,16 @@ impl NodeSamples {
             (0..operands.len()).fold(0, |a, b| if value(b) > value(a) { b } else { a })
         });
         let values = std::array::from_fn(|k| operands[largest[k]].values[k]);
-        let is_across = operands.iter().any(|one| one.is_across);
+        let is_across = operands.iter().any(|operand| operand.is_across);
         let mut literals = Vec::new();
         for (number, operand) in operands.into_iter().enumerate() {
-            let its = (0..SAMPLES.len()).filter(|k| largest[*k] == number).fold(0, |all, k| all | 1 << k);
-            let kept =
-                operand.literals.into_iter().map(|of| RaisedLiteral { samples: of.samples & its, ..of });
-            literals.extend(kept.filter(|of| of.samples != 0));
+            let own_samples =
+                (0..SAMPLES.len()).filter(|k| largest[*k] == number).fold(0, |all, k| all | 1 << k);
+            let kept_literals = operand
+                .literals
+                .into_iter()
+                .map(|literal| RaisedLiteral { samples: literal.samples & own_samples, ..literal });
+            literals.extend(kept_literals.filter(|literal| literal.samples != 0));
         }
         Self { values, literals, is_across }
     }
@@ -290,7 +298,7 @@ struct FaceDistances<'a> {
     local: &'a LocalTree,
     slopes: &'a [Dual<f64>],
     distances: &'a [f64],
-    /// The directions in which the mesh is displaced here; of any length.
+    /// The directions in which the mesh may be displaced here; of any length.
     outward: [[f64; 3]; 2],
     band: f64,
 }
@@ -300,23 +308,23 @@ impl FaceDistances<'_> {
     /// outside, so `inward` flips all signs, and swaps unions and intersections. Of an intersection that has
     /// to be outside it is the operand with the least deficit.
     ///
-    /// At a face that two solids share each of them would require to stay on its own side of it. If the
+    /// At a face that two solids share, each of them would require it to stay on one side. If the
     /// required side is reached in all cases of such a primitive, it is unconstrained ([`LocalTree`]).
     fn raised_literals(&self, inward: bool) -> Vec<RaisedLiteral> {
-        let shared: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
+        let mixed: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
         let plain = self.of_tree(|p, falls| self.literal(p, falls), inward);
-        let whole = if shared.is_empty() || shared.len() > MOST_CASES {
+        let required = if mixed.is_empty() || mixed.len() > MOST_CASES {
             plain
         } else {
             let of_case = |case: u32| {
-                let literal = |p: u32, falls: bool| match shared.iter().position(|q| *q == p) {
+                let literal = |p: u32, falls: bool| match mixed.iter().position(|q| *q == p) {
                     Some(bit) => NodeSamples::constant((case >> bit & 1 == 1) != falls),
                     None => self.literal(p, falls),
                 };
                 self.of_tree(literal, inward)
             };
             let in_all =
-                (0..1 << shared.len()).map(of_case).reduce(NodeSamples::and).expect("there is a case");
+                (0..1 << mixed.len()).map(of_case).reduce(NodeSamples::and).expect("there is a case");
             let least = in_all.least();
             if least >= -self.band && least + DETOUR * self.band >= plain.least() {
                 in_all
@@ -324,14 +332,14 @@ impl FaceDistances<'_> {
                 NodeSamples::any_of(vec![in_all, plain], self.band)
             }
         };
-        let mut all = whole.literals;
-        all.sort_unstable();
-        all.dedup_by(|next, kept| {
+        let mut literals = required.literals;
+        literals.sort_unstable();
+        literals.dedup_by(|next, kept| {
             let is_same = next.place == kept.place && next.falls == kept.falls;
             kept.samples |= if is_same { next.samples } else { 0 };
             is_same
         });
-        all
+        literals
     }
 
     fn of_tree(&self, literal: impl Fn(u32, bool) -> NodeSamples, inward: bool) -> NodeSamples {
@@ -358,13 +366,13 @@ impl FaceDistances<'_> {
 
     /// Whether a primitive may change its sign within the band.
     fn is_near(&self, primitive: u32) -> bool {
-        let first = self.local.place(primitive) * SAMPLES.len();
-        self.distances[first..first + SAMPLES.len()].iter().any(|far| far.abs() < self.band)
+        let first = self.local.index_of(primitive) * SAMPLES.len();
+        self.distances[first..first + SAMPLES.len()].iter().any(|distance| distance.abs() < self.band)
     }
 
     fn literal(&self, primitive: u32, falls: bool) -> NodeSamples {
-        let place = self.local.place(primitive);
-        let first = place * SAMPLES.len();
+        let index = self.local.index_of(primitive);
+        let first = index * SAMPLES.len();
         let values: [f64; SAMPLES.len()] = std::array::from_fn(|sample| {
             let value = self.distances[first + sample];
             if falls { -value } else { value }
@@ -380,19 +388,19 @@ impl FaceDistances<'_> {
             let cosine = along / (length(gradient) * length(*outward));
             cosine.is_nan() || cosine < ACROSS
         });
-        let literals = vec![RaisedLiteral { place: place as u32, falls, samples }];
+        let literals = vec![RaisedLiteral { place: index as u32, falls, samples }];
         NodeSamples { values, literals, is_across }
     }
 }
 
-/// By vertex the sum of the normals of the faces around it, weighted by twice their area.
+/// By vertex: the sum of the normals of the faces around it, weighted by twice their area.
 fn normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; mesh.positions().len()];
     for (face, corners) in mesh.faces().iter().enumerate() {
         let normal = normal(&mesh.corners(face));
         for v in corners {
-            let of = &mut normals[*v as usize];
-            *of = sum([*of, normal, [0.0; 3]]);
+            let vertex_normal = &mut normals[*v as usize];
+            *vertex_normal = sum([*vertex_normal, normal, [0.0; 3]]);
         }
     }
     normals
@@ -407,7 +415,7 @@ fn sum(vectors: [[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| vectors[0][k] + vectors[1][k] + vectors[2][k])
 }
 
-/// The constraint of a literal on the corners of a face; `None` where its gradient is unusable.
+/// The constraint of a literal on the corners of a face; `None` if its gradient is unusable.
 fn face_constraint(
     slopes: &[Dual<f64>],
     distances: &[f64],
@@ -416,24 +424,24 @@ fn face_constraint(
 ) -> Option<FaceConstraint> {
     let first = literal.place as usize * SAMPLES.len();
     let sign = if literal.falls { -1.0 } else { 1.0 };
-    let far: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
+    let heights: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
     let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
-    // A corner farther than its possible displacement counts as one at that distance.
+    // A corner farther away than its largest possible displacement counts as that far.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
         let far = sign * slopes[first + k].value / length(beside[k]);
         lesser(reach.now, far)
     });
     let mut bulge = 0.0;
     for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
-        let below = dot(at_corners, *weights) - far[k];
+        let below = dot(at_corners, *weights) - heights[k];
         bulge = greater(below, bulge);
     }
-    let lacks = at_corners.map(|far| bulge - far);
+    let deficits = at_corners.map(|far| bulge - far);
     let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
-    let is_finite = lacks.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
+    let is_finite = deficits.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
     let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach.now } else { 1.0 });
-    let is_on = far.iter().all(|far| far.abs() <= reach.at_first);
-    is_finite.then_some(FaceConstraint { directions, deficits: lacks, shares, is_on })
+    let is_on = heights.iter().all(|far| far.abs() <= reach.at_first);
+    is_finite.then_some(FaceConstraint { directions, deficits, shares, is_on })
 }
 
 fn longest(corners: &[[f64; 3]; 3]) -> f64 {
@@ -441,9 +449,9 @@ fn longest(corners: &[[f64; 3]; 3]) -> f64 {
     box_of.diagonal()
 }
 
-fn inflated(corners: &[[f64; 3]; 3], by: f64) -> Box3 {
+fn inflated(corners: &[[f64; 3]; 3], margin: f64) -> Box3 {
     let bare = Box3::from_points(corners);
-    Box3 { min: bare.min.map(|x| x - by), max: bare.max.map(|x| x + by) }
+    Box3 { min: bare.min.map(|x| x - margin), max: bare.max.map(|x| x + margin) }
 }
 
 fn mixed(corners: &[[f64; 3]; 3], weights: &[f64; 3]) -> [f64; 3] {
@@ -459,8 +467,8 @@ pub(super) struct HalfSpace {
     pub share: f64,
 }
 
-/// The rounding of a satisfied constraint, relative to the displacement: chosen, it only decides which guess
-/// is tried.
+/// The rounding of a satisfied constraint, relative to the displacement. Chosen: it only affects which
+/// guesses are tried.
 const ROUNDING: f64 = 1e-11;
 
 impl HalfSpace {

@@ -15,10 +15,10 @@
 //! one that is concave the other way round.
 //!
 //! The values at the corners are ranges over points. Every piece is split at rounded midpoints, so a point of
-//! the original triangle may be off the nearest point of its piece, along each axis, by [`OFF`] of the
-//! largest coordinate of the triangle. E has that margin, and the bound on f is widened by `Σₖ |G|ₖ·off`. So
-//! a proved sign holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its
-//! interior, or strictly, for a function that is continuous there.
+//! the original triangle may be off the nearest point of its piece, along each axis, by [`SLACK`] of the
+//! largest coordinate of the triangle. E has that margin, and the bound on f is widened by `Σₖ |G|ₖ·slack`.
+//! So a proved sign holds in a neighbourhood of the triangle: by the range over E, which holds the piece in
+//! its interior, or strictly, for a function that is continuous there.
 //!
 //! The sides of the primitives determine the side of the whole
 //! ([`LocalTree::membership`](super::local_trees::LocalTree::membership)); halves of a piece inherit decided
@@ -36,14 +36,14 @@ use crate::math::{
 };
 use std::collections::HashMap;
 
-/// How far a point of a triangle may be off its piece, relative to its largest coordinate: derived, each of
-/// up to [`MOST_CUTS`] midpoints is rounded by at most half of ε; taken three times, so that E holds the
-/// piece in its interior.
-const OFF: f64 = 32.0 * f64::EPSILON;
-/// The most bisections of a triangle: [`OFF`] relies on it.
+/// A bound on the distance of a point of a triangle from its piece along each axis, relative to its largest
+/// coordinate: derived, each of up to [`MOST_CUTS`] midpoints is rounded by at most half of ε; taken three
+/// times, so that E holds the piece in its interior.
+const SLACK: f64 = 32.0 * f64::EPSILON;
+/// The most bisections of a triangle: [`SLACK`] relies on it.
 pub(super) const MOST_CUTS: u32 = 18;
 
-/// Triangles that have to be on one side.
+/// Triangles that have to be on a given side.
 pub(super) struct SideQuery<'a> {
     pub positions: &'a [[f64; 3]],
     pub faces: &'a [[u32; 3]],
@@ -63,26 +63,26 @@ pub(super) enum FaceSide {
     Wrong,
 }
 
-/// The most pieces at a time, for each face, and in addition: with more of them, the faces with the most
-/// pieces stay open. Measured on a twisted bolt, whose ranges are wide: with 16 a face the proof fails, with
-/// 128 it succeeds.
+/// The most pieces at a time: so many for each face, and so many in addition. With more of them, the faces
+/// with the most pieces stay open. Measured on a twisted bolt, whose ranges are wide: with 16 a face the
+/// proof fails, with 128 it succeeds.
 const PIECES_A_FACE: usize = 128;
 const MOST_PIECES: usize = 1 << 14;
 
 struct SignTriangle {
     corners: [[f64; 3]; 3],
-    /// How far points of the original triangle may be off the piece.
-    off: f64,
+    /// A bound on the distance of points of the original triangle from the piece, along each axis.
+    slack: f64,
     face: u32,
     tree: u32,
-    /// Where its values at the corners begin, by primitive of the tree.
+    /// The start of its values at the corners, by primitive of the tree.
     values: usize,
 }
 
 /// A piece to be split.
 struct TriangleSplit {
     piece: usize,
-    /// The rest of its tree.
+    /// The tree that is still undecided on it.
     tree: u32,
     /// The side whose midpoint becomes a corner.
     side: usize,
@@ -90,27 +90,27 @@ struct TriangleSplit {
 
 type CornerValues = [[f64; 2]; 3];
 
-/// Verdicts of earlier queries: most triangles stay the same from one mesh to the next.
+/// Verdicts of earlier queries: most triangles do not change from one mesh to the next.
 #[derive(Clone, Debug)]
 pub(super) struct FaceSideCache {
-    // Only looked up, never iterated.
-    known: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
+    // It is never iterated.
+    verdicts: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
     /// The most triangles kept.
     most: usize,
 }
 
-/// The most triangles kept, whatever the memory: some hundred megabytes.
-const MOST_KNOWN: usize = 1 << 20;
+/// The most triangles kept, for any amount of memory: some hundred megabytes.
+const MOST_VERDICTS: usize = 1 << 20;
 /// Bytes per entry, about: twice its size, as tables grow by doubling.
-const BYTES_KNOWN: u64 = 200;
+const BYTES_PER_VERDICT: u64 = 200;
 /// The share of the job's memory for the entries.
-const KNOWN_SHARE: u64 = 16;
+const VERDICTS_SHARE: u64 = 16;
 
 impl FaceSideCache {
     pub fn new(memory_limit: u64) -> Self {
-        let most = memory_limit / KNOWN_SHARE / BYTES_KNOWN;
-        let most = usize::try_from(most).unwrap_or(MOST_KNOWN).min(MOST_KNOWN);
-        Self { known: HashMap::new(), most } // No order depends on it.
+        let most = memory_limit / VERDICTS_SHARE / BYTES_PER_VERDICT;
+        let most = usize::try_from(most).unwrap_or(MOST_VERDICTS).min(MOST_VERDICTS);
+        Self { verdicts: HashMap::new(), most } // No order depends on it.
     }
 
     /// The key of a triangle: the bits of its corners and the required side.
@@ -126,7 +126,7 @@ impl FaceSideCache {
 
     /// The cached verdict, if it was found with at least as many bisections.
     fn get(&self, key: &[u64; 10], cuts: u32) -> Option<FaceSide> {
-        let (side, with) = self.known.get(key)?;
+        let (side, with) = self.verdicts.get(key)?;
         (*side != FaceSide::Open || *with >= cuts).then_some(*side)
     }
 }
@@ -138,22 +138,23 @@ pub(super) fn classify_sides(
     question: &SideQuery,
 ) -> Result<Vec<FaceSide>, LeafError> {
     let keys: Vec<[u64; 10]> = question.faces.iter().map(|face| FaceSideCache::key(question, face)).collect();
-    let known: Vec<Option<FaceSide>> = keys.iter().map(|key| regions.known.get(key, question.cuts)).collect();
-    let unknown: Vec<usize> = (0..known.len()).filter(|k| known[*k].is_none()).collect();
+    let cached: Vec<Option<FaceSide>> =
+        keys.iter().map(|key| regions.face_sides.get(key, question.cuts)).collect();
+    let unknown: Vec<usize> = (0..cached.len()).filter(|k| cached[*k].is_none()).collect();
     let faces: Vec<[u32; 3]> = unknown.iter().map(|k| question.faces[*k]).collect();
-    let mut looked =
+    let mut computed =
         classify_uncached(regions, evaluator, &SideQuery { faces: &faces, ..*question })?.into_iter();
-    if regions.known.known.len() + unknown.len() > regions.known.most {
-        regions.known.known.clear();
+    if regions.face_sides.verdicts.len() + unknown.len() > regions.face_sides.most {
+        regions.face_sides.verdicts.clear();
     }
-    let mut found = Vec::with_capacity(known.len());
-    for (key, known) in keys.into_iter().zip(known) {
-        found.push(known.or_else(|| looked.next()).expect("what is not known was looked at"));
-        if known.is_none() {
-            regions.known.known.insert(key, (found[found.len() - 1], question.cuts));
+    let mut results = Vec::with_capacity(cached.len());
+    for (key, cached) in keys.into_iter().zip(cached) {
+        results.push(cached.or_else(|| computed.next()).expect("what is not known was looked at"));
+        if cached.is_none() {
+            regions.face_sides.verdicts.insert(key, (results[results.len() - 1], question.cuts));
         }
     }
-    Ok(found)
+    Ok(results)
 }
 
 fn classify_uncached(
@@ -162,8 +163,8 @@ fn classify_uncached(
     question: &SideQuery,
 ) -> Result<Vec<FaceSide>, LeafError> {
     debug_assert!(question.cuts <= MOST_CUTS);
-    let mut found = vec![FaceSide::Proved; question.faces.len()];
-    let (mut pieces, mut values) = initial_triangles(regions, evaluator, question, &mut found)?;
+    let mut verdicts = vec![FaceSide::Proved; question.faces.len()];
+    let (mut pieces, mut values) = initial_triangles(regions, evaluator, question, &mut verdicts)?;
     let n_kept = regions.trees.len();
     for cuts in 0..=question.cuts {
         if pieces.is_empty() {
@@ -178,15 +179,15 @@ fn classify_uncached(
             })
             .collect();
         let slopes = evaluator.dual_ranges(&questions)?;
-        // Where the work is used up, what needs more cuts stays open.
+        // Once the work is used up, pieces that need more cuts stay open.
         let most_cuts = if evaluator.is_over() { cuts } else { question.cuts };
-        let looked = pieces_sides(regions, evaluator, (&pieces, &values), &slopes)?;
-        let mut rest = slopes.as_slice();
+        let sides_of_pieces = pieces_sides(regions, evaluator, (&pieces, &values), &slopes)?;
+        let mut remaining = slopes.as_slice();
         let mut split: Vec<TriangleSplit> = Vec::new();
-        for (k, (piece, PieceSides { sides, side })) in pieces.iter().zip(looked).enumerate() {
-            let (own, after) = rest.split_at(sides.len());
-            rest = after;
-            let face = &mut found[piece.face as usize];
+        for (k, (piece, PieceSides { sides, side })) in pieces.iter().zip(sides_of_pieces).enumerate() {
+            let (piece_slopes, after) = remaining.split_at(sides.len());
+            remaining = after;
+            let face = &mut verdicts[piece.face as usize];
             if *face != FaceSide::Proved {
                 continue;
             }
@@ -200,31 +201,31 @@ fn classify_uncached(
             } else {
                 match regions.trees.restricted(piece.tree, &sides) {
                     Ok(tree) => {
-                        let side = side_to_cut(&piece.corners, &sides, own);
+                        let side = side_to_cut(&piece.corners, &sides, piece_slopes);
                         split.push(TriangleSplit { piece: k, tree, side });
                     }
                     Err(_) => *face = FaceSide::Wrong,
                 }
             }
         }
-        split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
+        split.retain(|part| verdicts[pieces[part.piece].face as usize] == FaceSide::Proved);
         if split.len() > PIECES_A_FACE * question.faces.len() + MOST_PIECES {
-            abandon_most_split(&pieces, &mut split, &mut found);
+            abandon_most_split(&pieces, &mut split, &mut verdicts);
         }
-        let is_wrong = |face: u32| found[face as usize] = FaceSide::Wrong;
+        let is_wrong = |face: u32| verdicts[face as usize] = FaceSide::Wrong;
         (pieces, values) = halves((regions, question.side), evaluator, (&pieces, &values), &split, is_wrong)?;
     }
     regions.trees.truncate(n_kept);
-    Ok(found)
+    Ok(verdicts)
 }
 
-/// The sides of a piece's primitives, and its own.
+/// The sides of a piece's primitives, and the side of the piece.
 struct PieceSides {
     sides: Vec<LiteralSides>,
     side: Membership,
 }
 
-/// The sides of pieces; of those that ranges do not decide also by tangent planes.
+/// The sides of pieces. Primitives that ranges do not decide are also compared with tangent planes.
 fn pieces_sides(
     regions: &SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -234,23 +235,24 @@ fn pieces_sides(
     let primitives = evaluator.csg().primitives();
     let curvature = |p: u32| primitives[p as usize].curvature();
     let extents: Vec<SignTriangleExtent> = pieces.iter().map(SignTriangleExtent::from_triangle).collect();
-    let mut looked: Vec<PieceSides> = Vec::with_capacity(pieces.len());
-    // By piece and primitive, where there is a tangent plane to be looked at, and the row of the primitive's slope.
+    let mut results: Vec<PieceSides> = Vec::with_capacity(pieces.len());
+    // The primitives with a tangent plane to be evaluated: piece, primitive, and row of the primitive's
+    // slope.
     let mut unsure: Vec<(usize, usize, usize)> = Vec::new();
     let mut questions: Vec<(u32, Box3)> = Vec::new();
     let mut first = 0;
     for (number, (piece, extent)) in pieces.iter().zip(&extents).enumerate() {
         let local = regions.trees.get(piece.tree);
-        let own = &slopes[first..first + local.primitives.len()];
+        let piece_slopes = &slopes[first..first + local.primitives.len()];
         let at_corners = &values[piece.values..];
-        let both = own.iter().zip(at_corners);
+        let slopes_and_values = piece_slopes.iter().zip(at_corners);
         let sides: Vec<LiteralSides> = local
             .primitives
             .iter()
-            .zip(both)
+            .zip(slopes_and_values)
             .map(|(p, (slope, at_corners))| extent.sides(curvature(*p), slope, at_corners))
             .collect();
-        let side = local.membership(&sides, own);
+        let side = local.membership(&sides, piece_slopes);
         if side == Membership::Unknown {
             let bends = |p: u32| matches!(curvature(p), Curvature::Convex | Curvature::Concave);
             let open = local.primitives.iter().enumerate();
@@ -260,41 +262,41 @@ fn pieces_sides(
             }
         }
         first += sides.len();
-        looked.push(PieceSides { sides, side });
+        results.push(PieceSides { sides, side });
     }
     let tangents = evaluator.dual_ranges(&questions)?;
     for (((number, k, row), tangent), (p, _)) in unsure.into_iter().zip(&tangents).zip(&questions) {
-        let (piece, of) = (&pieces[number], &mut looked[number]);
+        let (piece, result) = (&pieces[number], &mut results[number]);
         if let Some(side) = extents[number].side_of_tangent(curvature(*p), (tangent, &slopes[row]), piece) {
-            of.sides[k] = side;
+            result.sides[k] = side;
             let local = regions.trees.get(piece.tree);
             let first = row - k;
-            of.side = local.membership(&of.sides, &slopes[first..first + of.sides.len()]);
+            result.side = local.membership(&result.sides, &slopes[first..first + result.sides.len()]);
         }
     }
-    Ok(looked)
+    Ok(results)
 }
 
 fn point(at: [f64; 3]) -> Box3 {
     Box3 { min: at, max: at }
 }
 
-/// Gives up the faces that have an average number of pieces or more; they stay open.
-fn abandon_most_split(pieces: &[SignTriangle], split: &mut Vec<TriangleSplit>, found: &mut [FaceSide]) {
+/// Gives up the faces with at least the average number of pieces; they stay open.
+fn abandon_most_split(pieces: &[SignTriangle], split: &mut Vec<TriangleSplit>, verdicts: &mut [FaceSide]) {
     let faces = split.chunk_by(|a, b| pieces[a.piece].face == pieces[b.piece].face);
     let share = split.len() / faces.clone().count();
     for of_face in faces.filter(|of_face| of_face.len() >= share) {
-        found[pieces[of_face[0].piece].face as usize] = FaceSide::Open;
+        verdicts[pieces[of_face[0].piece].face as usize] = FaceSide::Open;
     }
-    split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
+    split.retain(|part| verdicts[pieces[part.piece].face as usize] == FaceSide::Proved);
 }
 
-/// The triangles as pieces, and the values at their corners; without those that are decided as a whole.
+/// The triangles as pieces, and the values at their corners; without triangles that are decided as a whole.
 fn initial_triangles(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     question: &SideQuery,
-    found: &mut [FaceSide],
+    verdicts: &mut [FaceSide],
 ) -> Result<(Vec<SignTriangle>, Vec<CornerValues>), LeafError> {
     let corners_of = |face: &[u32; 3]| face.map(|v| question.positions[v as usize]);
     let boxes: Vec<Box3> = question
@@ -312,7 +314,7 @@ fn initial_triangles(
             Ok(tree) => tree,
             Err(side) => {
                 if side != question.side {
-                    found[number] = FaceSide::Wrong;
+                    verdicts[number] = FaceSide::Wrong;
                 }
                 continue;
             }
@@ -320,8 +322,8 @@ fn initial_triangles(
         let primitives = &regions.trees.get(tree).primitives;
         pairs.extend(primitives.iter().flat_map(|p| face.map(|v| (*p, v))));
         let corners = corners_of(face);
-        let off = rounding_slack(&corners);
-        pieces.push(SignTriangle { corners, off, face: number as u32, tree, values: n_values });
+        let slack = rounding_slack(&corners);
+        pieces.push(SignTriangle { corners, slack, face: number as u32, tree, values: n_values });
         n_values += primitives.len();
     }
     pairs.sort_unstable();
@@ -334,19 +336,20 @@ fn initial_triangles(
     for piece in &pieces {
         let face = question.faces[piece.face as usize];
         let local = regions.trees.get(piece.tree);
-        let own: Vec<CornerValues> = local.primitives.iter().map(|p| face.map(|v| value(*p, v))).collect();
-        let corner = |k: usize| own.iter().map(|at_corners| at_corners[k]).collect::<Vec<_>>();
+        let corner_values: Vec<CornerValues> =
+            local.primitives.iter().map(|p| face.map(|v| value(*p, v))).collect();
+        let corner = |k: usize| corner_values.iter().map(|at_corners| at_corners[k]).collect::<Vec<_>>();
         if (0..3).any(|k| is_opposite(side_at_point(local, &corner(k)), question.side)) {
-            found[piece.face as usize] = FaceSide::Wrong;
+            verdicts[piece.face as usize] = FaceSide::Wrong;
         }
-        values.extend(own);
+        values.extend(corner_values);
     }
-    pieces.retain(|piece| found[piece.face as usize] == FaceSide::Proved);
+    pieces.retain(|piece| verdicts[piece.face as usize] == FaceSide::Proved);
     Ok((pieces, values))
 }
 
-/// Both halves of some pieces, each with a tree, and the values at their corners. What has its middle on the other side
-/// for certain is told.
+/// Both halves of some pieces, each with a tree, and the values at their corners. Calls `is_wrong` for faces
+/// whose midpoint is certainly on the other side.
 fn halves(
     (regions, side): (&SignRegions, Membership),
     evaluator: &mut PrimitiveEvaluator,
@@ -364,12 +367,12 @@ fn halves(
     }
     let answers = evaluator.ranges(&questions)?;
     let (mut parts, mut part_values) = (Vec::with_capacity(2 * split.len()), Vec::new());
-    let mut rest = answers.as_slice();
+    let mut remaining = answers.as_slice();
     for (TriangleSplit { piece, tree, side: cut }, middle) in split.iter().zip(middles) {
         let piece = &pieces[*piece];
         let (old, new) = (regions.trees.get(piece.tree), regions.trees.get(*tree));
-        let (at_middle, after) = rest.split_at(new.primitives.len());
-        rest = after;
+        let (at_middle, after) = remaining.split_at(new.primitives.len());
+        remaining = after;
         if is_opposite(side_at_point(new, at_middle), side) {
             is_wrong(piece.face);
             continue;
@@ -380,7 +383,7 @@ fn halves(
             corners[replaced] = middle;
             parts.push(SignTriangle { corners, tree: *tree, values: part_values.len(), ..*piece });
             for (p, at_middle) in new.primitives.iter().zip(at_middle) {
-                let mut at_corners = values[piece.values + old.place(*p)];
+                let mut at_corners = values[piece.values + old.index_of(*p)];
                 at_corners[replaced] = *at_middle;
                 part_values.push(at_corners);
             }
@@ -389,7 +392,7 @@ fn halves(
     Ok((parts, part_values))
 }
 
-/// The side of a point, from the ranges of the primitives there, if it is on none of their zero sets.
+/// The side of a point, from the ranges of the primitives there, unless it may be on one of their zero sets.
 fn side_at_point(local: &LocalTree, ranges: &[[f64; 2]]) -> Membership {
     let sides: Vec<LiteralSides> = ranges.iter().map(LiteralSides::off_zero).collect();
     local.membership_without_cracks(&sides)
@@ -399,7 +402,7 @@ fn is_opposite(side: Membership, wanted: Membership) -> bool {
     side != Membership::Unknown && side != wanted
 }
 
-/// The side along which the primitives that leave a piece open change most, each relative to its steepest
+/// The side along which the undecided primitives of a piece change the most, each relative to its steepest
 /// change: along the axis of an extrusion they do not change.
 fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[LiteralSides], slopes: &[DualRange]) -> usize {
     let along = |k: usize| {
@@ -430,21 +433,21 @@ fn longest_side(corners: &[[f64; 3]; 3]) -> usize {
     (0..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
 }
 
-/// How far points of a triangle with these corners may be off its pieces.
+/// A bound on the distance of points of a triangle with these corners from its pieces.
 fn rounding_slack(corners: &[[f64; 3]; 3]) -> f64 {
     let most = corners.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-    mul_up(OFF, most)
+    mul_up(SLACK, most)
 }
 
 /// The box E.
-fn padded_bounds(corners: &[[f64; 3]; 3], off: f64) -> Box3 {
+fn padded_bounds(corners: &[[f64; 3]; 3], slack: f64) -> Box3 {
     let bare = Box3::from_points(corners);
-    Box3 { min: bare.min.map(|x| sub_down(x, off)), max: bare.max.map(|x| add_up(x, off)) }
+    Box3 { min: bare.min.map(|x| sub_down(x, slack)), max: bare.max.map(|x| add_up(x, slack)) }
 }
 
 impl SignTriangle {
     fn bounds(&self) -> Box3 {
-        padded_bounds(&self.corners, self.off)
+        padded_bounds(&self.corners, self.slack)
     }
 }
 
@@ -456,7 +459,7 @@ struct SignTriangleExtent {
     radius: f64,
     /// wₖ.
     widths: [f64; 3],
-    off: f64,
+    slack: f64,
 }
 
 impl SignTriangleExtent {
@@ -470,10 +473,10 @@ impl SignTriangleExtent {
         });
         let bare = Box3::from_points(corners);
         let widths = std::array::from_fn(|k| sub_up(bare.max[k], bare.min[k]));
-        Self { centre, radius, widths, off: piece.off }
+        Self { centre, radius, widths, slack: piece.slack }
     }
 
-    /// The sides of a primitive and of its complement on which the piece is.
+    /// The sides of a primitive and of its complement on which the piece lies.
     fn sides(&self, curvature: Curvature, slope: &DualRange, at_corners: &CornerValues) -> LiteralSides {
         let by_range = LiteralSides::from_range(&slope.value);
         let Some(gradient) = slope.gradient.filter(|_| by_range.is_open()) else { return by_range };
@@ -498,24 +501,25 @@ impl SignTriangleExtent {
 }
 
 impl SignTriangleExtent {
-    /// How much a function with these gradients may change from the piece to points of the original triangle.
+    /// A bound on the change of a function with these gradients from the piece to points of the original
+    /// triangle.
     fn rounding(&self, gradient: &[Interval; 3]) -> f64 {
-        mul_up(gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude())), self.off)
+        mul_up(gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude())), self.slack)
     }
 
     /// The side of a convex or concave primitive, from a tangent plane.
     ///
-    /// A convex function is nowhere below f(o) + g·(x − o) for its gradient g at a point o, wherever that is; over the piece
-    /// this is least at a corner. A tangent plane at the middle of a chord is as far from it as the arc is, a quarter of what
-    /// the range of gradients over the chord says.
+    /// A convex function is nowhere below f(o) + g·(x − o) for its gradient g at any point o; over the piece
+    /// this is least at a corner. The tangent plane at the middle of a chord is as far from the chord as the
+    /// arc is, a quarter of the distance that the range of gradients over the chord allows.
     fn side_of_tangent(
         &self,
         curvature: Curvature,
         (tangent, slope): (&DualRange, &DualRange),
         piece: &SignTriangle,
     ) -> Option<LiteralSides> {
-        let (gradient, around) = (tangent.gradient?, slope.gradient?);
-        let rounding = self.rounding(&around);
+        let (gradient, gradient_range) = (tangent.gradient?, slope.gradient?);
+        let rounding = self.rounding(&gradient_range);
         let rises = piece.corners.map(|corner| product(gradient, step(corner, self.centre)));
         match curvature {
             Curvature::Convex => {
@@ -537,7 +541,7 @@ fn centre(corners: &[[f64; 3]; 3]) -> [f64; 3] {
         let d = difference(corners[(k + 1) % 3], corners[(k + 2) % 3]);
         dot(d, d)
     });
-    // Barycentric coordinates of the circumcentre; one is negative where the angle is obtuse.
+    // Barycentric coordinates of the circumcentre; one is negative if the angle is obtuse.
     let weights: [f64; 3] =
         std::array::from_fn(|k| squares[k] * (squares[(k + 1) % 3] + squares[(k + 2) % 3] - squares[k]));
     let sum = weights[0] + weights[1] + weights[2];

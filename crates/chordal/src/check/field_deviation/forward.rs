@@ -1,9 +1,9 @@
-//! The search from the points of a mesh to the surface of a field: which pieces are bounded next, and when it
-//! ends.
+//! The search from the points of a mesh to the surface of a field: the order in which pieces are bounded, and
+//! its end.
 //!
 //! The sufficient distance depends on the farthest known point, so the pieces that seem farthest come first:
 //! a round processes the upper part of the open pieces, and probes lower bounds for the farthest
-//! ([`super::probe`]). Every bound is valid at any time; when the allowed work is used up, the answer is the
+//! ([`super::probe`]). Every bound is valid at any time; once the allowed work is used up, the result is the
 //! largest upper bound of the remaining pieces.
 use super::from_mesh::{self, FieldSubtriangle, MOST_CUTS, SubtriangleBounds};
 use super::probe::{DistanceProbe, ProbeSharpness, probe_distances};
@@ -24,24 +24,24 @@ pub(super) struct ForwardDistance {
     pub unresolved: u64,
 }
 
-/// The most pieces beyond the faces themselves: a multiple of the faces plus a constant, at most
-/// [`MOST_PIECES`], which is what a gigabyte holds. Then the search stops.
+/// The most pieces in addition to the faces: a multiple of the faces plus a constant, at most
+/// [`MOST_PIECES`], which fit into a gigabyte. Then the search stops.
 const PIECES_A_FACE: usize = 24;
 const FEW_PIECES: usize = 1 << 17;
 const MOST_PIECES: usize = 1 << 22;
-/// Points that take as long as a piece: its box is searched with the whole field. Measured on unions of ten solids.
+/// Work units of one piece: its box is searched with the whole field. Measured on unions of ten solids.
 const POINTS_A_PIECE: u64 = 64;
-/// Pieces split this often without any surface point nearby are given up: there is none to be found.
+/// A piece split this often without any surface point nearby is given up, since there is none to be found.
 const LOST: u32 = 6;
-/// So often a piece is split for a bound tighter than required, as long as half of the work is left for
-/// others.
+/// A piece is split up to this often for a bound tighter than required, as long as half of the work is left
+/// for other pieces.
 const EAGER: u32 = 5;
 /// The share of the limit for that tighter bound: a bound just below the limit leaves no margin for the other
 /// direction. Measured: with ⅓ a sphere's proof took twice as long, and columns were none the better.
 const TIGHT: f64 = 0.7;
-/// On settled pieces the residual is tightened where it may exceed this share of the sufficient distance.
+/// On settled pieces the residual is tightened if it may exceed this share of the sufficient distance.
 const LOOSE: f64 = 0.6;
-/// Pieces whose centroids are probed in a round, and in one task.
+/// Pieces whose centroids are probed in one round, and in one task.
 const PROBED: usize = 32;
 const PROBED_AT_ONCE: usize = 4;
 /// A round processes the pieces above this fraction between the sufficient distance and the largest bound.
@@ -50,21 +50,21 @@ const UPPER_PART: f64 = 0.5;
 type OpenSubtriangles = Vec<(FieldSubtriangle, SubtriangleBounds)>;
 
 impl FieldDeviationSearch<'_> {
-    /// `least` is a lower bound known for either direction, and `share` the part of the goal's gap that may
-    /// be used.
+    /// Bounds the distance of all points of the mesh. `least` is a known lower bound for either direction,
+    /// and `share` the part of the goal's gap that may be used.
     pub fn forward(&self, least: f64, share: f64) -> Result<ForwardDistance, JobError> {
-        let aim = |out: &ForwardDistance| self.aim(greater(least, out.least), share);
+        let aim = |result: &ForwardDistance| self.aim(greater(least, result.least), share);
         let faces = self.mesh.faces();
         let relative = self.goal.max.is_none();
-        let mut out = ForwardDistance {
+        let mut result = ForwardDistance {
             least: 0.0,
             residuals: vec![0.0; faces.len()],
             most: 0.0,
             at: self.mesh.corners(0)[0],
             unresolved: 0,
         };
-        let mut left = faces.len() + (PIECES_A_FACE * faces.len() + FEW_PIECES).min(MOST_PIECES);
-        let reserve = left / 2;
+        let mut pieces_left = faces.len() + (PIECES_A_FACE * faces.len() + FEW_PIECES).min(MOST_PIECES);
+        let reserve = pieces_left / 2;
         let mut batch: Vec<FieldSubtriangle> = (0..faces.len())
             .map(|face| FieldSubtriangle::from_face(self.mesh.corners(face), face as u32))
             .collect();
@@ -72,68 +72,68 @@ impl FieldDeviationSearch<'_> {
         let mut witnesses = None;
         loop {
             self.check_cancelled()?;
-            let mut known = self.bound_batch(&batch, aim(&out))?;
-            left = left.saturating_sub(batch.len());
+            let mut bounds = self.bound_batch(&batch, aim(&result))?;
+            pieces_left = pieces_left.saturating_sub(batch.len());
             self.job.count_work(POINTS_A_PIECE * batch.len() as u64);
             if self.job.is_over() {
-                left = 0;
+                pieces_left = 0;
             }
-            for known in &known {
-                if known.at_least > out.least {
-                    (out.least, out.at) = (known.at_least, known.at);
+            for bounds in &bounds {
+                if bounds.at_least > result.least {
+                    (result.least, result.at) = (bounds.at_least, bounds.at);
                 }
             }
-            self.assign_balls(&batch, &mut known, &mut witnesses)?;
-            open.extend(batch.drain(..).zip(known));
-            let enough = aim(&out);
-            self.probe(&mut open, &mut out, enough)?;
-            // Beyond the limit nothing else matters, and the bounds so far are final.
-            let beyond = self.goal.max.is_some_and(|max| out.least > max.get());
-            let enough = aim(&out);
-            let tight = if relative { enough } else { greater(1.15 * out.least, TIGHT * enough) };
-            let eager = |piece: &FieldSubtriangle| piece.cuts() < EAGER && left > reserve;
+            self.assign_balls(&batch, &mut bounds, &mut witnesses)?;
+            open.extend(batch.drain(..).zip(bounds));
+            let enough = aim(&result);
+            self.probe(&mut open, &mut result, enough)?;
+            // Beyond the limit no tighter bound is needed, and the bounds so far are final.
+            let beyond = self.goal.max.is_some_and(|max| result.least > max.get());
+            let enough = aim(&result);
+            let tight = if relative { enough } else { greater(1.15 * result.least, TIGHT * enough) };
+            let eager = |piece: &FieldSubtriangle| piece.cuts() < EAGER && pieces_left > reserve;
             let wanted = |piece: &FieldSubtriangle| if eager(piece) { tight } else { enough };
             let (next, done): (OpenSubtriangles, OpenSubtriangles) =
-                open.into_iter().partition(|(piece, known)| {
-                    let lost = known.at_most == f64::INFINITY && piece.cuts() >= LOST;
-                    let goes_on = piece.cuts() < MOST_CUTS && left > 0 && !beyond && !lost;
-                    known.at_most > wanted(piece) && goes_on
+                open.into_iter().partition(|(piece, bounds)| {
+                    let lost = bounds.at_most == f64::INFINITY && piece.cuts() >= LOST;
+                    let goes_on = piece.cuts() < MOST_CUTS && pieces_left > 0 && !beyond && !lost;
+                    bounds.at_most > wanted(piece) && goes_on
                 });
             let mut done = done;
             self.tighten(&mut done, enough)?;
-            done.iter().for_each(|(piece, known)| out.settle(piece, known));
+            done.iter().for_each(|(piece, bounds)| result.settle(piece, bounds));
             open = next;
             if open.is_empty() {
-                return Ok(out);
+                return Ok(result);
             }
             let level = round_threshold(&open, enough);
             let (now, later): (OpenSubtriangles, OpenSubtriangles) =
-                open.into_iter().partition(|(_, known)| known.at_most > level || known.at_most <= enough);
-            now.into_iter().for_each(|(piece, known)| piece.subdivide(&known, &mut batch));
+                open.into_iter().partition(|(_, bounds)| bounds.at_most > level || bounds.at_most <= enough);
+            now.into_iter().for_each(|(piece, bounds)| piece.subdivide(&bounds, &mut batch));
             open = later;
         }
     }
 
-    /// Tightens the field's largest value on settled pieces: in their search box it may be much larger, and
-    /// the other direction measures its columns by it.
+    /// Tightens the residuals of settled pieces: over their search boxes the field may be much larger than on
+    /// the pieces, and the heights of columns in the other direction depend on it.
     fn tighten(&self, done: &mut OpenSubtriangles, enough: f64) -> Result<(), JobError> {
         let chunk = if self.tape.has_leaves() { LEAF_CHUNK } else { CHUNK };
-        let all: Vec<usize> = (0..done.len()).collect();
-        let chunks: Vec<&[usize]> = all.chunks(chunk).collect();
+        let indices: Vec<usize> = (0..done.len()).collect();
+        let chunks: Vec<&[usize]> = indices.chunks(chunk).collect();
         let parts = par_map(self.job, &chunks, |_, some| -> Result<Vec<f64>, LeafError> {
             let some: Vec<(FieldSubtriangle, f64)> =
                 some.iter().map(|k| (done[*k].0.clone().without_margin(), done[*k].1.residual)).collect();
             self.residuals_of(&some, enough)
         });
         let parts: Result<Vec<Vec<f64>>, LeafError> = parts.into_iter().collect();
-        for ((_, known), strays) in done.iter_mut().zip(parts.map_err(leaf_failure)?.concat()) {
+        for ((_, bounds), residual) in done.iter_mut().zip(parts.map_err(leaf_failure)?.concat()) {
             // NaN is no bound.
-            known.residual = lesser(known.residual, strays);
+            bounds.residual = lesser(bounds.residual, residual);
         }
         Ok(())
     }
 
-    /// The largest |F| on each of some pieces without a margin, given known bounds.
+    /// The largest |F| on each of some pieces without a margin, given known residuals.
     fn residuals_of(&self, some: &[(FieldSubtriangle, f64)], enough: f64) -> Result<Vec<f64>, LeafError> {
         let tape =
             self.local_tape(some.iter().fold(Box3::EMPTY, |all, (piece, _)| all.union(piece.search_box())))?;
@@ -142,20 +142,20 @@ impl FieldDeviationSearch<'_> {
         tape.gradient_at(&middles, &mut slopes)?;
         let wanted = |n: usize| LOOSE * enough * length(slopes[n].gradient);
         let is_loose = |n: &usize| some[*n].1 > wanted(*n);
-        let mut most: Vec<f64> = some.iter().map(|(_, known)| *known).collect();
+        let mut most: Vec<f64> = some.iter().map(|(_, bounds)| *bounds).collect();
         let mut open: Vec<(usize, FieldSubtriangle)> =
             (0..some.len()).filter(is_loose).map(|n| (n, some[n].0.clone())).collect();
         open.iter().for_each(|(n, _)| most[*n] = 0.0);
         for round in 0..=EAGER {
             let pieces: Vec<FieldSubtriangle> = open.iter().map(|(_, piece)| piece.clone()).collect();
-            let known = from_mesh::bound_all(&tape, &pieces)?;
+            let bounds = from_mesh::bound_all(&tape, &pieces)?;
             let mut next = Vec::new();
-            for ((n, piece), known) in open.into_iter().zip(known) {
-                if known.residual > wanted(n) && round < EAGER {
+            for ((n, piece), bounds) in open.into_iter().zip(bounds) {
+                if bounds.residual > wanted(n) && round < EAGER {
                     next.extend(piece.halves().map(|half| (n, half)));
                 } else {
-                    let strays = if known.residual.is_nan() { f64::INFINITY } else { known.residual };
-                    most[n] = greater(most[n], strays);
+                    let residual = if bounds.residual.is_nan() { f64::INFINITY } else { bounds.residual };
+                    most[n] = greater(most[n], residual);
                 }
             }
             open = next;
@@ -163,42 +163,43 @@ impl FieldDeviationSearch<'_> {
         Ok(most)
     }
 
-    /// Assigns any surface point to pieces without an upper bound.
+    /// Assigns the best sampled surface point to each piece without an upper bound.
     fn assign_balls(
         &self,
         pieces: &[FieldSubtriangle],
-        known: &mut [SubtriangleBounds],
+        bounds: &mut [SubtriangleBounds],
         witnesses: &mut Option<SurfaceBalls>,
     ) -> Result<(), JobError> {
-        for (piece, known) in pieces.iter().zip(known) {
-            let lost = known.at_most == f64::INFINITY;
+        for (piece, bounds) in pieces.iter().zip(bounds) {
+            let lost = bounds.at_most == f64::INFINITY;
             if lost && (self.goal.max.is_none() || piece.cuts() > 3) {
                 if witnesses.is_none() {
-                    let all = SurfaceBalls::sample_box(&self.tape, &self.bounds).map_err(leaf_failure)?;
-                    *witnesses = Some(all);
+                    let sampled = SurfaceBalls::sample_box(&self.tape, &self.bounds).map_err(leaf_failure)?;
+                    *witnesses = Some(sampled);
                 }
-                let nearest = witnesses.as_ref().and_then(|all| all.nearest(&piece.corners));
-                known.tighten(piece, nearest);
+                let nearest = witnesses.as_ref().and_then(|witnesses| witnesses.nearest(&piece.corners));
+                bounds.tighten(piece, nearest);
             }
         }
         Ok(())
     }
 
-    /// Probes the centroids of the pieces that may be farthest: bounds from the slope may be far from tight.
+    /// Probes the centroids of the pieces that may be farthest: their bounds from slopes may be far from
+    /// tight.
     fn probe(
         &self,
         open: &mut OpenSubtriangles,
-        out: &mut ForwardDistance,
+        result: &mut ForwardDistance,
         enough: f64,
     ) -> Result<(), JobError> {
         let early = if self.goal.max.is_none() { 0 } else { 4 };
         let mut far: Vec<usize> = (0..open.len())
             .filter(|k| {
-                let (piece, known) = &open[*k];
+                let (piece, bounds) = &open[*k];
                 piece.cuts() >= early
-                    && known.at_most > enough
-                    && known.at_most < f64::INFINITY
-                    && !known.probed
+                    && bounds.at_most > enough
+                    && bounds.at_most < f64::INFINITY
+                    && !bounds.probed
             })
             .collect();
         let most = |k: &usize| open[*k].1.at_most;
@@ -217,23 +218,23 @@ impl FieldDeviationSearch<'_> {
             let sizes: Vec<f64> = probed.iter().map(|probed| 0.1 * probed.at_least).collect();
             Ok((probed, project_to_surface(&self.tape, &towards, &sizes)?))
         });
-        let mut all: Vec<(DistanceProbe, Option<SurfaceBall>)> = Vec::new();
+        let mut probes: Vec<(DistanceProbe, Option<SurfaceBall>)> = Vec::new();
         for part in parts {
-            let (probed, found) = part.map_err(leaf_failure)?;
-            all.extend(probed.into_iter().zip(found));
+            let (probed, witnesses) = part.map_err(leaf_failure)?;
+            probes.extend(probed.into_iter().zip(witnesses));
         }
-        self.job.count_work(POINTS_A_BOX * all.iter().map(|(probed, _)| probed.n_boxes).sum::<u64>());
-        for (k, (probed, witness)) in far.into_iter().zip(all) {
-            let (piece, known) = &mut open[k];
-            known.probed = true;
+        self.job.count_work(POINTS_A_BOX * probes.iter().map(|(probed, _)| probed.n_boxes).sum::<u64>());
+        for (k, (probed, witness)) in far.into_iter().zip(probes) {
+            let (piece, bounds) = &mut open[k];
+            bounds.probed = true;
             let least = sub_down(probed.at_least, piece.slack());
-            if least > known.at_least {
-                known.at_least = least;
+            if least > bounds.at_least {
+                bounds.at_least = least;
             }
-            if least > out.least {
-                (out.least, out.at) = (least, known.at);
+            if least > result.least {
+                (result.least, result.at) = (least, bounds.at);
             }
-            known.tighten(piece, witness);
+            bounds.tighten(piece, witness);
         }
         Ok(())
     }
@@ -248,47 +249,54 @@ impl FieldDeviationSearch<'_> {
         let look = |_: usize, pieces: &&[FieldSubtriangle]| -> Result<Vec<SubtriangleBounds>, LeafError> {
             let tape =
                 self.local_tape(pieces.iter().fold(Box3::EMPTY, |all, piece| all.union(piece.search_box())))?;
-            let mut known = from_mesh::bound_all(&tape, pieces)?;
-            self.refine_bounds(pieces, &mut known, enough)?;
-            Ok(known)
+            let mut bounds = from_mesh::bound_all(&tape, pieces)?;
+            self.refine_bounds(pieces, &mut bounds, enough)?;
+            Ok(bounds)
         };
         let parts = par_map(self.job, &chunks, look);
         let parts: Result<Vec<Vec<SubtriangleBounds>>, LeafError> = parts.into_iter().collect();
         Ok(parts.map_err(leaf_failure)?.concat())
     }
 
-    /// Uses the full tape: the points evaluated here lie outside of the pruned tape's box.
+    /// Tightens bounds by other means. Uses the full tape, since points outside the pruned tape's box are
+    /// evaluated.
     fn refine_bounds(
         &self,
         pieces: &[FieldSubtriangle],
-        known: &mut [SubtriangleBounds],
+        bounds: &mut [SubtriangleBounds],
         enough: f64,
     ) -> Result<(), LeafError> {
         let tape = &self.tape;
         let relative = self.goal.max.is_none();
-        let mut lost: Vec<usize> = (0..pieces.len()).filter(|k| known[*k].at_most > enough).collect();
-        refine_some(&lost, pieces, known, |of, known| from_mesh::bound_along_gradient(tape, of, known))?;
-        lost.retain(|k| known[*k].at_most > enough);
-        refine_some(&lost, pieces, known, |of, known| from_mesh::bound_by_shift(tape, of, known, enough))?;
-        lost.retain(|k| known[*k].at_most > enough && (relative || pieces[*k].cuts() > 3));
+        let mut lost: Vec<usize> = (0..pieces.len()).filter(|k| bounds[*k].at_most > enough).collect();
+        refine_some(&lost, pieces, bounds, |selected, bounds| {
+            from_mesh::bound_along_gradient(tape, selected, bounds)
+        })?;
+        lost.retain(|k| bounds[*k].at_most > enough);
+        refine_some(&lost, pieces, bounds, |selected, bounds| {
+            from_mesh::bound_by_shift(tape, selected, bounds, enough)
+        })?;
+        lost.retain(|k| bounds[*k].at_most > enough && (relative || pieces[*k].cuts() > 3));
         let near: Vec<usize> =
             lost.iter().copied().filter(|k| pieces[*k].cuts() > 3 && pieces[*k].is_within(enough)).collect();
-        refine_some(&near, pieces, known, |of, known| from_mesh::bound_by_samples(tape, of, known, enough))?;
-        // A surface point does not settle pieces whose distance is small compared to their size.
-        lost.retain(|k| known[*k].at_most > greater(enough, 0.5 * pieces[*k].extent()));
-        refine_some(&lost, pieces, known, |of, known| {
-            let points: Vec<[f64; 3]> = of.iter().map(|piece| piece.middle()).collect();
-            let sizes: Vec<f64> = of.iter().map(|piece| piece.extent()).collect();
-            for ((piece, known), witness) in
-                of.iter().zip(known).zip(project_to_surface(tape, &points, &sizes)?)
+        refine_some(&near, pieces, bounds, |selected, bounds| {
+            from_mesh::bound_by_samples(tape, selected, bounds, enough)
+        })?;
+        // If the distance is small compared to the size of the piece, a surface point does not settle it.
+        lost.retain(|k| bounds[*k].at_most > greater(enough, 0.5 * pieces[*k].extent()));
+        refine_some(&lost, pieces, bounds, |selected, bounds| {
+            let points: Vec<[f64; 3]> = selected.iter().map(|piece| piece.middle()).collect();
+            let sizes: Vec<f64> = selected.iter().map(|piece| piece.extent()).collect();
+            for ((piece, bounds), witness) in
+                selected.iter().zip(bounds).zip(project_to_surface(tape, &points, &sizes)?)
             {
-                known.tighten(piece, witness);
+                bounds.tighten(piece, witness);
             }
             Ok(())
         })
     }
 
-    /// The tape for a box, pruned where that pays.
+    /// The tape for a box, pruned if that pays.
     fn local_tape(&self, bounds: Box3) -> Result<Tape, LeafError> {
         if self.tape.has_leaves() || self.tape.len() < 16 {
             return Ok(self.tape.clone());
@@ -298,17 +306,18 @@ impl FieldDeviationSearch<'_> {
 }
 
 impl ForwardDistance {
-    fn settle(&mut self, piece: &FieldSubtriangle, known: &SubtriangleBounds) {
-        let strays = &mut self.residuals[piece.face as usize];
-        *strays = greater(*strays, if known.residual.is_nan() { f64::INFINITY } else { known.residual });
-        self.most = greater(self.most, known.at_most);
-        self.unresolved += u64::from(known.at_most == f64::INFINITY);
+    fn settle(&mut self, piece: &FieldSubtriangle, bounds: &SubtriangleBounds) {
+        let residual = &mut self.residuals[piece.face as usize];
+        *residual =
+            greater(*residual, if bounds.residual.is_nan() { f64::INFINITY } else { bounds.residual });
+        self.most = greater(self.most, bounds.at_most);
+        self.unresolved += u64::from(bounds.at_most == f64::INFINITY);
     }
 }
 
-/// The upper bound above which pieces are processed in this round.
+/// The upper bound above which pieces are processed in a round.
 fn round_threshold(open: &OpenSubtriangles, enough: f64) -> f64 {
-    let finite = open.iter().map(|(_, known)| known.at_most).filter(|most| *most < f64::INFINITY);
+    let finite = open.iter().map(|(_, bounds)| bounds.at_most).filter(|most| *most < f64::INFINITY);
     let most = finite.fold(enough, greater);
     enough + UPPER_PART * (most - enough)
 }

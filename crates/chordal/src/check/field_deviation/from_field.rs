@@ -18,7 +18,7 @@
 //! `(|F(c)| + A·|G·u| + A'·|G·v|)/g`. n, c and E are chosen in rounded arithmetic; the quantities in the
 //! argument are computed from those choices.
 //!
-//! Where that fails (edges of opposite turn, stationary points of the field, meshes that are not closed) a
+//! If that fails (edges of opposite turn, stationary points of the field, meshes that are not closed), a
 //! box is settled by the distance of its middle to the mesh, plus its half diagonal; or it is split.
 use super::slope::{GrowthRate, dot, exactly, is_lipschitz, step};
 use super::sub_boxes;
@@ -28,18 +28,18 @@ use crate::math::{
     Box3, Interval, add_up, cross, div_up, greater, lesser, mul_up, sub_down, unit_and_length,
 };
 
-/// The mesh with what the search needs of it.
+/// The mesh, with the data that the search needs.
 pub(super) struct TargetMesh<'a> {
     pub bvh: &'a Bvh,
     pub enclosure: &'a Enclosure<'a>,
-    /// The largest |F| on each face, ∞ where it is not known.
+    /// The largest |F| on each face; ∞ if unknown.
     pub residuals: &'a [f64],
     /// The sufficient distance.
     pub tolerance: f64,
 }
 
 impl TargetMesh<'_> {
-    /// The largest |F| on the faces that may meet a box; `None` where there is no face.
+    /// The largest |F| on the faces that may meet a box; `None` if there is no face.
     fn residual_in(&self, bounds: &Box3) -> Option<f64> {
         let mut most = None;
         self.bvh.faces_in_box(bounds, |face| {
@@ -55,11 +55,11 @@ impl TargetMesh<'_> {
 /// The verdict on a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BoxVerdict {
-    /// The surface does not pass through it.
+    /// The surface does not pass through the box.
     Nothing,
-    /// Every point of the surface in it is this close to the mesh, by a column.
+    /// Every point of the surface in the box is this close to the mesh, proved by a column.
     Near(f64),
-    /// Every point of the surface in it is this close, by the distance of its centre.
+    /// Every point of the surface in the box is this close to the mesh, by the distance of its centre.
     Open(f64),
 }
 
@@ -69,9 +69,10 @@ const ROOM: f64 = 2.25;
 /// The largest size of E as a multiple of B.
 const MOST_ROOM: f64 = 4.5;
 /// The height of a column in addition to the mesh's residual, as a share of half of the side of B. Measured:
-/// columns over smooth shapes need it when boxes are small enough for the rest.
+/// columns over smooth shapes need it if boxes are small enough for everything else.
 const BENT: f64 = 0.5;
-/// The surface seems to miss the box if it is so many times as far from the centre as a corner.
+/// The surface seems to miss the box if it is at more than this multiple of a corner's distance from the
+/// centre.
 const SEEMS_OFF: f64 = 1.1;
 /// A column within this factor of the sufficient distance is refined.
 const WORTH: f64 = 2.0;
@@ -82,11 +83,11 @@ const ASIDE: f64 = 1e-9;
 /// half a step each, with a thousandfold margin.
 const CROOKED: f64 = 1e-12;
 
-/// Which boxes the surface may pass through.
+/// Whether the surface may pass through each box.
 pub(super) fn may_cross(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafError> {
     let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(boxes, &mut ranges)?;
-    // Where a part of the expression is undefined the range proves nothing, and undefined counts as outside.
+    // If a part of the expression is undefined, the range proves nothing: undefined values count as outside.
     Ok(ranges.iter().map(|range| !(range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0))).collect())
 }
 
@@ -96,21 +97,21 @@ pub(super) fn bound_boxes(
     boxes: &[Box3],
     target: &TargetMesh,
 ) -> Result<Vec<BoxVerdict>, LeafError> {
-    let mut found = vec![None; boxes.len()];
+    let mut verdicts = vec![None; boxes.len()];
     let middles: Vec<[f64; 3]> = boxes.iter().map(Box3::centre).collect();
     let mut at = vec![Dual { value: 0.0, gradient: [0.0; 3] }; boxes.len()];
     tape.gradient_at(&middles, &mut at)?;
-    by_slopes(tape, boxes, &at, &mut found)?;
+    by_slopes(tape, boxes, &at, &mut verdicts)?;
     if target.enclosure.is_closed() {
-        by_columns(tape, boxes, &at, target, &mut found)?;
+        by_columns(tape, boxes, &at, target, &mut verdicts)?;
     }
-    let far = |(found, bounds): (Option<BoxVerdict>, &Box3)| {
-        found.unwrap_or_else(|| BoxVerdict::Open(distance_of(bounds, target)))
+    let far = |(verdict, bounds): (Option<BoxVerdict>, &Box3)| {
+        verdict.unwrap_or_else(|| BoxVerdict::Open(distance_of(bounds, target)))
     };
-    Ok(found.into_iter().zip(boxes).map(far).collect())
+    Ok(verdicts.into_iter().zip(boxes).map(far).collect())
 }
 
-/// Whether the field seems to have no zero in the box, extrapolating from its centre.
+/// Whether the field, extrapolated from its centre, seems to have no zero in the box.
 fn seems_off(bounds: &Box3, slope: &Dual<f64>) -> bool {
     let steep = crate::math::length(slope.gradient);
     slope.value.abs() > SEEMS_OFF * 0.5 * bounds.diagonal() * steep
@@ -122,21 +123,22 @@ fn by_slopes(
     tape: &Tape,
     boxes: &[Box3],
     at: &[Dual<f64>],
-    found: &mut [Option<BoxVerdict>],
+    verdicts: &mut [Option<BoxVerdict>],
 ) -> Result<(), LeafError> {
-    let off: Vec<usize> = (0..boxes.len()).filter(|k| seems_off(&boxes[*k], &at[*k])).collect();
-    let about: Vec<Box3> = off.iter().map(|k| boxes[*k]).collect();
-    let mut slopes = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; off.len()];
-    tape.gradient_over(&about, &mut slopes)?;
-    let middles: Vec<Box3> = about.iter().map(Box3::centre).map(|c| Box3 { min: c, max: c }).collect();
-    let mut values = vec![Interval::UNKNOWN; off.len()];
+    let missed: Vec<usize> = (0..boxes.len()).filter(|k| seems_off(&boxes[*k], &at[*k])).collect();
+    let missed_boxes: Vec<Box3> = missed.iter().map(|k| boxes[*k]).collect();
+    let mut slopes = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; missed.len()];
+    tape.gradient_over(&missed_boxes, &mut slopes)?;
+    let middles: Vec<Box3> = missed_boxes.iter().map(Box3::centre).map(|c| Box3 { min: c, max: c }).collect();
+    let mut values = vec![Interval::UNKNOWN; missed.len()];
     tape.over(&middles, &mut values)?;
-    for ((k, bounds), (slope, value)) in off.into_iter().zip(&about).zip(slopes.iter().zip(values)) {
+    for ((k, bounds), (slope, value)) in missed.into_iter().zip(&missed_boxes).zip(slopes.iter().zip(values))
+    {
         let c = bounds.centre();
         let steps = [0, 1, 2].map(|i| step(bounds.min, c)[i].hull(step(bounds.max, c)[i]));
         let range = value + dot(slope.gradient, steps);
         if is_lipschitz(slope) && value.is_defined() && !range.contains(0.0) {
-            found[k] = Some(BoxVerdict::Nothing);
+            verdicts[k] = Some(BoxVerdict::Nothing);
         }
     }
     Ok(())
@@ -147,54 +149,55 @@ fn by_columns(
     boxes: &[Box3],
     at: &[Dual<f64>],
     target: &TargetMesh,
-    found: &mut [Option<BoxVerdict>],
+    verdicts: &mut [Option<BoxVerdict>],
 ) -> Result<(), LeafError> {
     // A column crosses the mesh, so without faces nearby there is no column.
     let near: Vec<(usize, f64)> = boxes
         .iter()
         .enumerate()
-        .filter(|(k, _)| found[*k].is_none())
-        .filter_map(|(k, bounds)| target.residual_in(&tape_domain(bounds)).map(|strays| (k, strays)))
+        .filter(|(k, _)| verdicts[*k].is_none())
+        .filter_map(|(k, bounds)| target.residual_in(&tape_domain(bounds)).map(|residual| (k, residual)))
         .collect();
     let columns: Vec<(usize, FieldColumn)> = near
         .iter()
-        .filter_map(|(k, strays)| Some((*k, FieldColumn::over(&boxes[*k], &at[*k], *strays)?)))
+        .filter_map(|(k, residual)| Some((*k, FieldColumn::over(&boxes[*k], &at[*k], *residual)?)))
         .collect();
-    let about: Vec<Box3> = columns.iter().map(|(_, column)| column.about).collect();
+    let search_boxes: Vec<Box3> = columns.iter().map(|(_, column)| column.search_box).collect();
     let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
     let mut slopes = vec![unknown; columns.len()];
-    tape.gradient_over(&about, &mut slopes)?;
+    tape.gradient_over(&search_boxes, &mut slopes)?;
     let centres: Vec<Box3> =
         columns.iter().map(|(_, column)| Box3 { min: column.centre, max: column.centre }).collect();
     let mut values = vec![Interval::UNKNOWN; columns.len()];
     tape.over(&centres, &mut values)?;
-    let mut sights: Vec<(usize, Box<MonotoneColumn>)> = Vec::new();
+    let mut monotone: Vec<(usize, Box<MonotoneColumn>)> = Vec::new();
     for ((k, column), (slope, value)) in columns.into_iter().zip(slopes.into_iter().zip(values)) {
         match column.classify(slope, value, target) {
-            ColumnVerdict::Nothing => found[k] = Some(BoxVerdict::Nothing),
+            ColumnVerdict::Nothing => verdicts[k] = Some(BoxVerdict::Nothing),
             ColumnVerdict::Blocked => {}
-            ColumnVerdict::Monotone(sight) => sights.push((k, sight)),
+            ColumnVerdict::Monotone(column) => monotone.push((k, column)),
         }
     }
-    sharpen(tape, &mut sights, target.tolerance)?;
-    for (k, sight) in sights {
-        found[k] = sight.verdict(target);
+    sharpen(tape, &mut monotone, target.tolerance)?;
+    for (k, column) in monotone {
+        verdicts[k] = column.verdict(target);
     }
     Ok(())
 }
 
-/// Evaluates the gradient over the parts of E, where the one over all of E gives slightly too slow a growth:
-/// its range is a box, whose width along n includes the variation across n.
-fn sharpen(tape: &Tape, sights: &mut [(usize, Box<MonotoneColumn>)], enough: f64) -> Result<(), LeafError> {
-    let some: Vec<usize> = (0..sights.len()).filter(|k| sights[*k].1.near > enough).collect();
+/// Evaluates the gradient over the parts of E, if the range over all of E gives slightly too slow a growth:
+/// that range is a box, whose width along n includes the variation across n.
+fn sharpen(tape: &Tape, columns: &mut [(usize, Box<MonotoneColumn>)], enough: f64) -> Result<(), LeafError> {
+    let loose: Vec<usize> = (0..columns.len()).filter(|k| columns[*k].1.near > enough).collect();
     // In batches that need little memory.
-    for some in some.chunks(64) {
-        let parts: Vec<Box3> = some.iter().flat_map(|k| sub_boxes(&sights[*k].1.column.about)).collect();
+    for batch in loose.chunks(64) {
+        let parts: Vec<Box3> =
+            batch.iter().flat_map(|k| sub_boxes(&columns[*k].1.column.search_box)).collect();
         let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
         let mut slopes = vec![unknown; parts.len()];
         tape.gradient_over(&parts, &mut slopes)?;
-        for (k, slopes) in some.iter().zip(slopes.chunks_exact(64)) {
-            sights[*k].1.sharpen(slopes);
+        for (k, slopes) in batch.iter().zip(slopes.chunks_exact(64)) {
+            columns[*k].1.sharpen(slopes);
         }
     }
     Ok(())
@@ -219,7 +222,7 @@ fn reach(bounds: &Box3) -> f64 {
     bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| greater(x.abs(), most))
 }
 
-/// The box in which the tape of a box and its parts is valid.
+/// The box in which the tape of a box is valid, for its parts as well.
 pub(super) fn tape_domain(bounds: &Box3) -> Box3 {
     scaled_about_centre(bounds, ROOM)
 }
@@ -240,18 +243,19 @@ struct FieldColumn {
     /// The sum of the sides of B and of the distance to its middle.
     size: f64,
     /// E.
-    about: Box3,
+    search_box: Box3,
 }
 
 impl FieldColumn {
-    /// Chooses a column from the field's slope at the middle of B; `None` where it is not promising.
-    fn over(of: &Box3, slope: &Dual<f64>, strays: f64) -> Option<Self> {
-        let c = of.centre();
+    /// Chooses a column from the field's slope at the middle of B; `None` if it is not promising.
+    fn over(bounds: &Box3, slope: &Dual<f64>, residual: f64) -> Option<Self> {
+        let c = bounds.centre();
         let steep = crate::math::length(slope.gradient);
         let shift = -slope.value / steep;
-        let half: [f64; 3] = std::array::from_fn(|k| greater(c[k] - of.min[k], of.max[k] - c[k]).next_up());
+        let half: [f64; 3] =
+            std::array::from_fn(|k| greater(c[k] - bounds.min[k], bounds.max[k] - c[k]).next_up());
         let side = greater(half[0], greater(half[1], half[2]));
-        // Beyond the corners of B the surface is not in it.
+        // The surface seems to pass beyond the corners of B, so it is not in it.
         if !(steep > 0.0 && shift.is_finite() && shift.abs() <= 2.0 * side) {
             return None;
         }
@@ -266,19 +270,19 @@ impl FieldColumn {
             add_up(add_up(sum, aside), mul_up(CROOKED, size))
         };
         let halves = [shadow(u), shadow(v)];
-        // As high as the nearby triangles require, with a margin for curvature.
-        let height = 1.25 * strays / steep + BENT * side;
-        // As wide as required later, with a margin for rounding.
-        let wide = |k: usize| u[k].abs() * halves[0] + v[k].abs() * halves[1] + n[k].abs() * height;
-        let reach = |k: usize| (1.0 + ASIDE) * wide(k);
+        // As high as the triangles nearby require, with a margin for curvature.
+        let height = 1.25 * residual / steep + BENT * side;
+        // As wide as `height` will require, with a margin for rounding.
+        let extent = |k: usize| u[k].abs() * halves[0] + v[k].abs() * halves[1] + n[k].abs() * height;
+        let reach = |k: usize| (1.0 + ASIDE) * extent(k);
         let column = Box3 {
             min: std::array::from_fn(|k| centre[k] - reach(k)),
             max: std::array::from_fn(|k| centre[k] + reach(k)),
         };
-        let about = of.union(column);
-        let most = scaled_about_centre(of, MOST_ROOM);
-        let fits = most.contains(about.min) && most.contains(about.max);
-        fits.then_some(Self { centre, axes: [n, u, v], halves, size, about })
+        let search_box = bounds.union(column);
+        let largest = scaled_about_centre(bounds, MOST_ROOM);
+        let fits = largest.contains(search_box.min) && largest.contains(search_box.max);
+        fits.then_some(Self { centre, axes: [n, u, v], halves, size, search_box })
     }
 
     fn classify(self, slope: Dual<Interval>, value: Interval, target: &TargetMesh) -> ColumnVerdict {
@@ -292,9 +296,9 @@ impl FieldColumn {
         let Some(growth) = GrowthRate::along_direction(&slope, self.axes[0]) else {
             return ColumnVerdict::Blocked;
         };
-        // The residual over all faces that meet E, which may be more than those that E was chosen by.
-        let Some(strays) = target.residual_in(&self.about) else { return ColumnVerdict::Blocked };
-        let near = mul_up(growth.steps_for(strays), growth.length);
+        // The residual over all faces that meet E, which may be more than the faces from which E was chosen.
+        let Some(residual) = target.residual_in(&self.search_box) else { return ColumnVerdict::Blocked };
+        let near = mul_up(growth.steps_for(residual), growth.length);
         if near > WORTH * target.tolerance || near.is_nan() {
             return ColumnVerdict::Blocked;
         }
@@ -303,7 +307,7 @@ impl FieldColumn {
             slope,
             value,
             growth,
-            residual: strays,
+            residual,
             near,
         }))
     }
@@ -332,7 +336,7 @@ struct MonotoneColumn {
 }
 
 impl MonotoneColumn {
-    /// Takes the slowest growth over the parts of E.
+    /// Replaces the growth by the slowest one over the parts of E, if that is faster.
     fn sharpen(&mut self, slopes: &[Dual<Interval>]) {
         let axis = exactly(self.column.axes[0]);
         let slowest = slopes.iter().fold(f64::INFINITY, |least, slope| {
@@ -352,7 +356,7 @@ impl MonotoneColumn {
 
     /// H, if the column of that height lies in E.
     fn height(&self) -> Option<f64> {
-        let FieldColumn { centre: c, axes: [n, u, v], halves: [a, b], size, about } = &self.column;
+        let FieldColumn { centre: c, axes: [n, u, v], halves: [a, b], size, search_box } = &self.column;
         let (a, b) = (*a, *b);
         let tilt = |d: &[f64; 3]| dot(self.slope.gradient, exactly(*d)).magnitude();
         let sideways = add_up(mul_up(a, tilt(u)), mul_up(b, tilt(v)));
@@ -365,18 +369,18 @@ impl MonotoneColumn {
         let fits = (0..3).all(|k| {
             let side =
                 add_up(add_up(mul_up(u[k].abs(), a), mul_up(v[k].abs(), b)), mul_up(n[k].abs(), height));
-            side <= sub_down(c[k], about.min[k]) && side <= sub_down(about.max[k], c[k])
+            side <= sub_down(c[k], search_box.min[k]) && side <= sub_down(search_box.max[k], c[k])
         });
         fits.then_some(height)
     }
 
-    /// Whether the winding numbers differ around the middles of top and bottom, which are beyond δ.
+    /// Whether the winding numbers differ around the middles of top and bottom, at which F is beyond δ.
     fn separated(&self, height: f64, target: &TargetMesh) -> bool {
-        let FieldColumn { centre: c, axes, about, .. } = &self.column;
+        let FieldColumn { centre: c, axes, search_box, .. } = &self.column;
         let at = |s: f64| -> [f64; 3] { std::array::from_fn(|k| c[k] + s * axes[0][k]) };
         let (top, bottom) = (at(height), at(-height));
         let value = |p: [f64; 3]| self.value + dot(self.slope.gradient, step(p, *c));
-        if !(about.contains(top) && about.contains(bottom)) {
+        if !(search_box.contains(top) && search_box.contains(bottom)) {
             return false;
         }
         if !(value(top).lo() > self.residual && value(bottom).hi() < -self.residual) {

@@ -7,18 +7,18 @@
 //! backwards, which is a point of ∂{F < 0}; the segment to it lies in E as long as δ/g ≤ reach, less the
 //! distance of q from the piece.
 //!
-//! Where a field has no rate (ridges that meet, stationary points), two points of opposite signs replace it:
+//! If a field has no rate (ridges that meet, stationary points), two points of opposite signs replace it:
 //! the segment between them crosses the boundary, so no point of the piece is farther from it than from the
 //! farther of the two.
 //!
-//! Pieces are split at rounded midpoints, so their points are off those of the triangle by a little
-//! ([`SLACK`]); it is added where it makes a bound wider.
+//! Pieces are split at rounded midpoints, so their points are slightly off the triangle
+//! ([`SLACK`]); that is added if it makes a bound wider.
 //!
-//! Where a whole piece lies on one side, say F ≥ 0 on it, one direction suffices: along n with `∂F/∂n ≤ −g`
+//! If a whole piece lies on one side, say F ≥ 0 on it, one direction suffices: along n with `∂F/∂n ≤ −g`
 //! in a box that holds the piece and the piece moved by t·n, F is negative from δ/g on, if δ/g < t. So ridges
 //! of the field on the other side of the piece do not matter ([`bound_along_gradient`]).
 //!
-//! A bound for a piece holds for its parts, and so does a [`SurfaceBall`], a point of the surface found
+//! A bound for a piece holds for its parts, and so does a [`SurfaceBall`], a point of the surface that may be
 //! anywhere.
 //!
 //! Conversely, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: the surface is at
@@ -30,7 +30,7 @@ use crate::math::{
     Box3, Interval, add_up, div_down, div_up, greater, length_up, lesser, mul_up, sub_down, unit_and_length,
 };
 
-/// A piece of a face that is still open.
+/// An open piece of a face.
 #[derive(Clone, Debug)]
 pub(super) struct FieldSubtriangle {
     pub corners: [[f64; 3]; 3],
@@ -38,7 +38,7 @@ pub(super) struct FieldSubtriangle {
     /// The margin around it in which the surface is searched.
     reach: f64,
     cuts: u32,
-    /// The bound of the piece that it is a part of.
+    /// The upper bound of the piece of which it is a part.
     parent_at_most: f64,
     witness: Option<SurfaceBall>,
 }
@@ -48,7 +48,7 @@ pub(super) struct FieldSubtriangle {
 pub(super) struct SubtriangleBounds {
     /// Some point of it is at least this far from the surface.
     pub at_least: f64,
-    /// No point of it is farther; ∞ where that is not known.
+    /// No point of it is farther; ∞ if unknown.
     pub at_most: f64,
     /// The largest |F| on it.
     pub residual: f64,
@@ -56,7 +56,7 @@ pub(super) struct SubtriangleBounds {
     pub at: [f64; 3],
     /// The estimated distance of the surface.
     estimate: f64,
-    /// A longer reach that might settle it.
+    /// A longer reach with which it might be settled.
     retry_reach: Option<f64>,
     /// The nearest surface point found.
     witness: Option<SurfaceBall>,
@@ -65,7 +65,7 @@ pub(super) struct SubtriangleBounds {
 }
 
 impl SubtriangleBounds {
-    /// Takes a witness where it gives a smaller bound.
+    /// Takes a witness if it gives a smaller bound.
     pub fn tighten(&mut self, piece: &FieldSubtriangle, witness: Option<SurfaceBall>) {
         let far = min_with_ball(f64::INFINITY, witness, &piece.corners, piece.slack());
         if far < min_with_ball(f64::INFINITY, self.witness, &piece.corners, piece.slack()) {
@@ -75,15 +75,15 @@ impl SubtriangleBounds {
     }
 }
 
-/// How far a piece may be from the triangle that it was cut out of, relative to the largest coordinate:
-/// derived from [`MOST_CUTS`] + 2 roundings of half a step in each coordinate, 26 · ½ · √3 · ε, with a margin
-/// for the sums.
+/// The distance of a point of a piece from the triangle from which it was cut, relative to the largest
+/// coordinate: derived from [`MOST_CUTS`] + 2 roundings of half a step in each coordinate, 26 · ½ · √3 · ε,
+/// with a margin for the sums.
 const SLACK: f64 = 32.0 * f64::EPSILON;
 /// The most bisections of a piece.
 pub(super) const MOST_CUTS: u32 = 24;
 
 impl FieldSubtriangle {
-    /// How far its points may be off the triangle.
+    /// An upper bound on the distance of its points from the triangle.
     pub fn slack(&self) -> f64 {
         let reach = self.corners.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
         mul_up(SLACK, reach)
@@ -91,7 +91,7 @@ impl FieldSubtriangle {
 
     pub fn from_face(corners: [[f64; 3]; 3], face: u32) -> Self {
         let bounds = Box3::from_points(&corners);
-        // A guess; a wrong one is corrected by retrying.
+        // A guess: if it is too short, a longer one is tried.
         let reach = extent(&bounds) / 4.0;
         let mut piece = Self { corners, face, reach, cuts: 0, parent_at_most: f64::INFINITY, witness: None };
         let least = 2.0 * piece.slack();
@@ -116,14 +116,14 @@ impl FieldSubtriangle {
     }
 
     /// Splits the piece at the midpoint of its longest side, or retries it with a longer reach.
-    pub fn subdivide(mut self, known: &SubtriangleBounds, into: &mut Vec<Self>) {
-        (self.parent_at_most, self.witness) = (known.at_most, known.witness);
-        if let Some(reach) = known.retry_reach {
+    pub fn subdivide(mut self, bounds: &SubtriangleBounds, into: &mut Vec<Self>) {
+        (self.parent_at_most, self.witness) = (bounds.at_most, bounds.witness);
+        if let Some(reach) = bounds.retry_reach {
             into.push(Self { reach, cuts: self.cuts + 1, ..self });
             return;
         }
         let span = extent(&Box3::from_points(&self.corners)) / 8.0;
-        let reach = greater(1.5 * known.estimate, span);
+        let reach = greater(1.5 * bounds.estimate, span);
         let reach = greater(reach, 2.0 * self.slack());
         into.extend(self.halves().map(|half| Self { reach, ..half }));
     }
@@ -150,7 +150,7 @@ impl FieldSubtriangle {
         extent(&Box3::from_points(&self.corners))
     }
 
-    /// How often it was split.
+    /// How many times it was split.
     pub fn cuts(&self) -> u32 {
         self.cuts
     }
@@ -178,50 +178,50 @@ pub(super) fn bound_all(
 
 fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) -> SubtriangleBounds {
     let at = piece.middle();
-    let whole = slope.value.magnitude();
-    let mut known = SubtriangleBounds {
+    let range_magnitude = slope.value.magnitude();
+    let mut bounds = SubtriangleBounds {
         at_least: 0.0,
         at_most: piece.parent_at_most,
-        residual: whole,
+        residual: range_magnitude,
         at,
         estimate: 0.0,
         retry_reach: None,
         witness: None,
         probed: false,
     };
-    known.tighten(piece, piece.witness);
+    bounds.tighten(piece, piece.witness);
     if !is_lipschitz(slope) || !value.is_defined() {
-        return known;
+        return bounds;
     }
     let least = if value.contains(0.0) { 0.0 } else { lesser(value.lo().abs(), value.hi().abs()) };
     let far = div_down(least, steepest(slope));
     let slack = piece.slack();
     let far = sub_down(lesser(far, piece.reach), slack);
-    known.at_least = greater(far, 0.0);
-    known.residual = lesser(over_corners(piece, slope, value).magnitude(), whole);
-    let Some(growth) = GrowthRate::along_gradient(slope) else { return known };
-    let steps = growth.steps_for(known.residual);
+    bounds.at_least = greater(far, 0.0);
+    bounds.residual = lesser(over_corners(piece, slope, value).magnitude(), range_magnitude);
+    let Some(growth) = GrowthRate::along_gradient(slope) else { return bounds };
+    let steps = growth.steps_for(bounds.residual);
     let far = mul_up(steps, growth.length);
-    known.estimate = far;
+    bounds.estimate = far;
     // The points of the triangle are off those of the piece by the slack, and so is the end of the segment.
     if add_up(far, slack) <= piece.reach {
-        known.at_most = lesser(known.at_most, far);
+        bounds.at_most = lesser(bounds.at_most, far);
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
-        known.retry_reach = Some(1.25 * far);
+        bounds.retry_reach = Some(1.25 * far);
     }
-    known
+    bounds
 }
 
-/// Bounds pieces on one side of the surface where the field falls, or rises, all along the way to it.
+/// Bounds pieces on one side of the surface if the field falls, or rises, all along the way to it.
 pub(super) fn bound_along_gradient(
     tape: &Tape,
     pieces: &[&FieldSubtriangle],
-    known: &mut [SubtriangleBounds],
+    bounds: &mut [SubtriangleBounds],
 ) -> Result<(), LeafError> {
     let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
     let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
     tape.gradient_at(&middles, &mut slopes)?;
-    let ways: Vec<([f64; 3], f64)> = pieces
+    let moves: Vec<([f64; 3], f64)> = pieces
         .iter()
         .zip(&slopes)
         .map(|(piece, slope)| {
@@ -233,56 +233,56 @@ pub(super) fn bound_along_gradient(
         .collect();
     let boxes: Vec<Box3> = pieces
         .iter()
-        .zip(&ways)
-        .map(|(piece, (way, by))| {
-            let here = inflated(&Box3::from_points(&piece.corners), piece.slack());
-            here.union(moved(&here, *way, *by))
+        .zip(&moves)
+        .map(|(piece, (direction, distance))| {
+            let start_box = inflated(&Box3::from_points(&piece.corners), piece.slack());
+            start_box.union(translated(&start_box, *direction, *distance))
         })
         .collect();
-    let mut about = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
-    tape.gradient_over(&boxes, &mut about)?;
+    let mut around = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
+    tape.gradient_over(&boxes, &mut around)?;
     let points: Vec<Box3> = middles.iter().map(|c| Box3 { min: *c, max: *c }).collect();
     let mut values = vec![Interval::UNKNOWN; points.len()];
     tape.over(&points, &mut values)?;
-    for (k, slope) in about.iter().enumerate() {
+    for (k, slope) in around.iter().enumerate() {
         if !is_lipschitz(slope) || !values[k].is_defined() {
             continue;
         }
-        let (piece, (way, by)) = (pieces[k], ways[k]);
-        let all = over_corners(piece, slope, values[k]);
-        let rise = dot(slope.gradient, exactly(way));
-        let rate = if all.lo() >= 0.0 {
+        let (piece, (direction, distance)) = (pieces[k], moves[k]);
+        let values_on_piece = over_corners(piece, slope, values[k]);
+        let rise = dot(slope.gradient, exactly(direction));
+        let rate = if values_on_piece.lo() >= 0.0 {
             -rise.hi()
-        } else if all.hi() < 0.0 {
+        } else if values_on_piece.hi() < 0.0 {
             rise.lo()
         } else {
             continue;
         };
-        let strays = all.magnitude();
-        let steps = div_up(strays, rate);
-        if rate > 0.0 && steps < by {
-            known[k].at_most = lesser(known[k].at_most, mul_up(steps, length_up(way.map(f64::abs))));
-            known[k].residual = lesser(known[k].residual, strays);
+        let residual = values_on_piece.magnitude();
+        let steps = div_up(residual, rate);
+        if rate > 0.0 && steps < distance {
+            bounds[k].at_most = lesser(bounds[k].at_most, mul_up(steps, length_up(direction.map(f64::abs))));
+            bounds[k].residual = lesser(bounds[k].residual, residual);
         }
     }
     Ok(())
 }
 
 /// The box moved, with a margin for rounding.
-fn moved(bounds: &Box3, way: [f64; 3], by: f64) -> Box3 {
+fn translated(bounds: &Box3, direction: [f64; 3], distance: f64) -> Box3 {
     Box3 {
-        min: std::array::from_fn(|k| (bounds.min[k] + (by * way[k]).next_down()).next_down()),
-        max: std::array::from_fn(|k| (bounds.max[k] + (by * way[k]).next_up()).next_up()),
+        min: std::array::from_fn(|k| (bounds.min[k] + (distance * direction[k]).next_down()).next_down()),
+        max: std::array::from_fn(|k| (bounds.max[k] + (distance * direction[k]).next_up()).next_up()),
     }
 }
 
-/// All values on a piece, and on the part of the triangle that it represents.
+/// The range of values on a piece and on the part of the triangle for which it stands.
 fn over_corners(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) -> Interval {
     let at = piece.middle();
-    let strays = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
-    let all = value + strays[0].hull(strays[1]).hull(strays[2]);
-    let off = mul_up(steepest(slope), piece.slack());
-    Interval::from_endpoints(sub_down(all.lo(), off), add_up(all.hi(), off))
+    let changes = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
+    let values = value + changes[0].hull(changes[1]).hull(changes[2]);
+    let slack = mul_up(steepest(slope), piece.slack());
+    Interval::from_endpoints(sub_down(values.lo(), slack), add_up(values.hi(), slack))
 }
 
 /// Directions in which the opposite sign is searched: axes and diagonals.
@@ -304,32 +304,35 @@ const AROUND: [[f64; 3]; 14] = [
 ];
 
 /// Bounds pieces whose range of gradients is wide: the whole piece is moved along the gradient at its
-/// centroid, and against it. Where one is outside and the other inside, every point of the piece has the
-/// boundary in between.
+/// centroid, and against it. If one copy is outside and the other inside, the boundary is between them for
+/// every point of the piece.
 ///
-/// The step is the sufficient distance or, where the surface seems farther, a little more than its estimated
+/// The step is the sufficient distance or, if the surface seems farther, a little more than its estimated
 /// distance.
 pub(super) fn bound_by_shift(
     tape: &Tape,
     pieces: &[&FieldSubtriangle],
-    known: &mut [SubtriangleBounds],
+    bounds: &mut [SubtriangleBounds],
     enough: f64,
 ) -> Result<(), LeafError> {
     let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
     let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
     tape.gradient_at(&middles, &mut slopes)?;
-    let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| direction_or_z(slope.gradient)).collect();
+    let directions: Vec<[f64; 3]> = slopes.iter().map(|slope| direction_or_z(slope.gradient)).collect();
     let steps = pieces.iter().zip(&slopes).map(|(piece, slope)| {
         let seems = slope.value.abs() / crate::math::length(slope.gradient);
-        // Half the piece, which may be closer to the surface on one side than on the other.
+        // Half the piece in addition, since one end of it may be closer to the surface than the other.
         let far = 1.02 * seems + 0.5 * extent(&Box3::from_points(&piece.corners));
         if far.is_finite() && far > enough { far } else { 0.999 * enough }
     });
     let steps: Vec<f64> = steps.collect();
     let mut boxes = Vec::with_capacity(2 * pieces.len());
-    for (piece, (way, by)) in pieces.iter().zip(ways.iter().zip(&steps)) {
-        let here = inflated(&Box3::from_points(&piece.corners), piece.slack());
-        boxes.extend([moved(&here, *way, *by), moved(&here, *way, -by)]);
+    for (piece, (direction, distance)) in pieces.iter().zip(directions.iter().zip(&steps)) {
+        let start_box = inflated(&Box3::from_points(&piece.corners), piece.slack());
+        boxes.extend([
+            translated(&start_box, *direction, *distance),
+            translated(&start_box, *direction, -distance),
+        ]);
     }
     let mut values = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(&boxes, &mut values)?;
@@ -337,17 +340,17 @@ pub(super) fn bound_by_shift(
         let opposite = is_outside(ends[0]) && is_inside(ends[1]) || is_inside(ends[0]) && is_outside(ends[1]);
         if opposite {
             // The step, and the slack of the piece.
-            let far = add_up(mul_up(steps[k], length_up(ways[k].map(f64::abs))), pieces[k].slack());
-            known[k].at_most = lesser(known[k].at_most, far);
+            let far = add_up(mul_up(steps[k], length_up(directions[k].map(f64::abs))), pieces[k].slack());
+            bounds[k].at_most = lesser(bounds[k].at_most, far);
         }
-        if known[k].estimate == 0.0 {
-            known[k].estimate = steps[k];
+        if bounds[k].estimate == 0.0 {
+            bounds[k].estimate = steps[k];
         }
     }
     Ok(())
 }
 
-/// Whether all values are inside; a range that is not defined may contain undefined values, which are
+/// Whether all values are inside. A range that is not defined may contain undefined values, which are
 /// outside.
 pub(super) fn is_inside(range: Interval) -> bool {
     range.is_defined() && range.hi() < 0.0
@@ -357,17 +360,18 @@ pub(super) fn is_outside(range: Interval) -> bool {
     range.is_defined() && range.lo() >= 0.0
 }
 
-/// A vector scaled to length 1 up to rounding; along z where there is no direction.
+/// A vector scaled to length 1 up to rounding; the z axis if it has no direction.
 fn direction_or_z(v: [f64; 3]) -> [f64; 3] {
     let (unit, length) = unit_and_length(v);
     if length > 0.0 && length.is_finite() { unit } else { [0.0, 0.0, 1.0] }
 }
 
-/// Bounds pieces without a direction by two points of opposite signs, about `within` from their centroids.
+/// Bounds pieces without a direction of growth by two points of opposite signs, about `within` from their
+/// centroids.
 pub(super) fn bound_by_samples(
     tape: &Tape,
     pieces: &[&FieldSubtriangle],
-    known: &mut [SubtriangleBounds],
+    bounds: &mut [SubtriangleBounds],
     within: f64,
 ) -> Result<(), LeafError> {
     let mut points = Vec::with_capacity(pieces.len() * (2 * AROUND.len() + 3));
@@ -396,8 +400,8 @@ pub(super) fn bound_by_samples(
                 outside = lesser(outside, far(points[i]));
             }
         }
-        let both = add_up(greater(inside, outside), piece.slack());
-        known[k].at_most = lesser(known[k].at_most, both);
+        let distance = add_up(greater(inside, outside), piece.slack());
+        bounds[k].at_most = lesser(bounds[k].at_most, distance);
     }
     Ok(())
 }

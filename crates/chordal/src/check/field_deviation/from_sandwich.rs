@@ -1,5 +1,5 @@
-//! The deviation of a closed mesh by the sandwich prover: the upper bound from the sandwich, the lower ones
-//! from points.
+//! The deviation of a closed mesh by the sandwich prover: the upper bound comes from the sandwich, the lower
+//! bounds from points.
 use super::probe::{ProbeSharpness, probe_distances};
 use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
@@ -11,14 +11,14 @@ use crate::explicit::Bvh;
 use crate::implicit::Csg;
 use crate::math::{greater, sub_down};
 
-/// First margins of a sandwich, as shares of what samples require: with a limit, where a looser proof is
+/// First margins of a sandwich, as shares of what samples require: with a limit, since a looser proof is
 /// quicker; and without, each smaller than the previous one, until the goal is reached. Measured on a ball
 /// and a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a
-/// quarter; the second one with a limit is that of those who made the mesh.
+/// quarter; the second one with a limit is the one with which meshes are built.
 const WITH_LIMIT: [f64; 2] = [1.0, 0.5];
 const WITHOUT: [f64; 3] = [0.25, 1.0 / 16.0, 1.0 / 64.0];
-/// Faces at which lower bounds are searched: the worst ones; only a few with a limit that holds, as nothing
-/// depends on it.
+/// The number of worst faces at which lower bounds are searched: a few with a limit that holds, since no
+/// decision depends on them then, and more without.
 const PROBED: [usize; 2] = [4, 32];
 
 /// The lower bounds.
@@ -30,58 +30,58 @@ struct LowerBounds {
     from_field: [f64; 3],
 }
 
-/// The deviation of a closed mesh; `None` where it was not proved.
+/// The deviation of a closed mesh; `None` if it was not proved.
 pub(super) fn sandwich_deviation(
     search: &FieldDeviationSearch,
     bvh: &Bvh,
 ) -> Result<Option<FieldDeviation>, JobError> {
     let csg = Csg::from_graph(search.tape.graph());
-    let mut judge = SandwichProver::new(&csg, &search.bounds, search.job).map_err(leaf_failure)?;
-    let mut look = |limit: Option<f64>, margin: f64| -> Result<Option<SandwichVerdict>, JobError> {
+    let mut prover = SandwichProver::new(&csg, &search.bounds, search.job).map_err(leaf_failure)?;
+    let mut prove = |limit: Option<f64>, margin: f64| -> Result<Option<SandwichVerdict>, JobError> {
         search.check_cancelled()?;
-        let verdict = judge.prove(search.mesh, &SandwichGoal::new(limit, margin))?;
+        let verdict = prover.prove(search.mesh, &SandwichGoal::new(limit, margin))?;
         Ok(verdict.is_proved().then_some(verdict))
     };
     for margin in WITH_LIMIT.iter().filter(|_| search.goal.max.is_some()) {
-        if let Some(verdict) = look(search.goal.max.map(Tolerance::get), *margin)? {
-            let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
-            return Ok(conclusion(search, &csg, &verdict, &ends, bvh));
+        if let Some(verdict) = prove(search.goal.max.map(Tolerance::get), *margin)? {
+            let lower = lower_bounds(search, &verdict, bvh, PROBED[0])?;
+            return Ok(conclusion(search, &csg, &verdict, &lower, bvh));
         }
     }
     let mut best: Option<(SandwichVerdict, LowerBounds)> = None;
     for margin in WITHOUT {
-        let Some(verdict) = look(None, margin)? else { break };
-        let ends = match &best {
-            Some((_, ends)) => *ends,
-            None => lower_ends(search, &verdict, bvh, PROBED[1])?,
+        let Some(verdict) = prove(None, margin)? else { break };
+        let lower = match &best {
+            Some((_, lower)) => *lower,
+            None => lower_bounds(search, &verdict, bvh, PROBED[1])?,
         };
         let is_better = best.as_ref().is_none_or(|(best, _)| verdict.bound < best.bound);
         if is_better {
-            best = Some((verdict, ends));
+            best = Some((verdict, lower));
         }
         let bound = best.as_ref().map_or(f64::INFINITY, |(best, _)| best.bound);
-        let least = greater(ends.forward, ends.backward);
+        let least = greater(lower.forward, lower.backward);
         if bound <= search.sufficient_distance(least) || search.goal.max.is_some() || !is_better {
             break;
         }
     }
-    Ok(best.and_then(|(verdict, ends)| conclusion(search, &csg, &verdict, &ends, bvh)))
+    Ok(best.and_then(|(verdict, lower)| conclusion(search, &csg, &verdict, &lower, bvh)))
 }
 
-/// The bound of a proved mesh; `None` where a lower bound contradicts it.
+/// The bound of a proved mesh; `None` if a lower bound contradicts it.
 pub(super) fn bound_from_verdict(
     search: &FieldDeviationSearch,
     verdict: &SandwichVerdict,
     bvh: &Bvh,
 ) -> Result<Option<Bound>, JobError> {
     let csg = Csg::from_graph(search.tape.graph());
-    let ends = lower_ends(search, verdict, bvh, PROBED[0])?;
-    Ok(conclusion(search, &csg, verdict, &ends, bvh).map(|found| found.bound))
+    let lower = lower_bounds(search, verdict, bvh, PROBED[0])?;
+    Ok(conclusion(search, &csg, verdict, &lower, bvh).map(|deviation| deviation.bound))
 }
 
 /// Lower bounds on the distance of points of the worst faces from the surface, and of nearby surface points
 /// from the mesh.
-fn lower_ends(
+fn lower_bounds(
     search: &FieldDeviationSearch,
     verdict: &SandwichVerdict,
     bvh: &Bvh,
@@ -95,15 +95,15 @@ fn lower_ends(
     }
     worst.sort_unstable_by(order);
     let centre = search.bounds.centre();
-    let mut ends = LowerBounds { forward: 0.0, from_mesh: centre, backward: 0.0, from_field: centre };
+    let mut lower = LowerBounds { forward: 0.0, from_mesh: centre, backward: 0.0, from_field: centre };
     let middles: Vec<[f64; 3]> = worst.iter().map(|face| middle(&search.mesh.corners(*face))).collect();
     let most: Vec<f64> = worst.iter().map(|face| verdict.bounds[*face]).collect();
     let probed = probe_distances(&search.tape, &middles, &most, ProbeSharpness::ROUGH);
     for (p, probed) in middles.iter().zip(probed.map_err(leaf_failure)?) {
         // A rounded centroid is off the triangle by less than the floor.
         let least = sub_down(probed.at_least, search.floor);
-        if least > ends.forward {
-            (ends.forward, ends.from_mesh) = (least, *p);
+        if least > lower.forward {
+            (lower.forward, lower.from_mesh) = (least, *p);
         }
     }
     let mut starts = Vec::new();
@@ -120,27 +120,27 @@ fn lower_ends(
         project_to_surface(&search.tape, &starts, &sizes).map_err(leaf_failure)?.into_iter().flatten()
     {
         let Some(far) = bvh.closest_distance_down(witness.at) else { continue };
-        let least = sub_down(far, witness.within);
-        if least > ends.backward {
-            (ends.backward, ends.from_field) = (least, witness.at);
+        let least = sub_down(far, witness.radius);
+        if least > lower.backward {
+            (lower.backward, lower.from_field) = (least, witness.at);
         }
     }
-    Ok(ends)
+    Ok(lower)
 }
 
 fn middle(corners: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0)
 }
 
-/// `None` where a lower bound exceeds the verdict's bound: then the field violates one of its promises.
+/// `None` if a lower bound exceeds the verdict's bound: then the field breaks one of its promises.
 fn conclusion(
     search: &FieldDeviationSearch,
     csg: &Csg,
     verdict: &SandwichVerdict,
-    ends: &LowerBounds,
+    lower: &LowerBounds,
     bvh: &Bvh,
 ) -> Option<FieldDeviation> {
-    let least = greater(ends.forward, ends.backward);
+    let least = greater(lower.forward, lower.backward);
     if least > verdict.bound {
         return None;
     }
@@ -151,12 +151,12 @@ fn conclusion(
         from,
         to,
     };
-    let forward = one_sided(ends.forward, ends.from_mesh, ends.from_mesh);
-    let backward = one_sided(ends.backward, ends.from_field, nearest(ends.from_field));
+    let forward = one_sided(lower.forward, lower.from_mesh, lower.from_mesh);
+    let backward = one_sided(lower.backward, lower.from_field, nearest(lower.from_field));
     let most = verdict.bound;
     let evidence = search.evidence.weaker(&csg.evidence());
     let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Field);
-    bound.at = Some(if ends.backward > ends.forward { ends.from_field } else { ends.from_mesh });
+    bound.at = Some(if lower.backward > lower.forward { lower.from_field } else { lower.from_mesh });
     let beyond = search.goal.max.is_some_and(|max| least > max.get());
     let reached = most <= search.sufficient_distance(least) || beyond;
     Some(FieldDeviation { bound, forward, backward, reached, unresolved: 0 })

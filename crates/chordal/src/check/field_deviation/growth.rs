@@ -11,7 +11,7 @@ use crate::math::{Interval, add_down, dot, length, lesser, mul_down};
 /// The most steps: measured, hulls of gradients in small cells take 2 to 10.
 const STEPS: usize = 60;
 
-/// A direction of growth of all functions, if one is found.
+/// A direction along which all functions grow, if one is found.
 pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
     let middle = |g: &[Interval; 3]| g.map(|d| 0.5 * d.lo() + 0.5 * d.hi());
     let scales: Vec<f64> = gradients.iter().map(|g| 1.0 / length(middle(g))).collect();
@@ -25,7 +25,7 @@ pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
     }
     for _ in 0..STEPS {
         let norm = dot(at, at);
-        // Half of the digits: nearer to 0 rounding decides.
+        // Half of the digits: nearer to 0, rounding decides.
         if norm < f64::EPSILON {
             return None;
         }

@@ -7,17 +7,18 @@
 //! either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both p and its
 //! complement are outside. So for a few such primitives all cases are enumerated.
 //!
-//! **Parallel surfaces.** Primitives that are levels of one function t have an order: what is below the lower of two levels
-//! is below the upper one, however near they are. So the sides of a few of them are enumerated as well, without those that
-//! contradict the order. What was said holds for the cases that are left: a point off all zero sets has the sides of one of
-//! them, and where t is at a level, both sides of that one go with the sides of the others.
+//! **Parallel surfaces.** Primitives that are levels of one function t have an order: what is below the lower
+//! of two levels is below the upper one, however near they are. So the sides of a few of them are enumerated
+//! as well, without those that contradict the order. The argument above holds for the remaining cases: a
+//! point off all zero sets has the sides of one of them, and where t is at a level, both sides of that level
+//! occur with the sides of the others.
 use crate::implicit::csg::LevelFunction;
 use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-/// The sides of a primitive and of its complement on which a set is. Where the primitive is 0, both are
-/// outside; so a set where it is at most 0 may be outside of its complement without being inside of itself.
+/// The sides of a primitive and of its complement on which a set lies. Where the primitive is 0, both are
+/// outside; so a set where it is at most 0 may be outside its complement without being inside itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LiteralSides {
     plain: Membership,
@@ -39,7 +40,7 @@ impl LiteralSides {
         Self { plain: side(*high < 0.0, *low >= 0.0), complement: side(*low > 0.0, *high <= 0.0) }
     }
 
-    /// The same, unless the range holds 0.
+    /// The same, but unknown if the range contains 0.
     pub fn off_zero(range: &[f64; 2]) -> Self {
         let [low, high] = range;
         if *low > 0.0 || *high < 0.0 { Self::from_range(range) } else { Self::UNKNOWN }
@@ -49,7 +50,7 @@ impl LiteralSides {
         if falls { self.complement } else { self.plain }
     }
 
-    /// Whether one of them is not known.
+    /// Whether one of the sides is unknown.
     pub fn is_open(&self) -> bool {
         self.plain == Membership::Unknown || self.complement == Membership::Unknown
     }
@@ -61,27 +62,28 @@ pub(super) struct LocalTree {
     pub tree: CsgTree,
     /// Ascending.
     pub primitives: Vec<u32>,
-    /// For each, whether it occurs in the tree as itself (1), and as its complement (2).
+    /// By primitive: whether it occurs in the tree as itself (1), and as its complement (2).
     kinds: Vec<u8>,
-    /// Indices in `primitives` of those that occur as themselves and as their complements.
+    /// Indices in `primitives` of the primitives that occur as themselves and as their complements.
     mixed: Vec<u32>,
-    /// Indices in `primitives` of those that are parallel to another one of them, with their places among these.
+    /// Indices in `primitives` of the primitives that are parallel to another one there, with their positions
+    /// in that order.
     parallel: Vec<(u32, LevelOrder)>,
 }
 
-/// The place of a primitive among the levels of one function.
+/// The position of a primitive among the levels of one function.
 #[derive(Clone, Copy, Debug)]
 struct LevelOrder {
     /// The number of the function.
     family: u32,
     /// Lower levels have lower ranks.
     rank: u32,
-    /// Whether the primitive falls where the function grows.
+    /// Whether the primitive falls as the function grows.
     falls: bool,
 }
 
 impl LevelOrder {
-    /// By primitive, for those that are parallel to others.
+    /// By primitive: its position, if it is parallel to others.
     fn of_all(primitives: &[Primitive]) -> Arc<[Option<Self>]> {
         let mut orders = vec![None; primitives.len()];
         for (number, family) in level_families(primitives).into_iter().enumerate() {
@@ -109,15 +111,16 @@ impl LocalTree {
         Self::with_orders(tree, &[])
     }
 
-    /// With what is known of the order of primitives, by their numbers.
+    /// A tree with the known orders of primitives, by their numbers.
     fn with_orders(tree: CsgTree, orders: &[Option<LevelOrder>]) -> Self {
         let primitives = tree.primitives();
-        let of = |p: &u32| orders.get(*p as usize).copied().flatten();
-        let has_other =
-            |p: u32, family| primitives.iter().any(|q| *q != p && of(q).is_some_and(|o| o.family == family));
-        let parallel = (0_u32..).zip(&primitives).filter_map(|(place, p)| Some((place, of(p)?, *p)));
+        let order_of = |p: &u32| orders.get(*p as usize).copied().flatten();
+        let has_other = |p: u32, family| {
+            primitives.iter().any(|q| *q != p && order_of(q).is_some_and(|o| o.family == family))
+        };
+        let parallel = (0_u32..).zip(&primitives).filter_map(|(index, p)| Some((index, order_of(p)?, *p)));
         let parallel = parallel.filter(|(_, order, p)| has_other(*p, order.family));
-        let parallel = parallel.map(|(place, order, _)| (place, order)).collect();
+        let parallel = parallel.map(|(index, order, _)| (index, order)).collect();
         let mut kinds = vec![0_u8; primitives.len()];
         for node in tree.nodes() {
             let (p, kind) = match node {
@@ -131,7 +134,7 @@ impl LocalTree {
         Self { tree, primitives, kinds, mixed, parallel }
     }
 
-    /// Its memory, about: its lists, and itself with its entry in a table.
+    /// An estimate of its memory: its lists, itself and its entry in a table.
     fn bytes(&self) -> u64 {
         let of_lists = size_of_val(self.tree.nodes())
             + size_of_val(&*self.primitives)
@@ -143,19 +146,19 @@ impl LocalTree {
 
     /// The distinct literals: primitives, and whether they occur as their complements.
     pub fn literals(&self) -> impl Iterator<Item = (u32, bool)> + use<'_> {
-        let both = self.primitives.iter().zip(&self.kinds);
-        both.flat_map(|(p, kinds)| {
+        let occurrences = self.primitives.iter().zip(&self.kinds);
+        occurrences.flat_map(|(p, kinds)| {
             [(*p, false), (*p, true)].into_iter().filter(move |(_, falls)| kinds >> u8::from(*falls) & 1 == 1)
         })
     }
 
     /// The primitives that occur in the tree as themselves and as their complements.
     pub fn mixed(&self) -> impl Iterator<Item = u32> + use<'_> {
-        self.mixed.iter().map(|place| self.primitives[*place as usize])
+        self.mixed.iter().map(|index| self.primitives[*index as usize])
     }
 
     /// The index of a primitive in the list.
-    pub fn place(&self, primitive: u32) -> usize {
+    pub fn index_of(&self, primitive: u32) -> usize {
         self.primitives.binary_search(&primitive).expect("a primitive of the tree")
     }
 
@@ -170,18 +173,18 @@ impl LocalTree {
             return Membership::Unknown;
         }
         let mut of_case = sides.to_vec();
-        let mut all = None;
+        let mut common_side = None;
         for case in (0..1_u32 << open.len()).filter(|case| is_consistent(&open, *case)) {
             for (bit, (k, _)) in open.iter().enumerate() {
                 of_case[*k] = if is_inside(case, bit) { LiteralSides::INSIDE } else { LiteralSides::OUTSIDE };
             }
             let side = self.membership_without_cracks(&of_case);
-            if side == Membership::Unknown || all.is_some_and(|all| all != side) {
+            if side == Membership::Unknown || common_side.is_some_and(|common| common != side) {
                 return Membership::Unknown;
             }
-            all = Some(side);
+            common_side = Some(side);
         }
-        match all {
+        match common_side {
             Some(Membership::Inside) if !open.iter().all(|(k, _)| has_thin_zeros(&slopes[*k])) => {
                 Membership::Unknown
             }
@@ -190,36 +193,36 @@ impl LocalTree {
         }
     }
 
-    /// The open primitives whose cases tell more than their ranges, by place, and their order: those that occur as
-    /// themselves and as their complements, and those of which a parallel one is open too.
+    /// The open primitives whose cases decide more than their ranges, by index, with their order: those that
+    /// occur as themselves and as their complements, and those with a parallel primitive that is open too.
     fn cases(&self, sides: &[LiteralSides]) -> Vec<(usize, Option<LevelOrder>)> {
-        let is_open = |place: u32| sides[place as usize].is_open();
+        let is_open = |index: u32| sides[index as usize].is_open();
         let open: Vec<(u32, LevelOrder)> =
             self.parallel.iter().copied().filter(|(k, _)| is_open(*k)).collect();
-        let order_of = |place: u32| {
-            let own = open.iter().find(|(k, _)| *k == place)?.1;
-            open.iter().any(|(k, other)| *k != place && other.family == own.family).then_some(own)
+        let order_of = |index: u32| {
+            let order = open.iter().find(|(k, _)| *k == index)?.1;
+            open.iter().any(|(k, other)| *k != index && other.family == order.family).then_some(order)
         };
         let of_parallel = open.iter().map(|(k, _)| *k).filter(|k| order_of(*k).is_some());
-        let mut places: Vec<u32> =
+        let mut indices: Vec<u32> =
             self.mixed.iter().copied().filter(|k| is_open(*k)).chain(of_parallel).collect();
-        places.sort_unstable();
-        places.dedup();
-        places.into_iter().map(|k| (k as usize, order_of(k))).collect()
+        indices.sort_unstable();
+        indices.dedup();
+        indices.into_iter().map(|k| (k as usize, order_of(k))).collect()
     }
 
-    /// The same without closing cracks.
+    /// The side of a set, without closing cracks.
     pub fn membership_without_cracks(&self, sides: &[LiteralSides]) -> Membership {
-        self.tree.membership(|p, falls| sides[self.place(p)].membership_of(falls))
+        self.tree.membership(|p, falls| sides[self.index_of(p)].membership_of(falls))
     }
 }
 
-/// Whether a case takes the primitive of a number as inside.
+/// Whether a case takes a primitive as inside.
 fn is_inside(case: u32, number: usize) -> bool {
     case >> number & 1 == 1
 }
 
-/// Whether a case keeps to the order of parallel primitives.
+/// Whether a case respects the order of parallel primitives.
 fn is_consistent(open: &[(usize, Option<LevelOrder>)], case: u32) -> bool {
     let ordered =
         || open.iter().enumerate().filter_map(|(bit, (_, order))| Some((is_inside(case, bit), (*order)?)));
@@ -228,7 +231,7 @@ fn is_consistent(open: &[(usize, Option<LevelOrder>)], case: u32) -> bool {
     })
 }
 
-/// The primitives that are levels of one function, of each that has several.
+/// The families of primitives that are levels of one function, without families of a single one.
 fn level_families(primitives: &[Primitive]) -> Vec<Vec<u32>> {
     let mut by_function: BTreeMap<LevelFunction, Vec<u32>> = BTreeMap::new();
     for (number, primitive) in (0_u32..).zip(primitives) {
@@ -239,11 +242,11 @@ fn level_families(primitives: &[Primitive]) -> Vec<Vec<u32>> {
     by_function.into_values().filter(|family| family.len() > 1).collect()
 }
 
-/// Levels of one function in their order. None where two of them are too near to each other to have one.
+/// Levels of one function in their order; `None` if two of them are too near to each other to have one.
 pub(super) fn by_height(primitives: &[Primitive], mut family: Vec<u32>) -> Option<Vec<u32>> {
-    let of = |p: u32| &primitives[p as usize];
-    family.sort_by(|a, b| of(*a).height().total_cmp(&of(*b).height()));
-    family.windows(2).all(|pair| of(pair[0]).is_parallel_to(of(pair[1]))).then_some(family)
+    let primitive = |p: u32| &primitives[p as usize];
+    family.sort_by(|a, b| primitive(*a).height().total_cmp(&primitive(*b).height()));
+    family.windows(2).all(|pair| primitive(pair[0]).is_parallel_to(primitive(pair[1]))).then_some(family)
 }
 
 /// Whether the zero set has no interior: along some axis the function grows everywhere, or falls.
@@ -254,7 +257,7 @@ pub(super) fn has_thin_zeros(slope: &DualRange) -> bool {
 /// Trees by index, each stored once.
 #[derive(Clone, Debug)]
 pub(super) struct LocalTrees {
-    all: Vec<LocalTree>,
+    trees: Vec<LocalTree>,
     /// Maps a tree's fingerprint to one of the trees that have it.
     numbers: HashMap<u64, u32>, // No order depends on it.
     bytes: u64,
@@ -263,45 +266,45 @@ pub(super) struct LocalTrees {
 }
 
 impl LocalTrees {
-    /// The whole tree has index 0.
+    /// The whole tree gets index 0.
     pub fn new(csg: &Csg) -> Self {
         let orders = LevelOrder::of_all(csg.primitives());
         // No order depends on it.
-        let mut trees = Self { all: Vec::new(), numbers: HashMap::new(), bytes: 0, orders };
+        let mut trees = Self { trees: Vec::new(), numbers: HashMap::new(), bytes: 0, orders };
         trees.push(csg.tree().clone());
         trees
     }
 
     pub fn get(&self, number: u32) -> &LocalTree {
-        &self.all[number as usize]
+        &self.trees[number as usize]
     }
 
-    /// Their memory.
+    /// The memory of all trees.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// The index of the rest of a tree: its own if nothing is decided.
+    /// The index of the tree that remains once some sides are known; `number` itself if nothing is decided.
     pub fn restricted(&mut self, number: u32, sides: &[LiteralSides]) -> Result<u32, Membership> {
         if sides.iter().all(|side| *side == LiteralSides::UNKNOWN) {
             return Ok(number);
         }
         let local = self.get(number);
-        match local.tree.restrict(|p, falls| sides[local.place(p)].membership_of(falls)) {
+        match local.tree.restrict(|p, falls| sides[local.index_of(p)].membership_of(falls)) {
             CsgRestriction::Decided(side) => Err(side),
             CsgRestriction::Open(tree) => Ok(self.push(tree)),
         }
     }
 
-    /// The index of the tree without operands that never have its value, from ranges in the order of the
-    /// list.
+    /// The index of the tree without operands that never have its value, from ranges in the order of its
+    /// primitives.
     pub fn by_value(&mut self, number: u32, ranges: &[[f64; 2]]) -> u32 {
         let local = self.get(number);
-        let of = |p: u32, falls: bool| {
-            let [low, high] = ranges[local.place(p)];
+        let range_of = |p: u32, falls: bool| {
+            let [low, high] = ranges[local.index_of(p)];
             if falls { [-high, -low] } else { [low, high] }
         };
-        let (_, tree) = by_value(&local.tree, of);
+        let (_, tree) = by_value(&local.tree, range_of);
         if tree.nodes().len() == local.tree.nodes().len() { number } else { self.push(tree) }
     }
 
@@ -312,38 +315,38 @@ impl LocalTrees {
         }
         let local = LocalTree::with_orders(tree, &self.orders);
         self.bytes += local.bytes();
-        self.all.push(local);
-        let number = self.all.len() as u32 - 1;
+        self.trees.push(local);
+        let number = self.trees.len() as u32 - 1;
         self.numbers.insert(hash, number);
         number
     }
 
-    /// Removes all but the first `n`.
+    /// Removes all trees except the first `n`.
     pub fn truncate(&mut self, n: usize) {
-        for (number, local) in self.all.iter().enumerate().skip(n) {
+        for (number, local) in self.trees.iter().enumerate().skip(n) {
             self.bytes -= local.bytes();
             let hash = local.tree.fingerprint();
             if self.numbers.get(&hash) == Some(&(number as u32)) {
                 self.numbers.remove(&hash);
             }
         }
-        self.all.truncate(n);
+        self.trees.truncate(n);
     }
 
     pub fn len(&self) -> usize {
-        self.all.len()
+        self.trees.len()
     }
 }
 
-/// The range of a tree's value in a region, from those of its literals (a primitive, and whether it occurs as
-/// its complement), and a tree that has the same value at every point: without the operands of minima that
-/// are above another one throughout, and those of maxima that are below.
-pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([f64; 2], CsgTree) {
+/// The range of a tree's value in a region, from the ranges of its literals (a primitive, and whether it
+/// occurs as its complement), and a tree that has the same value at every point: without the operands of
+/// minima that are above another operand throughout, and those of maxima that are below.
+pub(super) fn by_value(tree: &CsgTree, range_of: impl Fn(u32, bool) -> [f64; 2]) -> ([f64; 2], CsgTree) {
     let mut stack: Vec<([f64; 2], Vec<CsgNode>)> = Vec::new();
     for node in tree.nodes() {
         let result = match *node {
-            CsgNode::Primitive(p) => (of(p, false), vec![*node]),
-            CsgNode::Complement(p) => (of(p, true), vec![*node]),
+            CsgNode::Primitive(p) => (range_of(p, false), vec![*node]),
+            CsgNode::Complement(p) => (range_of(p, true), vec![*node]),
             CsgNode::Union(n) | CsgNode::Intersection(n) => {
                 let is_union = matches!(node, CsgNode::Union(_));
                 let operands = stack.split_off(stack.len() - n as usize);
@@ -352,16 +355,16 @@ pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([
                     .iter()
                     .fold(operands[0].0, |[a, b], ([c, d], _)| [pick(a, *c), pick(b, *d)]);
                 let may = |[low, high]: [f64; 2]| if is_union { low <= range[1] } else { high >= range[0] };
-                let mut kept = 0;
+                let mut n_kept = 0;
                 let mut nodes = Vec::new();
-                for (own, below) in operands {
-                    if may(own) {
-                        kept += 1;
+                for (operand_range, below) in operands {
+                    if may(operand_range) {
+                        n_kept += 1;
                         nodes.extend(below);
                     }
                 }
-                if kept > 1 {
-                    nodes.push(if is_union { CsgNode::Union(kept) } else { CsgNode::Intersection(kept) });
+                if n_kept > 1 {
+                    nodes.push(if is_union { CsgNode::Union(n_kept) } else { CsgNode::Intersection(n_kept) });
                 }
                 (range, nodes)
             }

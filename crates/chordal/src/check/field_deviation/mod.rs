@@ -48,47 +48,48 @@ pub struct FieldDeviation {
     pub forward: OneSidedDistance,
     /// From the points of the field's surface to the mesh.
     pub backward: OneSidedDistance,
-    /// Whether the goal was reached. Where it was not, the bound holds nevertheless.
+    /// Whether the goal was reached. The bound holds even if it was not.
     pub reached: bool,
-    /// Pieces of triangles for which no surface point was proved at all: with any, there is no upper bound.
+    /// Pieces of triangles without any proved surface point nearby. If there are any, there is no upper
+    /// bound.
     pub unresolved: u64,
 }
 
 /// Pieces in one task.
 const CHUNK: usize = 256;
-/// The same for fields with leaves, which are evaluated in large batches.
+/// The same for fields with leaves, which are evaluated in larger batches.
 const LEAF_CHUNK: usize = 1 << 16;
-/// Points that take as long as a box, which is looked at with the whole field. Chosen: as for a piece of a triangle, without
-/// its search.
+/// Work units of one box, which is evaluated with the whole field. Chosen: as for a piece of a triangle,
+/// without its search.
 const POINTS_A_BOX: u64 = 16;
 /// The rounding of a distance that is 0, relative to the largest coordinate: derived from the slack of pieces
 /// (32 ε), taken twice.
 const FLOOR: f64 = 64.0 * f64::EPSILON;
 
-/// Encloses the Hausdorff distance between a mesh and the surface of a field, the boundary of where it is
-/// negative.
+/// Encloses the Hausdorff distance between a mesh and the surface of a field, the boundary of the region in
+/// which it is negative.
 ///
-/// *What it covers.* All points of both surfaces, rounding included, whatever made the mesh. The field is
-/// given by its [`Field::sign`], and its [`Field::bounds`] are trusted: outside of them there is no surface.
-/// The surface is the boundary of the interior of the closure of the points with negative values, so where
-/// two solids share a face, as stacked boxes do, there is no surface between them, as
-/// [`Csg`](crate::implicit::Csg) describes. Where a leaf of the field has no interval evaluation nothing can
-/// be proved, and the result is measured: a lower bound alone, from the distances of points of the field's
-/// surface found beside the centroids of the triangles.
+/// *What it covers.* All points of both surfaces, rounding included, for any mesh. The field is given by its
+/// [`Field::sign`], and its [`Field::bounds`] are trusted: outside of them there is no surface. The surface
+/// is the boundary of the interior of the closure of the points with negative values: if two solids share a
+/// face, as stacked boxes do, there is no surface between them, as [`Csg`](crate::implicit::Csg) describes.
+/// If a leaf of the field has no interval evaluation, nothing can be proved, and the result is measured: a
+/// lower bound alone, from the distances of points of the field's surface found near the centroids of the
+/// triangles.
 ///
 /// A closed oriented mesh is checked by the signs of the field's primitives on two displaced copies of it,
 /// one outside and one inside, and by cells over the bounds that prove that no part of the surface is missed.
-/// Where that proves nothing, and for open meshes, boxes around triangles and around the field's surface are
+/// If that proves nothing, and for open meshes, boxes around triangles and around the field's surface are
 /// compared with the values of the whole field.
 ///
-/// *Cost.* With copies some 50 to 250 interval evaluations of primitives a triangle, more for a tight bound,
-/// plus cells in proportion to the details of the shape, whatever the bound. The result does not depend on
+/// *Cost.* With copies 50 to 250 interval evaluations of primitives for each triangle, more for a tight
+/// bound, and cells in proportion to the details of the shape, for any bound. The result does not depend on
 /// the number of threads.
 ///
 /// # Errors
-/// [`JobError::Refused`] with [`RefusalCode::Unsupported`] for a field without finite bounds,
-/// [`RefusalCode::Empty`] for a mesh without faces, [`RefusalCode::LeafFailed`] when a leaf fails, and as for
-/// [`crate::check::deviation`]; [`JobError::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::Unsupported`] for a field without finite bounds, with
+/// [`RefusalCode::Empty`] for a mesh without faces, with [`RefusalCode::LeafFailed`] if a leaf fails, and as
+/// for [`crate::check::deviation`]; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::check::{Goal, field_deviation};
@@ -140,21 +141,22 @@ pub fn field_deviation(
         let search =
             FieldDeviationSearch { mesh, tape, evidence: field.evidence(), bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
-        let judged =
+        let sandwich_result =
             if enclosure.is_closed() { from_sandwich::sandwich_deviation(&search, &bvh)? } else { None };
-        if let Some(found) = &judged
-            && found.reached
+        if let Some(result) = &sandwich_result
+            && result.reached
         {
-            return Ok(found.clone());
+            return Ok(result.clone());
         }
         let (forward, backward) = search.both_directions(&bvh, &enclosure)?;
-        let compared = search.conclusion(&forward, &backward, &bvh);
-        Ok(judged.map_or_else(|| compared.clone(), |judged| search.better_of(&judged, &compared)))
+        let box_result = search.conclusion(&forward, &backward, &bvh);
+        Ok(sandwich_result
+            .map_or_else(|| box_result.clone(), |sandwich| search.better_of(&sandwich, &box_result)))
     })
 }
 
-/// The bound of a mesh from its verdict, which is proved, with a lower bound from a few of the worst faces;
-/// `None` where the lower bound contradicts the verdict.
+/// The bound of a proved mesh from its verdict, with a lower bound from a few of the worst faces; `None` if
+/// the lower bound contradicts the verdict.
 pub(crate) fn sandwich_bound(
     mesh: &Mesh,
     field: &Field,
@@ -173,9 +175,9 @@ pub(crate) fn sandwich_bound(
     )
 }
 
-/// Measures the deviation of a mesh from the surface of a field by samples alone, even where a proof is
-/// possible, and finds the faces from which the surface is seen to be farther than a length. Each round of one search has
-/// samples of its own.
+/// Measures the deviation of a mesh from the surface of a field by samples alone, even if a proof is
+/// possible, and finds the faces from which samples of the surface are farther than a length. Each round of a
+/// search takes different samples.
 pub(crate) fn measured_field_deviation(
     mesh: &Mesh,
     field: &Field,
@@ -193,32 +195,32 @@ fn leaf_failure(error: LeafError) -> JobError {
     JobError::Refused(Refusal::new(RefusalCode::LeafFailed, error.message))
 }
 
-/// Applies `look` to some of the pieces and updates their bounds.
+/// Applies `look` to selected pieces and updates their bounds.
 fn refine_some(
-    which: &[usize],
+    indices: &[usize],
     pieces: &[FieldSubtriangle],
-    known: &mut [SubtriangleBounds],
+    bounds: &mut [SubtriangleBounds],
     look: impl FnOnce(&[&FieldSubtriangle], &mut [SubtriangleBounds]) -> Result<(), LeafError>,
 ) -> Result<(), LeafError> {
-    if which.is_empty() {
+    if indices.is_empty() {
         return Ok(());
     }
-    let of: Vec<&FieldSubtriangle> = which.iter().map(|k| &pieces[*k]).collect();
-    let mut theirs: Vec<SubtriangleBounds> = which.iter().map(|k| known[*k]).collect();
-    look(&of, &mut theirs)?;
-    which.iter().zip(theirs).for_each(|(k, theirs)| known[*k] = theirs);
+    let selected: Vec<&FieldSubtriangle> = indices.iter().map(|k| &pieces[*k]).collect();
+    let mut selected_bounds: Vec<SubtriangleBounds> = indices.iter().map(|k| bounds[*k]).collect();
+    look(&selected, &mut selected_bounds)?;
+    indices.iter().zip(selected_bounds).for_each(|(k, tightened)| bounds[*k] = tightened);
     Ok(())
 }
 
-/// The largest coordinate.
+/// The largest coordinate of a mesh and a box.
 fn reach(mesh: &Mesh, bounds: &Box3) -> f64 {
-    let all = mesh.bounds().union(*bounds);
-    all.min.iter().chain(&all.max).fold(0.0, |most: f64, x| greater(most, x.abs()))
+    let extent = mesh.bounds().union(*bounds);
+    extent.min.iter().chain(&extent.max).fold(0.0, |most: f64, x| greater(most, x.abs()))
 }
 
 /// The share of the allowed gap between the bounds that the direction from the mesh may take.
 const FORWARD_SHARE: f64 = 0.6;
-/// The share for a first rough search: with a goal of a tenth, up to twice the lower bound.
+/// The same share in a first rough search: with a goal of a tenth, the bound may be twice the lower one.
 const ROUGH_SHARE: f64 = 10.0;
 
 struct FieldDeviationSearch<'a> {
@@ -232,7 +234,7 @@ struct FieldDeviationSearch<'a> {
 }
 
 impl FieldDeviationSearch<'_> {
-    /// The distance that suffices for every point where some point is as far as `least`.
+    /// The upper bound that suffices for every point if the distance of some point is `least`.
     fn sufficient_distance(&self, least: f64) -> f64 {
         let wanted = match self.goal.max {
             Some(max) => max.get(),
@@ -250,7 +252,7 @@ impl FieldDeviationSearch<'_> {
         enclosure: &Enclosure,
     ) -> Result<(ForwardDistance, BackwardDistance), JobError> {
         let from_field = |forward: &ForwardDistance| {
-            // Without an upper bound for the mesh there is none for both directions.
+            // Without an upper bound in this direction there is none for both.
             if forward.unresolved > 0 {
                 return Ok(BackwardDistance { least: 0.0, most: f64::INFINITY, at: forward.at });
             }
@@ -262,8 +264,8 @@ impl FieldDeviationSearch<'_> {
             let backward = from_field(&forward)?;
             return Ok((forward, backward));
         }
-        // One direction is often much farther than the other, as at edges replaced by bevels; the other need
-        // not be known well then. So both are first searched roughly.
+        // One direction is often much farther than the other, as at edges replaced by bevels; then the other
+        // direction needs no tight bound. So both are first searched roughly.
         let forward = self.forward(0.0, ROUGH_SHARE)?;
         let backward = from_field(&forward)?;
         let least = greater(forward.least, backward.least);
@@ -276,7 +278,7 @@ impl FieldDeviationSearch<'_> {
             (closer.least, closer.at) = (forward.least, forward.at);
         }
         let again = from_field(&closer)?;
-        // Keeps the better of each bound, since both hold.
+        // Keep the better of each bound, since both hold.
         let backward = BackwardDistance {
             least: greater(again.least, backward.least),
             most: lesser(again.most, backward.most),
@@ -285,8 +287,8 @@ impl FieldDeviationSearch<'_> {
         Ok((closer, backward))
     }
 
-    /// The distance aimed at for points of the mesh: a little less, to leave a margin for the other
-    /// direction.
+    /// The upper bound to aim at for points of the mesh: a little less than would suffice, to leave a margin
+    /// for the other direction.
     fn aim(&self, least: f64, share: f64) -> f64 {
         let enough = self.sufficient_distance(least);
         if self.goal.max.is_some() {
@@ -312,27 +314,33 @@ impl FieldDeviationSearch<'_> {
             from,
             to,
         };
-        let ahead = one_sided(forward.least, forward.most, forward.at, forward.at);
-        let back = one_sided(backward.least, backward.most, backward.at, nearest(backward.at));
-        let most = greater(ahead.at_most, back.at_most);
-        let known = forward.unresolved == 0 && most.is_finite();
-        let evidence = if known {
+        let from_mesh = one_sided(forward.least, forward.most, forward.at, forward.at);
+        let from_field = one_sided(backward.least, backward.most, backward.at, nearest(backward.at));
+        let most = greater(from_mesh.at_most, from_field.at_most);
+        let is_bounded = forward.unresolved == 0 && most.is_finite();
+        let evidence = if is_bounded {
             self.evidence.clone()
         } else {
             Evidence::Measured { samples: self.mesh.faces().len() as u64 }
         };
-        let least = greater(ahead.at_least, back.at_least);
-        let mut bound = Bound::with_evidence(least, known.then_some(most), evidence, Reference::Field);
+        let least = greater(from_mesh.at_least, from_field.at_least);
+        let mut bound = Bound::with_evidence(least, is_bounded.then_some(most), evidence, Reference::Field);
         bound.at = Some(if backward.most > forward.most { backward.at } else { forward.at });
-        // With a limit the goal is reached on either side of it.
+        // With a limit the goal is reached as soon as the side of the limit is known.
         let beyond = self.goal.max.is_some_and(|max| least > max.get());
-        let reached = known && most <= self.sufficient_distance(least) || beyond;
-        FieldDeviation { bound, forward: ahead, backward: back, reached, unresolved: forward.unresolved }
+        let reached = is_bounded && most <= self.sufficient_distance(least) || beyond;
+        FieldDeviation {
+            bound,
+            forward: from_mesh,
+            backward: from_field,
+            reached,
+            unresolved: forward.unresolved,
+        }
     }
 }
 
 impl FieldDeviationSearch<'_> {
-    /// Keeps the better of each bound, since both hold.
+    /// Combines the better of each bound, since both hold.
     fn better_of(&self, a: &FieldDeviation, b: &FieldDeviation) -> FieldDeviation {
         let one_sided = |a: OneSidedDistance, b: OneSidedDistance| {
             let farther = if b.at_least > a.at_least { b } else { a };

@@ -17,27 +17,27 @@ use std::collections::BinaryHeap;
 pub(super) struct DistanceProbe {
     /// The surface is no nearer.
     pub at_least: f64,
-    /// Where it may be nearest.
+    /// The centre of the box in which it may be nearest.
     pub towards: [f64; 3],
-    /// Boxes that were looked at.
+    /// The number of boxes that were evaluated.
     pub n_boxes: u64,
 }
 
-/// How closely a point is looked at.
+/// How close the lower bound should be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProbeSharpness {
     /// The most boxes split into 64 for one point.
     pub most_cuts: usize,
-    /// Knowing this share of the distance suffices.
+    /// A lower bound that is this share of the distance suffices.
     pub enough: f64,
     /// Boxes whose diagonal is below this share of the distance are not split.
     pub small: f64,
 }
 
 impl ProbeSharpness {
-    /// For many points, of which one will do. Chosen.
+    /// For many points, the farthest of which is wanted. Chosen: bounds within 3 % select it.
     pub const ROUGH: Self = Self { most_cuts: 64, enough: 0.97, small: 0.03 };
-    /// For one point of which all is to be known. Chosen: a tenth of a second.
+    /// For a single point whose distance is wanted. Chosen: it takes a tenth of a second.
     pub const CLOSE: Self = Self { most_cuts: 1 << 11, enough: 1.0, small: 1e-4 };
 }
 
@@ -69,7 +69,7 @@ struct ProbeSearch {
     from: [f64; 3],
     /// An upper bound on the distance of interest.
     most: f64,
-    /// No part of the surface outside of the cube is nearer than this.
+    /// No part of the surface outside the cube is nearer than this.
     side: f64,
     open: BinaryHeap<ProbeBox>,
     cut: usize,
@@ -127,7 +127,7 @@ impl ProbeSearch {
     }
 }
 
-/// For each point, whose distance to the surface is at most `most`, a lower bound on it.
+/// For each point, whose distance to the surface is at most `most`, a lower bound on that distance.
 pub(super) fn probe_distances(
     tape: &Tape,
     points: &[[f64; 3]],

@@ -5,10 +5,10 @@
 //! one, and the inner copy does not wind around one of each outer one. The cells of a [`FieldCover`] list
 //! such points.
 //!
-//! **Open cells.** A cell that the cover leaves open is as good as decided where the outer copy misses it and
+//! **Open cells.** A cell that the cover leaves open is as good as decided if the outer copy misses it and
 //! winds once around it, and the inner copy misses it and does not wind around it: a flow that ends in the
 //! cell ends in a component of A* around which the outer copy winds once, since it misses A*; likewise for
-//! B*. So where solids touch, cells between both copies settle it.
+//! B*. So if solids touch, cells between both copies settle the place.
 use super::cover::{FieldCover, WindingProbe};
 use super::leaf_failure;
 use super::regions::SignRegions;
@@ -22,15 +22,16 @@ use crate::math::{Box3, add_up, greater, sub_down};
 /// The verdict on a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct SandwichVerdict {
-    /// Faces whose copy was not proved to be outside, and inside, within the limit or at all; ascending.
+    /// Faces whose copy was not proved to be outside, and faces whose copy was not proved to be inside;
+    /// ascending.
     pub open: [Vec<u32>; 2],
-    /// By face, an upper bound on the distance of its points from the surface, where it is not open.
+    /// By face: an upper bound on the distance of its points from the surface, unless the face is open.
     pub bounds: Vec<f64>,
-    /// The largest of them.
+    /// The largest of these bounds.
     pub bound: f64,
-    /// Points inside that the mesh does not wind around once, and points outside that it winds around.
+    /// Points inside around which the mesh does not wind once, and points outside around which it winds.
     pub wrong: Vec<WindingProbe>,
-    /// Boxes in which a part of the surface could be missed by the mesh.
+    /// Boxes in which the mesh may miss a part of the surface.
     pub unresolved: Vec<Box3>,
 }
 
@@ -41,7 +42,7 @@ impl SandwichVerdict {
         Self { open, bounds, bound, wrong: Vec::new(), unresolved: Vec::new() }
     }
 
-    /// The location of something unproved, if there is any.
+    /// A point at which something is unproved, if there is any.
     pub fn first_unproved_point(&self, mesh: &Mesh) -> Option<[f64; 3]> {
         let face = self
             .open
@@ -53,13 +54,13 @@ impl SandwichVerdict {
         face.or_else(|| self.wrong.first().map(|point| point.at)).or_else(unresolved)
     }
 
-    /// Whether the mesh and the surface are proved to be within the bound of each other.
+    /// Whether the mesh and the surface are proved to be within the bound from each other.
     pub fn is_proved(&self) -> bool {
         self.open.iter().all(Vec::is_empty) && self.wrong.is_empty() && self.unresolved.is_empty()
     }
 }
 
-/// Proves meshes against one field; each further mesh is cheaper.
+/// Proves meshes against one field; each further mesh is cheaper than the first.
 pub(crate) struct SandwichProver<'a> {
     evaluator: PrimitiveEvaluator<'a>,
     cover: FieldCover,
@@ -67,15 +68,15 @@ pub(crate) struct SandwichProver<'a> {
     job: &'a Job,
 }
 
-/// The first cover's cells are no smaller than this share of its cube; cells still open are examined with the
-/// mesh. Chosen.
+/// The first cover's cells are no smaller than this share of its cube; cells still open are examined with
+/// each mesh. Chosen: a smaller value costs more at first, a larger one more for each mesh.
 const FIRST_FLOOR: f64 = 1.0 / 128.0;
-/// The size of cells between both copies as a share of the bound; the copies are up to twice the bound apart.
-/// Chosen: a cell of a quarter usually fits.
+/// The size of cells between both copies, as a share of the bound. Chosen: the copies are up to twice the
+/// bound apart, so that a cell of a quarter usually fits.
 const CELL_SHARE: f64 = 0.125;
-/// Where few cells are left, as about points where surfaces nearly touch, smaller ones resolve more.
+/// The same if few cells are left: about points where surfaces nearly touch, smaller cells resolve more.
 const LEAST_CELL_SHARE: f64 = 1.0 / 256.0;
-/// The number of cells that counts as few. Chosen.
+/// The most cells that count as few. Chosen: a larger value examines smaller cells for more meshes.
 const FEW_CELLS: usize = 4096;
 
 impl<'a> SandwichProver<'a> {
@@ -97,14 +98,14 @@ impl<'a> SandwichProver<'a> {
         Ok(Self { evaluator, cover, regions, job })
     }
 
-    /// Proves a mesh. All faces of one that is not closed are open: at each edge, by index or by position,
-    /// equally many half-edges have to run in each direction.
+    /// Proves a mesh. A mesh is closed if at each edge, by index or by position, equally many half-edges run
+    /// in each direction; all faces of one that is not closed are open.
     pub fn prove(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
         let weld = self.evaluator.csg().weld();
         if weld == 0.0 {
             return self.prove_tree(mesh, goal);
         }
-        // Levels that were made one are so far from what the field says.
+        // Levels that were merged into one differ from the field's by so much.
         let within = goal.limit.map(|limit| greater(sub_down(limit, weld), 0.0));
         let mut verdict = self.prove_tree(mesh, &SandwichGoal { limit: within, ..*goal })?;
         verdict.bounds.iter_mut().for_each(|bound| *bound = add_up(*bound, weld));
@@ -112,14 +113,14 @@ impl<'a> SandwichProver<'a> {
         Ok(verdict)
     }
 
-    /// Proves a mesh against the tree of primitives.
+    /// Proves a mesh against the tree of primitives, closer and then with wider copies.
     fn prove_tree(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
         let verdict = self.prove_once(mesh, goal)?;
         let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
         match goal.wider().filter(|_| is_hidden && !self.job.is_over()) {
             Some(wider) => {
                 let wide = self.prove_once(mesh, &wider)?;
-                // A caller that splits faces may split those in the way of copies that are farther apart.
+                // A caller that splits faces may split those that are in the way of copies farther apart.
                 let is_worth = goal.faces_first && !wide.open.iter().all(Vec::is_empty);
                 Ok(if wide.is_proved() || is_worth { wide } else { verdict })
             }
@@ -129,9 +130,9 @@ impl<'a> SandwichProver<'a> {
 
     fn prove_once(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
         let Some(tied) = ClosedMesh::from_mesh(mesh) else {
-            let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
-            let bounds = vec![f64::INFINITY; all.len()];
-            let open = [all.clone(), all];
+            let faces: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+            let bounds = vec![f64::INFINITY; faces.len()];
+            let open = [faces.clone(), faces];
             return Ok(SandwichVerdict::from_faces(open, bounds));
         };
         let sandwich =
@@ -143,13 +144,13 @@ impl<'a> SandwichProver<'a> {
         let bound = largest(&sandwich.bounds);
         let copies = sandwich.copies;
         let bvhs = [Bvh::build(&copies[0], self.job)?, Bvh::build(&copies[1], self.job)?];
-        let seen = SandwichCopies {
+        let copy_pair = SandwichCopies {
             meshes: [&copies[0], &copies[1]],
             bvhs: [&bvhs[0], &bvhs[1]],
             enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
         };
         let mut refine = |share: f64| {
-            let is_worth = |bounds: &Box3, size: f64| size > share * bound && !seen.proves_cell(bounds);
+            let is_worth = |bounds: &Box3, size: f64| size > share * bound && !copy_pair.proves_cell(bounds);
             self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(leaf_failure)?;
             Ok::<usize, JobError>(self.cover.open.len())
         };
@@ -157,8 +158,9 @@ impl<'a> SandwichProver<'a> {
             refine(LEAST_CELL_SHARE)?;
         }
         let open = self.cover.open.iter().map(|cell| self.cover.bounds_of(&self.cover.cells[*cell as usize]));
-        let unresolved = open.filter(|bounds| !seen.proves_cell(bounds)).collect();
-        let wrong = self.cover.winding_probes().into_iter().filter(|point| !seen.is_right(point)).collect();
+        let unresolved = open.filter(|bounds| !copy_pair.proves_cell(bounds)).collect();
+        let wrong =
+            self.cover.winding_probes().into_iter().filter(|point| !copy_pair.is_right(point)).collect();
         Ok(SandwichVerdict { open: sandwich.open, bounds: sandwich.bounds, bound, wrong, unresolved })
     }
 }
@@ -174,7 +176,8 @@ struct SandwichCopies<'a> {
     enclosures: [Enclosure<'a>; 2],
 }
 
-/// The winding numbers of the outer copy around inside points, and of the inner one around outside points.
+/// The required winding numbers: of the outer copy around inside points, and of the inner copy around outside
+/// points.
 const WINDINGS: [f64; 2] = [1.0, 0.0];
 
 impl SandwichCopies<'_> {
@@ -187,7 +190,7 @@ impl SandwichCopies<'_> {
         self.winding(copy, point.at) == WINDINGS[copy]
     }
 
-    /// Whether a cell is between both copies.
+    /// Whether a cell is between both copies, so that nothing is missed in it.
     fn proves_cell(&self, bounds: &Box3) -> bool {
         let centre = bounds.centre();
         (0..2).all(|copy| {

@@ -1,4 +1,5 @@
-//! The trees that still decide in regions of space, for many boxes at once: a loose octree over the domain.
+//! The trees of primitives that are still undecided in regions of space, for many boxes: a loose octree over
+//! the domain.
 //!
 //! A region is a cell extended by half of its size, so a box that is smaller than a cell lies in the region
 //! of the cell that holds its centre. A region is created when enough boxes need it; each stores the tree
@@ -12,27 +13,27 @@ use crate::math::Box3;
 struct SignRegion {
     cell: Box3,
     level: u32,
-    /// The index of a tree, or the side that all of the region is on.
+    /// The index of a tree, or the side on which all of the region is.
     tree: Result<u32, Membership>,
     children: [Option<u32>; 8],
 }
 
-/// What decides the sign, by region.
+/// The undecided trees by region, and the cached sides of faces.
 #[derive(Clone, Debug)]
 pub(super) struct SignRegions {
     regions: Vec<SignRegion>,
     pub trees: LocalTrees,
-    pub known: FaceSideCache,
+    pub face_sides: FaceSideCache,
     /// The memory limit of regions and trees.
     most_bytes: u64,
 }
 
-/// A region with this few primitives is not divided.
+/// A region with at most this many primitives is not divided.
 const FEW: usize = 3;
-/// The number of boxes that pays for a child of a region: creating it takes as many ranges as a box without
-/// it, and its boxes need fewer. Chosen.
+/// The number of boxes that pays for a child of a region. Chosen: creating it takes as many ranges as a box
+/// without it, and its boxes need fewer.
 const WORTH: usize = 6;
-/// The share of the job's memory for regions and their trees; a box without a region of its own uses a larger
+/// The share of the job's memory for regions and their trees; a box without a region for itself uses a larger
 /// one.
 const MEMORY_SHARE: u64 = 16;
 /// The most halvings of the domain: defined, cells of a 2000th.
@@ -42,8 +43,8 @@ impl SignRegions {
     pub fn new(evaluator: &PrimitiveEvaluator, domain: &Box3, memory_limit: u64) -> Self {
         let root = SignRegion { cell: *domain, level: 0, tree: Ok(0), children: [None; 8] };
         let trees = LocalTrees::new(evaluator.csg());
-        let known = FaceSideCache::new(memory_limit);
-        Self { regions: vec![root], trees, known, most_bytes: memory_limit / MEMORY_SHARE }
+        let face_sides = FaceSideCache::new(memory_limit);
+        Self { regions: vec![root], trees, face_sides, most_bytes: memory_limit / MEMORY_SHARE }
     }
 
     /// For each box the tree of the smallest region that holds it.
@@ -52,15 +53,15 @@ impl SignRegions {
         evaluator: &mut PrimitiveEvaluator,
         boxes: &[Box3],
     ) -> Result<Vec<Result<u32, Membership>>, LeafError> {
-        let mut found = vec![Ok(0); boxes.len()];
+        let mut trees = vec![Ok(0); boxes.len()];
         let mut open = vec![(0_u32, (0..boxes.len() as u32).collect::<Vec<u32>>())];
         while !open.is_empty() {
             let mut below: Vec<(u32, usize, Vec<u32>)> = Vec::new();
             for (number, rows) in open {
                 let region = &self.regions[number as usize];
                 let tree = region.tree;
-                // A box outside the region of the root is not in that of any child.
-                rows.iter().for_each(|row| found[*row as usize] = tree);
+                // A box outside the region of the root is not in the region of any child.
+                rows.iter().for_each(|row| trees[*row as usize] = tree);
                 let is_small = match tree {
                     Ok(tree) => self.trees.get(tree).primitives.len() <= FEW,
                     Err(_) => true,
@@ -80,24 +81,24 @@ impl SignRegions {
                 let parts = parts.into_iter().enumerate().filter(|(octant, rows)| is_worth(*octant, rows));
                 below.extend(parts.map(|(octant, rows)| (number, octant, rows)));
             }
-            self.make(evaluator, &below)?;
+            self.add_children(evaluator, &below)?;
             let child = |number: u32, octant: usize| self.regions[number as usize].children[octant];
             open = below
                 .into_iter()
                 .filter_map(|(number, octant, rows)| Some((child(number, octant)?, rows)))
                 .collect();
         }
-        Ok(found)
+        Ok(trees)
     }
 
     /// Creates the missing children.
-    fn make(
+    fn add_children(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
         wanted: &[(u32, usize, Vec<u32>)],
     ) -> Result<(), LeafError> {
-        let taken = size_of_val(&*self.regions) as u64 + self.trees.bytes();
-        if taken > self.most_bytes {
+        let bytes = size_of_val(&*self.regions) as u64 + self.trees.bytes();
+        if bytes > self.most_bytes {
             return Ok(());
         }
         let mut questions = Vec::new();
@@ -111,11 +112,11 @@ impl SignRegions {
             new.push((*parent, *octant, cell, tree));
         }
         let ranges = evaluator.ranges(&questions)?;
-        let mut rest = ranges.as_slice();
+        let mut remaining = ranges.as_slice();
         for (parent, octant, cell, tree) in new {
-            let (own, after) = rest.split_at(self.trees.get(tree).primitives.len());
-            rest = after;
-            let sides: Vec<LiteralSides> = own.iter().map(LiteralSides::from_range).collect();
+            let (region_ranges, after) = remaining.split_at(self.trees.get(tree).primitives.len());
+            remaining = after;
+            let sides: Vec<LiteralSides> = region_ranges.iter().map(LiteralSides::from_range).collect();
             let tree = self.trees.restricted(tree, &sides);
             let level = self.regions[parent as usize].level + 1;
             self.regions[parent as usize].children[octant] = Some(self.regions.len() as u32);

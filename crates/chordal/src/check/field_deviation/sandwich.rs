@@ -23,10 +23,10 @@
 //! area ([`super::copy_mesh`]). As chains these meshes are M, and the motion to either copy is within t of it. So a
 //! vertex whose faces have no common displacement is an edge or a polygon of the copy.
 //!
-//! M need not be embedded, nor need its copies. [`super::face_sides`] proves where the first condition holds.
-//! Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are rounded up. The
-//! displacements are a guess ([`super::displacement`]): as little as the samples require plus a margin, which
-//! grows where the proof needs it.
+//! M need not be embedded, and neither need its copies. [`super::face_sides`] proves on which faces the first
+//! condition holds. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
+//! rounded up. The displacements are a guess ([`super::displacement`]): as short as the samples allow plus a
+//! margin, which grows if the proof needs it.
 use super::copy_mesh::{CopyMesh, FaceCorner};
 use super::displacement::{
     DisplacementNormals, DisplacementReach, FaceConstraint, FaceConstraints, HalfSpace, deviations,
@@ -49,9 +49,9 @@ pub(super) const SIDES: [Membership; 2] = [Membership::Outside, Membership::Insi
 pub(super) struct Sandwich {
     /// The copies, by side.
     pub copies: [Mesh; 2],
-    /// Faces that are not proved to be on their side, ascending.
+    /// Faces that are not proved to be on the required side, ascending.
     pub open: [Vec<u32>; 2],
-    /// By face, the largest displacement of its corners to either side.
+    /// By face: the largest displacement of its corners to either side.
     pub bounds: Vec<f64>,
 }
 
@@ -64,27 +64,27 @@ pub(crate) struct SandwichGoal {
     pub margin: f64,
     /// The first margin's minimum as a share of the limit.
     pub least_share: f64,
-    /// Whether open faces suffice as a result, for a caller that splits them: cells between copies are
-    /// examined only where both copies are proved.
+    /// Whether open faces suffice as a result, for a caller that splits them: cells between the copies are
+    /// examined only if both copies are proved.
     pub faces_first: bool,
 }
 
 impl SandwichGoal {
-    /// Pieces of flat faces are settled at once, and bounds of flat parts are small. Chosen.
+    /// A small margin. Chosen: pieces of flat faces are settled at once, and bounds of flat parts are small.
     const CLOSE: f64 = 1.0 / 64.0;
-    /// Leaves space between the copies for cells that nothing else settles. Chosen.
+    /// A large margin. Chosen: it leaves space between the copies for cells that nothing else settles.
     const WIDE: f64 = 0.25;
 
     pub fn new(limit: Option<f64>, margin: f64) -> Self {
         Self { limit, margin, least_share: Self::CLOSE, faces_first: false }
     }
 
-    /// The same, for a caller that splits open faces.
+    /// The same goal, for a caller that splits open faces.
     pub fn faces_first(self) -> Self {
         Self { faces_first: true, ..self }
     }
 
-    /// The same with copies farther apart, if that is allowed.
+    /// The same goal with copies farther apart, if that is allowed.
     pub(super) fn wider(&self) -> Option<Self> {
         let may_be = self.limit.is_some() && self.least_share < Self::WIDE;
         may_be.then_some(Self { least_share: Self::WIDE, ..*self })
@@ -93,27 +93,27 @@ impl SandwichGoal {
 
 /// The most rounds: margins grow to 4⁶ times their first size.
 const ROUNDS: usize = 4;
-/// If faces are still open after the rounds, displacements are chosen again with a longer reach; the most
-/// attempts.
+/// The most attempts: if faces are still open after the rounds, displacements are chosen again with a longer
+/// reach.
 const ATTEMPTS: usize = 3;
-/// With more open faces than these, and more than one in [`FEW`], success is unlikely. Measured: 4,400 of
+/// With more open faces than this, and more than one in [`FEW`], success is unlikely. Measured: 4,400 of
 /// 21,000 where letters are cut into parts that abut; one of ten on shells that are proved in the end.
 const MANY: usize = 1024;
 const FEW: usize = 8;
 /// The factor of that longer reach. Chosen: as much as margins grow in the rounds.
 const FARTHER: f64 = 16.0;
-/// The factor by which a margin grows where the proof fails. Chosen: two bisections reduce |f − L| on pieces
+/// The factor by which a margin grows if the proof fails. Chosen: two bisections reduce |f − L| on pieces
 /// to a quarter.
 const GROWTH: f64 = 4.0;
 /// The least margin relative to the largest coordinate, 2⁻⁴⁴: some hundred roundings.
 const LEAST_SHARE: f64 = 256.0 * f64::EPSILON;
-/// After a first failure a margin is at least this share of the face, derived only from the number of rounds:
-/// it grows to the face's size.
+/// After a first failure a margin is at least this share of the face. Derived from the number of rounds
+/// alone: it can grow to the face's size.
 const FACE_SHARE: f64 = 1.0 / 4096.0;
 /// Displacements are at most this share of a limit, so that their lengths rounded up are within it.
 const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-/// A displacement may exceed what samples require by this multiple of the allowance: more than 1, since it
-/// may be at an angle to what has to be raised. Chosen.
+/// A displacement may exceed what samples require by this multiple of the allowance. Chosen: more than 1,
+/// since it may be at an angle to the gradient that has to be followed.
 const ALLOWED: f64 = 1.25;
 /// Bisections in the search for the largest margin within a limit.
 const HALVINGS: usize = 12;
@@ -121,7 +121,7 @@ const HALVINGS: usize = 12;
 /// degrees, pieces of a 64th of a face, which take 12, are still too large.
 const CUTS: [u32; 2] = [9, MOST_CUTS];
 
-/// Whether so many of all faces are open that a proof is unlikely.
+/// Whether so large a part of the faces is open that a proof is unlikely.
 pub(crate) fn is_hopeless(n_open: usize, n_all: usize) -> bool {
     n_open > MANY && FEW * n_open > n_all
 }
@@ -129,31 +129,31 @@ pub(crate) fn is_hopeless(n_open: usize, n_all: usize) -> bool {
 /// The margin of a vertex on one side.
 #[derive(Clone, Copy, Debug)]
 struct VertexMargin {
-    /// How much its displacement may exceed what samples require.
+    /// The length by which its displacement may exceed what samples require.
     allowance: f64,
-    /// No longer displacement is allowed.
+    /// Whether no longer displacement is allowed.
     is_at_limit: bool,
 }
 
 struct VertexDisplacement {
     by: [f64; 3],
-    /// No longer displacement is allowed.
+    /// Whether no longer displacement is allowed.
     is_at_limit: bool,
-    /// It is longer than what samples require.
+    /// Whether it is longer than what samples require.
     has_margin: bool,
 }
 
-/// A closed mesh, and which of its vertices move together.
+/// A closed mesh, and the vertices in it that move together.
 #[derive(Clone, Debug)]
 pub(super) struct ClosedMesh<'a> {
     mesh: &'a Mesh,
-    /// By vertex the first one that it is tied to.
+    /// By vertex: the first vertex to which it is tied.
     ids: Vec<u32>,
 }
 
 impl<'a> ClosedMesh<'a> {
-    /// By index if the mesh is closed that way, since vertices of two parts that touch need not move
-    /// together; else by position. `None` where it is closed in neither way.
+    /// Ties vertices by index if the mesh is closed that way, since vertices of two parts that touch need not
+    /// move together; otherwise by position. `None` if it is closed in neither way.
     pub fn from_mesh(mesh: &'a Mesh) -> Option<Self> {
         let n = mesh.positions().len() as u32;
         let by_index = || Some((0..n).collect::<Vec<u32>>());
@@ -207,7 +207,7 @@ impl Sandwich {
                 *open = builder.close(side, open, regions, evaluator)?;
             }
             let still: Vec<u32> = builder.own_faces(&open).concat();
-            // A caller that splits faces had better split them now.
+            // A caller that splits faces can make more progress by splitting them now.
             let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
             if is_enough
                 || evaluator.is_over()
@@ -222,12 +222,12 @@ impl Sandwich {
     }
 }
 
-/// One of the copies, while it is displaced.
+/// One of the copies, in progress.
 struct CopyBuilder {
     triangles: Rc<CopyMesh>,
     displaced: Vec<[f64; 3]>,
     margins: Vec<VertexMargin>,
-    /// The places of vertices that have several, by id.
+    /// The places of the vertices that have several, by id.
     places: BTreeMap<u32, VertexPlaces>,
     is_open: Vec<bool>,
 }
@@ -256,13 +256,13 @@ impl CopyBuilder {
         (0..self.is_open.len() as u32).filter(|face| self.is_open[*face as usize]).collect()
     }
 
-    /// The copy; without faces two corners of which are at one point, whose boundary is 0.
+    /// The copy, without faces that have two corners at one point, whose boundary is 0.
     fn into_mesh(self) -> Mesh {
         let at = |v: u32| self.displaced[v as usize];
         let is_face = |[a, b, c]: &[u32; 3]| at(*a) != at(*b) && at(*b) != at(*c) && at(*c) != at(*a);
-        let n_own = self.triangles.n_own();
-        let (own, added) = self.triangles.faces.split_at(n_own);
-        let faces = own.iter().chain(added.iter().filter(|face| is_face(face))).copied().collect();
+        let n_mesh_faces = self.triangles.n_mesh_faces();
+        let (mesh_faces, added) = self.triangles.faces.split_at(n_mesh_faces);
+        let faces = mesh_faces.iter().chain(added.iter().filter(|face| is_face(face))).copied().collect();
         Mesh::new(self.displaced, faces).expect("displacements are finite")
     }
 }
@@ -286,22 +286,22 @@ impl SandwichBuilder<'_> {
         }
     }
 
-    /// The faces of the mesh that some faces of the copies are, or are beside.
+    /// The faces of the mesh to which some faces of the copies belong, or beside which they are.
     fn own_faces(&self, open: &[Vec<u32>; 2]) -> [Vec<u32>; 2] {
         [0, 1].map(|side| {
-            let own = |face: &u32| self.copies[side].triangles.own_face(*face);
-            let mut all: Vec<u32> = open[side].iter().map(own).collect();
-            all.sort_unstable();
-            all.dedup();
-            all
+            let mesh_face_of = |face: &u32| self.copies[side].triangles.mesh_face(*face);
+            let mut mesh_faces: Vec<u32> = open[side].iter().map(mesh_face_of).collect();
+            mesh_faces.sort_unstable();
+            mesh_faces.dedup();
+            mesh_faces
         })
     }
 
     fn first_allowance(&self, vertex: u32, side: usize) -> f64 {
         let triangles = &self.copies[side].triangles;
         let corners = triangles.corners_obeyed(vertex);
-        let all = (0..2).flat_map(|side| self.constraints_of(corners, side));
-        let lacks = all.map(|(demand, corner)| demand.deficits[corner]);
+        let constraints = (0..2).flat_map(|side| self.constraints_of(corners, side));
+        let lacks = constraints.map(|(demand, corner)| demand.deficits[corner]);
         let lack = lacks.fold(0.0, |most: f64, lack| greater(lack, most));
         let p = triangles.positions[vertex as usize];
         let reach = p.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
@@ -310,7 +310,7 @@ impl SandwichBuilder<'_> {
         self.goal.margin * lack + greater(of_limit, least)
     }
 
-    /// The constraints of the faces of some corners, each with which corner it is.
+    /// The constraints of the faces at some corners, each with the number of the corner.
     fn constraints_of<'c>(
         &'c self,
         corners: &'c [FaceCorner],
@@ -334,23 +334,26 @@ impl SandwichBuilder<'_> {
         copy.displaced[vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
     }
 
-    /// The displacement for the constraints of some corners. Where these contradict each other, only those of
-    /// primitives that a face lies on are kept: beyond those, others take over.
+    /// The displacement for the constraints of some corners. If these contradict each other, only the
+    /// constraints of primitives on which a face lies are kept: beyond those, other primitives decide.
     fn best_displacement(&self, corners: &[FaceCorner], side: usize, allowance: f64) -> VertexDisplacement {
-        let all = self.constraints_of(corners, side);
-        let all: Vec<HalfSpace> = all.map(|(demand, corner)| demand.of_corner(corner)).collect();
-        let chosen = self.displacement(&all, allowance);
+        let constraints = self.constraints_of(corners, side);
+        let half_spaces: Vec<HalfSpace> =
+            constraints.map(|(demand, corner)| demand.of_corner(corner)).collect();
+        let chosen = self.displacement(&half_spaces, allowance);
         if chosen.has_margin {
             return chosen;
         }
-        let own = self.constraints_of(corners, side).filter(|(demand, _)| demand.is_on);
-        let own: Vec<HalfSpace> = own.map(|(demand, corner)| demand.of_corner(corner)).collect();
-        let of_own = self.displacement(&own, allowance);
-        if of_own.has_margin { of_own } else { chosen }
+        let constraints = self.constraints_of(corners, side).filter(|(demand, _)| demand.is_on);
+        let on_primitives: Vec<HalfSpace> =
+            constraints.map(|(demand, corner)| demand.of_corner(corner)).collect();
+        let by_primitives = self.displacement(&on_primitives, allowance);
+        if by_primitives.has_margin { by_primitives } else { chosen }
     }
 
     fn displacement(&self, base: &[HalfSpace], allowance: f64) -> VertexDisplacement {
-        // First what samples require, or at least a share of it, then a share of the margin.
+        // First the displacement that samples require, or the largest possible share of it; then the same
+        // with a margin.
         let with = |lack: f64, margin: f64| {
             let raised = |c: &HalfSpace| if c.least > 0.0 { lack * c.least } else { c.least };
             let least = |c: &HalfSpace| raised(c) + c.share * margin;
@@ -359,30 +362,34 @@ impl SandwichBuilder<'_> {
             )
         };
         let limit = self.goal.limit.map_or(f64::INFINITY, |limit| REACH * limit);
-        let asked = with(1.0, 0.0).filter(|d| length(*d) <= limit);
-        let reach = asked.map_or(limit, |d| length(d) + ALLOWED * allowance);
+        let required = with(1.0, 0.0).filter(|d| length(*d) <= limit);
+        let reach = required.map_or(limit, |d| length(d) + ALLOWED * allowance);
         let is_at_limit = reach >= limit;
         let reach = if is_at_limit { limit } else { reach };
-        let largest = |of_share: &dyn Fn(f64) -> Option<[f64; 3]>| {
-            let fits = |share: f64| of_share(share).filter(|d| length(*d) <= reach);
-            let (mut low, mut high, mut found) = (0.0, 1.0, fits(1.0));
-            if found.is_none() {
+        let largest = |at_share: &dyn Fn(f64) -> Option<[f64; 3]>| {
+            let fits = |share: f64| at_share(share).filter(|d| length(*d) <= reach);
+            let (mut low, mut high, mut largest_fit) = (0.0, 1.0, fits(1.0));
+            if largest_fit.is_none() {
                 for _ in 0..HALVINGS {
                     let middle = 0.5 * (low + high);
                     match fits(middle) {
-                        Some(d) => (low, found) = (middle, Some(d)),
+                        Some(d) => (low, largest_fit) = (middle, Some(d)),
                         None => high = middle,
                     }
                 }
             }
-            found
+            largest_fit
         };
-        let with_margin = asked.and_then(|_| largest(&|share| with(1.0, share * allowance)));
-        let by = with_margin.or(asked).or_else(|| largest(&|share| with(share, 0.0)));
-        VertexDisplacement { by: by.unwrap_or([0.0; 3]), is_at_limit, has_margin: with_margin.is_some() }
+        let with_margin = required.and_then(|_| largest(&|share| with(1.0, share * allowance)));
+        let displacement = with_margin.or(required).or_else(|| largest(&|share| with(share, 0.0)));
+        VertexDisplacement {
+            by: displacement.unwrap_or([0.0; 3]),
+            is_at_limit,
+            has_margin: with_margin.is_some(),
+        }
     }
 
-    /// Displaces until all faces are on their side, or nothing helps; returns the faces that are not.
+    /// Displaces vertices until all faces are on the required side, or nothing helps; returns the open faces.
     fn close(
         &mut self,
         side: usize,
@@ -395,27 +402,29 @@ impl SandwichBuilder<'_> {
         for round in 0..ROUNDS {
             todo.iter().for_each(|v| self.displace(*v, side));
             self.copies[side].spread();
-            let mut look: Vec<u32> = todo.iter().flat_map(|v| triangles.faces_around(*v)).collect();
-            look.sort_unstable();
-            look.dedup();
-            let faces: Vec<[u32; 3]> = look.iter().map(|face| triangles.faces[*face as usize]).collect();
+            let mut faces_to_prove: Vec<u32> = todo.iter().flat_map(|v| triangles.faces_around(*v)).collect();
+            faces_to_prove.sort_unstable();
+            faces_to_prove.dedup();
+            let faces: Vec<[u32; 3]> =
+                faces_to_prove.iter().map(|face| triangles.faces[*face as usize]).collect();
             let cuts = CUTS[usize::from(round > 0)];
             let copy = &mut self.copies[side];
             let question = SideQuery { positions: &copy.displaced, faces: &faces, side: SIDES[side], cuts };
-            let found = classify_sides(regions, evaluator, &question)?;
-            look.iter()
-                .zip(found)
-                .for_each(|(face, found)| copy.is_open[*face as usize] = found != FaceSide::Proved);
+            let verdicts = classify_sides(regions, evaluator, &question)?;
+            faces_to_prove
+                .iter()
+                .zip(verdicts)
+                .for_each(|(face, verdict)| copy.is_open[*face as usize] = verdict != FaceSide::Proved);
             let open = copy.open();
             if open.is_empty() || round + 1 == ROUNDS || evaluator.is_over() {
                 return Ok(open);
             }
-            // Before margins grow: with places of its own a vertex needs little.
+            // Before margins grow: a vertex with several places needs only a little.
             let cut = if round == 0 { self.cut(side, &open) } else { None };
             todo = match cut {
-                Some(about) => {
+                Some(faces_around) => {
                     triangles = Rc::clone(&self.copies[side].triangles);
-                    triangles.vertices_of(&about)
+                    triangles.vertices_of(&faces_around)
                 }
                 None => self.grow(&open, side),
             };
@@ -426,8 +435,8 @@ impl SandwichBuilder<'_> {
         Ok(Vec::new())
     }
 
-    /// Gives several places to the vertices of open faces that have no displacement. The faces that have to be
-    /// proved then, all of them, if there are any such vertices.
+    /// Gives several places to the vertices of open faces that have no displacement. Returns the faces that
+    /// have to be proved then, which are all of them; `None` if there are no such vertices.
     fn cut(&mut self, side: usize, open: &[u32]) -> Option<Vec<u32>> {
         if is_hopeless(open.len(), self.mesh.faces().len()) {
             return None;
@@ -435,19 +444,19 @@ impl SandwichBuilder<'_> {
         let copy = &self.copies[side];
         let n_vertices = self.mesh.positions().len() as u32;
         let vertices = copy.triangles.vertices_of(open);
-        let found: Vec<(u32, VertexPlaces)> = vertices
+        let new_places: Vec<(u32, VertexPlaces)> = vertices
             .into_iter()
             .filter(|v| *v < n_vertices)
             .filter_map(|v| Some((v, self.places_of(v, side)?)))
             .collect();
-        if found.is_empty() {
+        if new_places.is_empty() {
             return None;
         }
         let copy = &self.copies[side];
         let mut places = copy.places.clone();
-        places.extend(found);
+        places.extend(new_places);
         let triangles = Rc::new(CopyMesh::with_places(self.mesh, self.ids, &places));
-        // What is filled in has to close it: the lemma is about closed copies.
+        // The added faces have to close the copy, since the lemma is about closed copies.
         if !is_cycle(&triangles.faces, &triangles.ids) {
             return None;
         }
@@ -461,11 +470,12 @@ impl SandwichBuilder<'_> {
             let allowance = self.first_allowance(v as u32, side);
             self.copies[side].margins[v].allowance = allowance;
         }
-        // Places of an earlier cut begin anew as well, so that nothing counts as proved before.
+        // All vertices start anew, also those with places from an earlier cut, so that nothing counts as
+        // proved before.
         Some((0..triangles.faces.len() as u32).collect())
     }
 
-    /// The places of a vertex, if it has no displacement.
+    /// The places of a vertex, if it has no single displacement.
     fn places_of(&self, vertex: u32, side: usize) -> Option<VertexPlaces> {
         let copy = &self.copies[side];
         if copy.places.contains_key(&vertex) {
@@ -482,7 +492,7 @@ impl SandwichBuilder<'_> {
         places(ring(self.mesh, self.ids, corners)?, fits, rank)
     }
 
-    /// Enlarges the margins about open faces; returns the vertices that can still be moved.
+    /// Enlarges the margins around open faces; returns the vertices that can still be moved.
     fn grow(&mut self, open: &[u32], side: usize) -> Vec<u32> {
         let mut todo: Vec<u32> = Vec::new();
         let copy = &mut self.copies[side];
@@ -490,12 +500,12 @@ impl SandwichBuilder<'_> {
             let size = Box3::from_points(&copy.triangles.corners(*face)).diagonal();
             for v in copy.triangles.faces[*face as usize] {
                 let v = copy.triangles.ids[v as usize];
-                let of = &mut copy.margins[v as usize];
-                if of.is_at_limit {
+                let margin = &mut copy.margins[v as usize];
+                if margin.is_at_limit {
                     continue;
                 }
                 todo.push(v);
-                of.allowance = greater(FACE_SHARE * size, of.allowance);
+                margin.allowance = greater(FACE_SHARE * size, margin.allowance);
             }
         }
         todo.sort_unstable();
@@ -505,7 +515,7 @@ impl SandwichBuilder<'_> {
     }
 
     fn bounds(&self) -> Vec<f64> {
-        let far = |copy: &CopyBuilder, v: u32| {
+        let displacement_of = |copy: &CopyBuilder, v: u32| {
             let (p, q) = (copy.triangles.positions[v as usize], copy.displaced[v as usize]);
             if p == q {
                 0.0
@@ -514,15 +524,18 @@ impl SandwichBuilder<'_> {
             }
         };
         let of_face = |face: usize| {
-            let all = self.copies.each_ref().map(|copy| copy.triangles.faces[face].map(|v| far(copy, v)));
-            all.as_flattened().iter().fold(0.0, |most: f64, x| greater(*x, most))
+            let displacements = self
+                .copies
+                .each_ref()
+                .map(|copy| copy.triangles.faces[face].map(|v| displacement_of(copy, v)));
+            displacements.as_flattened().iter().fold(0.0, |most: f64, x| greater(*x, most))
         };
         (0..self.mesh.faces().len()).map(of_face).collect()
     }
 }
 
-/// By face, an estimate of how far its corners have to be displaced: twice the distance of any adjacent face from
-/// the surface.
+/// By face: an estimate of the displacement that its corners need, twice the distance of any adjacent face
+/// from the surface.
 fn reaches(mesh: &Mesh, triangles: &CopyMesh, deviations: &[f64]) -> Vec<DisplacementReach> {
     let n = mesh.positions().len() as u32;
     let of_vertex: Vec<f64> = (0..n)

@@ -8,7 +8,7 @@ use crate::math::{Box3, cross, difference, greater};
 /// of numbers up to twice that.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Whether no point of the triangle is in the box; false where that is uncertain.
+/// Whether no point of the triangle is in the box; `false` if that is uncertain.
 pub(super) fn is_separated(bounds: &Box3, corners: &[[f64; 3]; 3]) -> bool {
     let outside = |k: usize| {
         corners.iter().all(|p| p[k] < bounds.min[k]) || corners.iter().all(|p| p[k] > bounds.max[k])
@@ -19,8 +19,8 @@ pub(super) fn is_separated(bounds: &Box3, corners: &[[f64; 3]; 3]) -> bool {
     let centre = bounds.centre();
     let half: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds.max[k] - bounds.min[k]));
     let local = corners.map(|p| difference(p, centre));
-    let all = corners.as_flattened().iter().chain(&bounds.min).chain(&bounds.max);
-    let reach = all.fold(0.0, |most: f64, x| greater(x.abs(), most));
+    let coordinates = corners.as_flattened().iter().chain(&bounds.min).chain(&bounds.max);
+    let reach = coordinates.fold(0.0, |most: f64, x| greater(x.abs(), most));
     let separates = |axis: [f64; 3]| {
         let along = local.map(|p| axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]);
         let size = axis[0].abs() + axis[1].abs() + axis[2].abs();

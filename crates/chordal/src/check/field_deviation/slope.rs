@@ -22,9 +22,12 @@ pub(super) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
     length_up(step(p, q).map(Interval::magnitude))
 }
 
-/// The box with `by` added on every side, rounded outward.
-pub(super) fn inflated(bounds: &Box3, by: f64) -> Box3 {
-    Box3 { min: bounds.min.map(|x| (x - by).next_down()), max: bounds.max.map(|x| (x + by).next_up()) }
+/// The box extended by a margin on every side, rounded outward.
+pub(super) fn inflated(bounds: &Box3, margin: f64) -> Box3 {
+    Box3 {
+        min: bounds.min.map(|x| (x - margin).next_down()),
+        max: bounds.max.map(|x| (x + margin).next_up()),
+    }
 }
 
 /// The growth of a field along a direction within a box.
@@ -36,7 +39,7 @@ pub(super) struct GrowthRate {
 }
 
 impl GrowthRate {
-    /// Growth along the middle of the gradient's range; `None` where the field may be stationary along it, or
+    /// Growth along the middle of the gradient's range; `None` if the field may be stationary along it, or
     /// jumps.
     ///
     /// For a function that is Lipschitz in the box (defined, with bounded generalized gradients) the mean
@@ -61,9 +64,9 @@ impl GrowthRate {
         (rate > 0.0).then(|| Self { length: length_up(along.map(f64::abs)), rate })
     }
 
-    /// An upper bound on the step along it that changes the field by `by`.
-    pub fn steps_for(&self, by: f64) -> f64 {
-        div_up(by, self.rate)
+    /// An upper bound on the number of steps along the direction that change the field by `change`.
+    pub fn steps_for(&self, change: f64) -> f64 {
+        div_up(change, self.rate)
     }
 }
 
@@ -73,7 +76,7 @@ pub(super) fn is_lipschitz(slope: &Dual<Interval>) -> bool {
     slope.value.is_defined() && slope.gradient.iter().all(bounded)
 }
 
-/// The largest slope, rounded up.
+/// The largest slope in the box, rounded up.
 pub(super) fn steepest(slope: &Dual<Interval>) -> f64 {
     length_up(slope.gradient.map(Interval::magnitude))
 }

@@ -14,13 +14,13 @@ use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceBall {
     pub at: [f64; 3],
-    pub within: f64,
+    pub radius: f64,
 }
 
 impl SurfaceBall {
     /// An upper bound on the distance of `p` from the surface.
     pub fn distance_up(&self, p: [f64; 3]) -> f64 {
-        add_up(distance_up(p, self.at), self.within)
+        add_up(distance_up(p, self.at), self.radius)
     }
 
     /// An upper bound on the distance of the triangle from the surface.
@@ -36,35 +36,35 @@ const BEYOND: f64 = 1.05;
 /// Bisections of the bracket found.
 const HALVINGS: usize = 8;
 
-/// Steps from each of some points to the surface along the gradient; `None` where that leads nowhere. `sizes`
-/// gives for each point the length of a step that is worthwhile.
+/// Steps from each point to the surface along the gradient; `None` if that leads nowhere. `sizes`
+/// gives for each point the length of the smallest worthwhile step.
 pub(super) fn project_to_surface(
     tape: &Tape,
     points: &[[f64; 3]],
     sizes: &[f64],
 ) -> Result<Vec<Option<SurfaceBall>>, LeafError> {
     let mut at: Vec<[f64; 3]> = points.to_vec();
-    let mut ways: Vec<Option<[[f64; 3]; 2]>> = vec![None; points.len()];
+    let mut brackets: Vec<Option<[[f64; 3]; 2]>> = vec![None; points.len()];
     let mut open: Vec<usize> = (0..points.len()).collect();
     let mut inside = vec![false; points.len()];
     let mut before = at.clone();
-    let (mut here, mut slopes) = (Vec::new(), Vec::new());
+    let (mut points_now, mut slopes) = (Vec::new(), Vec::new());
     for step in 0..STEPS {
         if open.is_empty() {
             break;
         }
-        here.clear();
-        here.extend(open.iter().map(|k| at[*k]));
+        points_now.clear();
+        points_now.extend(open.iter().map(|k| at[*k]));
         slopes.clear();
-        slopes.resize(here.len(), Dual { value: 0.0, gradient: [0.0; 3] });
-        tape.gradient_at(&here, &mut slopes)?;
-        let mut left = Vec::new();
+        slopes.resize(points_now.len(), Dual { value: 0.0, gradient: [0.0; 3] });
+        tape.gradient_at(&points_now, &mut slopes)?;
+        let mut still_open = Vec::new();
         for (k, slope) in open.iter().copied().zip(&slopes) {
             let is_in = slope.value < 0.0;
             if step == 0 {
                 inside[k] = is_in;
             } else if is_in != inside[k] {
-                ways[k] = Some([before[k], at[k]]);
+                brackets[k] = Some([before[k], at[k]]);
                 continue;
             }
             let steep = crate::math::length(slope.gradient);
@@ -74,37 +74,37 @@ pub(super) fn project_to_surface(
                 let along = if is_in { far / steep } else { -far / steep };
                 before[k] = at[k];
                 at[k] = std::array::from_fn(|i| at[k][i] + along * slope.gradient[i]);
-                left.push(k);
+                still_open.push(k);
             }
         }
-        open = left;
+        open = still_open;
     }
-    let some: Vec<usize> = (0..points.len()).filter(|k| ways[*k].is_some()).collect();
-    let some_ways: Vec<[[f64; 3]; 2]> = some.iter().filter_map(|k| ways[*k]).collect();
-    let mut out = vec![None; points.len()];
-    for (k, witness) in some.into_iter().zip(certify_brackets(tape, some_ways)?) {
-        out[k] = witness;
+    let bracketed: Vec<usize> = (0..points.len()).filter(|k| brackets[*k].is_some()).collect();
+    let found_brackets: Vec<[[f64; 3]; 2]> = bracketed.iter().filter_map(|k| brackets[*k]).collect();
+    let mut witnesses = vec![None; points.len()];
+    for (k, witness) in bracketed.into_iter().zip(certify_brackets(tape, found_brackets)?) {
+        witnesses[k] = witness;
     }
-    Ok(out)
+    Ok(witnesses)
 }
 
-/// Bisects brackets of opposite signs, and proves the signs of the final ends.
+/// Bisects brackets, and proves the signs of their final ends.
 pub(super) fn certify_brackets(
     tape: &Tape,
-    mut ways: Vec<[[f64; 3]; 2]>,
+    mut brackets: Vec<[[f64; 3]; 2]>,
 ) -> Result<Vec<Option<SurfaceBall>>, LeafError> {
-    let mut values = vec![0.0; ways.len()];
-    let starts: Vec<[f64; 3]> = ways.iter().map(|way| way[0]).collect();
+    let mut values = vec![0.0; brackets.len()];
+    let starts: Vec<[f64; 3]> = brackets.iter().map(|bracket| bracket[0]).collect();
     tape.at(&starts, &mut values)?;
     let first: Vec<bool> = values.iter().map(|value| *value < 0.0).collect();
     for _ in 0..HALVINGS {
-        let middles: Vec<[f64; 3]> = ways.iter().map(middle).collect();
+        let middles: Vec<[f64; 3]> = brackets.iter().map(middle).collect();
         tape.at(&middles, &mut values)?;
         for (k, value) in values.iter().enumerate() {
-            ways[k][usize::from((*value < 0.0) != first[k])] = middles[k];
+            brackets[k][usize::from((*value < 0.0) != first[k])] = middles[k];
         }
     }
-    let ends: Vec<Box3> = ways.iter().flatten().map(|p| Box3 { min: *p, max: *p }).collect();
+    let ends: Vec<Box3> = brackets.iter().flatten().map(|p| Box3 { min: *p, max: *p }).collect();
     let mut signs = vec![Interval::UNKNOWN; ends.len()];
     tape.over(&ends, &mut signs)?;
     // A point where F is 0 may be in a closed crack, with no surface nearby.
@@ -112,30 +112,34 @@ pub(super) fn certify_brackets(
     let sure = |signs: &[Interval]| {
         is_inside(signs[0]) && is_above(signs[1]) || is_above(signs[0]) && is_inside(signs[1])
     };
-    let ball = |way: &[[f64; 3]; 2]| {
-        let at = middle(way);
+    let ball = |bracket: &[[f64; 3]; 2]| {
+        let at = middle(bracket);
         // The midpoint is rounded; the segment lies within the distance of the farther of its ends.
-        SurfaceBall { at, within: greater(distance_up(at, way[0]), distance_up(at, way[1])) }
+        SurfaceBall { at, radius: greater(distance_up(at, bracket[0]), distance_up(at, bracket[1])) }
     };
-    Ok(ways.iter().zip(signs.chunks_exact(2)).map(|(way, signs)| sure(signs).then(|| ball(way))).collect())
+    Ok(brackets
+        .iter()
+        .zip(signs.chunks_exact(2))
+        .map(|(bracket, signs)| sure(signs).then(|| ball(bracket)))
+        .collect())
 }
 
 fn middle([a, b]: &[[f64; 3]; 2]) -> [f64; 3] {
     std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k])
 }
 
-/// Witnesses from all over the box, for pieces without one nearby.
+/// Witnesses from all over a box, for pieces without one nearby.
 pub(super) struct SurfaceBalls(Vec<SurfaceBall>);
 
-/// Samples along a side of the two lattices on which signs are evaluated.
+/// The numbers of samples along a side of the two lattices on which signs are evaluated.
 const SIDES: [usize; 2] = [17, 65];
 /// The most witnesses kept.
 const KEPT: usize = 512;
 
 impl SurfaceBalls {
-    /// Finds witnesses where neighbours on a lattice over the box have opposite signs.
+    /// Finds witnesses between neighbours of opposite signs on a lattice over the box.
     pub fn sample_box(tape: &Tape, bounds: &Box3) -> Result<Self, LeafError> {
-        let mut all = Vec::new();
+        let mut witnesses = Vec::new();
         for n in SIDES {
             let at = |k: usize, i: usize| {
                 let share = i as f64 / (n - 1) as f64;
@@ -145,23 +149,23 @@ impl SurfaceBalls {
                 (0..n * n * n).map(|i| [at(0, i % n), at(1, i / n % n), at(2, i / (n * n))]).collect();
             let mut values = vec![0.0; points.len()];
             tape.at(&points, &mut values)?;
-            let mut ways = Vec::new();
+            let mut brackets = Vec::new();
             for i in 0..points.len() {
                 for (axis, stride) in [1, n, n * n].into_iter().enumerate() {
                     if i / stride % n + 1 < n && (values[i] < 0.0) != (values[i + stride] < 0.0) {
                         debug_assert!(points[i][axis] <= points[i + stride][axis]);
-                        ways.push([points[i], points[i + stride]]);
+                        brackets.push([points[i], points[i + stride]]);
                     }
                 }
             }
-            let stride = ways.len().div_ceil(KEPT).max(1);
-            let ways = ways.into_iter().step_by(stride).collect();
-            all = certify_brackets(tape, ways)?.into_iter().flatten().collect();
-            if !all.is_empty() {
+            let stride = brackets.len().div_ceil(KEPT).max(1);
+            let brackets = brackets.into_iter().step_by(stride).collect();
+            witnesses = certify_brackets(tape, brackets)?.into_iter().flatten().collect();
+            if !witnesses.is_empty() {
                 break;
             }
         }
-        Ok(Self(all))
+        Ok(Self(witnesses))
     }
 
     /// The best witness for a triangle.
@@ -177,12 +181,12 @@ impl SurfaceBalls {
     }
 }
 
-/// The minimum of a known bound and the one from a witness.
+/// The smaller one of a known bound and the bound by a witness.
 pub(super) fn min_with_ball(
-    known: f64,
+    bound: f64,
     witness: Option<SurfaceBall>,
     corners: &[[f64; 3]; 3],
     slack: f64,
 ) -> f64 {
-    witness.map_or(known, |witness| lesser(known, add_up(witness.farthest_of(corners), mul_up(2.0, slack))))
+    witness.map_or(bound, |witness| lesser(bound, add_up(witness.farthest_of(corners), mul_up(2.0, slack))))
 }

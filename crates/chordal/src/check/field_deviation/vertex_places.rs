@@ -1,8 +1,9 @@
-//! Places of a vertex without a common one: runs of consecutive faces around it, each of which has a displacement.
+//! Several places for a vertex without a common one: runs of consecutive faces around it, each of which has a
+//! displacement.
 //!
-//! Runs overlap by some faces, which have one at either place. The copy is cut there along an edge: outward along a
-//! convex one, since beyond the planes of its two faces all is outside, inward along a concave one. This is a guess
-//! like every displacement: the faces that it leads to are proved.
+//! Runs overlap by some faces, which have a displacement at either place. The copy is cut there along an
+//! edge: outward along a convex one, since beyond the planes of its two faces all is outside, inward along a
+//! concave one. This is a guess like every displacement: the resulting faces are proved.
 use super::copy_mesh::FaceCorner;
 use crate::explicit::Mesh;
 use crate::math::{cross, difference, dot, length};
@@ -10,25 +11,25 @@ use crate::math::{cross, difference, dot, length};
 /// The faces around a vertex in order, and its places.
 #[derive(Clone, Debug)]
 pub(super) struct VertexPlaces {
-    /// Each face shares an edge with the next one, which starts at the vertex there.
+    /// Each face shares an edge with the next one; the edge starts at the vertex in the next face.
     pub ring: Vec<FaceCorner>,
     /// In the order of the ring.
     pub places: Vec<VertexPlace>,
 }
 
-/// One place.
+/// One place of a vertex.
 #[derive(Clone, Debug)]
 pub(super) struct VertexPlace {
     /// The corners at this place; at least one.
-    pub own: Vec<FaceCorner>,
-    /// The corners whose constraints it obeys: also those of faces beside the cuts.
+    pub corners: Vec<FaceCorner>,
+    /// The corners whose constraints the place obeys, including those of faces beside the cuts.
     pub obeyed: Vec<FaceCorner>,
 }
 
-/// The most faces around a vertex. Chosen: the search takes about the cube of them.
+/// The most faces around a vertex. Chosen: the time of the search grows with about the cube of their number.
 const MOST_FACES: usize = 48;
 
-/// The faces around a vertex in order; `None` where they are no single ring.
+/// The faces around a vertex in order; `None` if they do not form a single ring.
 pub(super) fn ring(mesh: &Mesh, ids: &[u32], corners: &[FaceCorner]) -> Option<Vec<FaceCorner>> {
     let id = |(face, corner): FaceCorner, by: u8| {
         ids[mesh.faces()[face as usize][usize::from((corner + by) % 3)] as usize]
@@ -49,19 +50,19 @@ pub(super) fn ring(mesh: &Mesh, ids: &[u32], corners: &[FaceCorner]) -> Option<V
     None
 }
 
-/// The fewest places for the faces of a ring, if there are some. `fits` tells whether some corners have a common
-/// displacement, and `rank` how well the copy may be cut between two faces.
+/// The fewest places for the faces of a ring, if there is a solution. `fits` says whether some corners have a
+/// common displacement, and `rank` how suitable the edge between two faces is for a cut.
 pub(super) fn places(
     ring: Vec<FaceCorner>,
     fits: impl Fn(&[FaceCorner]) -> bool,
     rank: impl Fn(FaceCorner, FaceCorner) -> f64,
 ) -> Option<VertexPlaces> {
     let n = ring.len();
-    // Twice around, so that runs are slices.
+    // The ring twice, so that every run is a slice.
     let round: Vec<FaceCorner> = ring.iter().chain(&ring).copied().collect();
-    let of =
+    let corners_between =
         |first: usize, last: usize| -> Vec<FaceCorner> { (first..=last).map(|k| round[k % n]).collect() };
-    let fits_run = |first: usize, last: usize| fits(&of(first, last));
+    let fits_run = |first: usize, last: usize| fits(&corners_between(first, last));
     let mut best: Option<Vec<[usize; 2]>> = None;
     for start in 0..n {
         let most = best.as_ref().map_or(n, |best| best.len() - 1);
@@ -70,7 +71,11 @@ pub(super) fn places(
         }
     }
     let runs = best?;
-    // The last face before each cut, from the one between the first two runs on.
+    // A cut lies in the overlap of two consecutive runs; `cuts` holds the last face before it:
+    //   run k      |--------|
+    //   run k + 1       |--------|
+    //   cut k            ^
+    // The first run of the pair may give up faces as far as the second can be extended backwards (`first`).
     let mut cuts: Vec<usize> = Vec::with_capacity(runs.len());
     let mut firsts = Vec::with_capacity(runs.len());
     for (k, run) in runs.iter().enumerate() {
@@ -82,8 +87,8 @@ pub(super) fn places(
         let most = cuts.first().map_or(run[1], |cut| run[1].min(cut + n - 1));
         let candidates = least.max(first - 1)..=most;
         let cut = candidates.reduce(|a, b| {
-            let of = |k: usize| rank(round[k % n], round[(k + 1) % n]);
-            if of(b) > of(a) { b } else { a }
+            let rank_at = |k: usize| rank(round[k % n], round[(k + 1) % n]);
+            if rank_at(b) > rank_at(a) { b } else { a }
         })?;
         cuts.push(cut);
         firsts.push(first);
@@ -94,15 +99,15 @@ pub(super) fn places(
         let end = cuts.get(k + 1).copied().unwrap_or(cuts[0] + n);
         let (begin, first) = (cuts[k] + 1, firsts[k]);
         let reach = (begin - usize::from(begin > first), end + usize::from(end < run[1]));
-        VertexPlace { own: of(begin, end), obeyed: of(reach.0, reach.1) }
+        VertexPlace { corners: corners_between(begin, end), obeyed: corners_between(reach.0, reach.1) }
     });
     let places: Vec<VertexPlace> = places.collect();
-    (places.len() > 1 && places.iter().all(|place| !place.own.is_empty()))
+    (places.len() > 1 && places.iter().all(|place| !place.corners.is_empty()))
         .then_some(VertexPlaces { ring, places })
 }
 
-/// Runs around a ring, each from the last face of the one before it, as long as fits; `None` where there are more
-/// than `most`, where two neighbours do not fit, and where one run holds all.
+/// Runs around a ring, each of which starts at the last face of the previous run and is as long as fits.
+/// `None` if there are more than `most`, if two neighbours do not fit, or if one run holds all faces.
 fn runs_from(
     start: usize,
     n: usize,
@@ -125,8 +130,8 @@ fn runs_from(
     (runs.len() > 1).then_some(runs)
 }
 
-/// How convex the mesh is at the edge between two faces around a vertex: the sine of the turn, negative where it is
-/// concave.
+/// The convexity of the mesh at the edge between two faces around a vertex: the sine of the turn, negative if
+/// it is concave.
 pub(super) fn convexity(mesh: &Mesh, before: FaceCorner, after: FaceCorner) -> f64 {
     let corner = |(face, k): FaceCorner, by: u8| {
         mesh.positions()[mesh.faces()[face as usize][usize::from((k + by) % 3)] as usize]
@@ -158,14 +163,16 @@ mod tests {
             for reach in 2..n {
                 let Some(VertexPlaces { ring, places }) = cut(n, reach) else { continue };
                 let all: Vec<u32> =
-                    places.iter().flat_map(|place| place.own.iter().map(|(face, _)| *face)).collect();
+                    places.iter().flat_map(|place| place.corners.iter().map(|(face, _)| *face)).collect();
                 let mut sorted = all.clone();
                 sorted.sort_unstable();
                 assert_eq!(sorted, (0..n).collect::<Vec<u32>>(), "{n} {reach}");
                 // In the order of the ring.
                 let first = ring.iter().position(|(face, _)| *face == all[0]).unwrap();
                 assert!(all.iter().enumerate().all(|(k, face)| ring[(first + k) % ring.len()].0 == *face));
-                assert!(places.iter().all(|place| place.own.iter().all(|one| place.obeyed.contains(one))));
+                assert!(
+                    places.iter().all(|place| place.corners.iter().all(|one| place.obeyed.contains(one)))
+                );
             }
         }
         // Two neighbours that do not fit have no place.

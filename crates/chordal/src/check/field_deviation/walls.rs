@@ -1,6 +1,6 @@
 //! Cells that hold several levels of one function, such as both sides of a thin wall.
 //!
-//! Where both sides of a wall can have the value no direction of growth exists, and without further arguments
+//! If both sides of a wall can have the value, no direction of growth exists, and without further arguments
 //! cells would have to be as small as the wall is thin. But between two levels of one function a wall has no
 //! holes:
 //!
@@ -15,16 +15,16 @@
 //! one function do not meet. So each part is the set between two graphs over the base of P, which is
 //! connected, and no primitive changes its sign there. ∎
 //!
-//! So a flow that ends in the cell ends in a part, and a point of each part is one that the mesh has to wind
-//! around correctly.
+//! So a flow that ends in the cell ends in a part, and the mesh has to wind correctly around a point of each
+//! part.
 use super::cover::{FieldCover, WindingProbe, padded};
 use super::local_trees::LiteralSides;
 use super::regions::SignRegions;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
-/// How far P extends beyond the cell at both ends, in sides of the cell: a sheet whose steepest derivative is
-/// along the axis rises by no more than two sides across the cell.
+/// The length by which P extends beyond the cell at both ends, in sides of the cell: a sheet whose steepest
+/// derivative is along the axis rises by no more than two sides across the cell.
 const REACH: f64 = 2.25;
 /// Bisections in the search for zeros on the middle line.
 const HALVINGS: usize = 40;
@@ -34,14 +34,14 @@ struct WallPrism {
     cell: u32,
     axis: usize,
     bounds: Box3,
-    /// The tree, and the sides of its primitives in P.
+    /// The tree of P, and the sides of its primitives in P.
     tree: u32,
     sides: Vec<LiteralSides>,
     /// The primitives that change their sign, and whether they grow along the axis.
     levels: Vec<(u32, bool)>,
 }
 
-/// The cells of a list to which the lemma applies, with the points of their parts.
+/// The cells to which the lemma applies, with the points of their parts.
 pub(super) fn cells_with_walls(
     cover: &FieldCover,
     regions: &mut SignRegions,
@@ -64,9 +64,9 @@ pub(super) fn cells_with_walls(
 
 fn long_box(cover: &FieldCover, cell: u32, axis: usize) -> Box3 {
     let mut bounds = cover.bounds_of(&cover.cells[cell as usize]);
-    let by = REACH * cover.size_of(cell);
-    bounds.min[axis] -= by;
-    bounds.max[axis] += by;
+    let reach = REACH * cover.size_of(cell);
+    bounds.min[axis] -= reach;
+    bounds.max[axis] += reach;
     padded(&bounds)
 }
 
@@ -81,13 +81,13 @@ fn monotone(
         prisms.iter().flat_map(|prism| list(prism).map(|p| (*p, prism.bounds))).collect();
     let slopes = evaluator.dual_ranges(&questions)?;
     let primitives = evaluator.csg().primitives();
-    let mut rest = slopes.as_slice();
+    let mut remaining = slopes.as_slice();
     prisms.retain_mut(|prism| {
         let local = regions.trees.get(prism.tree);
-        let (own, after) = rest.split_at(local.primitives.len());
-        rest = after;
-        prism.sides = own.iter().map(|slope| LiteralSides::from_range(&slope.value)).collect();
-        for ((p, slope), sides) in local.primitives.iter().zip(own).zip(&prism.sides) {
+        let (prism_slopes, after) = remaining.split_at(local.primitives.len());
+        remaining = after;
+        prism.sides = prism_slopes.iter().map(|slope| LiteralSides::from_range(&slope.value)).collect();
+        for ((p, slope), sides) in local.primitives.iter().zip(prism_slopes).zip(&prism.sides) {
             if !sides.is_open() {
                 continue;
             }
@@ -98,14 +98,14 @@ fn monotone(
             }
             prism.levels.push((*p, along.lo() > 0.0));
         }
-        let of = |level: &(u32, bool)| &primitives[level.0 as usize];
+        let primitive = |level: &(u32, bool)| &primitives[level.0 as usize];
         let Some((first, others)) = prism.levels.split_first() else { return false };
-        !others.is_empty() && others.iter().all(|other| of(first).is_parallel_to(of(other)))
+        !others.is_empty() && others.iter().all(|other| primitive(first).is_parallel_to(primitive(other)))
     });
     Ok(())
 }
 
-/// Keeps the prisms on whose lids all levels have the required signs.
+/// Keeps the prisms on whose lids all levels have the signs that the lemma requires.
 fn crossed(evaluator: &mut PrimitiveEvaluator, prisms: &mut Vec<WallPrism>) -> Result<(), LeafError> {
     let lids = |prism: &WallPrism| {
         let (mut low, mut high) = (prism.bounds, prism.bounds);
@@ -118,11 +118,11 @@ fn crossed(evaluator: &mut PrimitiveEvaluator, prisms: &mut Vec<WallPrism>) -> R
         .flat_map(|prism| prism.levels.iter().flat_map(|(p, _)| lids(prism).map(|lid| (*p, lid))))
         .collect();
     let ranges = evaluator.ranges(&questions)?;
-    let mut rest = ranges.as_slice();
+    let mut remaining = ranges.as_slice();
     prisms.retain(|prism| {
-        let (own, after) = rest.split_at(2 * prism.levels.len());
-        rest = after;
-        prism.levels.iter().zip(own.chunks_exact(2)).all(|((_, grows), lids)| {
+        let (lid_ranges, after) = remaining.split_at(2 * prism.levels.len());
+        remaining = after;
+        prism.levels.iter().zip(lid_ranges.chunks_exact(2)).all(|((_, grows), lids)| {
             let [below, above] = if *grows { [lids[0], lids[1]] } else { [lids[1], lids[0]] };
             below[1] < 0.0 && above[0] > 0.0
         })
@@ -130,7 +130,7 @@ fn crossed(evaluator: &mut PrimitiveEvaluator, prisms: &mut Vec<WallPrism>) -> R
     Ok(())
 }
 
-/// A point of each part of the prisms, where one was found and its side proved.
+/// For each prism a point in each of its parts, if these were found and their sides proved.
 fn points(
     regions: &SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -142,35 +142,35 @@ fn points(
         p
     };
     let zeros = zeros(evaluator, prisms, &at)?;
-    let mut rest = zeros.as_slice();
-    let mut all: Vec<Vec<[f64; 3]>> = Vec::new();
+    let mut remaining = zeros.as_slice();
+    let mut points_of_prisms: Vec<Vec<[f64; 3]>> = Vec::new();
     for prism in prisms {
-        let (own, after) = rest.split_at(prism.levels.len());
-        rest = after;
-        let mut cuts = own.to_vec();
+        let (prism_zeros, after) = remaining.split_at(prism.levels.len());
+        remaining = after;
+        let mut cuts = prism_zeros.to_vec();
         cuts.extend([prism.bounds.min[prism.axis], prism.bounds.max[prism.axis]]);
         cuts.sort_unstable_by(f64::total_cmp);
-        all.push(cuts.windows(2).map(|pair| at(prism, 0.5 * pair[0] + 0.5 * pair[1])).collect());
+        points_of_prisms.push(cuts.windows(2).map(|pair| at(prism, 0.5 * pair[0] + 0.5 * pair[1])).collect());
     }
     let point = |p: [f64; 3]| Box3 { min: p, max: p };
     let questions: Vec<(u32, Box3)> = prisms
         .iter()
-        .zip(&all)
+        .zip(&points_of_prisms)
         .flat_map(|(prism, points)| {
             points.iter().flat_map(|at| prism.levels.iter().map(|(p, _)| (*p, point(*at))))
         })
         .collect();
     let ranges = evaluator.ranges(&questions)?;
-    let mut rest = ranges.as_slice();
-    let mut found = Vec::new();
-    for (prism, points) in prisms.iter().zip(all) {
-        let (own, after) = rest.split_at(prism.levels.len() * points.len());
-        rest = after;
-        if let Some(seen) = parts(regions, prism, &points, own) {
-            found.push((prism.cell, seen));
+    let mut remaining = ranges.as_slice();
+    let mut probes_of_cells = Vec::new();
+    for (prism, points) in prisms.iter().zip(points_of_prisms) {
+        let (prism_ranges, after) = remaining.split_at(prism.levels.len() * points.len());
+        remaining = after;
+        if let Some(probes) = parts(regions, prism, &points, prism_ranges) {
+            probes_of_cells.push((prism.cell, probes));
         }
     }
-    Ok(found)
+    Ok(probes_of_cells)
 }
 
 /// The approximate zero of each level on the middle line.
@@ -209,23 +209,23 @@ fn parts(
 ) -> Option<Vec<WindingProbe>> {
     let local = regions.trees.get(prism.tree);
     let mut before: Option<Vec<LiteralSides>> = None;
-    let mut seen = Vec::with_capacity(points.len());
+    let mut probes = Vec::with_capacity(points.len());
     for (at, ranges) in points.iter().zip(ranges.chunks_exact(prism.levels.len())) {
         let mut sides = prism.sides.clone();
         for ((p, _), range) in prism.levels.iter().zip(ranges) {
             let of_level = LiteralSides::from_range(range);
-            // Inside a part no level is 0.
+            // A part contains no zero of a level.
             if of_level.is_open() || *range == [0.0; 2] {
                 return None;
             }
-            sides[local.place(*p)] = of_level;
+            sides[local.index_of(*p)] = of_level;
         }
         let side = local.membership_without_cracks(&sides);
         if side == Membership::Unknown || before.as_ref() == Some(&sides) {
             return None;
         }
-        seen.push(WindingProbe { at: *at, side });
+        probes.push(WindingProbe { at: *at, side });
         before = Some(sides);
     }
-    Some(seen)
+    Some(probes)
 }

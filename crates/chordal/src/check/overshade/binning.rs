@@ -6,12 +6,12 @@ use crate::budget::{Camera, Job, JobError, Refusal, RefusalCode, par_map};
 use crate::explicit::{HitSides, Mesh};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Pixels a band, about: its buffers fit the cache of a core, and the usual screens have more bands than
-/// machines have cores.
+/// The approximate number of pixels in a band: its buffers fit into the cache of a core, and the usual
+/// screens have more bands than machines have cores.
 const BAND_PX: i64 = 1 << 16;
 /// Bytes for each pixel of the screen while bands are rasterized, including flicker.
 const BYTES_PER_PIXEL: u64 = 32;
-/// Pixel centres are shifted by less than half a pixel: rows of bands allow for it.
+/// Pixel centres are shifted by less than half a pixel, which the rows of bands include.
 pub(super) const MOST_SHIFT: i64 = STEPS / 2 - 1;
 /// No triangle.
 pub(super) const NOBODY: u32 = u32::MAX;
@@ -55,10 +55,10 @@ impl<'a> BinnedMesh<'a> {
         let [width, height] = [camera.screen.width_px, camera.screen.height_px];
         let bytes = (u64::from(width) * BYTES_PER_PIXEL).saturating_mul(u64::from(height));
         let rows = mesh.positions().len() * size_of::<RasterVertex>() + mesh.faces().len() * size_of::<f32>();
-        // Twice: parts and their concatenation coexist.
-        let held = bytes.saturating_add(2 * rows as u64);
-        if held > job.memory_limit {
-            return Err(too_much(&format!("{width}x{height} pixels need {held} bytes"), job));
+        // Twice, since parts and their concatenation coexist.
+        let bytes_held = bytes.saturating_add(2 * rows as u64);
+        if bytes_held > job.memory_limit {
+            return Err(too_much(&format!("{width}x{height} pixels need {bytes_held} bytes"), job));
         }
         if width > MOST_PX || height > MOST_PX {
             let message =
@@ -72,20 +72,20 @@ impl<'a> BinnedMesh<'a> {
             entries: Vec::new(),
             tally: RasterCounts::default(),
         };
-        banded.sort(job.memory_limit - held, job)?;
+        banded.sort(job.memory_limit - bytes_held, job)?;
         Ok(banded)
     }
 
-    /// Counts the triangles and assigns them to their bands, within `room` bytes.
-    fn sort(&mut self, room: u64, job: &Job) -> Result<(), JobError> {
+    /// Counts the triangles and assigns them to their bands, within a number of bytes.
+    fn sort(&mut self, bytes_left: u64, job: &Job) -> Result<(), JobError> {
         let n_entries = AtomicU64::new(0);
-        let most = room / size_of::<(u32, u32)>() as u64;
+        let most = bytes_left / size_of::<(u32, u32)>() as u64;
         let n_faces = self.projected.mesh.faces().len();
         let starts: Vec<usize> = (0..n_faces).step_by(CHUNK).collect();
         let chunks = par_map(job, &starts, |_, start| {
             let (mut tally, mut entries) = (RasterCounts::default(), Vec::new());
-            // Once over the limit, the count stays over it, whatever the other tasks do: no result depends on
-            // the order.
+            // Once over the limit, the count stays over it for any progress of other tasks, so no result
+            // depends on the order.
             if !job.is_cancelled() && n_entries.load(Ordering::Relaxed) <= most {
                 for face in *start..n_faces.min(start + CHUNK) {
                     let (counts, bands) = self.count_triangle(face);
@@ -93,7 +93,7 @@ impl<'a> BinnedMesh<'a> {
                     entries.extend((bands[0]..bands[1]).map(|band| (band as u32, face as u32)));
                 }
                 n_entries.fetch_add(entries.len() as u64, Ordering::Relaxed);
-                // Stable: within a band, triangles stay in order.
+                // A stable sort: within a band, triangles stay in order.
                 entries.sort_by_key(|entry| entry.0);
             }
             (tally, entries)

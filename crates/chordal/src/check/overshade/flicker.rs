@@ -1,4 +1,4 @@
-//! `Flicker`: how much the picture changes when the view moves by less than a pixel.
+//! `Flicker`: the change of the picture if the view moves by less than a pixel.
 use super::binning::{BinnedMesh, MOST_SHIFT, NOBODY, ScreenBand};
 use super::over_bands;
 use super::projection::{CHUNK, ScreenMesh};
@@ -15,11 +15,11 @@ const N: usize = SHIFTS.len() * SHIFTS.len();
 /// The direction to the light, over the viewer's left shoulder: right, up and towards the eye.
 const LIGHT: [f64; 3] = [-1.0, 1.0, 2.0];
 
-/// How much the picture of a mesh changes when the view moves by less than a pixel.
+/// The change of the picture of a mesh if the view moves by less than a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flicker {
     /// The root mean square of the difference between a pixel's shade and its mean over the shifts, 0 to 1/2,
-    /// where 1 is the difference between black and white; 0 when no pixel is compared.
+    /// where 1 is the difference between black and white; 0 if no pixel is compared.
     pub rms: f64,
     /// The pixels that are compared: those covered at every shift, so that outlines do not count.
     pub n_pixels: u64,
@@ -69,8 +69,8 @@ fn shades(projected: &ScreenMesh, job: &Job) -> Vec<f32> {
     let shade = |face: usize| {
         let corners = projected.mesh.corners(face);
         let normal = face_normal(corners).map_or(DVec3::ZERO, DVec3::from);
-        let seen = if projected.sees_front(corners[0], normal) { normal } else { -normal };
-        (0.5 + 0.5 * seen.dot(light)) as f32
+        let visible_normal = if projected.sees_front(corners[0], normal) { normal } else { -normal };
+        (0.5 + 0.5 * visible_normal.dot(light)) as f32
     };
     let chunks = par_map(job, &starts, |_, start| -> Vec<f32> {
         (*start..n_faces.min(start + CHUNK)).map(shade).collect()
@@ -88,8 +88,8 @@ fn band_flicker(banded: &BinnedMesh, band: &ScreenBand, shades: &[f32], job: &Jo
         }
         for (at, face) in banded.nearest(band, shift).into_iter().enumerate() {
             if face != NOBODY {
-                // Single precision: 16 equal shades and their squares add up without rounding, so they change
-                // by 0.
+                // In single precision 16 equal shades and their squares add up without rounding, so they
+                // change by 0.
                 let shade = f64::from(shades[face as usize]);
                 sums[at] += shade;
                 squares[at] += shade * shade;
@@ -97,8 +97,8 @@ fn band_flicker(banded: &BinnedMesh, band: &ScreenBand, shades: &[f32], job: &Jo
             }
         }
     }
-    let all = (0..n).filter(|at| usize::from(hits[*at]) == N);
-    all.fold((0.0, 0), |(changed, n_pixels), at| {
+    let compared = (0..n).filter(|at| usize::from(hits[*at]) == N);
+    compared.fold((0.0, 0), |(changed, n_pixels), at| {
         let change = squares[at] - sums[at] * sums[at] / N as f64;
         (changed + greater(change, 0.0), n_pixels + 1)
     })

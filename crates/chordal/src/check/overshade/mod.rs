@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// The amount of shading. GPUs shade quads, 2×2 pixels aligned to even coordinates, each for one triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadingCounts {
-    /// Fragments: pairs of a triangle and a pixel where it is shaded.
+    /// Fragments: pairs of a triangle and a pixel in which it is shaded.
     pub fragments: u64,
     /// Quads: pairs of a triangle and a quad in which it has at least one fragment.
     pub quads: u64,
@@ -30,13 +30,13 @@ impl ShadingCounts {
         4 * self.quads
     }
 
-    /// Helper lanes, which run only for the derivatives of others and whose results are discarded.
+    /// Helper lanes, which run only for the derivatives of other lanes and whose results are discarded.
     #[must_use]
     pub fn helpers(&self) -> u64 {
         self.lanes() - self.fragments
     }
 
-    /// The share of helpers among the lanes, 0 to 3/4; 0 when nothing is shaded.
+    /// The share of helpers among the lanes, 0 to 3/4; 0 if nothing is shaded.
     #[must_use]
     pub fn helper_share(&self) -> f64 {
         if self.quads == 0 { 0.0 } else { self.helpers() as f64 / self.lanes() as f64 }
@@ -50,16 +50,16 @@ pub struct Overshade {
     pub n_triangles: u64,
     /// Triangles that are partly on the screen and not culled.
     pub in_view: u64,
-    /// Triangles in view that cover no pixel's centre: they are drawn for nothing.
+    /// Triangles in view that cover no pixel's centre: they are drawn without any effect.
     pub missed: u64,
     /// Triangles in view whose area on the screen is less than a pixel's: micro-triangles.
     pub micro: u64,
-    /// Pixels whose centre at least one triangle covers.
+    /// Pixels whose centre is covered by at least one triangle.
     pub covered_px: u64,
-    /// The shading when every triangle is shaded, hidden or not.
+    /// The shading if every triangle is shaded, hidden or not.
     pub every: ShadingCounts,
-    /// The shading after a depth pre-pass: a quad only where the triangle is the nearest at one of its
-    /// pixels. So every covered pixel is one fragment.
+    /// The shading after a depth pre-pass: a quad is shaded only for triangles that are the nearest at one of
+    /// its pixels. So every covered pixel is one fragment.
     pub visible: ShadingCounts,
     /// For each quad of the screen, row by row, the number of triangles shaded in it, hidden or not: that
     /// many lanes are launched for each of its pixels.
@@ -75,14 +75,14 @@ impl Overshade {
         self.in_view - self.missed
     }
 
-    /// The overshade ratio: lanes launched per covered pixel after a depth pre-pass, 1 at best; 0 when
+    /// The overshade ratio: lanes launched per covered pixel after a depth pre-pass, 1 at best; 0 if
     /// nothing is covered.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         if self.covered_px == 0 { 0.0 } else { self.visible.lanes() as f64 / self.covered_px as f64 }
     }
 
-    /// The share of the triangles in view that are smaller than a pixel; 0 when none are in view.
+    /// The share of the triangles in view that are smaller than a pixel; 0 if none are in view.
     #[must_use]
     pub fn micro_share(&self) -> f64 {
         if self.in_view == 0 { 0.0 } else { self.micro as f64 / self.in_view as f64 }
@@ -93,16 +93,17 @@ impl Overshade {
 ///
 /// Corners are rounded to 1/256 of a pixel; after that everything is exact. A pixel belongs to the triangles
 /// that contain its centre, and to one of two that share an edge (the top-left rule). Parts before the near
-/// plane, or 2²¹ pixels outside of the picture, are clipped; the pieces of a clipped triangle are shaded
-/// separately. `sides` selects what is culled. One sample a pixel; each triangle is shaded separately,
-/// without merging quads of neighbours. Positions are computed in f64 before rounding, where GPUs use f32.
+/// plane, or 2²¹ pixels outside the picture, are clipped; the pieces of a clipped triangle are shaded
+/// separately. `sides` selects the sides that are culled. One sample a pixel; each triangle is shaded
+/// separately, without merging quads of neighbours. Positions are computed in f64 before rounding, where GPUs
+/// use f32.
 ///
 /// Cost: O(triangles + rows that they cover + pixels), on all threads of the job. Memory: 32 bytes a vertex,
 /// 16 bytes a triangle and up to 32 bytes a pixel.
 ///
 /// # Errors
 /// [`JobError::Refused`] for an invalid camera, a screen of more than 2²⁰ pixels a side, or more memory than
-/// the job allows; [`JobError::Cancelled`] when the job was.
+/// the job allows; [`JobError::Cancelled`] if the job was cancelled.
 ///
 /// ```
 /// use chordal::{Job, Mesh, View};
@@ -122,7 +123,7 @@ impl Overshade {
 pub fn overshade(mesh: &Mesh, camera: &Camera, sides: HitSides, job: &Job) -> Result<Overshade, JobError> {
     let banded = BinnedMesh::new(mesh, camera, sides, job)?;
     let bands = over_bands(&banded, job, |band| band_quads(&banded, band))?;
-    let mut found = Overshade {
+    let mut counts = Overshade {
         n_triangles: mesh.faces().len() as u64,
         in_view: banded.tally.in_view,
         missed: banded.tally.missed,
@@ -134,13 +135,13 @@ pub fn overshade(mesh: &Mesh, camera: &Camera, sides: HitSides, job: &Job) -> Re
         quad_columns: camera.screen.width_px.div_ceil(2),
     };
     for (launches, visible) in bands {
-        found.visible.fragments += visible.fragments;
-        found.visible.quads += visible.quads;
-        found.every.quads += launches.iter().map(|n| u64::from(*n)).sum::<u64>();
-        found.launches.extend(launches);
+        counts.visible.fragments += visible.fragments;
+        counts.visible.quads += visible.quads;
+        counts.every.quads += launches.iter().map(|n| u64::from(*n)).sum::<u64>();
+        counts.launches.extend(launches);
     }
-    found.covered_px = found.visible.fragments;
-    Ok(found)
+    counts.covered_px = counts.visible.fragments;
+    Ok(counts)
 }
 
 /// Runs `work` on every band; results are in their order.
@@ -195,10 +196,10 @@ fn visible(nearest: &[u32], width: usize) -> ShadingCounts {
         for column in (0..width).step_by(2) {
             let two = |row: &[u32]| [0, 1].map(|k| row.get(column + k).copied().unwrap_or(NOBODY));
             let ([a, b], [c, d]) = (two(upper), two(lower));
-            let all = [a, b, c, d];
-            for (k, face) in all.iter().enumerate().filter(|(_, face)| **face != NOBODY) {
+            let corners = [a, b, c, d];
+            for (k, face) in corners.iter().enumerate().filter(|(_, face)| **face != NOBODY) {
                 shaded.fragments += 1;
-                shaded.quads += u64::from(!all[..k].contains(face));
+                shaded.quads += u64::from(!corners[..k].contains(face));
             }
         }
     }

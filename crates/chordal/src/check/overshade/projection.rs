@@ -6,13 +6,13 @@ use crate::explicit::Mesh;
 use crate::math::{greater, lesser};
 use glam::DVec3;
 
-/// The guard band: triangles are clipped this many pixels from the middle of the screen, far outside of every
+/// The guard band: triangles are clipped this many pixels from the middle of the screen, far outside every
 /// screen, so that nearly none are.
 const GUARD_PX: f64 = (1 << 21) as f64;
-/// The most columns or rows of a screen: fixed point has room for them and the guard band.
+/// The most columns or rows of a screen: fixed-point numbers can hold them and the guard band.
 pub(super) const MOST_PX: u32 = 1 << 20;
 /// The least depth relative to that of the farthest vertex: depths this small are mostly rounding, so they
-/// are clipped even where the near plane is at 0. Derived: a depth loses some 4 · 2⁻⁵³ of it.
+/// are clipped even if the near plane is at 0. Derived: a depth loses some 4 · 2⁻⁵³ of it.
 const LEAST_DEPTH: f64 = 1.0 / (1_u64 << 50) as f64;
 /// Vertices or triangles a task: enough to hide the overhead of a task.
 pub(super) const CHUNK: usize = 8192;
@@ -58,8 +58,8 @@ impl RasterCamera {
         let [right, up, forward] = axes.map(DVec3::from);
         let bounds = mesh.bounds();
         let values = bounds.min.iter().chain(&bounds.max).chain(&camera.eye).filter(|x| x.is_finite());
-        // Differences of two such values, and sums of three of those, stay in range. A power of two, so
-        // without rounding.
+        // Differences of two such values, and sums of three of those, stay in range. It is a power of two, so
+        // scaling does not round.
         let shrink = if values.into_iter().any(|x| x.abs() > f64::MAX / 16.0) { 0.0625 } else { 1.0 };
         let [width, height] = [camera.screen.width_px, camera.screen.height_px].map(f64::from);
         let (parallel, focal) = match camera.projection {
@@ -95,7 +95,7 @@ impl RasterCamera {
         Ok(seat)
     }
 
-    /// A point in eye space: to the right of the eye, above it and before it.
+    /// A point in eye space: its distances to the right of the eye, above it and before it.
     fn to_eye_space(&self, point: [f64; 3]) -> DVec3 {
         let to = DVec3::from(point) * self.shrink - self.eye;
         DVec3::new(self.right.dot(to), self.up.dot(to), self.forward.dot(to))
@@ -120,9 +120,9 @@ impl RasterCamera {
     /// The position on the screen, rounded to the nearest step; halves go down and to the right.
     fn to_screen(&self, p: DVec3) -> RasterVertex {
         let depth = if self.parallel { 1.0 } else { p.z };
-        let place =
+        let position =
             [self.middle[0] + self.focal * (p.x / depth), self.middle[1] - self.focal * (p.y / depth)];
-        let at = place.map(|pixels| {
+        let at = position.map(|pixels| {
             let steps = (pixels * STEPS as f64 + 0.5).floor();
             let steps = greater(steps, -MOST);
             (lesser(steps, MOST)) as i32
@@ -131,8 +131,8 @@ impl RasterCamera {
         RasterVertex { at, nearness }
     }
 
-    /// The point where the segment from `a` to `b` meets a plane, the same for both directions: neighbours
-    /// are clipped alike.
+    /// The point at which the segment from `a` to `b` meets a plane, the same for both directions, so that
+    /// neighbours are clipped alike.
     fn clip_edge(&self, plane: usize, a: DVec3, b: DVec3) -> DVec3 {
         let less = (0..3).map(|k| a[k].total_cmp(&b[k])).find(|order| order.is_ne());
         let (a, b) = if less == Some(std::cmp::Ordering::Greater) { (b, a) } else { (a, b) };
@@ -153,15 +153,15 @@ impl<'a> ScreenMesh<'a> {
             if job.is_cancelled() {
                 return Vec::new();
             }
-            let place = |point: &[f64; 3]| {
-                let seen = seat.to_eye_space(*point);
-                if seat.is_clipped(seen) {
+            let vertex_on_screen = |point: &[f64; 3]| {
+                let eye_point = seat.to_eye_space(*point);
+                if seat.is_clipped(eye_point) {
                     RasterVertex { at: [0; 2], nearness: f64::NAN }
                 } else {
-                    seat.to_screen(seen)
+                    seat.to_screen(eye_point)
                 }
             };
-            chunk.iter().map(place).collect()
+            chunk.iter().map(vertex_on_screen).collect()
         });
         if job.is_cancelled() {
             return Err(JobError::Cancelled);
@@ -170,13 +170,13 @@ impl<'a> ScreenMesh<'a> {
         Ok(Self { mesh, camera: seat, vertices: spots.concat(), size })
     }
 
-    /// The triangles on the screen of a face: none, itself, or a fan around the first corner of its part
-    /// between the planes.
+    /// The triangles on the screen of a face: none, the face itself, or a fan around the first corner of its
+    /// part between the planes.
     pub fn clipped_triangles(&self, face: usize, mut each: impl FnMut(&[RasterVertex; 3])) {
         let corners = self.mesh.faces()[face];
-        let whole = corners.map(|row| self.vertices[row as usize]);
-        if !whole.iter().any(|spot| spot.nearness.is_nan()) {
-            return each(&whole);
+        let vertices = corners.map(|row| self.vertices[row as usize]);
+        if !vertices.iter().any(|spot| spot.nearness.is_nan()) {
+            return each(&vertices);
         }
         let mut polygon: Vec<DVec3> = corners
             .iter()
@@ -191,22 +191,22 @@ impl<'a> ScreenMesh<'a> {
         }
     }
 
-    /// The part of a convex polygon inside of a plane.
+    /// The part of a convex polygon inside a plane.
     ///
     /// Source: I. Sutherland and G. Hodgman, *Reentrant polygon clipping*, 1974.
     fn clip_polygon(&self, plane: usize, polygon: &[DVec3]) -> Vec<DVec3> {
-        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        let mut clipped = Vec::with_capacity(polygon.len() + 1);
         for (k, a) in polygon.iter().enumerate() {
             let b = polygon[(k + 1) % polygon.len()];
             let [a_in, b_in] = [*a, b].map(|p| self.camera.plane_distance(plane, p) >= 0.0);
             if a_in {
-                kept.push(*a);
+                clipped.push(*a);
             }
             if a_in != b_in {
-                kept.push(self.camera.clip_edge(plane, *a, b));
+                clipped.push(self.camera.clip_edge(plane, *a, b));
             }
         }
-        kept
+        clipped
     }
 
     /// Whether the eye is on the front side of the plane through a point with that normal.

@@ -50,7 +50,7 @@ impl EdgeFunction {
         self.run[0] * (y - self.from[1]) - self.run[1] * (x - self.from[0])
     }
 
-    /// The top-left rule: a centre on the line belongs to the triangle when the line is a left one (the
+    /// The top-left rule: a centre on the line belongs to the triangle if the line is a left one (the
     /// inside is at its right) or a horizontal one at the top (the inside is below). Rows run down.
     fn is_top_left(&self) -> bool {
         self.run[1] < 0 || (self.run[1] == 0 && self.run[0] > 0)
@@ -60,11 +60,11 @@ impl EdgeFunction {
 impl RasterTriangle {
     /// The triangle relative to pixel centres moved by `shift`, in steps; `None` without area.
     pub fn new(spots: &[RasterVertex; 3], shift: [i64; 2]) -> Option<Self> {
-        let place = |k: usize| [0, 1].map(|axis| i64::from(spots[k].at[axis]) - shift[axis]);
-        let signed = EdgeFunction::new(place(0), place(1)).at(place(2));
-        // The inside is positive once the corners appear clockwise.
+        let corner_at = |k: usize| [0, 1].map(|axis| i64::from(spots[k].at[axis]) - shift[axis]);
+        let signed = EdgeFunction::new(corner_at(0), corner_at(1)).at(corner_at(2));
+        // The inside is positive if the corners appear clockwise.
         let order = if signed < 0 { [0, 2, 1] } else { [0, 1, 2] };
-        let corners = order.map(place);
+        let corners = order.map(corner_at);
         let range = |axis: usize| {
             let values = corners.map(|c| c[axis]);
             let (low, high) =
@@ -82,19 +82,19 @@ impl RasterTriangle {
         })
     }
 
-    /// The columns whose centres the triangle covers in a row: first, and one past the last; equal where
+    /// The columns whose centres the triangle covers in a row: first, and one past the last; equal if
     /// there are none.
     pub fn span(&self, row: i64) -> [i64; 2] {
         let [mut first, mut end] = self.columns;
         for edge in &self.edges {
             let at_zero = edge.at([STEPS / 2, row * STEPS + STEPS / 2]);
-            // Inside where `room − by·column ≥ 0`.
-            let (room, by) = (at_zero - i64::from(!edge.is_top_left()), edge.run[1] * STEPS);
-            if by > 0 {
-                end = end.min(room.div_euclid(by) + 1);
-            } else if by < 0 {
-                first = first.max(-room.div_euclid(-by));
-            } else if room < 0 {
+            // Inside if `slack − step·column ≥ 0`.
+            let (slack, step) = (at_zero - i64::from(!edge.is_top_left()), edge.run[1] * STEPS);
+            if step > 0 {
+                end = end.min(slack.div_euclid(step) + 1);
+            } else if step < 0 {
+                first = first.max(-slack.div_euclid(-step));
+            } else if slack < 0 {
                 end = first;
             }
         }

@@ -1,13 +1,15 @@
-//! `patch_deviation_at`, `cage_deviation_at`: how far a mesh and a smooth surface are apart at least, as one point shows.
+//! `patch_deviation_at`, `cage_deviation_at`: lower bounds on the deviation of a mesh from a smooth surface,
+//! from one point.
 use super::{SmoothReference, SmoothSampler, SmoothShape, invalid_cage};
 use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Cage, Mesh, Patch, SurfaceTree};
 
-/// Lower bounds on the distance from a mesh to patches, and from these to the mesh, as a point near either shows: `[from the
-/// mesh, from the patches]`, each 0 where the point does not show it.
+/// Lower bounds on the distance from a mesh to patches, and from these to the mesh, from a point near either:
+/// `[from the mesh, from the patches]`, each 0 if the point proves nothing.
 ///
-/// *What they cover.* Both are proved, rounding included, whatever the point is: the distance of the point from the one,
-/// less that from the other; from the patches that of their point that is nearest to it.
+/// *What they cover.* Both are proved, rounding included, for any point: the distance of the point from the
+/// one, less that from the other; from the patches it is the distance of their point nearest to the given
+/// one.
 ///
 /// *Cost.* The trees over both and three queries.
 ///
@@ -59,7 +61,7 @@ fn seen_at(mesh: &Mesh, smooth: &SmoothReference<'_>, p: [f64; 3], job: &Job) ->
         }
         let bvh = Bvh::build(mesh, job)?;
         let sampler = SmoothSampler { smooth, bvh: &bvh };
-        let seen = [sampler.forward_at(p, None), sampler.backward_at(p)];
-        Ok(seen.map(|seen| seen.map_or(0.0, |seen| seen.at_least)))
+        let lower_bounds = [sampler.forward_at(p, None), sampler.backward_at(p)];
+        Ok(lower_bounds.map(|bound| bound.map_or(0.0, |bound| bound.at_least)))
     })
 }

@@ -1,8 +1,9 @@
-//! Patches as triangles that are near them by equal parameters, each patch cut as often as its own bending asks.
+//! Patches as triangles that are near them by equal parameters, with each patch cut as often as its bending
+//! requires.
 //!
-//! A patch is split into parts, and each part along `u` and along `v` into cells. Where the part beyond a side is cut more
-//! often, the cells along it are fans around their middles that take its points as well, so that there are no cracks: points on
-//! a side depend on its curve alone, and not on its direction.
+//! A patch is split into parts, and each part along `u` and along `v` into cells. If the part beyond a side
+//! is cut more often, the cells along the side are fans around their middles that include its points, so that
+//! there are no cracks: points on a side depend on its curve alone, and not on its direction.
 use super::cut_mesh;
 use crate::budget::{Job, JobError, par_map};
 use crate::explicit::parametric::PatchSide;
@@ -10,20 +11,20 @@ use crate::explicit::{Bezier, Mesh, Patch};
 use crate::math::{add_up, difference, greater, length_up, mul_up};
 use std::collections::BTreeMap;
 
-/// How often patches are halved before each part gets cells of its own. Chosen: the bend of a patch is rarely alike all over
-/// it, and a part that is flat has one cell.
+/// How often patches are halved before each part is divided into cells. Chosen: a patch rarely bends alike
+/// all over, and a flat part has one cell.
 const PARTS: u32 = 3;
-/// The most parts. Chosen: as many triangles take a tenth of a second.
+/// The most parts. Chosen: so many triangles take a tenth of a second.
 const MOST_PARTS: usize = 1 << 16;
-/// The share of the distance to the patches that a level leaves of that of the level before. It has about twice as many
-/// triangles.
+/// The factor of the distance to the patches from one level to the next. Each level has about twice as many
+/// triangles as the previous one.
 pub(super) const LEFT_BY_LEVEL: f64 = 0.5;
 /// Rounding of a tessellation relative to the largest coordinate: a halving rounds each coordinate three
 /// times by half an ε, 15 halvings in both directions, one of them to the middles of fans, make 45 ε of a length;
 /// differences of the second order as much again.
-const OF_CUTS: f64 = 256.0 * f64::EPSILON;
+const CUTS_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
-/// Parts of patches, each with the halvings that bring its triangles as near as a level asks.
+/// Parts of patches, each with the halvings that bring its triangles as near as a level requires.
 pub(super) struct PatchTessellation {
     parts: Vec<TessellatedPart>,
 }
@@ -49,8 +50,8 @@ impl PatchTessellation {
     /// As near as the worst patch is to its two triangles, halved once for each level.
     pub fn new(patches: &[Patch], level: u32, job: &Job) -> Self {
         let farthest =
-            patches.iter().fold(0.0, |most, patch| greater(most, ParametricBend::of(patch).off([0; 2])));
-        // By `LEFT_BY_LEVEL` once for each.
+            patches.iter().fold(0.0, |most, patch| greater(most, ParametricBend::of(patch).distance([0; 2])));
+        // Multiplied by `LEFT_BY_LEVEL` once for each level.
         let wanted = libm::ldexp(farthest, -(level as i32));
         // Halvings in both directions leave a quarter.
         let most = level.div_ceil(2);
@@ -70,7 +71,7 @@ impl PatchTessellation {
         Self { parts: parts.into_iter().flatten().collect() }
     }
 
-    /// By curve, the most halvings of a side along it.
+    /// By curve: the largest number of halvings of a side along it.
     fn sides(&self) -> BTreeMap<CurveKey, u32> {
         let mut sides = BTreeMap::new();
         for part in &self.parts {
@@ -82,7 +83,7 @@ impl PatchTessellation {
         sides
     }
 
-    /// About the number of its triangles: exact but for the fans along finer sides.
+    /// About the number of its triangles: exact except for the fans along finer sides.
     pub fn count(&self) -> u64 {
         self.parts.iter().map(|part| 2_u64 << part.halvings.iter().sum::<u32>()).sum()
     }
@@ -92,23 +93,23 @@ impl PatchTessellation {
     /// Each cell's triangles have their corners on its piece of the patch, at parameters that tile the cell's.
     pub fn triangles(&self, job: &Job) -> Result<(Mesh, f64), JobError> {
         let sides = self.sides();
-        let made = par_map(job, &self.parts, |_, part| {
+        let parts_cut = par_map(job, &self.parts, |_, part| {
             let finer = SIDES.map(|side| sides[&key_of(&part.patch.side(side))]);
             let mut cells = PartTriangles::default();
             if !job.is_cancelled() {
                 cells.fill(part, finer);
             }
-            cells.off = add_up(cells.off, mul_up(OF_CUTS, part.patch.size()));
+            cells.distance = add_up(cells.distance, mul_up(CUTS_ROUNDING, part.patch.size()));
             cells
         });
-        let off = made.iter().fold(0.0, |most, cells| greater(most, cells.off));
+        let distance = parts_cut.iter().fold(0.0, |most, cells| greater(most, cells.distance));
         let (mut points, mut faces): (Vec<[f64; 3]>, Vec<[u32; 3]>) = Default::default();
-        for cells in made {
+        for cells in parts_cut {
             let first = points.len() as u32;
             points.extend(cells.points);
             faces.extend(cells.faces.into_iter().map(|face| face.map(|row| row + first)));
         }
-        Ok((cut_mesh(points, faces)?, off))
+        Ok((cut_mesh(points, faces)?, distance))
     }
 }
 
@@ -118,20 +119,20 @@ struct PartTriangles {
     points: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     /// An upper bound on the distance between its triangles and the patch.
-    off: f64,
+    distance: f64,
 }
 
 impl PartTriangles {
     fn fill(&mut self, part: &TessellatedPart, finer: [u32; 4]) {
         let [columns, rows] = part.halvings.map(|halvings| 1_usize << halvings);
         self.points.resize((columns + 1) * (rows + 1), [0.0; 3]);
-        let whole = PatchCell { patch: part.patch, at: [0, 0], wide: [columns, rows] };
-        // The points of each side that the part itself has not, from its start on, cell by cell.
+        let whole_part = PatchCell { patch: part.patch, at: [0, 0], wide: [columns, rows] };
+        // For each side the points that the part itself does not have, from its start on, cell by cell.
         let between = [0, 1, 2, 3].map(|k| {
             let halvings = part.halvings[k % 2];
             points_between(&part.patch.side(SIDES[k]), halvings, finer[k])
         });
-        let mut todo = vec![whole];
+        let mut todo = vec![whole_part];
         while let Some(cell) = todo.pop() {
             let [u, v] = cell.wide;
             match (u > 1, v > 1) {
@@ -155,8 +156,8 @@ impl PartTriangles {
         for (k, at) in corners.into_iter().zip([c[0][0], c[0][3], c[3][3], c[3][0]]) {
             self.points[k as usize] = at;
         }
-        self.off = greater(self.off, ParametricBend::of(&cell.patch).off([0; 2]));
-        // The cell's number along each side, in the direction of the side, where it is on it.
+        self.distance = greater(self.distance, ParametricBend::of(&cell.patch).distance([0; 2]));
+        // The cell's number along each side, in the direction of the side, if it is on that side.
         let along = [
             (row == 0).then_some(column),
             (column + 1 == columns).then_some(row),
@@ -209,7 +210,8 @@ impl PatchCell {
     }
 }
 
-/// The points of a curve at the finer of two halvings that the coarser has not, in groups between those that it has.
+/// The points of a curve at the finer of two halvings that the coarser does not have, in groups between the
+/// coarse points.
 fn points_between(curve: &Bezier<3>, coarse: u32, fine: u32) -> Vec<Vec<[f64; 3]>> {
     if fine <= coarse {
         return Vec::new();
@@ -222,7 +224,7 @@ fn points_between(curve: &Bezier<3>, coarse: u32, fine: u32) -> Vec<Vec<[f64; 3]
     starts.chunks(1 << (fine - coarse)).map(|group| group[1..].to_vec()).collect()
 }
 
-/// The most that second derivatives are over a patch: along `u`, mixed, along `v`.
+/// The largest second derivatives over a patch: along `u`, mixed, along `v`.
 struct ParametricBend {
     uu: f64,
     uv: f64,
@@ -257,18 +259,18 @@ impl ParametricBend {
     /// weights, its corners have that point as their mean, and an error of half of the second derivatives times their variances
     /// and covariance: at most a quarter of the squares of the sides, and of their product. (D. Filip, R. Magedson, R. Markot,
     /// *Surface algorithms using bounds on derivatives*, 1986, for the two triangles of a square.)
-    fn off(&self, halvings: [u32; 2]) -> f64 {
+    fn distance(&self, halvings: [u32; 2]) -> f64 {
         // Powers of two are exact.
         let [u, v] = halvings.map(|halvings| libm::ldexp(1.0, -(halvings as i32)));
         let pure = add_up(mul_up(u * u, self.uu), mul_up(v * v, self.vv));
         mul_up(0.125, add_up(pure, mul_up(2.0 * u * v, self.uv)))
     }
 
-    /// The halvings that make the fewest cells within a distance, none above a number.
+    /// The halvings that give the fewest cells within a distance, none above a given number.
     fn halvings(&self, wanted: f64, most: u32) -> [u32; 2] {
         let mut best = [most; 2];
         for u in 0..=most {
-            if let Some(v) = (0..=most).find(|v| self.off([u, *v]) <= wanted)
+            if let Some(v) = (0..=most).find(|v| self.distance([u, *v]) <= wanted)
                 && u + v < best[0] + best[1]
             {
                 best = [u, v];
@@ -295,7 +297,7 @@ mod tests {
         }
         for level in 0..13 {
             let made = PatchTessellation::new(&[flat, bent], level, &Job::default());
-            let (mesh, off) = made.triangles(&Job::default()).unwrap();
+            let (mesh, distance) = made.triangles(&Job::default()).unwrap();
             let halvings: Vec<[u32; 2]> = made.parts.iter().map(|part| part.halvings).collect();
             assert!(level < 9 || halvings.iter().any(|one| *one != halvings[0]), "{halvings:?}");
             let twins = Twins::new(&mesh, Topology::Positions);
@@ -321,7 +323,7 @@ mod tests {
             for (patch, k) in [flat, bent].iter().flat_map(|patch| (0..400).map(move |k| (patch, k))) {
                 let at = patch.at(f64::from(k % 20) / 19.0, f64::from(k / 20) / 19.0);
                 let away = bvh.closest_distance_down(at).unwrap();
-                assert!(away <= off, "level {level}: {away} beyond {off}");
+                assert!(away <= distance, "level {level}: {away} beyond {distance}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What a collapse does to the values that corners carry, and whether these stay within their limits.
+//! The effect of a collapse on the values that corners carry, and whether these stay within their limits.
 use super::super::attribute_guard::WedgesAfter;
 use super::super::surface::{HalfEdgeSurface, NONE};
 use super::super::wedges::{WedgeChange, WedgeTransfer, Wedges};
@@ -7,7 +7,7 @@ use crate::explicit::{closest_on_triangle, distance_sq_to_triangle, next_in_face
 use crate::math::{difference, dot, lesser};
 
 impl EdgeCollapser {
-    /// What a collapse does to the values of the corners around its edge.
+    /// The effect of a collapse on the values of the corners around its edge.
     pub(super) fn wedge_change(&self, shrink: &EdgeCollapse) -> Option<WedgeChange> {
         let wedges = self.wedges.as_ref()?;
         let (h, across) = (shrink.h, self.surface.twin[shrink.h as usize]);
@@ -37,7 +37,7 @@ impl EdgeCollapser {
         Some(WedgeChange { rows, transfer: WedgeTransfer { h, at_start: goes_from_start, left, right } })
     }
 
-    /// Whether attributes stay within their limits, as far as vertices of the original tell.
+    /// Whether attributes stay within their limits, as far as the vertices of the original show it.
     pub(super) fn keeps_attributes(&self, shrink: &EdgeCollapse, until: &StopCriterion<'_>) -> bool {
         let (Some(guard), Some(wedges), Some(watch)) = (&self.attribute_guard, &self.wedges, &self.monitor)
         else {

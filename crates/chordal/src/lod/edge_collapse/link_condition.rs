@@ -1,17 +1,17 @@
-//! Whether the surface stays manifold when an edge is collapsed.
+//! The conditions under which the surface stays manifold if an edge is collapsed.
 use super::{CollapseVertexKind, EdgeCollapser};
 use crate::explicit::{next_in_face, previous_in_face};
 use crate::lod::surface::NONE;
 
 impl EdgeCollapser {
-    /// The position of the mesh that a vertex represents: one for all fans that are tied there.
+    /// The position of the mesh that a vertex represents: the same one for all fans that are tied there.
     #[inline]
     fn position_of(&self, v: u32) -> u32 {
         if self.has_fans { self.first_fan[self.source_vertex[v as usize] as usize] } else { v }
     }
 
-    /// The link condition: the ends of the edge have no common neighbour but the apexes of its faces, and no
-    /// apex loses its last face.
+    /// The link condition: the ends of the edge have no common neighbours except the apexes of its faces, and
+    /// no apex loses its last face.
     pub(super) fn satisfies_link_condition(&mut self, h: u32) -> bool {
         let s = &self.surface;
         let (a, b) = (s.start[h as usize], s.end(h));
@@ -51,8 +51,8 @@ impl EdgeCollapser {
             && self.keeps_locked_fans_apart(a, b)
     }
 
-    /// Whether no new edge may coincide with another edge of the mesh: between two locked vertices, or from
-    /// one to a neighbour of another fan of its position.
+    /// Whether no new edge can coincide with another edge of the mesh: between two locked vertices, or from
+    /// a locked vertex to a neighbour of another fan at its position.
     fn keeps_locked_fans_apart(&self, a: u32, b: u32) -> bool {
         let tied = |v: u32| self.kind[v as usize] == CollapseVertexKind::Locked;
         if !tied(a) && !tied(b) {
@@ -63,15 +63,15 @@ impl EdgeCollapser {
             let s = &self.surface;
             s.one_ring(v).flat_map(move |g| [s.end(g), s.start[previous_in_face(g) as usize]])
         };
-        let place = self.position_of(stays);
-        let is_other_fan = |v: u32| v != stays && self.position_of(v) == place;
+        let position = self.position_of(stays);
+        let is_other_fan = |v: u32| v != stays && self.position_of(v) == position;
         around(goes).filter(|v| *v != stays).all(|v| !tied(v) && !around(v).any(is_other_fan))
     }
 
     /// Whether the apex of a face keeps enough neighbours: three inside the surface, two at a border.
     fn keeps_apex_valence(&self, side: u32) -> bool {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
-        // Two feature lines would become one.
+        // Otherwise two feature lines would become one.
         if self.is_kept_line(next) && self.is_kept_line(previous) {
             return false;
         }

@@ -1,17 +1,19 @@
-//! Collapses in regions of a large surface at once, then along the lines between them.
+//! Collapses in all regions of a large surface in parallel, then along the lines between them.
 use super::super::region_tree::halve;
 use super::super::surface::{HalfEdgeSurface, NONE, RegionNumbers, SurfaceRegion};
 use super::{CollapseVertexKind, EdgeCollapser, PastCollapse, StopCriterion};
 use crate::budget::{Job, par_map};
 
-/// Faces of one region at most. Measured: a smaller one leaves more triangles along lines between regions, a larger one
-/// is of use to fewer threads.
+/// The most faces of one region. Measured: a smaller number leaves more triangles along lines between
+/// regions, a larger one occupies fewer threads.
 const MOST_FACES: usize = 65_536;
-/// One with more samples is divided as well, unless it has few faces. Chosen.
+/// A region with more samples is divided as well, unless it has few faces. Chosen: it limits the memory and
+/// time of a region.
 const MOST_SAMPLES: usize = 131_072;
 const LEAST_FACES: usize = 16_384;
 
-/// The remaining faces of a surface by place, and what stays while each region is collapsed by itself.
+/// The remaining faces of a surface by region, and the vertices that stay fixed while each region is
+/// collapsed by itself.
 struct CollapseRegions {
     /// By region: its faces, ascending.
     faces: Vec<Vec<u32>>,
@@ -20,13 +22,13 @@ struct CollapseRegions {
 }
 
 impl CollapseRegions {
-    /// `None` where one region holds all.
+    /// `None` if one region holds all faces.
     fn new(engine: &EdgeCollapser, most_faces: usize) -> Option<Self> {
         let EdgeCollapser { surface, at, kind, monitor, .. } = engine;
         let n_samples = |faces: &[u32]| {
-            let held =
+            let n_held =
                 |face: &u32| monitor.as_ref().map_or(0, |monitor| monitor.samples.of_face(*face).count());
-            faces.iter().map(held).sum::<usize>()
+            faces.iter().map(n_held).sum::<usize>()
         };
         let middle = |face: u32| {
             let [a, b, c] = surface.corners(face).map(|v| at[v as usize]);
@@ -42,8 +44,8 @@ impl CollapseRegions {
                 || (region.len() > LEAST_FACES && n_samples(&region) > MOST_SAMPLES);
             if is_large {
                 let middle = halve(&mut region, &centres);
-                let rest = region.split_off(middle);
-                open.extend([rest, region]);
+                let second_half = region.split_off(middle);
+                open.extend([second_half, region]);
             } else {
                 region.sort_unstable();
                 faces.push(region);
@@ -56,35 +58,35 @@ impl CollapseRegions {
         let mut is_between: Vec<bool> = kind.iter().map(|kind| *kind == CollapseVertexKind::Locked).collect();
         for (number, region) in (0..).zip(&faces) {
             for v in region.iter().flat_map(|face| surface.corners(*face)) {
-                let known = std::mem::replace(&mut region_of[v as usize], number);
-                is_between[v as usize] |= known != NONE && known != number;
+                let previous = std::mem::replace(&mut region_of[v as usize], number);
+                is_between[v as usize] |= previous != NONE && previous != number;
             }
         }
         Some(Self { faces, is_between })
     }
 }
 
-/// A region with arrays of its own.
+/// A region, with its arrays.
 struct RegionCollapser {
     engine: EdgeCollapser,
     region: SurfaceRegion,
-    /// By row of its corners' values, and by sample of its monitor: the numbers in the whole.
+    /// By row of its corners' values, and by sample of its monitor: the numbers in the whole surface.
     rows: Option<Vec<u32>>,
     samples: Option<Vec<u32>>,
 }
 
-/// What a region became; its monitor is told by who holds its samples.
+/// A collapsed region, without its monitor.
 struct CollapsedRegion {
     engine: EdgeCollapser,
     region: SurfaceRegion,
     rows: Option<Vec<u32>>,
-    /// Samples, and the faces that hold them in the numbers of the whole.
+    /// Samples, with the faces that hold them in the numbers of the whole surface.
     holders: Vec<(u32, u32)>,
 }
 
 impl EdgeCollapser {
-    /// Like [`Self::run`], within regions of a large surface on all threads, then between them. Each region stops at its share
-    /// of a number of faces. The result does not depend on the threads.
+    /// Like [`Self::run`], in parallel within regions of a large surface, then between them. Each region
+    /// stops at its share of the number of faces. The result does not depend on the number of threads.
     pub fn run_in_regions(&mut self, until: &StopCriterion<'_>, job: &Job) -> bool {
         self.run_in_regions_of(MOST_FACES, until, job)
     }
@@ -93,22 +95,24 @@ impl EdgeCollapser {
         let Some(CollapseRegions { faces, is_between }) = CollapseRegions::new(self, most_faces) else {
             return self.run(until, job);
         };
-        let whole = &*self;
-        let n_samples = whole.monitor.as_ref().map_or(0, |monitor| monitor.samples.len());
-        let numbers = RegionNumbers::new(whole.at.len().max(whole.surface.start.len() / 3).max(n_samples));
-        let made = par_map(job, &faces, |_, faces| {
+        let engine = &*self;
+        let n_samples = engine.monitor.as_ref().map_or(0, |monitor| monitor.samples.len());
+        let numbers = RegionNumbers::new(engine.at.len().max(engine.surface.start.len() / 3).max(n_samples));
+        let collapsed = par_map(job, &faces, |_, faces| {
             if job.is_cancelled() {
                 return None;
             }
-            let mut region = RegionCollapser::new(whole, (faces, &numbers), &is_between);
-            let share = faces.len() as f64 / whole.surface.n_faces as f64;
+            let mut region = RegionCollapser::new(engine, (faces, &numbers), &is_between);
+            let share = faces.len() as f64 / engine.surface.n_faces as f64;
             let until = StopCriterion { faces: (share * until.faces as f64) as usize, ..*until };
             region.engine.run(&until, job).then(|| region.finish())
         });
-        let Some(made) = made.into_iter().collect::<Option<Vec<CollapsedRegion>>>() else { return false };
+        let Some(collapsed) = collapsed.into_iter().collect::<Option<Vec<CollapsedRegion>>>() else {
+            return false;
+        };
         let mut holders: Vec<u32> =
             self.monitor.as_ref().map_or_else(Vec::new, |monitor| monitor.samples.holders().collect());
-        for region in made {
+        for region in collapsed {
             region.holders.iter().for_each(|(sample, face)| holders[*sample as usize] = *face);
             self.put_back(region);
         }
@@ -117,9 +121,9 @@ impl EdgeCollapser {
         self.empty_queue(until, job)
     }
 
-    /// Takes over what a region became.
-    fn put_back(&mut self, made: CollapsedRegion) {
-        let CollapsedRegion { engine, region, rows, .. } = made;
+    /// Takes over a collapsed region.
+    fn put_back(&mut self, collapsed: CollapsedRegion) {
+        let CollapsedRegion { engine, region, rows, .. } = collapsed;
         self.surface.put_back(&engine.surface, &region);
         for (local, v) in region.vertices.iter().map(|v| *v as usize).enumerate() {
             self.at[v] = engine.at[local];
@@ -140,8 +144,8 @@ impl EdgeCollapser {
                 self.refused_within[3 * face + k] = engine.refused_within[3 * local + k];
             }
         }
-        if let (Some(all), Some(part), Some(rows)) = (&mut self.wedges, &engine.wedges, &rows) {
-            all.put_back(part, rows, &region);
+        if let (Some(wedges), Some(part), Some(rows)) = (&mut self.wedges, &engine.wedges, &rows) {
+            wedges.put_back(part, rows, &region);
         }
         if let (Some(log), Some(more)) = (&mut self.log, engine.log) {
             log.extend(more.iter().map(|past| past.in_whole(&region)));
@@ -150,32 +154,32 @@ impl EdgeCollapser {
 }
 
 impl RegionCollapser {
-    fn new(whole: &EdgeCollapser, (faces, numbers): (&[u32], &RegionNumbers), is_between: &[bool]) -> Self {
-        let (surface, region) = whole.surface.region(faces, numbers);
-        let n_visited = if whole.has_fans { whole.visited.len() } else { region.vertices.len() };
-        let (wedges, rows) = whole.wedges.as_ref().map(|wedges| wedges.region(&region)).unzip();
+    fn new(engine: &EdgeCollapser, (faces, numbers): (&[u32], &RegionNumbers), is_between: &[bool]) -> Self {
+        let (surface, region) = engine.surface.region(faces, numbers);
+        let n_visited = if engine.has_fans { engine.visited.len() } else { region.vertices.len() };
+        let (wedges, rows) = engine.wedges.as_ref().map(|wedges| wedges.region(&region)).unzip();
         let (monitor, samples) =
-            whole.monitor.as_ref().map(|monitor| monitor.region(&region, numbers)).unzip();
+            engine.monitor.as_ref().map(|monitor| monitor.region(&region, numbers)).unzip();
         let vertices = || region.vertices.iter().map(|v| *v as usize);
         let half_edges = || region.half_edges().map(|h| h as usize);
         let engine = EdgeCollapser {
-            at: vertices().map(|v| whole.at[v]).collect(),
-            quadric: vertices().map(|v| whole.quadric[v]).collect(),
-            kind: vertices().map(|v| whole.kind[v]).collect(),
-            source_vertex: vertices().map(|v| whole.source_vertex[v]).collect(),
-            first_fan: whole.first_fan.clone(),
-            has_fans: whole.has_fans,
-            is_line: half_edges().map(|h| whole.is_line[h]).collect(),
+            at: vertices().map(|v| engine.at[v]).collect(),
+            quadric: vertices().map(|v| engine.quadric[v]).collect(),
+            kind: vertices().map(|v| engine.kind[v]).collect(),
+            source_vertex: vertices().map(|v| engine.source_vertex[v]).collect(),
+            first_fan: engine.first_fan.clone(),
+            has_fans: engine.has_fans,
+            is_line: half_edges().map(|h| engine.is_line[h]).collect(),
             monitor,
             wedges,
             attribute_guard: None,
-            is_original: vertices().map(|v| whole.is_original[v]).collect(),
-            feature_deviation: vertices().map(|v| whole.feature_deviation[v]).collect(),
+            is_original: vertices().map(|v| engine.is_original[v]).collect(),
+            feature_deviation: vertices().map(|v| engine.feature_deviation[v]).collect(),
             merged_into: (0..region.vertices.len() as u32).collect(),
-            log: whole.log.is_some().then(Vec::new),
-            face_cost: region.faces.iter().map(|face| whole.face_cost[*face as usize]).collect(),
-            is_held: vertices().map(|v| is_between[v] || whole.is_held[v]).collect(),
-            refused_within: half_edges().map(|h| whole.refused_within[h]).collect(),
+            log: engine.log.is_some().then(Vec::new),
+            face_cost: region.faces.iter().map(|face| engine.face_cost[*face as usize]).collect(),
+            is_held: vertices().map(|v| is_between[v] || engine.is_held[v]).collect(),
+            refused_within: half_edges().map(|h| engine.refused_within[h]).collect(),
             is_queued: vec![false; surface.start.len()],
             queue: super::BucketQueue::new(),
             visited: vec![0; n_visited],
@@ -188,14 +192,14 @@ impl RegionCollapser {
         Self { engine, region, rows, samples }
     }
 
-    /// Frees what is not put back.
+    /// Frees the arrays that are not put back.
     fn finish(self) -> CollapsedRegion {
         let Self { mut engine, region, rows, samples } = self;
         let holders = match (engine.monitor.take(), samples) {
-            (Some(made), Some(samples)) => {
+            (Some(monitor), Some(samples)) => {
                 let holder = |(local, sample): (u32, u32)| {
-                    let face = made.samples.holder(local);
-                    // Others are held elsewhere.
+                    let face = monitor.samples.holder(local);
+                    // Other samples are held by faces of other regions.
                     (face != NONE).then(|| (sample, region.faces[face as usize]))
                 };
                 (0..).zip(samples).filter_map(holder).collect()
@@ -218,8 +222,8 @@ impl PastCollapse {
 }
 
 impl HalfEdgeSurface {
-    /// Some faces, ascending, as a surface of their own. Where other faces are beside them it has a border; a vertex there has
-    /// one fan of those that it has, and stays.
+    /// Some faces, ascending, as a separate surface. It has a border where other faces adjoin; a vertex there
+    /// has only one of its fans, and stays fixed.
     fn region(&self, faces: &[u32], numbers: &RegionNumbers) -> (Self, SurfaceRegion) {
         let mut vertices: Vec<u32> = faces.iter().flat_map(|face| self.corners(*face)).collect();
         vertices.sort_unstable();
@@ -240,35 +244,35 @@ impl HalfEdgeSurface {
             (twin, region.vertices.iter().map(|v| half_edge(self.outgoing[*v as usize])).collect())
         });
         for (h, v) in (0..).zip(&start) {
-            let known = &mut outgoing[*v as usize];
-            if twin[h as usize] == NONE && (*known == NONE || twin[*known as usize] != NONE) {
-                *known = h;
+            let out = &mut outgoing[*v as usize];
+            if twin[h as usize] == NONE && (*out == NONE || twin[*out as usize] != NONE) {
+                *out = h;
             }
         }
         (Self { start, twin, outgoing, n_faces: faces.len() }, region)
     }
 
-    /// Takes over what became of [`Self::region`]. Edges along its border are the same.
-    fn put_back(&mut self, made: &Self, region: &SurfaceRegion) {
+    /// Takes over the collapsed surface of [`Self::region`]. The edges along its border are unchanged.
+    fn put_back(&mut self, collapsed: &Self, region: &SurfaceRegion) {
         let old_vertex = |v: u32| if v == NONE { NONE } else { region.vertices[v as usize] };
         let is_inside = |h: u32| region.faces.binary_search(&(h / 3)).is_ok();
         for (local, h) in region.half_edges().enumerate() {
             let twin = self.twin[h as usize];
-            if made.twin[local] != NONE {
-                self.twin[h as usize] = region.half_edge(made.twin[local]);
-            } else if twin != NONE && (made.start[local] == NONE || is_inside(twin)) {
+            if collapsed.twin[local] != NONE {
+                self.twin[h as usize] = region.half_edge(collapsed.twin[local]);
+            } else if twin != NONE && (collapsed.start[local] == NONE || is_inside(twin)) {
                 self.twin[h as usize] = NONE;
             }
-            self.start[h as usize] = old_vertex(made.start[local]);
+            self.start[h as usize] = old_vertex(collapsed.start[local]);
         }
-        for (outgoing, v) in made.outgoing.iter().zip(&region.vertices) {
-            // One in another region is still there.
+        for (outgoing, v) in collapsed.outgoing.iter().zip(&region.vertices) {
+            // An outgoing half-edge in another region is still there.
             if is_inside(self.outgoing[*v as usize]) {
                 self.outgoing[*v as usize] =
                     if *outgoing == NONE { NONE } else { region.half_edge(*outgoing) };
             }
         }
-        self.n_faces -= region.faces.len() - made.n_faces;
+        self.n_faces -= region.faces.len() - collapsed.n_faces;
     }
 }
 

@@ -1,10 +1,10 @@
-//! Collapses that were carried out once, to do most of them again.
+//! Recorded collapses, most of which another attempt repeats.
 use super::super::bucket_queue::BucketQueue;
 use super::super::surface::{Compaction, NONE};
 use super::{EdgeCollapse, EdgeCollapser};
 use crate::explicit::previous_in_face;
 
-/// A collapse that was carried out.
+/// A recorded collapse.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::lod) struct PastCollapse {
     pub(super) shrink: EdgeCollapse,
@@ -13,17 +13,17 @@ pub(in crate::lod) struct PastCollapse {
 }
 
 impl PastCollapse {
-    /// The same collapse in the numbers before a surface was compacted.
-    pub fn before(&self, kept: &Compaction) -> Self {
-        let h = kept.old_half_edge(self.shrink.h);
-        Self { shrink: EdgeCollapse { h, ..self.shrink }, ends: self.ends.map(|v| kept.old_vertex(v)) }
+    /// The same collapse, in the numbers before a surface was compacted.
+    pub fn before(&self, compaction: &Compaction) -> Self {
+        let h = compaction.old_half_edge(self.shrink.h);
+        Self { shrink: EdgeCollapse { h, ..self.shrink }, ends: self.ends.map(|v| compaction.old_vertex(v)) }
     }
 }
 
 impl EdgeCollapser {
-    /// From the state in which `past` began, carries out the same collapses, but for those of vertices that are open
-    /// and those that cannot be without these; their vertices become open. No monitor looks at that. Then the queue holds
-    /// the edges of what is open.
+    /// From the state in which `past` began, repeats its collapses, except for those at open vertices and
+    /// those that are impossible without these; the vertices of the latter become open. No monitor checks
+    /// this. Afterwards the queue holds the edges of the open vertices.
     pub fn replay(&mut self, past: &[PastCollapse], is_open: &mut [bool]) {
         let monitor = self.monitor.take();
         // Collapses without a monitor do not forget refusals.
@@ -32,7 +32,8 @@ impl EdgeCollapser {
             let h = shrink.h;
             let is_same = self.surface.start[h as usize] == ends[0] && self.surface.end(h) == ends[1];
             let is_closed = !ends.iter().any(|v| is_open[*v as usize]);
-            // Where all around is as it was, so is what was found of it; values at corners ask for the faces.
+            // Where nothing around a collapse changed, earlier findings still apply; values at corners depend
+            // on the faces.
             let is_known = self.wedges.is_none() && !self.is_beside(ends, is_open);
             let is_allowed = |this: &mut Self| this.satisfies_link_condition(h) && this.flips_no_face(shrink);
             if is_same && is_closed && (is_known || is_allowed(self)) {
@@ -45,7 +46,7 @@ impl EdgeCollapser {
         self.enqueue_around(is_open);
     }
 
-    /// Whether one of some vertices shares an edge with a vertex that is open.
+    /// Whether one of the vertices shares an edge with an open vertex.
     fn is_beside(&self, vertices: &[u32; 2], is_open: &[bool]) -> bool {
         let surface = &self.surface;
         let sides = |g: u32| [surface.end(g), surface.start[previous_in_face(g) as usize]];
@@ -53,7 +54,7 @@ impl EdgeCollapser {
         around.into_iter().any(|v| is_open[v as usize])
     }
 
-    /// Puts the edges of some vertices into the queue, and no others.
+    /// Puts the edges of open vertices into the queue, and no others.
     pub(super) fn enqueue_around(&mut self, is_open: &[bool]) {
         self.queue = BucketQueue::new();
         self.is_queued.fill(false);

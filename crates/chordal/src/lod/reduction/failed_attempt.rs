@@ -1,4 +1,4 @@
-//! `FailedAttempt`: what is kept of an attempt that was too far from the original in some places.
+//! `FailedAttempt`: the data of an attempt that was too far from the original in some places.
 use super::super::attribute_guard::AttributeGuard;
 use super::super::edge_collapse::PastCollapse;
 use super::super::error_monitor::ErrorMonitor;
@@ -8,92 +8,94 @@ use super::MeshReduction;
 use crate::budget::{Job, JobError};
 use crate::check::ViolationReport;
 
-/// How often collapses without a monitor are tried, each time without places that were too far off before. Chosen.
+/// How often collapses without a monitor are tried; each time vertices that were too far before stay fixed.
+/// Chosen: a larger number rarely succeeds.
 const ROUNDS: u32 = 4;
 
-/// The surface that an attempt led to, and how.
+/// The surface of a failed attempt, and the collapses that led to it.
 pub(in crate::lod) struct FailedAttempt {
     pub surface: HalfEdgeSurface,
     pub at: Vec<[f64; 3]>,
-    /// By vertex: the one into which it was collapsed, or itself.
+    /// By vertex: the vertex into which it was collapsed, or itself.
     pub merged_into: Vec<u32>,
     pub face_cost: Vec<f32>,
     pub log: Vec<PastCollapse>,
     pub monitor: Option<ErrorMonitor>,
     pub attribute_guard: Option<AttributeGuard>,
-    /// By number in the mesh that was made: the face of the surface.
+    /// By face of the extracted mesh: its number in the surface.
     pub faces: Vec<u32>,
 }
 
-/// Where attempts begin: after collapses that no monitor looked at, as long as these do not stand in the way.
+/// The state in which attempts begin: after collapses without a monitor, unless these turn out to be the
+/// problem.
 pub(in crate::lod) struct AttemptStart<'a> {
     slight: Option<(MeshReduction<'a>, SlightCollapses)>,
-    /// Each attempt is to halve the number of places that are too far.
-    most_places: usize,
+    /// Each attempt is expected to halve the number of faces that are too far.
+    most_violations: usize,
 }
 
 impl<'a> AttemptStart<'a> {
     pub fn new(slight: Option<(MeshReduction<'a>, SlightCollapses)>) -> Self {
-        Self { slight, most_places: usize::MAX }
+        Self { slight, most_violations: usize::MAX }
     }
 
-    /// The state in which attempts begin; `start` is that before everything.
+    /// The state in which attempts begin; `start` is the state before all collapses.
     pub fn from<'b>(&'b self, start: &'b MeshReduction<'a>) -> &'b MeshReduction<'a> {
         self.slight.as_ref().map_or(start, |(from, _)| from)
     }
 
-    /// After an attempt that was too far off in `places`: begins before the collapses without a monitor, where more of
-    /// the same does not help.
-    pub fn follow(&mut self, tried: &mut FailedAttempt, places: &ViolationReport) {
-        if places.count() > self.most_places {
-            self.leave_slight(tried);
+    /// After a failed attempt: if it did not reduce the number of violations by half, further attempts begin
+    /// before the collapses without a monitor.
+    pub fn follow(&mut self, failed: &mut FailedAttempt, report: &ViolationReport) {
+        if report.count() > self.most_violations {
+            self.leave_slight(failed);
         }
-        self.most_places = places.count() / 2;
+        self.most_violations = report.count() / 2;
     }
 
-    /// Begins before the collapses without a monitor.
-    pub fn leave_slight(&mut self, tried: &mut FailedAttempt) {
+    /// Makes further attempts begin before the collapses without a monitor.
+    pub fn leave_slight(&mut self, failed: &mut FailedAttempt) {
         if let Some((_, collapses)) = self.slight.take() {
-            tried.prepend(&collapses);
+            failed.prepend(&collapses);
         }
     }
 }
 
-/// Collapses that no monitor looked at, with the numbers of what they left.
+/// Collapses without a monitor, with the numbers of the remaining parts.
 pub(in crate::lod) struct SlightCollapses {
     log: Vec<PastCollapse>,
     merged_into: Vec<u32>,
-    kept: Option<Compaction>,
+    compaction: Option<Compaction>,
 }
 
 impl MeshReduction<'_> {
-    /// The mesh after collapses whose cost is such a share of what is allowed that no monitor looked at them, as long as
-    /// there are more than `faces`; `None` where that is not close enough.
+    /// The mesh after collapses without a monitor, whose cost is below a share of the tolerance, as long as
+    /// there are more than `faces`; `None` if the result is not close enough.
     pub fn after_slight(
         &self,
         (share, faces): (f64, usize),
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
         job: &Job,
     ) -> Result<Option<(Self, SlightCollapses)>, JobError> {
-        let mut held: Vec<u32> = Vec::new();
+        let mut fixed_vertices: Vec<u32> = Vec::new();
         for _ in 0..ROUNDS {
             let mut reduction = self.clone();
-            match reduction.run_slight((share, &held), faces, room, job)? {
+            match reduction.run_slight((share, &fixed_vertices), faces, tolerance, job)? {
                 Ok(()) => {
                     let slight = reduction.compact_slight();
                     return Ok(Some((reduction, slight)));
                 }
-                Err(far) => held.extend(far),
+                Err(far) => fixed_vertices.extend(far),
             }
         }
         Ok(None)
     }
 
-    /// Leaves out what [`Self::run_slight`] removed; what it did is returned.
+    /// Drops the parts removed by [`Self::run_slight`]; returns its collapses.
     pub fn compact_slight(&mut self) -> SlightCollapses {
         let log = self.engine.log.take().unwrap_or_default();
         let merged_into = self.engine.merged_into.clone();
-        SlightCollapses { log, merged_into, kept: self.compact() }
+        SlightCollapses { log, merged_into, compaction: self.compact() }
     }
 }
 
@@ -112,20 +114,20 @@ impl FailedAttempt {
         }
     }
 
-    /// Counts collapses before the attempt as its own, in the numbers of their start.
+    /// Puts collapses before the attempt in front of its own, in the numbers of their start.
     pub fn prepend(&mut self, slight: &SlightCollapses) {
         let mut log = slight.log.clone();
-        if let Some(kept) = &slight.kept {
-            log.extend(self.log.iter().map(|past| past.before(kept)));
-            self.surface = self.surface.before(kept);
-            self.at = kept.by_old_vertex(&self.at, [0.0; 3]);
-            self.face_cost = kept.by_old_face(&self.face_cost, 0.0);
-            self.faces.iter_mut().for_each(|face| *face = kept.old_face(*face));
-            self.monitor.iter_mut().for_each(|monitor| monitor.samples.expand(kept));
+        if let Some(compaction) = &slight.compaction {
+            log.extend(self.log.iter().map(|past| past.before(compaction)));
+            self.surface = self.surface.before(compaction);
+            self.at = compaction.by_old_vertex(&self.at, [0.0; 3]);
+            self.face_cost = compaction.by_old_face(&self.face_cost, 0.0);
+            self.faces.iter_mut().for_each(|face| *face = compaction.old_face(*face));
+            self.monitor.iter_mut().for_each(|monitor| monitor.samples.expand(compaction));
             let merged_into =
-                slight.merged_into.iter().zip(&kept.new_vertex).map(|(before, new)| match *new {
+                slight.merged_into.iter().zip(&compaction.new_vertex).map(|(before, new)| match *new {
                     NONE => *before,
-                    new => kept.old_vertex(self.merged_into[new as usize]),
+                    new => compaction.old_vertex(self.merged_into[new as usize]),
                 });
             self.merged_into = merged_into.collect();
         } else {
@@ -134,22 +136,22 @@ impl FailedAttempt {
         self.log = log;
     }
 
-    /// By vertex: whether it belongs to a face that is too far from the original, or that stands for one of the original
-    /// that is; with `rings` of edges around these.
-    pub fn vertices_at(&self, places: &ViolationReport, rings: u32) -> Vec<bool> {
+    /// By vertex: whether it belongs to a face that is too far from the original, or that represents a face
+    /// of the original that is; or whether it is within `rings` edges of such a vertex.
+    pub fn vertices_at(&self, report: &ViolationReport, rings: u32) -> Vec<bool> {
         let surface = &self.surface;
         let mut is_far = vec![false; self.at.len()];
-        let mut found: Vec<u32> =
-            places.violations[1].iter().map(|far| self.faces[far.face as usize]).collect();
+        let mut faces: Vec<u32> =
+            report.violations[1].iter().map(|far| self.faces[far.face as usize]).collect();
         if let Some(monitor) = &self.monitor {
-            for far in &places.violations[0] {
+            for far in &report.violations[0] {
                 let corners = monitor.original_corners(far.face).into_iter().filter(|v| *v != NONE);
-                found.extend(corners.map(|v| monitor.samples.holder(v)));
+                faces.extend(corners.map(|v| monitor.samples.holder(v)));
             }
         }
         let is_there = |face: &u32| *face != NONE && surface.corners(*face)[0] != NONE;
         let mut vertices: Vec<u32> =
-            found.into_iter().filter(is_there).flat_map(|face| surface.corners(face)).collect();
+            faces.into_iter().filter(is_there).flat_map(|face| surface.corners(face)).collect();
         for ring in 0..=rings {
             vertices.sort_unstable();
             vertices.dedup();

@@ -1,4 +1,4 @@
-//! `MeshReduction::mesh`: the mesh that is left, with the values of its attributes.
+//! `MeshReduction::mesh`: the simplified mesh, with the values of its attributes.
 use super::super::edge_collapse::CollapseVertexKind;
 use super::MeshReduction;
 use crate::explicit::{Attribute, Domain, InvalidMesh, Mesh};
@@ -38,10 +38,10 @@ impl MeshReduction<'_> {
                 }
                 (ReducedValues::Wedges(from), _) => {
                     let wedges = self.engine.wedges.as_ref();
-                    let of = |face: &u32| {
+                    let wedges_of = |face: &u32| {
                         [0, 1, 2].map(|k| wedges.map_or(0, |w| w.corner_row[3 * *face as usize + k]))
                     };
-                    self.wedge_values(origin.iter().flat_map(of), from, attribute.width)
+                    self.wedge_values(origin.iter().flat_map(wedges_of), from, attribute.width)
                 }
             };
             let same = Attribute { values, ..clone_without_values(attribute) };
@@ -83,8 +83,8 @@ impl MeshReduction<'_> {
     }
 
     fn wedge_values(&self, wedges: impl Iterator<Item = u32>, from: usize, width: usize) -> Vec<f64> {
-        let Some(all) = &self.engine.wedges else { return Vec::new() };
-        wedges.flat_map(|wedge| all.row(wedge)[from..from + width].iter().copied()).collect()
+        let Some(wedge_rows) = &self.engine.wedges else { return Vec::new() };
+        wedges.flat_map(|wedge| wedge_rows.row(wedge)[from..from + width].iter().copied()).collect()
     }
 }
 
@@ -94,14 +94,13 @@ fn empty_on_error(error: InvalidMesh) -> Mesh {
     Mesh::default()
 }
 
-/// Where the values of an attribute come from.
 #[derive(Clone, Copy, Debug)]
 enum ReducedValues {
-    /// The rows of the wedges, from this column on.
+    /// The rows of the wedges, starting at this column.
     Wedges(usize),
-    /// The faces of the original mesh.
+    /// The values of faces of the original mesh.
     Faces,
-    /// The faces as they are now: normals of flat shading.
+    /// The current faces: normals of flat shading.
     FlatNormals,
 }
 
@@ -117,12 +116,12 @@ fn clone_without_values(attribute: &Attribute) -> Attribute {
 /// The rows of the extracted mesh: one for each vertex, or for each wedge around it.
 struct ReducedRows<'a> {
     positions: Vec<[f64; 3]>,
-    /// By row: the first of the same position.
+    /// By row: the first row of the same position.
     id: Vec<u32>,
     wedge: Vec<u32>,
-    /// By row: that of the original mesh, where it is fixed.
+    /// By row: its row in the original mesh, if it is fixed.
     fixed: Vec<u32>,
-    /// By the key of a position, its first row; by row, the next of the same position.
+    /// By the key of a position: its first row; by row: the next one of the same position.
     first: Vec<u32>,
     next: Vec<u32>,
     by_wedge: bool,
@@ -150,11 +149,11 @@ impl<'a> ReducedRows<'a> {
         }
     }
 
-    /// The row of a corner, which is added if it does not exist yet.
+    /// The row of a corner; it is added if it does not exist yet.
     fn row_of_corner(&mut self, reduction: &MeshReduction<'_>, corner: u32, normal: [f64; 3]) -> u32 {
         let engine = &reduction.engine;
         let v = engine.surface.start[corner as usize];
-        // Fans of one position are merged again: only fixed positions have more than one.
+        // Fans of one position are merged again, since only fixed positions have more than one.
         let key = reduction.engine.first_fan[engine.source_vertex[v as usize] as usize] as usize;
         let wedge =
             engine.wedges.as_ref().filter(|_| self.by_wedge).map_or(0, |w| w.corner_row[corner as usize]);
@@ -181,10 +180,10 @@ impl<'a> ReducedRows<'a> {
 }
 
 impl MeshReduction<'_> {
-    /// The world position of a vertex: bit for bit the original one, unless it moved.
+    /// The world position of a vertex: bit for bit the original one unless it moved.
     fn world_position(&self, v: u32) -> [f64; 3] {
         if self.engine.is_original[v as usize] {
-            // One row for all fans of a position: zeros may differ in their signs.
+            // All fans of a position use one row, since zeros may differ in their signs.
             let first = self.engine.first_fan[self.engine.source_vertex[v as usize] as usize];
             self.mesh.positions()[self.row[first as usize] as usize]
         } else {

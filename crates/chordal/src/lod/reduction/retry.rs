@@ -1,4 +1,4 @@
-//! Another attempt after one that was too far off in some places: what it did elsewhere is done again without a look.
+//! Another attempt after a failed one: its collapses are repeated without checks, except where it failed.
 use super::super::edge_collapse::{EdgeCollapser, StopCriterion, face_standing_for, representative};
 use super::super::local_tolerance::LocalTolerance;
 use super::super::surface::NONE;
@@ -6,76 +6,81 @@ use super::{FailedAttempt, MeshReduction};
 use crate::budget::{Job, JobError};
 use crate::check::ViolationReport;
 
-/// How often more is left open, where points of the original are too far from what was done again. Chosen.
+/// How often more collapses are undone if points of the original are too far from the repeated ones. Chosen:
+/// a larger number rarely helps.
 const ROUNDS: u32 = 2;
 
 impl<'a> MeshReduction<'a> {
-    /// From the state in which `tried` began, what it did, but for what led to faces that are too far from the other
-    /// surface; `rings` of edges around these are left out as well. [`Self::run_open`] goes on from there.
+    /// From the state in which a failed attempt began, repeats its collapses, except for those that led to
+    /// faces too far from the other surface, and those within `rings` edges of these. [`Self::run_open`]
+    /// continues from there.
     pub fn retry(
         &self,
-        tried: &mut FailedAttempt,
-        places: &ViolationReport,
-        (room, rings): (&LocalTolerance, u32),
+        failed: &mut FailedAttempt,
+        report: &ViolationReport,
+        (tolerance, rings): (&LocalTolerance, u32),
     ) -> Self {
-        let mut is_far = tried.vertices_at(places, rings);
-        let (mut again, mut far) = self.replay_but(tried, &is_far, room);
+        let mut is_far = failed.vertices_at(report, rings);
+        let (mut retried, mut far) = self.replay_except(failed, &is_far, tolerance);
         for _ in 1..ROUNDS {
             if far.is_empty() {
                 break;
             }
-            for v in far.into_iter().flat_map(|face| again.engine.surface.corners(face)) {
-                is_far[representative(&mut tried.merged_into, v) as usize] = true;
+            for v in far.into_iter().flat_map(|face| retried.engine.surface.corners(face)) {
+                is_far[representative(&mut failed.merged_into, v) as usize] = true;
             }
-            (again, far) = self.replay_but(tried, &is_far, room);
+            (retried, far) = self.replay_except(failed, &is_far, tolerance);
         }
-        again
+        retried
     }
 
-    /// What `tried` did, but at vertices that are far, in the numbers of its result; with faces that are too far from points
-    /// of the original.
-    fn replay_but(
+    /// Repeats the collapses of an attempt, except at far vertices, in the numbers of its result; also
+    /// returns the faces that are too far from points of the original.
+    fn replay_except(
         &self,
-        tried: &mut FailedAttempt,
+        failed: &mut FailedAttempt,
         is_far: &[bool],
-        room: &LocalTolerance,
+        tolerance: &LocalTolerance,
     ) -> (Self, Vec<u32>) {
-        let mut again = self.clone();
-        again.engine.log = Some(Vec::with_capacity(tried.log.len()));
+        let mut retried = self.clone();
+        retried.engine.log = Some(Vec::with_capacity(failed.log.len()));
         let mut is_open: Vec<bool> = (0..self.engine.at.len() as u32)
-            .map(|v| is_far[representative(&mut tried.merged_into, v) as usize])
+            .map(|v| is_far[representative(&mut failed.merged_into, v) as usize])
             .collect();
-        again.engine.replay(&tried.log, &mut is_open);
-        let far = again.assign_as(tried, room);
-        (again, far)
+        retried.engine.replay(&failed.log, &mut is_open);
+        let far = retried.assign_as(failed, tolerance);
+        (retried, far)
     }
 
-    /// Goes on with what [`Self::retry`] left open.
-    pub fn run_open(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
-        let until = StopCriterion { faces, tolerance: room, share: None };
+    /// Continues at the vertices that [`Self::retry`] left open.
+    pub fn run_open(&mut self, faces: usize, tolerance: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces, tolerance, share: None };
         if self.engine.empty_queue(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
-    /// Gives every sample the face that held it in `tried` where that is the same, and the nearest one, as far as a
-    /// descent tells, elsewhere. Returns faces from which samples are too far.
-    fn assign_as(&mut self, tried: &FailedAttempt, room: &LocalTolerance) -> Vec<u32> {
-        let (Some(mut monitor), Some(then)) = (self.engine.monitor.take(), &tried.monitor) else {
+    /// Assigns every sample to the face that held it in the failed attempt if that face is unchanged, and
+    /// otherwise to the nearest one, as far as a descent finds it. Returns the faces from which samples are
+    /// too far.
+    fn assign_as(&mut self, failed: &FailedAttempt, tolerance: &LocalTolerance) -> Vec<u32> {
+        let (Some(mut monitor), Some(then)) = (self.engine.monitor.take(), &failed.monitor) else {
             return Vec::new();
         };
         let now = &self.engine;
         let is_same: Vec<bool> = (0..(now.surface.start.len() / 3) as u32)
             .map(|face| {
                 let corners = now.surface.corners(face);
-                let is_at = |v: u32| now.at[v as usize] == tried.at[v as usize];
-                corners[0] != NONE && corners == tried.surface.corners(face) && corners.into_iter().all(is_at)
+                let is_at = |v: u32| now.at[v as usize] == failed.at[v as usize];
+                corners[0] != NONE
+                    && corners == failed.surface.corners(face)
+                    && corners.into_iter().all(is_at)
             })
             .collect();
         let mut far = Vec::new();
         let mut holders = Vec::with_capacity(monitor.samples.len());
         for sample in 0..monitor.samples.len() as u32 {
-            let held = then.samples.holder(sample);
-            if held == NONE || is_same[held as usize] {
-                holders.push(held);
+            let holder = then.samples.holder(sample);
+            if holder == NONE || is_same[holder as usize] {
+                holders.push(holder);
                 continue;
             }
             let v = self.vertex_of_start[monitor.vertex_beside(sample) as usize];
@@ -86,7 +91,7 @@ impl<'a> MeshReduction<'a> {
                 continue;
             }
             let (face, distance_sq) = surface.descend(near, monitor.samples.at(sample), at);
-            if !room.holds_sample(sample, distance_sq) {
+            if !tolerance.holds_sample(sample, distance_sq) {
                 far.push(face);
             }
             holders.push(face);
@@ -124,9 +129,9 @@ mod tests {
         (from, LocalTolerance::uniform(0.01))
     }
 
-    fn attempt<'a>(from: &MeshReduction<'a>, room: &LocalTolerance) -> MeshReduction<'a> {
+    fn attempt<'a>(from: &MeshReduction<'a>, tolerance: &LocalTolerance) -> MeshReduction<'a> {
         let mut tried = from.clone();
-        tried.run(0, room, &Job::default()).unwrap();
+        tried.run(0, tolerance, &Job::default()).unwrap();
         tried
     }
 
@@ -140,13 +145,13 @@ mod tests {
     #[test]
     fn without_places_everything_is_done_again() {
         let mesh = hills(24);
-        let (from, room) = with_monitor(&mesh);
-        let mut tried = attempt(&from, &room);
+        let (from, tolerance) = with_monitor(&mesh);
+        let mut tried = attempt(&from, &tolerance);
         assert!(tried.n_faces() < 300);
         let mut failed = FailedAttempt::new(tried.clone());
-        let mut again = from.retry(&mut failed, &places(&[], &[]), (&room, 0));
+        let mut again = from.retry(&mut failed, &places(&[], &[]), (&tolerance, 0));
         assert_eq!(again.n_faces(), tried.n_faces());
-        again.run_open(0, &room, &Job::default()).unwrap();
+        again.run_open(0, &tolerance, &Job::default()).unwrap();
         assert_eq!(again.mesh(), tried.mesh());
         assert_eq!(again.near_faces(), tried.near_faces());
     }
@@ -154,21 +159,21 @@ mod tests {
     #[test]
     fn collapses_without_a_monitor_are_done_again_as_well() {
         let mesh = hills(24);
-        let (from, room) = with_monitor(&mesh);
+        let (from, tolerance) = with_monitor(&mesh);
         for share in [0.02, 0.25] {
             let mut tried = from.clone();
-            tried.run_slight((share, &[]), 0, &room, &Job::default()).unwrap().unwrap();
+            tried.run_slight((share, &[]), 0, &tolerance, &Job::default()).unwrap().unwrap();
             let n_slight = tried.n_faces();
             let slight = tried.compact_slight();
-            tried.run(0, &room, &Job::default()).unwrap();
+            tried.run(0, &tolerance, &Job::default()).unwrap();
             assert!(tried.n_faces() < n_slight && n_slight < mesh.faces().len());
             let mut failed = FailedAttempt::new(tried.clone());
             failed.prepend(&slight);
-            let mut again = from.retry(&mut failed, &places(&[], &[]), (&room, 0));
+            let mut again = from.retry(&mut failed, &places(&[], &[]), (&tolerance, 0));
             assert_eq!(again.mesh(), tried.mesh());
             assert_eq!(again.near_faces(), tried.near_faces());
             // A place far from others is opened down to what the collapses without a monitor did there.
-            let open = from.retry(&mut failed, &places(&[], &[0]), (&room, 0));
+            let open = from.retry(&mut failed, &places(&[], &[0]), (&tolerance, 0));
             assert!(tried.n_faces() < open.n_faces() && open.n_faces() < n_slight.max(300));
         }
     }
@@ -176,21 +181,21 @@ mod tests {
     #[test]
     fn what_is_left_out_is_small_and_all_samples_stay_close() {
         let mesh = hills(24);
-        let (from, room) = with_monitor(&mesh);
+        let (from, tolerance) = with_monitor(&mesh);
         let mut random = Random::new(2);
         for _ in 0..20 {
-            let tried = attempt(&from, &room);
+            let tried = attempt(&from, &tolerance);
             let (n_before, n) = (tried.n_faces(), mesh.faces().len());
             let of_result = [random.below(n_before) as u32];
             let of_original = [random.below(n) as u32];
             let mut failed = FailedAttempt::new(tried);
-            let mut again = from.retry(&mut failed, &places(&of_original, &of_result), (&room, 1));
+            let mut again = from.retry(&mut failed, &places(&of_original, &of_result), (&tolerance, 1));
             assert!(n_before < again.n_faces() && again.n_faces() < n, "{}", again.n_faces());
             let made = again.mesh();
             for (p, face) in mesh.positions().iter().zip(again.near_faces()) {
                 assert!(distance_sq_to_triangle(*p, made.corners(face as usize)) <= 0.0101 * 0.0101);
             }
-            again.run_open(0, &room, &Job::default()).unwrap();
+            again.run_open(0, &tolerance, &Job::default()).unwrap();
             assert!(again.n_faces() < n_before + n_before / 4, "{} of {n_before}", again.n_faces());
         }
     }

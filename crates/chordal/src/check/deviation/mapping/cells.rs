@@ -1,4 +1,4 @@
-//! `SurfaceMapping`: cells that map both surfaces onto each other, face by face, and the bound that follows.
+//! `SurfaceMapping`: cells that map two surfaces onto each other, face by face, and the bound that follows.
 //!
 //! Let `S` be the source and `M` the result, in this module as abstract surfaces: triangles that are glued where
 //! [`FanSurface`] says so. `K` is made of cells: every face of `S` is cut into triangles, glued along the edges of `S`
@@ -50,14 +50,14 @@ use crate::budget::{Job, par_map};
 use crate::explicit::{DisjointSets, next_in_face, previous_in_face};
 use crate::math::{greater, lesser};
 
-/// What the cells say of each face.
+/// A bound for each face, from the cells.
 pub(super) struct SurfaceMapping {
-    /// By face of the source: no point of it is farther from the result; infinite where that is not known.
+    /// By face of the source: no point of it is farther from the result; infinite if unknown.
     pub forward: Vec<f64>,
-    /// By face of the result: no point of it is farther from the source; infinite where that is not known.
+    /// By face of the result: no point of it is farther from the source; infinite if unknown.
     pub backward: Vec<f64>,
-    /// The points of the source that may be the farthest from the result, and those of the result that may be
-    /// from the source.
+    /// The candidates for the farthest point of the source from the result, and of the result from the
+    /// source.
     pub farthest: [FarPoints; 2],
 }
 
@@ -82,14 +82,14 @@ struct Cone {
 #[derive(Clone, Copy)]
 struct Turn {
     v: u32,
-    /// The first of them, and how many there are.
+    /// The index of the first one, and their number.
     from: usize,
     n: usize,
-    /// Whether they start at the vertex; else they end there.
+    /// Whether they start at the vertex; otherwise they end there.
     is_at_start: bool,
 }
 
-/// The most cones in one face. Chosen: what needs more is searched for.
+/// The most cones in one face. Chosen: faces that need more are left to the search.
 const MOST_CONES: usize = 32;
 
 /// Cuts every face of the source into cells.
@@ -172,7 +172,7 @@ struct CellCutter<'a> {
 }
 
 impl CellCutter<'_> {
-    /// The largest displacement in the cells of a face; `None` where it has none.
+    /// The largest displacement in the cells of a face; `None` if it has none.
     fn cut(&mut self, face: u32, cones: &mut Vec<Cone>) -> Option<f64> {
         let mut most = 0.0;
         self.word.clear();
@@ -183,17 +183,17 @@ impl CellCutter<'_> {
             most = self.paths.up[walk.clone()].iter().fold(most, |most, up| greater(most, *up));
             let crossed = &self.paths.crossed[walk];
             let [start, end] = [self.source.start(h), self.source.end(h)];
-            let [mut here, there] = [start, end].map(|v| self.images[v as usize].face);
+            let [mut current, last_face] = [start, end].map(|v| self.images[v as usize].face);
             for i in 0..crossed.len() {
                 let g = if edge == h { crossed[i] } else { self.result.twin(crossed[crossed.len() - 1 - i]) };
-                // The proof hangs on walks that do go from face to face, so they are looked at once more.
-                if g / 3 != here {
+                // The proof relies on walks that do go from face to face, so that is checked again here.
+                if g / 3 != current {
                     return None;
                 }
-                here = self.result.twin(g) / 3;
+                current = self.result.twin(g) / 3;
                 self.push(g);
             }
-            if here != there {
+            if current != last_face {
                 return None;
             }
         }
@@ -203,13 +203,13 @@ impl CellCutter<'_> {
         let n_before = cones.len();
         let most = self.fill(face, most, cones);
         if most.is_none() {
-            // Cones count in cells alone.
+            // Cones count only in faces with cells.
             cones.truncate(n_before);
         }
         most
     }
 
-    /// Fills the word with cones; returns the largest displacement at them and at what is known already.
+    /// Fills the word with cones; returns the largest displacement at them and at the corners before.
     fn fill(&mut self, face: u32, mut most: f64, cones: &mut Vec<Cone>) -> Option<f64> {
         for _ in 0..MOST_CONES {
             let mut word = &self.word[..];
@@ -222,10 +222,11 @@ impl CellCutter<'_> {
                 return Some(most);
             }
             let turn = self.longest_turn(word)?;
-            let rest = (turn.from + turn.n..turn.from + word.len()).map(|i| word[i % word.len()]).collect();
+            let remaining =
+                (turn.from + turn.n..turn.from + word.len()).map(|i| word[i % word.len()]).collect();
             let first = word[turn.from];
-            self.word = rest;
-            // The other way around, from the same face to the same face.
+            self.word = remaining;
+            // Go the other way around the vertex, from the same face to the same face.
             let mut h = first;
             for _ in turn.n..self.degree[turn.v as usize] as usize {
                 let leaves = if turn.is_at_start { previous_in_face(h) } else { next_in_face(h) };
@@ -239,12 +240,13 @@ impl CellCutter<'_> {
         None
     }
 
-    /// The turn that makes a word shorter by the most when it goes the other way around its vertex.
+    /// The turn that shortens a word the most when it goes the other way around its vertex.
     fn longest_turn(&self, word: &[u32]) -> Option<Turn> {
         let n = word.len();
-        // Whether the half-edge and the next one start at the same vertex, not end at it.
+        // Whether this half-edge and the next one start at the same vertex; otherwise both end at one.
         let at_start = |i: usize| word[(i + 1) % n] == next_in_face(self.result.twin(word[i % n]));
-        // From where the vertex changes; where it never does, from anywhere.
+        // Start at an index where the vertex changes, so that no turn is cut in two; if it never does,
+        // anywhere.
         let first = (0..n).find(|i| at_start(*i) != at_start(i + n - 1)).unwrap_or(0);
         let (mut best, mut i) = (None, 0);
         while i < n {
@@ -257,7 +259,8 @@ impl CellCutter<'_> {
             let h = word[from];
             let v = if is_at_start { self.result.start(h) } else { self.result.end(h) };
             let around = self.degree[v as usize] as usize;
-            // So many steps from one to the next are one half-edge more, unless they are all that there are.
+            // `steps` steps join one half-edge more than that, but never more than the word or the vertex
+            // has.
             let spokes = lesser(lesser(steps + 1, n), around);
             let shorter = (2 * spokes).saturating_sub(around);
             if around > 0 && shorter > 0 && best.is_none_or(|(most, _)| shorter > most) {
@@ -291,7 +294,7 @@ fn covered_faces(
     images: &[VertexImage],
     chain: &Chain<'_>,
 ) -> Vec<bool> {
-    // 1. Faces in which the chain may end.
+    // 1. Faces in which the border of the chain may lie.
     let has_cells = |h: u32| h != NONE && chain.forward[h as usize / 3] < f64::INFINITY;
     let mut touched = vec![false; result.n_faces()];
     for h in 0..3 * source.n_faces() as u32 {
@@ -307,7 +310,7 @@ fn covered_faces(
             touched[result.twin(*g) as usize / 3] = true;
         }
     }
-    // 2. Faces that are covered equally often.
+    // 2. Sets of faces that are covered equally often.
     let mut sets = DisjointSets::new(result.n_faces());
     for h in 0..3 * result.n_faces() as u32 {
         let t = result.twin(h);
@@ -315,21 +318,24 @@ fn covered_faces(
             sets.union(h / 3, t / 3);
         }
     }
-    // 3. How often, at the vertices inside.
+    // 3. How often the faces of a set are covered, counted at vertices inside it.
     let mut turns = vec![0_u32; result.n_vertices()];
     chain.cones.iter().for_each(|cone| turns[cone.v as usize] += 1);
-    let mut known: Vec<Option<bool>> = vec![None; result.n_faces()];
+    let mut is_covered: Vec<Option<bool>> = vec![None; result.n_faces()];
     for v in 0..result.n_vertices() as u32 {
         if result.is_open(v) || result.ring(v).any(|h| touched[h as usize / 3]) {
             continue;
         }
         let is_odd = turns[v as usize] % 2 == 1;
-        let known = &mut known[sets.find(result.outgoing(v) / 3) as usize];
-        debug_assert!(known.is_none_or(|known| known == is_odd), "the cells around vertex {v} do not agree");
-        // Vertices that do not agree would mean a fault, and prove nothing.
-        *known = Some(known.unwrap_or(true) && is_odd);
+        let entry = &mut is_covered[sets.find(result.outgoing(v) / 3) as usize];
+        debug_assert!(
+            entry.is_none_or(|covered| covered == is_odd),
+            "the cells around vertex {v} do not agree"
+        );
+        // Vertices of a set that disagree would mean a fault in the program; then nothing is proved.
+        *entry = Some(entry.unwrap_or(true) && is_odd);
     }
     (0..result.n_faces() as u32)
-        .map(|face| !touched[face as usize] && known[sets.find(face) as usize] == Some(true))
+        .map(|face| !touched[face as usize] && is_covered[sets.find(face) as usize] == Some(true))
         .collect()
 }

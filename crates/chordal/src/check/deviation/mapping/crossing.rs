@@ -1,13 +1,13 @@
-//! `Crossing`: where the image of an edge of the source leaves a face of the result.
+//! `Crossing`: the point at which the image of an edge of the source leaves a face of the result.
 use super::super::distance::{UNDERFLOW, apart_up};
 use crate::explicit::closest_on_segments;
 use crate::math::greater;
 
-/// A point of an edge of the source and a point of an edge of the result, which stand for each other.
+/// A point of an edge of the source and the corresponding point of an edge of the result.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
-    /// The parameter on the edge of the source, between 0 and 1. As a number of f64 it is exact, and so is the
-    /// point that it stands for.
+    /// The parameter on the edge of the source, between 0 and 1. As a number of type f64 it is exact, and so
+    /// is the point that it defines.
     pub t: f64,
     /// The same on the edge of the result.
     pub s: f64,
@@ -16,7 +16,8 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// The nearest points of the edge `source` and the edge `result`, of which the first is not before `least`.
+    /// The nearest points of the edge `source` and the edge `result`, the first of them with a parameter of
+    /// at least `least`.
     pub fn nearest(source: [[f64; 3]; 2], result: [[f64; 3]; 2], least: f64) -> Self {
         let [t, s] = closest_on_segments(source, result, least);
         Self { t, s, up: apart_at_most(source, t, result, s) }
@@ -30,7 +31,7 @@ impl Crossing {
 /// that. `3 ε S` and `8 ε` cover this, the length and second orders with a margin, as in
 /// [`super::super::distance::distance_up`].
 fn apart_at_most([u, v]: [[f64; 3]; 2], t: f64, [a, b]: [[f64; 3]; 2], s: f64) -> f64 {
-    // From the nearer end where the point is an end: the distance of two ends loses nothing.
+    // Measured from the nearer end if the point is an end: the distance between two ends loses nothing.
     let (p, t) = if t == 1.0 { (v, 0.0) } else { (u, t) };
     let (q, s) = if s == 1.0 { (b, 0.0) } else { (a, s) };
     if t == 0.0 && s == 0.0 {

@@ -1,14 +1,14 @@
-//! `VertexImage`: for each vertex of the source a point of one face of the other surface.
+//! `VertexImage`: for each vertex of the source, a point on a face of the other surface.
 use super::surface::{FanSurface, MOST_AROUND, NONE};
 use crate::budget::{Job, par_map};
 use crate::explicit::closest_on_triangle;
 use crate::math::{difference, dot, greater, lesser};
 use std::collections::BinaryHeap;
 
-/// A point of the result's face that is near a point of the source.
+/// A point of a face of the result that is near a point of the source.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VertexImage {
-    /// The face, or [`NONE`] where nothing is known.
+    /// The face, or [`NONE`] if unknown.
     pub face: u32,
     pub carrier: Carrier,
     /// The point, rounded.
@@ -21,9 +21,9 @@ pub(super) struct VertexImage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Carrier {
     Inside,
-    /// Its half-edge.
+    /// On an edge, given by its half-edge.
     Edge(u32),
-    /// The half-edge that starts there.
+    /// At a corner, given by the half-edge that starts there.
     Corner(u32),
 }
 
@@ -38,7 +38,7 @@ impl VertexImage {
         let w = closest_on_triangle(p, corners);
         let at: [f64; 3] =
             std::array::from_fn(|k| w[0] * corners[0][k] + w[1] * corners[1][k] + w[2] * corners[2][k]);
-        let off = difference(p, at);
+        let offset = difference(p, at);
         let h = 3 * face;
         let carrier = match w.map(|w| w > 0.0) {
             [true, true, true] | [false, false, false] => Carrier::Inside,
@@ -49,14 +49,15 @@ impl VertexImage {
             [false, true, false] => Carrier::Corner(h + 1),
             [false, false, true] => Carrier::Corner(h + 2),
         };
-        Self { face, carrier, at, distance_sq: dot(off, off) }
+        Self { face, carrier, at, distance_sq: dot(offset, offset) }
     }
 
-    /// Goes to nearer faces across the edge or around the corner on which the image lies, while there are any.
+    /// Moves to nearer faces across the edge or around the corner on which the image lies, as long as there
+    /// are any.
     pub fn descend(mut self, p: [f64; 3], surface: &FanSurface) -> Self {
         let mut last = NONE;
         for _ in 0..MOST_STEPS {
-            let before = self;
+            let previous = self;
             match self.carrier {
                 Carrier::Inside => break,
                 Carrier::Edge(h) => {
@@ -72,13 +73,13 @@ impl VertexImage {
                     }
                     last = v;
                     for g in surface.ring(v).take(MOST_AROUND) {
-                        if g / 3 != before.face {
+                        if g / 3 != previous.face {
                             self.take_nearer(p, g / 3, surface);
                         }
                     }
                 }
             }
-            if self.face == before.face {
+            if self.face == previous.face {
                 break;
             }
         }
@@ -87,23 +88,23 @@ impl VertexImage {
 
     #[inline]
     fn take_nearer(&mut self, p: [f64; 3], face: u32, surface: &FanSurface) {
-        let other = Self::on_face(p, face, surface);
-        if other.distance_sq < self.distance_sq {
-            *self = other;
+        let candidate = Self::on_face(p, face, surface);
+        if candidate.distance_sq < self.distance_sq {
+            *self = candidate;
         }
     }
 }
 
-/// Faces that one descent visits at most: on average it is fewer than two.
+/// The most faces that one descent visits; on average it visits fewer than two.
 const MOST_STEPS: u32 = 64;
-/// The farthest vertices that have to stay where they are before the images are final. Chosen: one that stays
-/// too far costs tightness or a search, never the proof.
+/// The images are final once this many of the farthest vertices in a row found nothing nearer. Chosen: an
+/// image that stays too far costs tightness or a search, never the proof.
 const STAYING: u32 = 64;
 /// Vertices in one task.
 const CHUNK: usize = 1 << 12;
 
-/// The image of every vertex of `source`, from a face near it: `near` has one for each row of its mesh, whose
-/// corners are in `rows`.
+/// The image of every vertex of `source`, found from a face near it: `near` has a face for each row of the
+/// mesh, and `rows` are the corners of the mesh's faces.
 pub(super) fn vertex_images(
     source: &FanSurface,
     result: &FanSurface,
@@ -125,9 +126,10 @@ pub(super) fn vertex_images(
     images
 }
 
-/// Tries the faces of neighbours, for the farthest vertices first: a descent may end beside a nearer sheet.
+/// Offers each vertex the faces of its neighbours, the farthest first: a descent may end on a sheet that is
+/// not the nearest.
 fn pass_on(source: &FanSurface, result: &FanSurface, images: &mut [VertexImage]) {
-    // Squares are not negative, so their bits are in their order.
+    // Squares are not negative, so their bits sort like the numbers.
     let key = |v: u32, image: &VertexImage| (image.distance_sq.to_bits(), v);
     let known = images.iter().enumerate().filter(|(_, image)| image.face != NONE);
     let mut heap: BinaryHeap<(u64, u32)> = known.map(|(v, image)| key(v as u32, image)).collect();
@@ -156,7 +158,7 @@ fn pass_on(source: &FanSurface, result: &FanSurface, images: &mut [VertexImage])
         }
         staying = 0;
         heap.push(key(v, &now));
-        // Neighbours that are as far may profit from the same face.
+        // Neighbours that are at least as far may find the same face nearer.
         for h in source.ring(v) {
             let u = source.end(h);
             let image = &mut images[u as usize];

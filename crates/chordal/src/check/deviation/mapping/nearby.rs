@@ -1,29 +1,32 @@
-//! `NearbySearch`: bounds of single faces by a search among the faces that stand for their surroundings.
+//! `NearbySearch`: bounds of single faces by a search among a few faces that correspond to their
+//! surroundings.
 use super::super::violations::ProximityChecker;
 use super::images::VertexImage;
 use super::surface::{FanSurface, NONE};
 use crate::budget::{Job, par_map};
 use crate::explicit::Mesh;
 
-/// On which surface faces are.
+/// One of the two surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     Source,
     Result,
 }
 
-/// A part of a surface bounds the distance to it from above. So a face is compared with those faces of the other
-/// surface alone that have to do with it by the images of vertices, which are few.
+/// A part of a surface bounds the distance to it from above. So a face is compared only with those faces of
+/// the other surface that the images of its vertices point to, which are few.
 pub(super) struct NearbySearch<'a> {
     source: &'a FanSurface,
     result: &'a FanSurface,
     images: &'a [VertexImage],
-    /// By face of the result: where its vertices of the source start in the list; one more at the end.
+    /// By face of the result: the start of the vertices of the source whose images it holds; one more entry
+    /// at the end.
     first: Vec<u32>,
     vertices: Vec<u32>,
 }
 
-/// Faces that share one small tree: those that follow each other are mostly close together. Chosen.
+/// Faces that share one small tree. Chosen: consecutive faces are mostly close together, but fewer of a
+/// larger number are.
 const CHUNK: usize = 64;
 
 impl<'a> NearbySearch<'a> {
@@ -37,14 +40,14 @@ impl<'a> NearbySearch<'a> {
         let mut free = first.clone();
         let mut vertices = vec![0; first[result.n_faces()] as usize];
         for (v, image) in known() {
-            let place = &mut free[image.face as usize];
-            vertices[*place as usize] = v as u32;
-            *place += 1;
+            let slot = &mut free[image.face as usize];
+            vertices[*slot as usize] = v as u32;
+            *slot += 1;
         }
         Self { source, result, images, first, vertices }
     }
 
-    /// For each face a bound on the distance of its points, where one of at most `enough` is found.
+    /// For each face, a bound on the distance of its points if one of at most `enough` is found.
     pub fn bounds(&self, faces: &[u32], side: Side, (enough, job): (f64, &Job)) -> Vec<Option<f64>> {
         let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
         let parts = par_map(job, &chunks, |_, faces| self.bounds_of_chunk(faces, side, (enough, job)));
@@ -70,7 +73,7 @@ impl<'a> NearbySearch<'a> {
         faces.iter().map(|face| checker.distance_within(own.corners(*face), &enough)).collect()
     }
 
-    /// Faces of the other surface near one, some of them more than once.
+    /// Faces of the other surface near a face; some occur more than once.
     fn nearby(&self, face: u32, side: Side) -> Vec<u32> {
         let around = |surface: &FanSurface, face: u32| {
             surface.vertices(face).map(|v| surface.ring(v).map(|h| h / 3).collect::<Vec<_>>()).concat()

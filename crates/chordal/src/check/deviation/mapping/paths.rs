@@ -10,26 +10,26 @@ use std::cell::Cell;
 
 /// The walks of all edges, in one list.
 pub(super) struct EdgePaths {
-    /// By half-edge of the source that stands for its edge: where its walk starts in the list; one more at the
-    /// end.
+    /// By half-edge of the source that represents its edge: the start of its walk in the list; one more entry
+    /// at the end.
     first: Vec<u32>,
     /// Half-edges of the result through which the walks leave a face.
     pub crossed: Vec<u32>,
     /// The distance of the two points of each crossing, rounded up.
     pub up: Vec<f64>,
     /// By half-edge: whether its edge has a walk.
-    is_known: Vec<bool>,
+    has_walk: Vec<bool>,
 }
 
 impl EdgePaths {
-    /// Where the walk of an edge is in the lists; `None` where it has none.
+    /// The range of an edge's walk in the lists; `None` if it has none.
     pub fn of(&self, edge: u32) -> Option<std::ops::Range<usize>> {
         let h = edge as usize;
-        self.is_known[h].then(|| self.first[h] as usize..self.first[h + 1] as usize)
+        self.has_walk[h].then(|| self.first[h] as usize..self.first[h + 1] as usize)
     }
 
-    /// The points of the source and of the result that are crossing `i` of the list, rounded, each with how far
-    /// it may be off.
+    /// The points of the source and of the result that are crossing `i` of the list, rounded, each with a
+    /// bound on the rounding.
     pub fn at(&self, i: u32, source: &FanSurface, result: &FanSurface) -> [([f64; 3], f64); 2] {
         let edge = self.first.partition_point(|first| *first <= i) as u32 - 1;
         let [u, v] = [source.at(source.start(edge)), source.at(source.end(edge))];
@@ -52,7 +52,7 @@ impl EdgePaths {
 /// Half-edges in one task.
 const CHUNK: usize = 3 << 12;
 
-/// Walks for all edges. Where a walk is within `enough`, no other is tried.
+/// Walks for all edges. If a walk is within `enough`, no other is tried.
 pub(super) fn edge_paths(
     source: &FanSurface,
     result: &FanSurface,
@@ -69,22 +69,22 @@ pub(super) fn edge_paths(
         let mut part = PathPart::default();
         for h in *start as u32..end as u32 {
             part.first.push(part.crossed.len() as u32);
-            let is_known = !job.is_cancelled() && source.edge(h) == h && walker.find(h, &mut part);
-            part.is_known.push(is_known);
+            let has_walk = !job.is_cancelled() && source.edge(h) == h && walker.find(h, &mut part);
+            part.has_walk.push(has_walk);
         }
         part
     });
-    let (mut first, mut is_known) = (Vec::with_capacity(n + 1), Vec::with_capacity(n));
+    let (mut first, mut has_walk) = (Vec::with_capacity(n + 1), Vec::with_capacity(n));
     let n_crossed = parts.iter().map(|part| part.crossed.len()).sum();
     let (mut crossed, mut up) = (Vec::with_capacity(n_crossed), Vec::with_capacity(n_crossed));
     for part in parts {
         first.extend(part.first.iter().map(|at| at + crossed.len() as u32));
         crossed.extend(part.crossed);
         up.extend(part.up);
-        is_known.extend(part.is_known);
+        has_walk.extend(part.has_walk);
     }
     first.push(crossed.len() as u32);
-    EdgePaths { first, crossed, up, is_known }
+    EdgePaths { first, crossed, up, has_walk }
 }
 
 #[derive(Default)]
@@ -92,7 +92,7 @@ struct PathPart {
     first: Vec<u32>,
     crossed: Vec<u32>,
     up: Vec<f64>,
-    is_known: Vec<bool>,
+    has_walk: Vec<bool>,
 }
 
 struct PathFinder<'a> {
@@ -101,7 +101,7 @@ struct PathFinder<'a> {
     images: &'a [VertexImage],
     normals: &'a [[f64; 3]],
     enough: f64,
-    /// The steps that long walks of this task may still take together.
+    /// The remaining steps of long walks in this task, shared by all of them.
     steps: Cell<usize>,
 }
 
@@ -118,20 +118,23 @@ struct BestPath {
     up: f64,
 }
 
-/// Faces that one walk crosses at most once the steps of its task are used up. Chosen: what needs more is searched for.
+/// Faces that one walk crosses at most once the steps of its task are used up. Chosen: faces that need longer
+/// walks are left to the search.
 const MOST_CROSSED: usize = 200;
-/// So many before that: fans of needles are long. Chosen.
+/// The same before that: fans of needles need long walks. Chosen: larger values find more walks, and cost
+/// time.
 const MOST_CROSSED_WHILE_FEW: usize = 1 << 14;
-/// The steps that walks of more than [`MOST_CROSSED`] faces take together in one task. Chosen: 256 for each edge.
+/// The steps that walks of more than [`MOST_CROSSED`] faces take together in one task. Chosen: 256 for each
+/// edge.
 const MOST_STEPS: usize = 1 << 20;
-/// How often an edge is halved at most to find a walk. Chosen.
+/// An edge is halved at most so often to find a walk. Chosen: larger values find more walks, and cost time.
 const MOST_HALVINGS: u32 = 6;
-/// How far toward the other end a point is asked for the face in which it lies. Chosen: small, so that it is
-/// still in the faces around its start.
+/// The share of the way to the other end at which a point is located, to find the face toward that end.
+/// Chosen: small, so that the point is still in the faces around its start.
 const TOWARD: f64 = 0.01;
 
 impl PathFinder<'_> {
-    /// Adds the walk of the edge of `h`; `false` where none was found.
+    /// Adds the walk of the edge of `h`; `false` if none was found.
     fn find(&mut self, h: u32, part: &mut PathPart) -> bool {
         let [a, b] = [self.source.start(h), self.source.end(h)]
             .map(|v| PathEnd { at: self.source.at(v), image: self.images[v as usize] });
@@ -173,7 +176,7 @@ impl PathFinder<'_> {
         [self.result.at(self.result.start(g)), self.result.at(self.result.end(g))]
     }
 
-    /// Takes a walk if it is closer than the best.
+    /// Replaces the best walk by another one if that is closer.
     fn offer(&self, ends: [&PathEnd; 2], mut crossed: Vec<u32>, best: &mut BestPath) {
         cancel(&mut crossed, self.result);
         let edge = ends.map(|end| end.at);
@@ -191,14 +194,14 @@ impl PathFinder<'_> {
 
     /// Tries other walks until one is close enough.
     fn improve(&self, a: &PathEnd, b: &PathEnd, depth: u32, best: &mut BestPath) {
-        // 1. Straight, from the faces that lie toward each other.
+        // 1. The straight way, from the faces that lie toward each other.
         if let Some(crossed) = self.straight(a, b) {
             self.offer([a, b], crossed, best);
         }
         if best.up <= self.enough {
             return;
         }
-        // 2. Around a vertex of both faces, one way or the other.
+        // 2. Around a vertex that both faces share, in either direction.
         let [f, g] = [a.image.face, b.image.face];
         for v in self.result.vertices(f) {
             if !self.result.vertices(g).contains(&v) {
@@ -213,7 +216,7 @@ impl PathFinder<'_> {
         if best.up <= self.enough || depth >= MOST_HALVINGS {
             return;
         }
-        // 3. Over the image of the middle.
+        // 3. Through the image of the midpoint, by halves.
         let at: [f64; 3] = std::array::from_fn(|k| 0.5 * (a.at[k] + b.at[k]));
         let [x, y] = [f, g].map(|face| VertexImage::on_face(at, face, self.result).descend(at, self.result));
         let middle = PathEnd { at, image: if y.distance_sq < x.distance_sq { y } else { x } };
@@ -226,13 +229,13 @@ impl PathFinder<'_> {
             }
             (half.up < f64::INFINITY).then_some(half.crossed)
         };
-        if let (Some(mut crossed), Some(rest)) = (half(a, &middle), half(&middle, b)) {
-            crossed.extend(rest);
+        if let (Some(mut crossed), Some(second_half)) = (half(a, &middle), half(&middle, b)) {
+            crossed.extend(second_half);
             self.offer([a, b], crossed, best);
         }
     }
 
-    /// A walk over the faces that the plane through both images and along the mean normal cuts.
+    /// A walk over the faces cut by the plane through both images that contains the mean normal.
     fn straight(&self, a: &PathEnd, b: &PathEnd) -> Option<Vec<u32>> {
         let (f, g) = self.facing(a, b);
         let [m, n] = [f, g].map(|face| self.normals[face as usize]);
@@ -241,8 +244,9 @@ impl PathFinder<'_> {
         self.cut([a, b], [f, g], &Cut { plane, toward: along })
     }
 
-    /// Offers walks over the faces that the plane through the edge of the source and along its normal cuts, either way:
-    /// where images of both ends are in flat faces that look away from each other, the normals there say nothing.
+    /// Offers walks over the faces cut by the plane through the edge of the source that contains its normal,
+    /// in both directions: if the images of both ends are in flat faces that look away from each other, the
+    /// normals there are of no use.
     fn along_source(&self, h: u32, a: &PathEnd, b: &PathEnd, best: &mut BestPath) {
         let t = self.source.twin(h);
         let [m, n] = [h, if t == NONE { h } else { t }].map(|h| normal(self.source.corners(h / 3)));
@@ -294,22 +298,25 @@ impl PathFinder<'_> {
     /// The face around an image that lies toward a point.
     fn toward(&self, from: &VertexImage, to: [f64; 3]) -> u32 {
         let m: [f64; 3] = std::array::from_fn(|k| from.at[k] + TOWARD * (to[k] - from.at[k]));
-        let off = |face: u32| distance_sq_to_triangle(m, self.result.corners(face));
+        let distance_to = |face: u32| distance_sq_to_triangle(m, self.result.corners(face));
         let nearer = |best: (f64, u32), face: u32| {
-            let d = off(face);
+            let d = distance_to(face);
             if d < best.0 { (d, face) } else { best }
         };
         match from.carrier {
             Carrier::Inside => from.face,
             Carrier::Edge(h) => match self.result.twin(h) {
                 NONE => from.face,
-                t => nearer((off(from.face), from.face), t / 3).1,
+                t => nearer((distance_to(from.face), from.face), t / 3).1,
             },
             Carrier::Corner(h) => {
                 let mut n = 0;
                 let ring = self.result.ring(self.result.start(h)).take(self.most_crossed(MOST_AROUND));
-                let face =
-                    ring.inspect(|_| n += 1).map(|g| g / 3).fold((off(from.face), from.face), nearer).1;
+                let face = ring
+                    .inspect(|_| n += 1)
+                    .map(|g| g / 3)
+                    .fold((distance_to(from.face), from.face), nearer)
+                    .1;
                 self.count_steps(n);
                 face
             }
@@ -359,7 +366,7 @@ impl PathFinder<'_> {
         None
     }
 
-    /// How many faces a walk may cross: `few`, or more as long as there are steps left.
+    /// The number of faces that a walk may cross: `few`, or more as long as there are steps left.
     fn most_crossed(&self, few: usize) -> usize {
         if self.steps.get() > 0 { MOST_CROSSED_WHILE_FEW } else { few }
     }
@@ -380,7 +387,7 @@ impl PathFinder<'_> {
         }
         let side = |v: u32| dot(cut.plane, difference(self.result.at(v), from));
         // The edge of the first face that the plane cuts farther on.
-        let mut out = (f64::NEG_INFINITY, NONE);
+        let mut exit = (f64::NEG_INFINITY, NONE);
         for h in 3 * f..3 * f + 3 {
             let [u, v] = [self.result.start(h), self.result.end(h)];
             let [s, t] = [side(u), side(v)];
@@ -391,11 +398,11 @@ impl PathFinder<'_> {
             let [p, q] = [self.result.at(u), self.result.at(v)];
             let at: [f64; 3] = std::array::from_fn(|k| p[k] + share * (q[k] - p[k]) - from[k]);
             let far = dot(cut.toward, at);
-            if far > out.0 {
-                out = (far, h);
+            if far > exit.0 {
+                exit = (far, h);
             }
         }
-        let mut h = out.1;
+        let mut h = exit.1;
         if h == NONE {
             return None;
         }
@@ -421,13 +428,13 @@ impl PathFinder<'_> {
 
 /// A plane through the point from which a walk starts.
 struct Cut {
-    /// Along its normal.
+    /// The normal of the plane.
     plane: [f64; 3],
-    /// Into which half of it the walk goes.
+    /// The direction of the walk in the plane.
     toward: [f64; 3],
 }
 
-/// The normal of a triangle; zero where it has none.
+/// The normal of a triangle; zero for one without area.
 fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     unit(cross(difference(b, a), difference(c, a))).unwrap_or([0.0; 3])
 }
@@ -438,7 +445,7 @@ enum Way {
     Right,
 }
 
-/// Removes what goes through an edge and straight back.
+/// Removes pairs of crossings that pass through an edge and straight back.
 fn cancel(crossed: &mut Vec<u32>, surface: &FanSurface) {
     let mut n = 0;
     for i in 0..crossed.len() {

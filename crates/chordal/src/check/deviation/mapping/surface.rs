@@ -3,11 +3,11 @@ use crate::explicit::{Mesh, Twin, Twins, next_in_face, previous_in_face};
 
 /// No half-edge, no face.
 pub(super) const NONE: u32 = u32::MAX;
-/// Faces that are looked at around one vertex at most. Chosen: what needs more is searched for.
+/// The most faces around one vertex that are looked at. Chosen: faces that need more are left to the search.
 pub(super) const MOST_AROUND: usize = 64;
 
-/// Faces that are neighbours where exactly two of them share an edge and are wound alike. Where several fans
-/// of faces meet at one position, each has a vertex of its own.
+/// A triangle mesh in which faces are neighbours if exactly two of them share an edge and are wound alike. If
+/// several fans of faces meet at one position, each has a vertex of its own.
 pub(super) struct FanSurface {
     /// By half-edge: its start vertex.
     start: Vec<u32>,
@@ -19,7 +19,7 @@ pub(super) struct FanSurface {
 }
 
 impl FanSurface {
-    /// `ids` are those of [`crate::explicit::Topology::ids`].
+    /// `ids` come from [`crate::explicit::Topology::ids`].
     pub fn new(mesh: &Mesh, ids: Option<&[u32]>) -> Self {
         let twins = Twins::with_ids(mesh, ids);
         let n = 3 * mesh.faces().len();
@@ -40,7 +40,7 @@ impl FanSurface {
 
     /// Adds the vertex at the start of a half-edge.
     fn add_fan(&mut self, h: u32, mesh: &Mesh) {
-        // Clockwise to the border, or once around.
+        // Go clockwise to the border, or once around.
         let mut first = h;
         while self.twin[first as usize] != NONE {
             first = next_in_face(self.twin[first as usize]);
@@ -120,7 +120,7 @@ impl FanSurface {
         })
     }
 
-    /// The half-edge of a face that leads into another one.
+    /// The half-edge of a face whose twin is in another face.
     #[inline]
     pub fn between(&self, face: u32, other: u32) -> Option<u32> {
         (3 * face..3 * face + 3).find(|h| {
@@ -129,7 +129,7 @@ impl FanSurface {
         })
     }
 
-    /// The half-edge of each undirected edge that stands for both.
+    /// The one of the two half-edges of an edge that represents it.
     #[inline]
     pub fn edge(&self, h: u32) -> u32 {
         let t = self.twin[h as usize];
