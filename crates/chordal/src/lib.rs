@@ -1,11 +1,12 @@
 //! Chordal: shapes into triangles under one budget, the error that may be seen.
 //!
-//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the result and a [`Bound`] on how far it
-//! is from the true shape, together with how that is known ([`Evidence`]). You bring a budget, you leave with a
-//! bound.
+//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the result, and a [`Bound`] on its
+//! distance from the true shape that says how it is known ([`Evidence`]). You bring a budget, you leave with
+//! a bound.
 //!
 //! # A tour
-//! **A curve becomes a polyline.** The budget is a length, pixels at a view, a number of segments, or several.
+//! **A curve becomes a polyline.** The budget is a length, pixels at a view, a number of segments, or
+//! several.
 //!
 //! ```
 //! use chordal::prelude::*;
@@ -48,8 +49,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **A mesh becomes a smaller mesh**, within a length of the one it came from. **Two surfaces are compared** from
-//! both sides, by proof and not by samples.
+//! **A mesh becomes a smaller mesh**, within a length of the original. **Two surfaces are compared** in both
+//! directions, by proof and not by samples.
 //!
 //! ```
 //! use chordal::explicit::Topology;
@@ -69,10 +70,10 @@
 //!
 //! # Where to go on
 //! The modules, lowest first; imports only go down: [`math`], [`budget`], [`explicit`] and [`implicit`],
-//! [`check`], [`convert`], [`lod`], [`mend`], [`render`]. What most programs need stands in these modules
-//! themselves, what experts need in their submodules, such as [`explicit::query`] for rays and closest points,
-//! [`explicit::subdivision`] and [`implicit::evaluation`]. ARCHITECTURE.md has the picture, GLOSSARY.md the
-//! words, and `docs/` a page for each arrow.
+//! [`check`], [`convert`], [`lod`], [`mend`], [`render`]. Items that most programs need are in these modules
+//! themselves; items for experts are in their submodules, such as [`explicit::query`] for rays and closest
+//! points, [`explicit::subdivision`] and [`implicit::evaluation`]. ARCHITECTURE.md has the picture,
+//! GLOSSARY.md the words, and `docs/` a page for each arrow.
 
 #[cfg(feature = "booleans")]
 pub mod boolean;

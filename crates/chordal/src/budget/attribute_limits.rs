@@ -1,10 +1,12 @@
-//! `AttributeLimits`: how far texture coordinates and normals of a simplified mesh may be from the original's.
+//! `AttributeLimits`: how far texture coordinates and normals of a simplified mesh may be from the
+//! original's.
 use std::fmt;
 
-/// Optional limits on the attributes of a simplified mesh, at nearest points of the two surfaces, both ways.
+/// Optional limits on the attributes of a simplified mesh, compared at nearest points of the two surfaces, in
+/// both directions.
 ///
-/// They stand beside a length or pixels, and hold where they are measured: at four samples a face of either mesh. Of
-/// flat shading the normals are those of the faces, and have no limit.
+/// They are used beside a limit in length or pixels. They are measured, not proved: at four samples on each
+/// face of either mesh. Under flat shading the normals are those of the faces, and have no limit.
 ///
 /// ```
 /// use chordal::budget::attributes::AttributeLimits;
@@ -19,10 +21,10 @@ pub struct AttributeLimits {
     normal_deg: Option<f64>,
 }
 
-/// The error for a limit that no attribute can meet or miss.
+/// The error for a limit out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InvalidAttributeLimit {
-    /// A distance of texture coordinates that is no number above 0.
+    /// A distance of texture coordinates that is not a finite number above 0.
     Texcoord(f64),
     /// An angle that is not above 0 and at most 180 degrees.
     Normal(f64),
@@ -44,7 +46,7 @@ impl fmt::Display for InvalidAttributeLimit {
 impl std::error::Error for InvalidAttributeLimit {}
 
 impl AttributeLimits {
-    /// Limits on the distance of texture coordinates, where 1 is the side of the texture, and on the angle between
+    /// Limits on the distance of texture coordinates, in sides of the texture, and on the angle between
     /// normals, in degrees.
     ///
     /// # Errors

@@ -26,9 +26,9 @@ impl Evidence {
     pub fn weaker(&self, other: &Self) -> Self {
         match (self, other) {
             (Self::ProvedIf(a), Self::ProvedIf(b)) => {
-                let mut all = a.clone();
-                all.extend(b.iter().filter(|sentence| !a.contains(sentence)).cloned());
-                Self::ProvedIf(all)
+                let mut sentences = a.clone();
+                sentences.extend(b.iter().filter(|sentence| !a.contains(sentence)).cloned());
+                Self::ProvedIf(sentences)
             }
             (Self::Measured { samples: a }, Self::Measured { samples: b }) => {
                 Self::Measured { samples: *a.min(b) }
@@ -64,8 +64,9 @@ pub enum Metric {
     Parametric,
     /// From the true shape to the result only.
     OneSided,
-    /// Of solids: every point farther than this from the surfaces of the operands, where there are some, and from that of
-    /// the true shape is inside the result if and only if it is inside the true shape. A thin tip or gap may be longer.
+    /// For solids: a point farther than this from the surface of the true shape, and from those of the
+    /// operands if there are any, is inside the result if and only if it is inside the true shape. A thin tip
+    /// or gap may be longer than this.
     Solid,
 }
 
@@ -157,17 +158,18 @@ pub struct Bound {
     pub reference: Reference,
     /// What is measured.
     pub metric: Metric,
-    /// The point where the error is largest, as far as is known.
+    /// The point where the error is largest, as far as known.
     pub at: Option<[f64; 3]>,
-    /// The largest distance on the screen in pixels, where a view was given and the evidence gives an upper
+    /// The largest distance on the screen in pixels, if a view was given and the evidence gives an upper
     /// bound.
     pub pixels: Option<f64>,
     /// The largest angle found between a triangle's normal and the shape's normal at its corners and in its
     /// middle, in degrees. Set where the budget limits an angle. It is measured, whatever the evidence of the
     /// distance.
     pub angle_deg: Option<f64>,
-    /// Where a proof within a length was tried and found for a part only: the places where it was not. The evidence is then
-    /// [`Evidence::Measured`], that of the weakest place; or what is proved of the whole is more than that length.
+    /// If a proof within a length was found for only a part of the result: the other places. The evidence is
+    /// then [`Evidence::Measured`], that of the weakest place; or the bound proved for the whole is larger
+    /// than that length.
     pub open: Option<Box<OpenPlaces>>,
 }
 
@@ -225,7 +227,7 @@ impl Bound {
         self.at_least
     }
 
-    /// The upper bound of the distance, where one is proved.
+    /// The upper bound of the distance, if one is proved.
     #[must_use]
     pub fn at_most(&self) -> Option<f64> {
         self.at_most
@@ -237,8 +239,8 @@ impl Bound {
         &self.evidence
     }
 
-    /// A bound of all parts of a shape: none is farther than the farthest. At its lower end it says nothing: how far a point
-    /// is from its own part, it need not be from another's. `None` without parts.
+    /// A bound for all parts of a shape: the largest of theirs. Its lower end is 0, since a point far from
+    /// its own part may be near another one. `None` without parts.
     #[must_use]
     pub fn of_parts<'a>(parts: impl Iterator<Item = &'a Self>) -> Option<Self> {
         let most_of = |bound: &Self| bound.at_most.unwrap_or(f64::INFINITY);
@@ -252,12 +254,13 @@ impl Bound {
     /// The bound for true shape → A → B from those for true shape → A (`self`) and A → B (`next`).
     ///
     /// Upper bounds add, rounded up, and the weaker evidence is kept; where the sum overflows there is no
-    /// upper bound and the evidence is [`Evidence::Estimated`]. The lower bound follows from the triangle
+    /// Upper bounds add, rounded up, and the weaker evidence is kept; if the sum overflows, there is no upper
+    /// bound and the evidence is [`Evidence::Estimated`]. The lower bound follows from the triangle
     /// inequality: `at_least` of one step minus `at_most` of the other. The metric of that step must be the
     /// metric of the result (a parametric distance of at least 1 does not keep the shapes 1 apart), and the
     /// other step must bound both directions. Pixels do not add here, because they belong to a view: the
-    /// caller converts the length again. Angles do not add either. Nor does [`Metric::Solid`], unless the other
-    /// step lost nothing: surfaces that are near each other say nothing of sides.
+    /// caller converts the length again. Angles do not add either. Nor does [`Metric::Solid`], unless the
+    /// other step is exact: that two surfaces are near each other says nothing about the sides of points.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let metric = self.metric.weaker(next.metric);
@@ -290,11 +293,11 @@ impl Bound {
         }
     }
 
-    /// The bound of two shapes and their results, next to each other, from that of each.
+    /// The bound for two shapes next to each other, from the bound of each.
     ///
-    /// The upper end is the larger of both, by the weaker evidence and in the weaker metric. At its lower end it says nothing:
-    /// how far a point is from its own shape, it need not be from the other. Beside a shape whose sides are known,
-    /// [`Metric::Solid`], nothing bounds one whose distance is, unless that lost nothing.
+    /// The upper end is the larger one, with the weaker evidence and the weaker metric. The lower end is 0,
+    /// since a point far from its own shape may be near the other one. If only one of the two metrics is
+    /// [`Metric::Solid`] and the other shape is not exact, nothing bounds both.
     ///
     /// ```
     /// use chordal::budget::{Bound, Reference};
@@ -334,8 +337,8 @@ impl Bound {
         }
     }
 
-    /// The bound of both shapes under an affine map that lengthens by no less than `shortest` and no more than `longest`. Places,
-    /// pixels and angles stay behind; without an upper end where it is out of range.
+    /// The bound after an affine map of both shapes that stretches lengths by a factor in
+    /// `[shortest, longest]`. Places, pixels and angles are dropped. Without an upper end if that overflows.
     ///
     /// ```
     /// use chordal::budget::{Bound, Reference};
@@ -350,7 +353,7 @@ impl Bound {
         });
         let is_out_of_range = at_most.is_some_and(|most| !most.is_finite());
         let at_least = if shortest == 1.0 { self.at_least } else { mul_down(self.at_least, shortest) };
-        // What bounds from below and is out of range bounds nothing.
+        // A lower bound that overflows bounds nothing.
         let at_least = if at_least.is_finite() { greater(at_least, 0.0) } else { 0.0 };
         Self {
             at_least,
@@ -364,8 +367,9 @@ impl Bound {
         }
     }
 
-    /// The bound where points of the result lie no farther than `off` from where they were. Of solids, too: surfaces of the
-    /// result are as near those that count as the bound says, and so no sides change farther away than both together.
+    /// The bound after points of the result moved by at most `distance`. It holds for [`Metric::Solid`] too:
+    /// surfaces of the result stay within the bound of those that count, so sides change only within the sum
+    /// of both.
     ///
     /// ```
     /// use chordal::budget::{Bound, Reference};
@@ -373,13 +377,13 @@ impl Bound {
     /// assert!(moved.at_least() <= 0.05 && moved.at_most().unwrap() >= 0.25);
     /// ```
     #[must_use]
-    pub fn moved_by(&self, off: f64) -> Self {
-        if off == 0.0 {
+    pub fn moved_by(&self, distance: f64) -> Self {
+        if distance == 0.0 {
             return self.clone();
         }
-        let most = self.at_most.map(|most| if most == 0.0 { off } else { add_up(most, off) });
+        let most = self.at_most.map(|most| if most == 0.0 { distance } else { add_up(most, distance) });
         let is_known = most.is_none_or(f64::is_finite);
-        let least = sub_down(self.at_least, off);
+        let least = sub_down(self.at_least, distance);
         Self {
             at_least: greater(least, 0.0),
             at_most: most.filter(|_| is_known),
@@ -390,14 +394,14 @@ impl Bound {
         }
     }
 
-    /// What remains of this step's lower bound, in `metric`, after the step `other`.
+    /// The part of this step's lower bound, in `metric`, that remains after the step `other`.
     fn remaining_lower_bound(&self, other: &Self, metric: Metric) -> f64 {
         match other.at_most {
             Some(most)
                 if self.metric == metric && !matches!(other.metric, Metric::OneSided | Metric::Solid) =>
             {
-                let left = sub_down(self.at_least, most);
-                greater(left, 0.0)
+                let remaining = sub_down(self.at_least, most);
+                greater(remaining, 0.0)
             }
             _ => 0.0,
         }

@@ -2,7 +2,7 @@
 use super::{Bound, JobError, Message, Spell, Spelling};
 use std::fmt;
 
-/// What every lossy arrow returns.
+/// The return value of every lossy arrow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounded<T> {
     /// The result.
@@ -21,7 +21,7 @@ impl<T> Bounded<T> {
 /// Why there is no result that meets the budget.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure<T> {
-    /// The budget was not met; this is the best result that was reached.
+    /// The budget was not met; this is the best result.
     Unmet(Box<Bounded<T>>),
     /// The work was not started or not finished, for this reason.
     Refused(Refusal),
@@ -63,7 +63,7 @@ pub enum RefusalCode {
     TooMuchMemory,
     /// A number of the input is NaN or infinite, or becomes so on the way.
     NotFinite,
-    /// There is nothing to convert.
+    /// The input is empty.
     Empty,
     /// The budget is smaller than the error of the input's own rounding.
     BelowPrecision,
@@ -71,11 +71,11 @@ pub enum RefusalCode {
     FlushesSubnormals,
     /// The shape comes so close to the eye that no pixel bound exists.
     TooClose,
-    /// The kind of shape lacks the operation.
+    /// This kind of shape does not support the operation.
     Unsupported,
     /// A function supplied by the user failed.
     LeafFailed,
-    /// What was asked for has no meaning for this shape, or does not say enough.
+    /// The request has no meaning for this shape, or is incomplete.
     Usage,
 }
 
@@ -105,7 +105,7 @@ impl<T> Failure<T> {
         Self::Refused(Refusal::new(code, message))
     }
 
-    /// The best result that was reached, also where it misses the budget.
+    /// The best result, even if it misses the budget.
     ///
     /// # Errors
     /// When there is no result at all.

@@ -22,7 +22,7 @@ pub enum Cure {
 }
 
 impl Cure {
-    /// All, in their order. After filling holes, `mend` orients once more where that was asked for.
+    /// All, in their order. After filling holes, `mend` orients once more if orienting was requested.
     pub const ALL: [Self; 8] = [
         Self::Weld,
         Self::DropDuplicates,

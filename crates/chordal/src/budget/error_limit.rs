@@ -3,10 +3,10 @@ use super::lens::{Lens, PixelScale};
 use super::{Budget, PixelBudget, Pixels, View};
 use crate::math::{Box3, lesser};
 
-/// The error that is allowed: a length and, for a camera, pixels, which are worth more length farther away.
+/// The allowed error: a length and, for a camera, pixels, which allow more length farther away.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ErrorLimit {
-    /// Infinite where only pixels are limited.
+    /// Infinite if only pixels are limited.
     length: f64,
     pixel_limit: Option<(Pixels, Lens)>,
 }
@@ -17,8 +17,7 @@ impl ErrorLimit {
         Self { length, pixel_limit: None }
     }
 
-    /// The limit of a budget in and around `place`. `None` where no length is small enough for any part of
-    /// it.
+    /// The limit of a budget in and around `place`. `None` if no length is small enough for any part of it.
     pub fn from_budget(budget: &Budget, place: &Box3) -> Option<Self> {
         match &budget.pixels {
             Some(PixelBudget { pixels, view: view @ View::Camera(_) }) => Some(Self {
@@ -29,21 +28,21 @@ impl ErrorLimit {
         }
     }
 
-    /// The length, where it is the same everywhere.
+    /// The length, if it is the same everywhere.
     pub fn constant(&self) -> Option<f64> {
         self.pixel_limit.is_none().then_some(self.length)
     }
 
-    /// The length for all points of `place`; `None` where the eye is too close to some of them.
+    /// The length for all points of `place`; `None` if the eye is too close to some of them.
     pub fn at(&self, place: &Box3) -> Option<f64> {
         self.at_with_scale(place).0
     }
 
-    /// [`ErrorLimit::at`], and the pixel scale of the place where there is a camera.
+    /// [`ErrorLimit::at`], and the pixel scale of the place if there is a camera.
     pub fn at_with_scale(&self, place: &Box3) -> (Option<f64>, Option<PixelScale>) {
         let Some((pixels, lens)) = &self.pixel_limit else { return (Some(self.length), None) };
-        let sight = lens.scale_at(place);
-        let length = sight.length_of(*pixels).map(|seen| lesser(self.length, seen));
-        (length, Some(sight))
+        let scale = lens.scale_at(place);
+        let length = scale.length_of(*pixels).map(|visible| lesser(self.length, visible));
+        (length, Some(scale))
     }
 }

@@ -6,47 +6,48 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// The progress of a job: `done` of `total` steps of the named stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// What is being done, as in "tessellate".
+    /// The current stage, as in "tessellate".
     pub stage: &'static str,
-    /// Steps that are done.
+    /// Finished steps.
     pub done: u64,
-    /// Steps in all.
+    /// Total steps.
     pub total: u64,
 }
 
-/// How far a proof is taken that is tried after the result is there ([`ProvedOrMeasured`](super::RequiredEvidence)).
+/// How much work a proof may take that is tried after the result
+/// ([`ProvedOrMeasured`](super::RequiredEvidence)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProofEffort {
-    /// About as far as the work goes that the result itself took, and some seconds at least. It is counted in evaluations
-    /// and not by a clock, so that the same input has the same proof everywhere.
+    /// About as much as the result itself took, and some seconds at least. Work is counted in evaluations
+    /// instead of time, so that the same input gets the same proof everywhere.
     #[default]
     Share,
-    /// To its end.
+    /// As much as it needs.
     Full,
 }
 
-/// A limit of what may be evaluated, and what was.
+/// The number of evaluations so far, and the largest number allowed.
 #[derive(Debug)]
 struct WorkLimit {
     done: AtomicU64,
-    most: u64,
-    /// Of what it is a part of.
-    whole: Option<Arc<WorkLimit>>,
+    limit: u64,
+    /// The limit of the larger work that this is a part of.
+    parent: Option<Arc<WorkLimit>>,
 }
 
 impl WorkLimit {
-    fn left(&self) -> u64 {
-        self.most.saturating_sub(self.done.load(Ordering::Relaxed))
+    fn remaining(&self) -> u64 {
+        self.limit.saturating_sub(self.done.load(Ordering::Relaxed))
     }
 
     fn is_used_up(&self) -> bool {
-        self.done.load(Ordering::Relaxed) > self.most
+        self.done.load(Ordering::Relaxed) > self.limit
     }
 }
 
-/// A limit, and those that it is a part of.
-fn with_wholes(work: Option<&Arc<WorkLimit>>) -> impl Iterator<Item = &WorkLimit> {
-    std::iter::successors(work.map(Arc::as_ref), |own| own.whole.as_deref())
+/// A limit and all limits that contain it, from the inside out.
+fn with_ancestors(work: Option<&Arc<WorkLimit>>) -> impl Iterator<Item = &WorkLimit> {
+    std::iter::successors(work.map(Arc::as_ref), |limit| limit.parent.as_deref())
 }
 
 type ProgressSink = Arc<dyn Fn(Progress) + Send + Sync>;
@@ -61,11 +62,11 @@ pub struct Job {
     finish: Arc<AtomicBool>,
     progress: Option<ProgressSink>,
     work: Option<Arc<WorkLimit>>,
-    /// How far a proof is taken where a measurement would do.
+    /// How much work a proof may take before a measurement replaces it.
     pub proof_effort: ProofEffort,
     /// Number of threads; 0 means all that the machine offers.
     pub threads: usize,
-    /// Approximate limit on the bytes held at once for what the job builds; work that would need more is
+    /// Approximate limit on the bytes that the job's results hold at once; work that would need more is
     /// refused before it starts.
     pub memory_limit: u64,
     /// Limit on the triangles of a result; a budget that would need more is refused before work starts.
@@ -119,8 +120,9 @@ impl Job {
         self.cancel.load(Ordering::Relaxed)
     }
 
-    /// Asks the job, from any thread, to end soon with the best that it has: a shape whose error is known as far as it is by
-    /// then. Meshing of fields heeds it; other work goes on to its end. What it leads to depends on when it was called.
+    /// Asks the job, from any thread, to end soon with its best result so far; its bound says how much is
+    /// known of the error. Only meshing of fields heeds it; other work runs to its end. The result depends on
+    /// the time of the call.
     pub fn finish(&self) {
         self.finish.store(true, Ordering::Relaxed);
     }
@@ -131,15 +133,16 @@ impl Job {
         Arc::clone(&self.finish)
     }
 
-    /// Whether the job was asked to end with the best that it has.
+    /// Whether [`Job::finish`] was called.
     #[must_use]
     pub fn is_finishing(&self) -> bool {
         self.finish.load(Ordering::Relaxed)
     }
 
-    /// The same job for a part of its work that ends after about so many evaluations of one point, as proofs and the judges of
-    /// [`check`](crate::check) count them: then they say what is known by then, which holds. What it counts is counted
-    /// for the job that it is of, too, with whose evaluations it ends, and it is cancelled with it.
+    /// The same job with a limit for a part of its work: it ends after about `most` evaluations at a point,
+    /// as proofs and the comparisons of [`check`](crate::check) count them, and returns the bound reached by
+    /// then, which holds. Evaluations also count towards the limit of this job; if that is used up or the job
+    /// is cancelled, the part ends too.
     ///
     /// ```
     /// use chordal::Job;
@@ -148,26 +151,28 @@ impl Job {
     /// ```
     #[must_use]
     pub fn with_work_limit(&self, most: u64) -> Self {
-        let work = WorkLimit { done: AtomicU64::new(0), most, whole: self.work.clone() };
+        let work = WorkLimit { done: AtomicU64::new(0), limit: most, parent: self.work.clone() };
         Self { work: Some(Arc::new(work)), ..self.clone() }
     }
 
-    /// Counts evaluations. To be called where no other thread evaluates for the same part: what follows depends on it.
+    /// Counts evaluations. Call it only when no other thread evaluates for the same part, since control flow
+    /// depends on it.
     pub(crate) fn count_work(&self, n: u64) {
-        with_wholes(self.work.as_ref()).for_each(|work| {
+        with_ancestors(self.work.as_ref()).for_each(|work| {
             work.done.fetch_add(n, Ordering::Relaxed);
         });
     }
 
-    /// How many evaluations are left, of those that [`Job::with_work_limit`] allows.
+    /// The number of evaluations left of those that [`Job::with_work_limit`] allows.
     #[must_use]
     pub fn work_left(&self) -> u64 {
-        with_wholes(self.work.as_ref()).map(WorkLimit::left).min().unwrap_or(u64::MAX)
+        with_ancestors(self.work.as_ref()).map(WorkLimit::remaining).min().unwrap_or(u64::MAX)
     }
 
-    /// Whether what is going on should end with what it has: it has used up its evaluations, or the job is to finish.
+    /// Whether the current work should end with its best result: its evaluations are used up, or the job is
+    /// to finish.
     pub(crate) fn is_over(&self) -> bool {
-        self.is_finishing() || with_wholes(self.work.as_ref()).any(WorkLimit::is_used_up)
+        self.is_finishing() || with_ancestors(self.work.as_ref()).any(WorkLimit::is_used_up)
     }
 
     /// Passes `progress` to the sink, if there is one.

@@ -54,8 +54,8 @@ impl fmt::Display for Unit {
 impl FromStr for Unit {
     type Err = InvalidLength;
     fn from_str(text: &str) -> Result<Self, InvalidLength> {
-        let found = UNITS.iter().find(|row| row.1 == text);
-        found.map(|row| row.0).ok_or_else(|| InvalidLength {
+        let row = UNITS.iter().find(|row| row.1 == text);
+        row.map(|row| row.0).ok_or_else(|| InvalidLength {
             text: text.to_owned(),
             why: "units are um, mm, cm, m, km, in and ft".into(),
         })
@@ -142,7 +142,7 @@ impl FromStr for Length {
     }
 }
 
-/// A text that is no length, and why.
+/// The error for a text that is not a length, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidLength {
     text: String,
@@ -156,7 +156,7 @@ impl Spell for InvalidLength {
 }
 
 impl InvalidLength {
-    /// The whole sentence.
+    /// The full sentence.
     #[must_use]
     pub fn message(&self) -> Message {
         Message::from(format!("'{}': ", self.text)).message(&self.why)

@@ -1,4 +1,4 @@
-//! `Lens`: a view prepared to turn lengths into pixels and back, at many places.
+//! `Lens`: a view prepared for converting lengths into pixels and back, at many places.
 //!
 //! A true point `(X, z)`, `z` its depth and `X` its offset from the axis, and an approximating point
 //! `(X+a, z+b)` with `a² + b² ≤ ε²` lie on the screen at a distance, in units of `F = H/(2·tan(fov/2))`, of
@@ -59,14 +59,14 @@ enum EyePosition {
     At { eye: [f64; 3], forward: [f64; 3], near: f64 },
 }
 
-/// The scale of a lens at one place: converts lengths there into pixels and back.
+/// The scale of a lens at one place, for converting lengths there into pixels and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelScale {
     /// `F·sec(min(θ₀, C))`, rounded up.
     scale: f64,
     /// `D`, rounded down; `None` for parallel rays.
     depth: Option<f64>,
-    /// Errors below this leave everything in front of the near plane, so nothing is visible.
+    /// Errors below this leave all points in front of the near plane, so they are invisible.
     hidden: f64,
 }
 
@@ -88,8 +88,8 @@ impl View {
             }
             Self::Camera(camera) => {
                 let [_, _, forward] = camera.axes()?;
-                let seat = EyePosition::At { eye: camera.eye, forward, near: camera.near };
-                Lens::new(camera.projection, camera.screen, seat)
+                let position = EyePosition::At { eye: camera.eye, forward, near: camera.near };
+                Lens::new(camera.projection, camera.screen, position)
             }
         })
     }
@@ -131,9 +131,9 @@ impl View {
         let (_, high) = half_tan(*fov_y_deg);
         let focal = div_down(f64::from(screen.height_px), mul_up(2.0, high));
         let product = div_up(mul_up(first, second), focal);
-        let rest = sub_down(1.0, div_up(product, focal));
-        let both = div_up(add_up(sum, mul_up(2.0, product)), rest);
-        (rest > 0.0 && both.is_finite()).then_some(both)
+        let denominator = sub_down(1.0, div_up(product, focal));
+        let pixels = div_up(add_up(sum, mul_up(2.0, product)), denominator);
+        (denominator > 0.0 && pixels.is_finite()).then_some(pixels)
     }
 
     /// The largest length, up to rounding, for which [`View::pixels_of`] at `place` is at most `pixels`.
@@ -163,7 +163,7 @@ impl MinDistanceView {
 }
 
 impl Lens {
-    fn new(projection: Projection, screen: Screen, seat: EyePosition) -> Self {
+    fn new(projection: Projection, screen: Screen, position: EyePosition) -> Self {
         let (w, h) = (f64::from(screen.width_px), f64::from(screen.height_px));
         match projection {
             Projection::Perspective { fov_y_deg } => {
@@ -172,10 +172,10 @@ impl Lens {
                 let corner_sq = add_up(mul_up(high, high), mul_up(wide, wide));
                 // So close to 180° that rounding hides the difference: no bound.
                 let focal = if low > 0.0 { div_up(h, mul_down(2.0, low)) } else { f64::INFINITY };
-                Self { focal, corner_secant: Some(sqrt_up(add_up(1.0, corner_sq))), eye: seat }
+                Self { focal, corner_secant: Some(sqrt_up(add_up(1.0, corner_sq))), eye: position }
             }
             Projection::Orthographic { height } => {
-                Self { focal: div_up(h, height), corner_secant: None, eye: seat }
+                Self { focal: div_up(h, height), corner_secant: None, eye: position }
             }
         }
     }
@@ -217,12 +217,12 @@ impl PixelScale {
         if error == 0.0 || (0.0 < error && error < self.hidden) {
             return Some(0.0);
         }
-        let moved = mul_up(self.scale, error);
+        let numerator = mul_up(self.scale, error);
         let pixels = match self.depth {
-            None => moved,
+            None => numerator,
             Some(depth) => {
-                let room = sub_down(depth, error);
-                if room > 0.0 { div_up(moved, room) } else { f64::INFINITY }
+                let remaining_depth = sub_down(depth, error);
+                if remaining_depth > 0.0 { div_up(numerator, remaining_depth) } else { f64::INFINITY }
             }
         };
         (error > 0.0 && pixels.is_finite()).then_some(pixels)
@@ -231,26 +231,26 @@ impl PixelScale {
     /// [`View::length_of`] at this place.
     #[must_use]
     pub fn length_of(&self, pixels: Pixels) -> Option<f64> {
-        let wanted = pixels.get();
+        let limit = pixels.get();
         let guess = match self.depth {
-            None => wanted / self.scale,
-            Some(depth) => depth / (1.0 + self.scale / wanted),
+            None => limit / self.scale,
+            Some(depth) => depth / (1.0 + self.scale / limit),
         };
         let guess = lesser(guess, f64::MAX);
-        let fits = |length: &f64| *length > 0.0 && self.pixels_of(*length).is_some_and(|p| p <= wanted);
+        let fits = |length: &f64| *length > 0.0 && self.pixels_of(*length).is_some_and(|p| p <= limit);
         // `pixels_of` rounds up, so the guess may be a few units in the last place too long, and many where
         // the difference `D − ε` cancels: shorten it by 0, 1, 2, 4, … such units until it fits.
         let shortened = |k: i32| guess - guess * (f64::EPSILON * (1_u64 << k) as f64);
-        let seen = std::iter::once(guess).chain((0..52).map(shortened)).find(fits).unwrap_or(0.0);
-        let unseen = if self.hidden > 0.0 { self.hidden.next_down() } else { 0.0 };
-        let length = greater(seen, unseen);
+        let visible = std::iter::once(guess).chain((0..52).map(shortened)).find(fits).unwrap_or(0.0);
+        let invisible = if self.hidden > 0.0 { self.hidden.next_down() } else { 0.0 };
+        let length = greater(visible, invisible);
         (length > 0.0).then_some(length)
     }
 }
 
 /// `tan(fov/2)` from below and above. `libm::tan` is off by less than one unit in the last place and the
 /// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ (π/2)/cos x` at most. The
-/// low one is not positive when nothing is left of it.
+/// lower one is not positive if the error exceeds it.
 fn half_tan(fov_y_deg: f64) -> (f64, f64) {
     let half = fov_y_deg * (std::f64::consts::PI / 360.0);
     let tan = libm::tan(half);
@@ -269,7 +269,7 @@ struct ViewExtent {
 }
 
 impl ViewExtent {
-    /// Nothing is known.
+    /// No information.
     const UNBOUNDED: Self = Self { near: f64::NEG_INFINITY, far: f64::INFINITY, tan: f64::INFINITY };
 
     /// Depth is linear and the cone of an angle in front of the eye is convex, so the extremes are at the

@@ -10,12 +10,12 @@ pub enum RequiredEvidence {
     /// A proved upper bound, rounding included.
     #[default]
     Proved,
-    /// A proof as far as one is found with about the work that the result itself took, and a measurement for all of it
-    /// where places are left over ([`Bound::open`](super::Bound::open) lists them).
+    /// A proof if one is found with about as much work as the result itself took; otherwise a measurement of
+    /// the whole result, with the places that are not proved ([`Bound::open`](super::Bound::open)).
     ProvedOrMeasured,
     /// A measurement is enough.
     Measured,
-    /// A draft will do, whose error is neither proved nor measured.
+    /// A draft whose error is neither proved nor measured is enough.
     Estimated,
 }
 
@@ -48,8 +48,8 @@ impl FromStr for RequiredEvidence {
     type Err = UnknownRequirement;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let all = [Self::Proved, Self::ProvedOrMeasured, Self::Measured, Self::Estimated];
-        let named = all.into_iter().find(|require| require.as_str() == text);
+        let variants = [Self::Proved, Self::ProvedOrMeasured, Self::Measured, Self::Estimated];
+        let named = variants.into_iter().find(|require| require.as_str() == text);
         named.ok_or_else(|| UnknownRequirement(text.chars().take(40).collect())) // 40: fits in a message
     }
 }
@@ -78,11 +78,11 @@ pub struct Budget {
     pub pixels: Option<PixelBudget>,
     /// The largest angle between the triangles' normals and the true ones, in degrees.
     pub angle_deg: Option<f64>,
-    /// How far attributes of a mesh may be from those of the original.
+    /// How far the attributes of a simplified mesh may be from those of the original.
     pub attributes: AttributeLimits,
     /// The largest number of triangles.
     pub triangles: Option<u64>,
-    /// The largest number of polyline segments, all together.
+    /// The largest number of polyline segments in total.
     pub segments: Option<u64>,
     /// The required evidence.
     pub require: RequiredEvidence,
@@ -103,18 +103,18 @@ impl Budget {
 
     /// A budget with a triangle limit only.
     #[must_use]
-    pub fn triangles(most: u64) -> Self {
-        Self { triangles: Some(most), ..Self::default() }
+    pub fn triangles(limit: u64) -> Self {
+        Self { triangles: Some(limit), ..Self::default() }
     }
 
     /// A budget with a segment limit only.
     #[must_use]
-    pub fn segments(most: u64) -> Self {
-        Self { segments: Some(most), ..Self::default() }
+    pub fn segments(limit: u64) -> Self {
+        Self { segments: Some(limit), ..Self::default() }
     }
 
-    /// The length that the budget's length and pixel limits allow everywhere in `place`. Infinite where it
-    /// has neither; `None` where `place` comes so close to the eye that no length is small enough.
+    /// The length that the budget's length and pixel limits allow everywhere in `place`. Infinite if it has
+    /// neither limit; `None` if `place` comes so close to the eye that no length is small enough.
     ///
     /// ```
     /// use chordal::{Budget, math::Box3};

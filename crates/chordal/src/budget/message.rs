@@ -3,9 +3,10 @@ use super::Setting;
 use std::fmt;
 use std::ops::{Deref, Range};
 
-/// A sentence, and where it advises settings.
+/// A sentence for people, and the places where it advises settings.
 ///
-/// As it is, it names a setting in quotes. A shell puts its own [`Spelling`] there, with [`Spell::spelled`].
+/// Its own text has the names of settings in quotes. A shell replaces them by its [`Spelling`], with
+/// [`Spell::spelled`].
 ///
 /// ```
 /// use chordal::budget::advice::{Message, Setting, Spell, Spelling};
@@ -24,7 +25,7 @@ use std::ops::{Deref, Range};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Message {
     text: String,
-    /// In the order of the text, none over another.
+    /// In the order of the text, without overlap.
     advice: Vec<SettingSpan>,
 }
 
@@ -59,7 +60,7 @@ impl Message {
         self.advise(setting, Some(value), neutral)
     }
 
-    /// The sentence with another one, and what that advises, at its end.
+    /// The sentence followed by another one, with its settings.
     #[must_use]
     pub fn message(mut self, other: &Self) -> Self {
         let shift = self.text.len();
@@ -81,11 +82,11 @@ impl Message {
 
 /// How a shell writes settings.
 pub trait Spelling {
-    /// What its users write to set this, to that value where there is one.
+    /// The text by which its users set this, with the value if there is one.
     fn spell(&self, setting: Setting, value: Option<&str>) -> String;
 }
 
-/// What holds messages, and can have their settings spelled.
+/// A type that holds messages, whose settings can be spelled.
 pub trait Spell: Sized {
     /// Spells all settings that are not spelled yet.
     fn spell(&mut self, spelling: &dyn Spelling);
@@ -100,7 +101,7 @@ pub trait Spell: Sized {
 
 impl Spell for Message {
     fn spell(&mut self, spelling: &dyn Spelling) {
-        // From the end, so that the places before stay where they are.
+        // From the end, so that earlier ranges stay valid.
         for SettingSpan { range, setting, value } in std::mem::take(&mut self.advice).into_iter().rev() {
             self.text.replace_range(range, &spelling.spell(setting, value.as_deref()));
         }

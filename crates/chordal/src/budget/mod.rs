@@ -1,5 +1,5 @@
-//! Error budgets and bounds: the error that is allowed ([`Budget`]), the error that was made ([`Bound`]), and
-//! the conditions of a run ([`Job`]); and what a caller sets or is told ([`Setting`], [`Message`]).
+//! Error budgets and bounds: the allowed error ([`Budget`]), the error of a result ([`Bound`]), the
+//! conditions of a run ([`Job`]), and the settings and messages of a caller ([`Setting`], [`Message`]).
 mod attribute_limits;
 mod bound;
 mod bounded;
@@ -39,7 +39,7 @@ pub use tolerance::{InvalidTolerance, Tolerance, digits};
 pub(crate) use view::{Camera, MinDistanceView, Projection, Screen};
 pub use view::{Pixels, View};
 
-/// Messages with settings that a shell spells in its own way.
+/// Messages that advise settings, which each shell spells in its own way.
 pub mod advice {
     pub use super::cure::Cure;
     pub use super::message::{Message, Spell, Spelling};
@@ -57,7 +57,7 @@ pub mod camera {
     pub use super::view::{Camera, InvalidView, MinDistanceView, Projection, Screen};
 }
 
-/// Proofs that are tried after a result is there: how far they are taken, and what they leave open.
+/// Proofs that are tried after a result is computed: how much work they may take, and which places stay open.
 pub mod proof {
     pub use super::job::ProofEffort;
     pub use super::open_places::{OpenPlace, OpenPlaces, SurfaceContact};

@@ -1,4 +1,4 @@
-//! `OpenPlaces`: where a bound is not proved although a proof was tried.
+//! `OpenPlaces`: the places where a proof was tried and not found.
 use std::fmt;
 
 /// A connected part of a result for which no proof was found.
@@ -8,33 +8,32 @@ pub struct OpenPlace {
     pub at: [f64; 3],
     /// The diagonal of its box.
     pub size: f64,
-    /// The area of its triangles; 0 where a part of the true shape could be without any.
+    /// The area of its triangles; 0 if a part of the true shape might have no triangles there.
     pub area: f64,
-    /// A point where two surfaces touch, if one is seen: what mostly keeps a place from being proved.
+    /// A point where two surfaces touch, if one was found: the usual reason why a place cannot be proved.
     pub contact: Option<SurfaceContact>,
 }
 
-/// A point where two surfaces have one tangent plane.
+/// A point where two surfaces share a tangent plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceContact {
     /// The point.
     pub at: [f64; 3],
-    /// Whether both are on one side of the plane, as faces that lie in one another; otherwise they touch from opposite
-    /// sides, as parts that do not overlap, or as a wall that ends in nothing.
+    /// Whether both solids are on one side of the plane, as for coincident faces; otherwise they touch from
+    /// opposite sides, like parts that do not overlap or a wall that thins out to nothing.
     pub is_flush: bool,
-    /// The lines of a script that made the two, if they are known.
+    /// The lines of the script that created the two surfaces, if known.
     pub lines: Option<[u64; 2]>,
 }
 
-/// Half of the last digit that is shown: derived.
-const SHOWN: f64 = 0.5e-4;
+/// Half of the last printed digit: derived.
+const HALF_LAST_DIGIT: f64 = 0.5e-4;
 
 impl fmt::Display for SurfaceContact {
-    /// `two surfaces touch at (5.0000, 0.0000, 1.0000) (lines 1 and 2 of the script): …`, with what helps where they are on
-    /// opposite sides of its plane.
+    /// `two surfaces touch at (5.0000, 0.0000, 1.0000) (lines 1 and 2 of the script): …`, followed by advice.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // What is shown as 0 has no sign.
-        let [x, y, z] = self.at.map(|x| if x.abs() < SHOWN { 0.0 } else { x });
+        // Print no "-0.0000".
+        let [x, y, z] = self.at.map(|x| if x.abs() < HALF_LAST_DIGIT { 0.0 } else { x });
         write!(f, "two surfaces touch at ({x:.4}, {y:.4}, {z:.4})")?;
         match self.lines {
             Some([a, b]) if a == b => write!(f, " (line {a} of the script)")?,
@@ -55,19 +54,19 @@ impl fmt::Display for SurfaceContact {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpenPlaces {
-    /// How many there are. 0 where nothing stayed open, and a point was found farther away than the proof allows: what was
-    /// promised of the shape does not hold.
+    /// The number of places. 0 if no place stayed open but a point was found farther away than the proof
+    /// allows: then a promise about the shape is false.
     pub count: u64,
     /// The area of their triangles.
     pub area: f64,
     /// The area of all triangles.
     pub whole_area: f64,
-    /// The largest of them, at most [`OpenPlaces::MOST`], the largest first.
+    /// The largest places, at most [`OpenPlaces::MOST`], in descending order.
     pub largest: Vec<OpenPlace>,
 }
 
 impl OpenPlaces {
-    /// How many are listed. Chosen: as many as one looks at.
+    /// The most places that are listed. Chosen: as many as a reader looks through.
     pub const MOST: usize = 16;
 
     /// The places, and the area of all triangles of the result.
@@ -80,14 +79,14 @@ impl OpenPlaces {
         Self { count, area, whole_area, largest: places }
     }
 
-    /// The first contact from opposite sides, which mostly is what can be mended: faces that lie in one another are mostly
-    /// meant.
+    /// The first contact from opposite sides. It is usually the one to mend; coincident faces are usually
+    /// intended.
     #[must_use]
     pub fn tangent(&self) -> Option<&SurfaceContact> {
         self.largest.iter().filter_map(|place| place.contact.as_ref()).find(|contact| !contact.is_flush)
     }
 
-    /// Those of two results next to each other.
+    /// The open places of two results next to each other.
     #[must_use]
     pub fn beside(&self, other: &Self) -> Self {
         let mut largest = [&self.largest[..], &other.largest[..]].concat();

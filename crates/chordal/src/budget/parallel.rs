@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 /// `f(0, &items[0]), f(1, &items[1]), …` in order, on as many threads as the job allows.
 ///
 /// The result is the same on any number of threads as long as `f` depends on its arguments alone. Without the
-/// feature `threads`, or when the machine grants no thread, the caller's thread does all of it. A cancelled
+/// feature `threads`, or if the machine grants no thread, the caller's thread does all the work. A cancelled
 /// job still runs `f` for every item: an `f` that takes long checks [`Job::is_cancelled`] and returns early.
 ///
 /// Cost: one task for every few items; threads are started once per process and number of threads.
@@ -24,14 +24,14 @@ pub fn par_map<T: Sync, R: Send>(job: &Job, items: &[T], f: impl Fn(usize, &T) -
     for_each(job, parts.len(), &|k| {
         let first = k * size;
         let end = if items.len() - first < size { items.len() } else { first + size };
-        let made = items[first..end].iter().enumerate().map(|(i, item)| f(first + i, item)).collect();
-        *parts[k].lock().unwrap_or_else(PoisonError::into_inner) = made;
+        let results = items[first..end].iter().enumerate().map(|(i, item)| f(first + i, item)).collect();
+        *parts[k].lock().unwrap_or_else(PoisonError::into_inner) = results;
     });
-    let mut all = Vec::with_capacity(items.len());
+    let mut results = Vec::with_capacity(items.len());
     for part in parts {
-        all.append(&mut part.into_inner().unwrap_or_else(PoisonError::into_inner));
+        results.append(&mut part.into_inner().unwrap_or_else(PoisonError::into_inner));
     }
-    all
+    results
 }
 
 /// [`par_map`] over items that `f` consumes: for the few large parts into which a recursion splits its input.
@@ -39,18 +39,15 @@ pub(crate) fn par_map_owned<T: Send, R: Send>(job: &Job, items: Vec<T>, f: impl 
     if !is_shared(job, items.len()) {
         return items.into_iter().map(f).collect();
     }
-    let places: Vec<Mutex<(Option<T>, Option<R>)>> =
+    let slots: Vec<Mutex<(Option<T>, Option<R>)>> =
         items.into_iter().map(|item| Mutex::new((Some(item), None))).collect();
-    for_each(job, places.len(), &|k| {
-        let take = || places[k].lock().unwrap_or_else(PoisonError::into_inner);
-        let item = take().0.take();
-        let made = item.map(&f);
-        take().1 = made;
+    for_each(job, slots.len(), &|k| {
+        let lock = || slots[k].lock().unwrap_or_else(PoisonError::into_inner);
+        let item = lock().0.take();
+        let result = item.map(&f);
+        lock().1 = result;
     });
-    places
-        .into_iter()
-        .filter_map(|place| place.into_inner().unwrap_or_else(PoisonError::into_inner).1)
-        .collect()
+    slots.into_iter().filter_map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner).1).collect()
 }
 
 /// The largest number of tasks of one call: enough that the threads end at nearly the same time.
@@ -63,9 +60,8 @@ fn is_shared(job: &Job, n: usize) -> bool {
 
 /// `task(0), …, task(n - 1)` on the threads of a job, in any order.
 ///
-/// Everything that a call of [`par_map`] does with rayon is behind this non-generic function: compiled for
-/// each of the hundred closures of this crate, rayon's own code was half of the crate's functions and a third
-/// of its code.
+/// All that [`par_map`] does with rayon is behind this non-generic function: compiled for each of the hundred
+/// closures of this crate, rayon's own code was half of the crate's functions and a third of its code.
 fn for_each(job: &Job, n: usize, task: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "threads")]
     job.enter(&mut || {
@@ -87,9 +83,9 @@ impl Job {
     /// Runs `work` with one set of threads that every [`par_map`] of the same number of threads shares: use
     /// it around many small steps.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        let (mut work, mut made) = (Some(work), None);
-        self.enter(&mut || made = work.take().map(|work| work()));
-        made.expect("the work was done")
+        let (mut work, mut result) = (Some(work), None);
+        self.enter(&mut || result = work.take().map(|work| work()));
+        result.expect("the work was done")
     }
 
     /// [`Job::run`] for work that is called once and keeps its own result.
@@ -101,7 +97,7 @@ impl Job {
             let fits =
                 rayon::current_thread_index().is_some() && rayon::current_num_threads() == self.threads;
             if self.threads != 0 && !fits {
-                // Where the machine grants no more threads, the work runs on the current ones.
+                // If the machine grants no more threads, the work runs on the current ones.
                 if let Some(pool) = thread_pool(self.threads) {
                     return pool.install(work);
                 }
@@ -111,14 +107,14 @@ impl Job {
     }
 }
 
-/// Whether the caller is on the threads of a pool, or the host's pool has any: where the machine grants none, rayon
+/// Whether the caller runs on a pool's threads, or the host's pool has any: if the machine grants none, rayon
 /// panics at the first use of that pool.
 #[cfg(feature = "threads")]
 pub(crate) fn has_threads() -> bool {
     use std::{error::Error, sync::OnceLock};
     static HOST: OnceLock<bool> = OnceLock::new();
-    // No result depends on it: `par_map` keeps the order. Of the errors of a start, only that of the machine has a source;
-    // the other one is that the host has started the pool.
+    // No result depends on it: `par_map` keeps the order. Of the errors of `build_global`, only a failure of
+    // the machine has a source; the other one says that the host has already started the pool.
     rayon::current_thread_index().is_some()
         || *HOST.get_or_init(|| match rayon::ThreadPoolBuilder::new().build_global() {
             Ok(()) => true,
@@ -126,8 +122,8 @@ pub(crate) fn has_threads() -> bool {
         })
 }
 
-/// The pool with that many threads, started once per process: starting one takes 40 µs, which is as long as a
-/// small mesh takes. A process that was forked has none of its parent's threads, and starts its own.
+/// The pool with that many threads, started once per process: starting one takes 40 µs, as long as a small
+/// mesh takes. A forked process has none of its parent's threads, and starts its own.
 #[cfg(feature = "threads")]
 fn thread_pool(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
     use std::collections::BTreeMap;

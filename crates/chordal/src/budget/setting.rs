@@ -1,22 +1,22 @@
-//! `Setting`: what a caller can set, for sentences that advise it; each shell spells it in its own way.
+//! `Setting`: the settings that messages advise; each shell spells them in its own way.
 use super::Cure;
 
-/// What a caller can set, as far as sentences of the library advise it. A shell spells it as its users do.
+/// A setting of a caller that messages of the library advise. Each shell spells it as its users do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Setting {
     /// The unit of the input's lengths.
     Unit,
     /// The format of the input.
     From,
-    /// How the polygons of an `.obj` are taken: the name of a surface.
+    /// How the polygons of an `.obj` are interpreted: the name of a kind of surface.
     Surface,
     /// One volume of a file that holds several.
     Index,
     /// Whether bytes beyond the declared samples are skipped.
     Lenient,
-    /// The box that a field is cut off at: its lower corner, a space, its upper corner.
+    /// The box at which a field is cut off: its lower corner, a space, its upper corner.
     Region,
-    /// The text that a font sets.
+    /// The text that is set in a font.
     Text,
     /// The level of an isosurface.
     Iso,
@@ -48,22 +48,22 @@ pub enum Setting {
     Compress,
     /// Whether the numbers of a glTF are rounded to fewer bits.
     Quantize,
-    /// How much work a proof, or a count, is worth.
+    /// How much work a proof, or a count, may take.
     Effort,
     /// Whether an inspection looks for triangles that cross.
     SelfIntersections,
-    /// Which way closed pieces within others face.
+    /// Which way closed pieces inside others face.
     Nested,
-    /// How far texture coordinates may be off.
+    /// The allowed error of texture coordinates.
     UvError,
-    /// How far normals may be off.
+    /// The allowed error of normals.
     NormalError,
     /// A repair of a mesh.
     Cure(Cure),
 }
 
 impl Setting {
-    /// All but the repairs, of which [`Cure::ALL`] has the list.
+    /// All except the repairs, which [`Cure::ALL`] lists.
     pub const PLAIN: [Self; 27] = [
         Self::Unit,
         Self::From,

@@ -39,10 +39,10 @@ impl fmt::Display for Tolerance {
     }
 }
 
-/// A number with all its digits: as a decimal, or with an exponent where that would have many zeros.
+/// A number with all its digits: as a decimal, or with an exponent if the decimal would have many zeros.
 #[must_use]
 pub fn digits(x: f64) -> String {
-    // Chosen: what people still read at a glance.
+    // Chosen: decimals that people still read at a glance; beyond, zeros would have to be counted.
     let is_plain = x == 0.0 || (x.abs() >= 1e-7 && x.abs() < 1e16);
     if is_plain { x.to_string() } else { format!("{x:e}") }
 }
@@ -55,7 +55,7 @@ impl FromStr for Tolerance {
     }
 }
 
-/// The error for a text or number that is no tolerance.
+/// The error for a text or number that is not a tolerance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidTolerance(pub(super) String);
 

@@ -67,7 +67,7 @@ pub enum Projection {
     },
 }
 
-/// A camera at one position: for work that depends on the view.
+/// A camera at one position, for work that depends on the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The position of the eye.
@@ -84,7 +84,7 @@ pub struct Camera {
     pub screen: Screen,
 }
 
-/// An eye at any position and in any direction, but never nearer than `distance` to the shape: for assets.
+/// An eye at any position and in any direction, but at least `distance` from the shape: for assets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MinDistanceView {
     /// The smallest distance between the eye and the bounding box of the surface, > 0.
@@ -130,7 +130,7 @@ impl View {
     /// The same view after checks: sizes and distances are finite and positive, and the axes are independent.
     ///
     /// # Errors
-    /// [`InvalidView`] with what is wrong.
+    /// [`InvalidView`] with the reason.
     pub fn checked(self) -> Result<Self, InvalidView> {
         let (projection, screen) = match &self {
             Self::Camera(camera) => (camera.projection, camera.screen),
@@ -278,7 +278,7 @@ fn parse_point(name: &str, text: &str) -> Result<[f64; 3], InvalidView> {
     if point.iter().all(|x| x.is_finite()) { Ok(point) } else { Err(wrong()) }
 }
 
-/// What is wrong with a view or a number of pixels, in one sentence.
+/// The reason why a view or a number of pixels is invalid, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidView(String);
 

@@ -8,9 +8,9 @@ use std::fmt;
 /// `sweep_rad`.
 ///
 /// The axes may differ in length and need not be orthogonal; a circle has orthogonal axes of equal length.
-/// The two ends are stored separately, so that the arc joins its neighbours bit for bit. An arc of at most half
-/// an ellipse that was made [from its ends](Arc::through) is also evaluated from them, and not from its centre:
-/// that may be millions of chords away.
+/// The two ends are stored separately, so that the arc joins its neighbours bit for bit. An arc of at most
+/// half an ellipse that was built [from its ends](Arc::through) is also evaluated from them, and not from its
+/// centre, which may be millions of chords away.
 ///
 /// ```
 /// use chordal::explicit::Arc;
@@ -30,16 +30,17 @@ pub struct Arc<const D: usize> {
     crown: Option<ArcCrown<D>>,
 }
 
-/// What an arc of at most half an ellipse is beside its ends `A` and `B`. With half its sweep `δ`, `τ = sin(δt)cos(δ(1−t))/sin δ`
-/// and `w` from the centre to its middle, its point at `t` is `(1−τ)·A + τ·B + 2 sin(δt) sin(δ(1−t))·w`.
+/// The data of an arc of at most half an ellipse besides its ends `A` and `B`. With half its sweep `δ`,
+/// `τ = sin(δt)cos(δ(1−t))/sin δ` and `w` from the centre to its middle, its point at `t` is
+/// `(1−τ)·A + τ·B + 2 sin(δt) sin(δ(1−t))·w`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ArcCrown<const D: usize> {
     pub to_middle: [f64; D],
     pub half_rad: f64,
 }
 
-/// A part of an arc about its middle: half its angle, the vector from the centre to its middle, and the derivative by
-/// angle there.
+/// A part of an arc relative to its middle: half its angle, the vector from the centre to its middle, and the
+/// derivative by the angle there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArcPart<const D: usize> {
     pub(crate) half_rad: f64,
@@ -60,19 +61,19 @@ impl<const D: usize> Arc<D> {
     ) -> Result<Self, InvalidArc> {
         let mut arc = Self { centre, axes, start_rad, sweep_rad, ends: [centre; 2], slack: 0.0, crown: None };
         arc.ends = [arc.round(0.0), arc.round(1.0)];
-        // 2π rounded to a number is below 2π; it counts as a full turn.
+        // The exact 2π exceeds its f64, which counts as a full turn.
         if !arc.is_finite() || start_rad.abs() > 4.0 * PI || sweep_rad.abs() > 2.0 * PI {
             return Err(InvalidArc);
         }
         Ok(arc)
     }
 
-    /// The same arc by its ends and its crown: it is at most half an ellipse.
+    /// The same arc, given by its ends and its crown: it is at most half an ellipse.
     pub(super) fn with_crown(self, ends: [[f64; D]; 2], crown: ArcCrown<D>) -> Self {
         Self { ends, crown: Some(crown), ..self }
     }
 
-    /// The same arc with this much more slack.
+    /// The same arc with `more` added to its slack.
     pub(super) fn with_more_slack(self, more: f64) -> Self {
         Self { slack: add_up(self.slack, more), ..self }
     }
@@ -117,7 +118,7 @@ impl<const D: usize> Arc<D> {
         self.sweep_rad
     }
 
-    /// The largest distance of the exact arc from these numbers.
+    /// The largest distance between the exact arc and this one.
     #[must_use]
     pub fn slack(&self) -> f64 {
         self.slack
@@ -135,7 +136,7 @@ impl<const D: usize> Arc<D> {
         }
     }
 
-    /// The point at `t` by the formula, at the ends too.
+    /// The point at `t` by the formula, even at the ends.
     pub(super) fn round(&self, t: f64) -> [f64; D] {
         let Some(crown) = self.crown else {
             let offset = self.direction(self.start_rad + self.sweep_rad * t);
@@ -144,8 +145,8 @@ impl<const D: usize> Arc<D> {
         let half = crown.half_rad;
         let (sin_a, cos_a) = libm::sincos(half * t);
         let (sin_b, cos_b) = libm::sincos(half * (1.0 - t));
-        let whole = libm::sin(half);
-        let (to_a, to_b, lift) = (sin_b * cos_a / whole, sin_a * cos_b / whole, 2.0 * sin_a * sin_b);
+        let sin_half = libm::sin(half);
+        let (to_a, to_b, lift) = (sin_b * cos_a / sin_half, sin_a * cos_b / sin_half, 2.0 * sin_a * sin_b);
         let [a, b] = self.ends;
         std::array::from_fn(|k| (to_a * a[k] + to_b * b[k]) + lift * crown.to_middle[k])
     }
@@ -200,7 +201,8 @@ impl<const D: usize> Arc<D> {
             start_rad: self.start_rad + self.sweep_rad,
             sweep_rad: -self.sweep_rad,
             ends: [self.ends[1], self.ends[0]],
-            // The sum of the angles is rounded by half a step; the sweep turns that into a length. A crown is as it was.
+            // The sum of the angles is rounded by half a step; the sweep turns that into a length. A crown is
+            // not rounded.
             slack: match self.crown {
                 Some(_) => self.slack,
                 None => add_up(self.slack, mul_up(16.0 * f64::EPSILON, self.reach())),
@@ -213,7 +215,8 @@ impl<const D: usize> Arc<D> {
     /// points where the tangents at the ends of eight equal parts meet.
     #[must_use]
     pub fn bounds(&self) -> [[f64; D]; 2] {
-        // As for an evaluated point: convert/curves/chord.rs derives less than 16 half steps.
+        // The same rounding as for an evaluated point: convert/curves/chord.rs derives less than 16 half
+        // steps.
         let rounding = 16.0 * f64::EPSILON * self.reach();
         let [mut low, mut high] = [self.ends[0]; 2];
         let mut widen = |p: [f64; D], by: f64| {
@@ -226,7 +229,7 @@ impl<const D: usize> Arc<D> {
         for part in 0..8 {
             let (a, b) = (f64::from(part) / 8.0, f64::from(part + 1) / 8.0);
             let ArcPart { half_rad, to_middle, .. } = self.part_about_middle(a, b);
-            // The secant less 1, without cancellation.
+            // The secant minus 1, without cancellation.
             let sin = libm::sin(0.5 * half_rad);
             let beyond = 2.0 * sin * sin / libm::cos(half_rad);
             let middle = self.round(0.5 * (a + b));
@@ -235,13 +238,13 @@ impl<const D: usize> Arc<D> {
         [low, high]
     }
 
-    /// The largest sum over what a coordinate is made of, in absolute values.
+    /// The largest sum of absolute values from which a coordinate is computed.
     fn reach(&self) -> f64 {
         self.reaches().into_iter().fold(0.0, greater)
     }
 
-    /// For each coordinate the sum over what it is made of, in absolute values: of the centre and both axes, or of the
-    /// farther end and the crown's height.
+    /// For each coordinate the sum of the absolute values from which it is computed: of the centre and both
+    /// axes, or of the farther end and the crown's height.
     pub(crate) fn reaches(&self) -> [f64; D] {
         let Some(crown) = self.crown else {
             let [u, v] = self.axes;
@@ -259,13 +262,14 @@ impl<const D: usize> Arc<D> {
         points.as_flattened().iter().chain(&[self.start_rad, self.sweep_rad]).all(|x| x.is_finite())
     }
 
-    /// The arc under an affine map. The rounding of a centre and axes that may be far beyond the arc is in its slack.
+    /// The arc under an affine map. If the centre and axes are far beyond the arc, their rounding is included
+    /// in its slack.
     #[must_use]
     pub fn transformed(&self, map: &AffineMap<D>) -> Self {
         let offset = map.offset.iter().fold(0.0, |sum, x| add_up(sum, x.abs()));
         let through = add_up(mul_up(map.stretch(), mul_up(D as f64, self.reach())), offset);
-        // As for points (`Curve::transformed`), of a centre and two axes.
-        let of_centre = mul_up(16.0 * (D * D) as f64 * f64::EPSILON, through);
+        // The rounding of points (`Curve::transformed`), for a centre and two axes.
+        let rounding = mul_up(16.0 * (D * D) as f64 * f64::EPSILON, through);
         let slack = mul_up(map.stretch(), self.slack);
         Self {
             centre: map.point(self.centre),
@@ -274,7 +278,7 @@ impl<const D: usize> Arc<D> {
             slack: if self.crown.is_some() || self.sweep_rad.abs() > PI {
                 slack
             } else {
-                add_up(slack, of_centre)
+                add_up(slack, rounding)
             },
             crown: self
                 .crown

@@ -19,8 +19,8 @@ impl FacingCounts {
     /// The fraction of triangles that back-face culling removes; 0 without triangles.
     #[must_use]
     pub fn back_share(&self) -> f64 {
-        let all = self.front + self.back + self.on_edge;
-        if all == 0 { 0.0 } else { self.back as f64 / all as f64 }
+        let total = self.front + self.back + self.on_edge;
+        if total == 0 { 0.0 } else { self.back as f64 / total as f64 }
     }
 }
 
@@ -35,16 +35,16 @@ impl FacingCounts {
 /// ```
 #[must_use]
 pub fn facing(mesh: &Mesh, eye: [f64; 3]) -> FacingCounts {
-    let mut seen = FacingCounts::default();
+    let mut counts = FacingCounts::default();
     for face in 0..mesh.faces().len() {
         let [a, b, c] = mesh.corners(face);
         *match orient3d(a, b, c, eye) {
-            Orientation::Front => &mut seen.front,
-            Orientation::Back => &mut seen.back,
-            Orientation::Flat => &mut seen.on_edge,
+            Orientation::Front => &mut counts.front,
+            Orientation::Back => &mut counts.back,
+            Orientation::Flat => &mut counts.on_edge,
         } += 1;
     }
-    seen
+    counts
 }
 
 /// Consecutive triangles with a bounding sphere and a cone of their normals.
@@ -56,36 +56,36 @@ pub struct Cluster {
     pub centre: [f64; 3],
     /// The radius of the sphere: no corner is farther from the centre.
     pub radius: f64,
-    /// The axis of the cone, of length 1; `None` where no cone contains all normals.
+    /// The axis of the cone, of length 1; `None` if no cone contains all normals.
     pub axis: Option<[f64; 3]>,
     /// A lower bound for the cosine of the angle between the axis and any normal.
     pub cos_angle: f64,
 }
 
-/// Roundings of lengths and products that the cone and its test allow for, each of half a unit: a dozen for a
-/// normal, and as many for the test.
+/// Margin for the roundings of lengths and products in the cone and its test, each of half a unit: a dozen
+/// for a normal, and as many for the test. Derived.
 const MARGIN: f64 = 64.0 * f64::EPSILON;
 
 impl Cluster {
     /// Whether every triangle faces away from an eye or is edge-on, so that back-face culling can skip the
-    /// whole cluster. Never true where a front is visible; false where sphere and cone cannot decide.
+    /// entire cluster. Never true if a front is visible; false if sphere and cone cannot decide.
     ///
-    /// Take a point of the sphere and a normal of the cone: with `x` and `y` the parts of `centre − eye`
-    /// along the axis and across, and `α` the cone's angle, the normal points away from the eye by
-    /// `x·cos α − y·sin α − radius` or more.
+    /// Take a point of the sphere and a normal of the cone: with `x` and `y` the components of `centre − eye`
+    /// along the axis and across it, and `α` the cone's angle, the normal points away from the eye by at
+    /// least `x·cos α − y·sin α − radius`.
     #[must_use]
     pub fn is_backward(&self, eye: [f64; 3]) -> bool {
         let Some(axis) = self.axis else { return false };
         let away = difference(self.centre, eye);
-        let far = length(away);
+        let distance = length(away);
         let along = dot(away, axis);
-        let square = far * far - along * along;
+        let square = distance * distance - along * along;
         let across = if square > 0.0 { square.sqrt() } else { 0.0 };
         let cos = self.cos_angle;
         let sine_sq = 1.0 - cos * cos;
         let sine = if sine_sq > 0.0 { sine_sq.sqrt() } else { 0.0 };
-        // Square roots of differences are off by the root of their rounding at most.
-        let slack = (far + self.radius) * MARGIN + far * MARGIN.sqrt();
+        // The root of a rounded difference is off by at most the root of the rounding.
+        let slack = (distance + self.radius) * MARGIN + distance * MARGIN.sqrt();
         cos > 0.0 && along * cos - across * sine - self.radius > slack
     }
 }
@@ -97,12 +97,12 @@ impl Cluster {
 #[must_use]
 pub fn clusters(mesh: &Mesh, triangles: usize, vertices: usize) -> Vec<Cluster> {
     let mut seen_in = vec![usize::MAX; mesh.positions().len()];
-    let (mut all, mut from, mut n_vertices) = (Vec::new(), 0, 0);
+    let (mut clusters, mut from, mut n_vertices) = (Vec::new(), 0, 0);
     for (face, corners) in mesh.faces().iter().enumerate() {
         let is_new = |v: &&u32| seen_in[**v as usize] != from;
         let fresh = corners.iter().filter(is_new).count();
         if face > from && (face - from >= triangles || n_vertices + fresh > vertices) {
-            all.push(cluster(mesh, from..face));
+            clusters.push(cluster(mesh, from..face));
             (from, n_vertices) = (face, 0);
         }
         for v in corners {
@@ -112,9 +112,9 @@ pub fn clusters(mesh: &Mesh, triangles: usize, vertices: usize) -> Vec<Cluster> 
         }
     }
     if from < mesh.faces().len() {
-        all.push(cluster(mesh, from..mesh.faces().len()));
+        clusters.push(cluster(mesh, from..mesh.faces().len()));
     }
-    all
+    clusters
 }
 
 fn cluster(mesh: &Mesh, faces: Range<usize>) -> Cluster {
@@ -135,7 +135,7 @@ fn cluster(mesh: &Mesh, faces: Range<usize>) -> Cluster {
     let long = length(sum);
     let axis = (long > 0.0).then(|| sum.map(|x| x / long));
     let cos = axis
-        .map_or(-1.0, |axis| normals.iter().map(|n| dot(*n, axis)).fold(1.0, |least, c| lesser(c, least)));
+        .map_or(-1.0, |axis| normals.iter().map(|n| dot(*n, axis)).fold(1.0, |lowest, c| lesser(c, lowest)));
     let cos_angle = cos - MARGIN;
     Cluster {
         faces,

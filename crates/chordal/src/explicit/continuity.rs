@@ -13,8 +13,8 @@ pub enum Continuity {
 }
 
 impl<const D: usize> Bezier<D> {
-    /// This curve with the fewest changes that continue it from the end of `before`. Of the control points
-    /// `[a, b, c, d]` one is set for C0, two for C1 and three for C2; the others stay.
+    /// This curve with the smallest change that continues it smoothly from the end of `before`. Of the
+    /// control points `[a, b, c, d]` one is set for C0, two for C1 and three for C2; the others stay.
     ///
     /// Each coordinate that is set is rounded once for each of its sums.
     ///

@@ -1,4 +1,5 @@
-//! `CornerBlock`: the corners of a few faces by coordinate, so that a kernel computes with all of them at once.
+//! `CornerBlock`: the corners of a few faces by coordinate, so that a kernel computes with all of them at
+//! once.
 use super::Mesh;
 
 /// Faces in a block: enough to fill the widest registers, few enough to stay in the first-level cache.
@@ -7,7 +8,7 @@ pub(crate) const BLOCK: usize = 64;
 /// One number for each face of a block.
 pub(crate) type Lanes = [f64; BLOCK];
 
-/// The corners of up to [`BLOCK`] faces: by corner and axis one number for each face.
+/// The corners of up to [`BLOCK`] faces: one number per face, for each corner and axis.
 pub(crate) struct CornerBlock {
     pub corners: [[Lanes; 3]; 3],
 }
@@ -17,8 +18,8 @@ impl CornerBlock {
         Self { corners: [[[0.0; BLOCK]; 3]; 3] }
     }
 
-    /// Takes the corners of the faces from `first` on, and returns how many there are. The lanes of a block that is
-    /// not full keep what they had.
+    /// Loads the corners of the faces from `first` on, and returns the number of faces. The other lanes of a
+    /// partly filled block keep their old values.
     #[inline(always)]
     pub fn load(&mut self, mesh: &Mesh, first: usize) -> usize {
         let faces = &mesh.faces()[first..];

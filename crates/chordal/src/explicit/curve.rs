@@ -3,7 +3,7 @@ use super::{AffineMap, CurveSegment};
 use crate::math::{add_up, greater, lesser, mul_up};
 use std::fmt;
 
-/// A path in `D` dimensions: smooth pieces, each of which starts, bit for bit, where the one before it ends.
+/// A path in `D` dimensions: smooth pieces, each of which starts, bit for bit, where the previous one ends.
 ///
 /// A closed path ends where it starts. A path may be a single point, without a piece.
 ///
@@ -34,7 +34,7 @@ pub enum CurveEnds {
 }
 
 impl From<bool> for CurveEnds {
-    /// Closed where the condition holds.
+    /// Closed if the condition holds.
     fn from(is_closed: bool) -> Self {
         if is_closed { Self::Closed } else { Self::Open }
     }
@@ -44,8 +44,8 @@ impl<const D: usize> Curve<D> {
     /// A path of at least one piece.
     ///
     /// # Errors
-    /// When there is no piece, a number is not finite, a piece does not start where the one before it ends,
-    /// or a closed path does not end where it starts.
+    /// When there is no piece, a number is not finite, a piece does not start where the previous one ends, or
+    /// a closed path does not end where it starts.
     pub fn new(pieces: Vec<CurveSegment<D>>, ends: CurveEnds) -> Result<Self, InvalidCurve> {
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
             return Err(InvalidCurve::Empty);
@@ -75,7 +75,7 @@ impl<const D: usize> Curve<D> {
         }
     }
 
-    /// The same numbers with a known uncertainty: the exact path may be up to `slack` (≥ 0) away, because the
+    /// The same path with a known uncertainty: the exact path may be up to `slack` (≥ 0) away, because its
     /// numbers were rounded before. Every bound against the path includes it.
     #[must_use]
     pub fn with_slack(mut self, slack: f64) -> Self {
@@ -83,7 +83,7 @@ impl<const D: usize> Curve<D> {
         self
     }
 
-    /// The largest distance of the exact path from these numbers, which earlier rounding has caused.
+    /// The largest distance between the exact path and this one, caused by earlier rounding.
     #[must_use]
     pub fn slack(&self) -> f64 {
         self.slack
@@ -113,8 +113,8 @@ impl<const D: usize> Curve<D> {
         self.closed
     }
 
-    /// The point at `s`: its integer part is the index of the piece, its fraction the parameter there. The
-    /// number of pieces is the end.
+    /// The point at `s`: its integer part is the index of the piece, its fraction the parameter on the piece.
+    /// The number of pieces is the end.
     #[must_use]
     pub fn at(&self, s: f64) -> [f64; D] {
         let Some((piece, t)) = self.locate(s) else { return self.start };
@@ -125,7 +125,7 @@ impl<const D: usize> Curve<D> {
     #[must_use]
     pub fn locate(&self, s: f64) -> Option<(usize, f64)> {
         let last = self.segments.len().checked_sub(1)?;
-        // A cast from float to integer saturates, and takes NaN to 0.
+        // A cast from float to integer saturates, and turns NaN into 0.
         let piece = (s as usize).min(last);
         let t = s - piece as f64;
         Some((piece, if t > 0.0 { lesser(t, 1.0) } else { 0.0 }))
@@ -153,11 +153,11 @@ impl<const D: usize> Curve<D> {
     /// When a coordinate overflows.
     pub fn transformed(&self, map: &AffineMap<D>) -> Result<Self, InvalidCurve> {
         let [low, high] = self.bounds();
-        let reach = low.iter().chain(&high).fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let reach = low.iter().chain(&high).fold(0.0, |largest: f64, x| greater(x.abs(), largest));
         let offset = map.offset.iter().fold(0.0, |sum, x| add_up(sum, x.abs()));
         // A coordinate is a sum of D products and an offset: 2D roundings of half a step of the intermediate
-        // values, which are at most stretch·√D·reach + offset; D coordinates of them. 4·D² ε covers it, and
-        // the arcs' twice.
+        // values, which are at most stretch·√D·reach + offset; for all D coordinates. 4·D² ε covers this, and
+        // twice that covers arcs.
         let through = add_up(mul_up(map.stretch(), mul_up(D as f64, reach)), offset);
         let rounding = mul_up(8.0 * (D * D) as f64 * f64::EPSILON, through);
         let slack = add_up(mul_up(map.stretch(), self.slack), rounding);
@@ -174,7 +174,7 @@ impl<const D: usize> Curve<D> {
 }
 
 impl<const D: usize> From<super::Bezier<D>> for Curve<D> {
-    /// The path of one piece. Its numbers are not checked here: arrows refuse those that are not finite.
+    /// The path of one piece. Its numbers are not checked here: arrows refuse numbers that are not finite.
     fn from(cubic: super::Bezier<D>) -> Self {
         Self {
             start: cubic.control[0],
@@ -185,7 +185,7 @@ impl<const D: usize> From<super::Bezier<D>> for Curve<D> {
     }
 }
 
-/// Why pieces do not form a path.
+/// The reason why pieces do not form a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InvalidCurve {
     /// There is no piece.
@@ -195,7 +195,8 @@ pub enum InvalidCurve {
         /// The index of the piece.
         piece: usize,
     },
-    /// A piece does not start where the one before it (for the first: the last of a closed path) ends.
+    /// A piece does not start where the previous one ends (for the first piece: the last one of a closed
+    /// path).
     Gap {
         /// The index of that piece.
         piece: usize,

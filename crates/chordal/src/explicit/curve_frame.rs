@@ -1,9 +1,10 @@
-//! How curves bend and twist: curvature and torsion of paths and splines.
+//! Curvature and torsion of paths and splines.
 use super::nurbs::NurbsCurve;
 use super::{Curve, CurveSegment};
 use crate::math::{cross, dot, exponent, greater, length, power_of_two};
 
-/// The signed curvature of a plane curve with these derivatives, positive where it turns left; `None` where it stands still.
+/// The signed curvature of a plane curve with these derivatives, positive for a left turn; `None` if its
+/// speed is 0.
 fn signed([first, second]: [[f64; 2]; 2]) -> Option<f64> {
     let (first, second, scale) = scaled(first, second)?;
     let speed = length(first);
@@ -17,21 +18,22 @@ fn unsigned([first, second]: [[f64; 3]; 2]) -> Option<f64> {
     finite(length(cross(first, second)) / (speed * speed * speed) * scale)
 }
 
-/// The torsion of a curve with these derivatives; `None` where it does not bend.
+/// The torsion of a curve with these derivatives; `None` if it does not bend.
 fn twist([first, second, third]: [[f64; 3]; 3]) -> Option<f64> {
     let (first, second, scale) = scaled(first, second)?;
     let third = third.map(|x| x * scale);
     let normal = cross(first, second);
     let across = dot(normal, normal);
-    // Torsion is one over a length, as curvature is.
+    // Like curvature, torsion is one over a length, so it scales the same way.
     if across > 0.0 { finite(dot(normal, third) / across * scale) } else { None }
 }
 
-/// Both derivatives times a power of two, so that the first is about 1 long; and that power. `None` where it is 0.
+/// Both derivatives times a power of two that makes the first about 1 long, and that power. `None` if the
+/// first is 0.
 fn scaled<const D: usize>(first: [f64; D], second: [f64; D]) -> Option<([f64; D], [f64; D], f64)> {
-    let most = first.iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-    let scale = power_of_two(-exponent(most));
-    (most > 0.0).then(|| (first.map(|x| x * scale), second.map(|x| x * scale), scale))
+    let largest = first.iter().fold(0.0, |largest: f64, x| greater(x.abs(), largest));
+    let scale = power_of_two(-exponent(largest));
+    (largest > 0.0).then(|| (first.map(|x| x * scale), second.map(|x| x * scale), scale))
 }
 
 fn finite(x: f64) -> Option<f64> {
@@ -63,8 +65,9 @@ fn jet<const D: usize>(curve: &Curve<D>, s: f64) -> Option<[[f64; D]; 3]> {
 }
 
 impl Curve<2> {
-    /// The curvature at `s` ([`Curve::at`]): one over the radius of the circle that fits best, positive where the path turns
-    /// left. `None` where the path stands still, as in a cusp. At a join it is that of the piece that starts there.
+    /// The curvature at `s` ([`Curve::at`]): one over the radius of the osculating circle, positive where the
+    /// path turns left. `None` where its speed is 0, as in a cusp. At a join it is the curvature of the piece
+    /// that starts there.
     ///
     /// ```
     /// use chordal::{Bezier, explicit::Curve};
@@ -80,16 +83,16 @@ impl Curve<2> {
 }
 
 impl Curve<3> {
-    /// The curvature at `s` ([`Curve::at`]), at least 0: one over the radius of the circle that fits best. `None` where the
-    /// path stands still, as in a cusp. At a join it is that of the piece that starts there.
+    /// The curvature at `s` ([`Curve::at`]), at least 0: one over the radius of the osculating circle. `None`
+    /// where the speed is 0, as in a cusp. At a join it is the curvature of the piece that starts there.
     #[must_use]
     pub fn curvature(&self, s: f64) -> Option<f64> {
         let [first, second, _] = jet(self, s)?;
         unsigned([first, second])
     }
 
-    /// The torsion at `s`: how fast the plane of that circle turns with the length of the path, positive as in a right-handed
-    /// screw. `None` where the path does not bend.
+    /// The torsion at `s`: the rate at which the osculating plane turns with the length of the path, positive
+    /// as in a right-handed screw. `None` where the path does not bend.
     #[must_use]
     pub fn torsion(&self, s: f64) -> Option<f64> {
         twist(jet(self, s)?)
@@ -97,8 +100,8 @@ impl Curve<3> {
 }
 
 impl NurbsCurve<2> {
-    /// The curvature at a parameter: one over the radius of the circle that fits best, positive where the curve turns left.
-    /// `None` where the curve stands still, as in a cusp. At a knot it is that to its right.
+    /// The curvature at a parameter: one over the radius of the osculating circle, positive where the curve
+    /// turns left. `None` where its speed is 0, as in a cusp. At a knot it is the curvature to its right.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -108,22 +111,22 @@ impl NurbsCurve<2> {
     /// ```
     #[must_use]
     pub fn curvature(&self, t: f64) -> Option<f64> {
-        let made = self.derivatives(t, 2);
-        signed([made[1], made[2]])
+        let derivatives = self.derivatives(t, 2);
+        signed([derivatives[1], derivatives[2]])
     }
 }
 
 impl NurbsCurve<3> {
-    /// The curvature at a parameter, at least 0: one over the radius of the circle that fits best. `None` where the curve
-    /// stands still, as in a cusp. At a knot it is that to its right.
+    /// The curvature at a parameter, at least 0: one over the radius of the osculating circle. `None` where
+    /// the speed is 0, as in a cusp. At a knot it is the curvature to its right.
     #[must_use]
     pub fn curvature(&self, t: f64) -> Option<f64> {
-        let made = self.derivatives(t, 2);
-        unsigned([made[1], made[2]])
+        let derivatives = self.derivatives(t, 2);
+        unsigned([derivatives[1], derivatives[2]])
     }
 
-    /// The torsion at a parameter: how fast the plane of that circle turns with the length of the curve, positive as in a
-    /// right-handed screw. `None` where the curve does not bend.
+    /// The torsion at a parameter: the rate at which the osculating plane turns with the length of the curve,
+    /// positive as in a right-handed screw. `None` where the curve does not bend.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -135,7 +138,7 @@ impl NurbsCurve<3> {
     /// ```
     #[must_use]
     pub fn torsion(&self, t: f64) -> Option<f64> {
-        let made = self.derivatives(t, 3);
-        twist([made[1], made[2], made[3]])
+        let derivatives = self.derivatives(t, 3);
+        twist([derivatives[1], derivatives[2], derivatives[3]])
     }
 }

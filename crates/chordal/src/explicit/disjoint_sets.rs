@@ -9,12 +9,12 @@ pub(crate) struct DisjointSets {
 }
 
 impl DisjointSets {
-    /// Each of `0..n` in a set of its own.
+    /// Each number of `0..n` in its own set.
     pub fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect(), joined: 0 }
     }
 
-    /// The earliest member of its set, whatever the order of the unions.
+    /// The earliest member of the set, for any order of the unions.
     #[inline]
     pub fn find(&mut self, mut member: u32) -> u32 {
         while self.parent[member as usize] != member {
@@ -25,7 +25,7 @@ impl DisjointSets {
         member
     }
 
-    /// Merges the sets of both members.
+    /// Merges the sets of two members.
     #[inline]
     pub fn union(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));

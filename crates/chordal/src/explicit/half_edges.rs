@@ -20,10 +20,10 @@ pub(crate) struct HalfEdges {
 }
 
 impl HalfEdges {
-    /// `None` where the faces do not form a closed, oriented 2-manifold.
+    /// `None` if the faces do not form a closed, oriented 2-manifold.
     pub fn from_faces(faces: &[[u32; 3]], n_vertices: usize) -> Option<Self> {
         let start: Vec<u32> = faces.as_flattened().to_vec();
-        // Half-edges by start vertex, in buckets as in a counting sort.
+        // Sort half-edges by start vertex into buckets, as in a counting sort.
         let mut first = vec![0_u32; n_vertices + 1];
         for v in &start {
             *first.get_mut(*v as usize + 1)? += 1;
@@ -40,8 +40,8 @@ impl HalfEdges {
         for h in 0..start.len() as u32 {
             let (a, b) = (start[h as usize], end(h));
             let back = &leaving[first[b as usize] as usize..first[b as usize + 1] as usize];
-            let mut found = back.iter().filter(|t| end(**t) == a);
-            match (found.next(), found.next()) {
+            let mut matches = back.iter().filter(|t| end(**t) == a);
+            match (matches.next(), matches.next()) {
                 (Some(t), None) if a != b => twin[h as usize] = *t,
                 _ => return None,
             }
@@ -49,7 +49,7 @@ impl HalfEdges {
         let mut out = vec![NONE; n_vertices];
         (0..start.len()).rev().for_each(|h| out[start[h] as usize] = h as u32);
         let surface = Self { n_faces: faces.len(), start, twin, out };
-        // Twins are mutual, and all faces of a vertex form one fan.
+        // Check that twins are mutual, and that all faces of a vertex form one fan.
         let mutual = (0..surface.twin.len()).all(|h| surface.twin[surface.twin[h] as usize] as usize == h);
         let one_fan = |v: usize| {
             let degree = (first[v + 1] - first[v]) as usize;
@@ -123,7 +123,7 @@ impl HalfEdges {
     }
 
     /// Splits an edge at a new vertex, where the half-edge and its twin then end. Returns the vertex. The
-    /// last two faces are new: first the one cut off the half-edge's face, then that of the twin's.
+    /// last two faces are new: first the one cut off the half-edge's face, then the one cut off its twin's.
     pub fn split(&mut self, h: u32) -> u32 {
         let t = self.twin(h);
         let (hn, tn) = (next_in_face(h), next_in_face(t));
@@ -180,7 +180,7 @@ impl HalfEdges {
     pub fn can_collapse(&self, h: u32) -> bool {
         let (a, b) = (self.start(h), self.end(h));
         let (mut n_common, mut n_around) = (0, 0);
-        // One-rings are small, except at the centres of large fans in flat regions.
+        // Linear search: one-rings are small, except at the centres of large fans in flat regions.
         for side in self.one_ring(a) {
             let v = self.end(side);
             n_around += 1;
@@ -210,8 +210,8 @@ impl HalfEdges {
         self.out[b as usize] = keep;
     }
 
-    /// Removes the face of `side`, whose ends are one vertex now, and makes the twins of its other two edges
-    /// each other's twins.
+    /// Removes the face of `side`, whose two ends have become one vertex, and makes the twins of its other
+    /// two edges each other's twins.
     fn drop_face(&mut self, side: u32) {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
         let apex = self.start(previous);
@@ -286,7 +286,7 @@ mod tests {
         let mut surface = HalfEdges::from_faces(&OCTAHEDRON, 6).unwrap();
         check(&surface);
         let mut random = Random::new(5);
-        let mut done = [0; 3];
+        let mut counts = [0; 3];
         for step in 0..3000 {
             let h = random.below(3 * surface.face_slots()) as u32;
             if !surface.has_face(h / 3) {
@@ -297,17 +297,17 @@ mod tests {
                     let (a, b, z) = (surface.start(h), surface.end(h), surface.split(h));
                     assert_eq!([surface.start(h), surface.end(h)], [a, z]);
                     assert!(surface.between(z, b).is_some());
-                    done[0] += 1;
+                    counts[0] += 1;
                 }
                 1 if surface.can_flip(h) => {
                     let ends = [surface.apex(surface.twin(h)), surface.apex(h)];
                     surface.flip(h);
                     assert_eq!([surface.start(h), surface.end(h)], ends);
-                    done[1] += 1;
+                    counts[1] += 1;
                 }
                 2 if surface.can_collapse(h) => {
                     surface.collapse(h);
-                    done[2] += 1;
+                    counts[2] += 1;
                 }
                 _ => {}
             }
@@ -315,11 +315,11 @@ mod tests {
                 check(&surface);
             }
         }
-        assert!(done.iter().all(|n| *n > 200), "{done:?}");
+        assert!(counts.iter().all(|n| *n > 200), "{counts:?}");
     }
 
     #[test]
-    fn what_is_no_closed_manifold_is_refused() {
+    fn a_surface_that_is_no_closed_manifold_is_refused() {
         assert!(HalfEdges::from_faces(&OCTAHEDRON[1..], 6).is_none(), "open");
         let mut turned = OCTAHEDRON;
         turned[0] = [0, 4, 2];

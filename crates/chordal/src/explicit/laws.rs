@@ -2,8 +2,8 @@
 //! [`curve_laws!`](crate::curve_laws).
 //!
 //! Lengths are compared in units in the last place (ulp) of the curve's size, its largest absolute
-//! coordinate. One evaluation is three levels of `(1−t)·a + t·b`, each four roundings of at most half an ulp,
-//! most of which cancel.
+//! coordinate. One evaluation is three levels of `(1−t)·a + t·b`, each with four roundings of at most half an
+//! ulp, most of which cancel.
 use super::Bezier;
 use crate::math::greater;
 
@@ -49,7 +49,7 @@ impl<const D: usize> CubicCurve<D> for Bezier<D> {
     }
 }
 
-/// Makes a module with one test for each law, on random curves of a type that implements
+/// Builds a module with one test for each law, on random curves of a type that implements
 /// [`CubicCurve`](crate::explicit::laws::CubicCurve).
 ///
 /// ```
@@ -75,10 +75,10 @@ macro_rules! curve_laws {
     };
 }
 
-/// Two evaluations of one point differ by at most this many ulp.
+/// Two evaluations of one point differ by at most this many ulp. Derived.
 const SAME: f64 = 4.0;
-/// A split before the evaluation adds its own rounding, and that of the parameter: up to 3·eps times the
-/// slope, which is at most 2 sizes.
+/// A split before the evaluation adds its rounding, and that of the parameter: up to 3·eps times the slope,
+/// which is at most 2 sizes. Derived.
 const DERIVED: f64 = 16.0;
 
 /// xorshift64*: sufficient for test data, and the same on every machine.
@@ -121,7 +121,7 @@ fn for_curves<C: CubicCurve<D>, const D: usize>(law: impl Fn(&C, f64, f64) -> Re
     for case in 0..500 {
         let control = random.control(case);
         let curve = C::from_control(control);
-        let size = control.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let size = control.as_flattened().iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         // Both ends, the middle, and the parameters next to the ends.
         let fixed = [0.0, 1.0, 0.5, f64::MIN_POSITIVE, 1.0 - f64::EPSILON];
         let parameters: Vec<f64> = fixed.into_iter().chain((0..15).map(|_| random.unit())).collect();
@@ -145,7 +145,7 @@ fn blend<const D: usize>(a: [f64; D], b: [f64; D], t: f64) -> [f64; D] {
     std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k])
 }
 
-/// Each control point's weight, found by moving that point alone, is ≥ 0, and the weights sum to 1.
+/// Each control point's weight, measured by moving that point alone, is ≥ 0, and the weights sum to 1.
 ///
 /// # Panics
 /// When the law is broken.
@@ -160,7 +160,7 @@ pub fn weights_are_at_least_0_and_sum_to_1<C: CubicCurve<D>, const D: usize>() {
         if weights.iter().any(|w| *w < 0.0) {
             return Err(format!("a weight is negative: {weights:?}"));
         }
-        // In steps of 1, because the sum is near 1.
+        // In steps of 1, because the sum is close to 1.
         near("the sum of the weights", [[sum], [1.0]], SAME * f64::EPSILON)
     });
 }
@@ -203,12 +203,12 @@ pub fn stays_inside_its_hull<C: CubicCurve<D>, const D: usize>() {
         let point = curve.at(t);
         let out = |p: [f64; D], d: &[f64; D]| (0..D).map(|k| p[k] * d[k]).sum::<f64>();
         let outside = |d: &&[f64; D]| {
-            let most = curve
+            let farthest = curve
                 .control()
                 .iter()
                 .map(|p| out(*p, d))
-                .fold(f64::NEG_INFINITY, |most, x| greater(x, most));
-            out(point, d) > most + SAME * ulp
+                .fold(f64::NEG_INFINITY, |farthest, x| greater(x, farthest));
+            out(point, d) > farthest + SAME * ulp
         };
         directions
             .iter()

@@ -16,10 +16,10 @@ pub enum Semantic {
     Color(u32),
     /// The index of a material or smoothing group, 1 wide.
     Group(String),
-    /// Anything else, under the name in the file.
+    /// Any other attribute, under its name in the file.
     Custom(String),
-    /// Numbers under a name that may be blended: how far a morph target moves a vertex, how much it follows
-    /// each joint of a skin.
+    /// Numbers under a name that may be blended, such as a morph target's displacement of a vertex, or the
+    /// weights of a skin's joints.
     Blended(String),
 }
 
@@ -103,7 +103,7 @@ impl Mesh {
     }
 
     /// A mesh whose caller guarantees finite positions, valid indices and counts within the limits. A second
-    /// check would take a third of the time that the triangles of a volume take.
+    /// check would take a third of the time that meshing a volume takes.
     pub(crate) fn by_construction(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
         debug_assert!(Self::new(positions.clone(), faces.clone()).is_ok(), "the maker's proof is broken");
         Self { positions, faces, position_id: None, attributes: Vec::new() }
@@ -127,7 +127,8 @@ impl Mesh {
             let [x, y, z] = self.positions[row];
             [x.to_bits(), y.to_bits(), z.to_bits()]
         };
-        // Where every id is a row of its position, as ids mostly are, those of one id are equal.
+        // Shortcut: if every id is the index of a row with the same position, as ids usually are, rows of one
+        // id are equal.
         let is_row = |(row, i): (usize, &u32)| (*i as usize) < id.len() && bits(*i as usize) == bits(row);
         if !id.iter().enumerate().all(is_row) {
             let mut first_rows: Vec<Option<u32>> = vec![None; id.len()];
@@ -163,7 +164,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same triangles with these attributes instead of their own.
+    /// The same triangles with only these attributes.
     ///
     /// # Errors
     /// As for [`Mesh::with_attribute`].
@@ -177,7 +178,7 @@ impl Mesh {
         attributes.into_iter().try_fold(bare, Self::with_attribute)
     }
 
-    /// The coordinates and the indices, without what else the mesh knows.
+    /// The coordinates and the indices; attributes and position ids are dropped.
     #[cfg(feature = "booleans")]
     pub(crate) fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         (self.positions, self.faces)
@@ -195,7 +196,7 @@ impl Mesh {
         &self.faces
     }
 
-    /// For each vertex the id of its position; `None` when each vertex has its own.
+    /// For each vertex the id of its position; `None` if each vertex is its own position.
     #[must_use]
     pub fn position_id(&self) -> Option<&[u32]> {
         self.position_id.as_deref()
@@ -237,7 +238,7 @@ impl Mesh {
         [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
-    /// The rows that some faces use, ascending.
+    /// The rows used by some faces, in ascending order.
     pub(crate) fn rows_of(&self, faces: &[u32]) -> Vec<u32> {
         let mut rows: Vec<u32> = faces.iter().flat_map(|face| self.faces[*face as usize]).collect();
         rows.sort_unstable();
@@ -245,11 +246,11 @@ impl Mesh {
         rows
     }
 
-    /// Some faces and the rows that they use, both ascending, without what else the mesh knows of them.
+    /// Some faces and the rows that they use, both ascending; attributes and position ids are dropped.
     pub(crate) fn some_faces(&self, faces: &[u32], rows: &[u32]) -> Self {
-        let here = |row: u32| rows.partition_point(|known| *known < row) as u32;
+        let new_index = |row: u32| rows.partition_point(|other| *other < row) as u32;
         let positions = rows.iter().map(|row| self.positions[*row as usize]).collect();
-        let faces = faces.iter().map(|face| self.faces[*face as usize].map(here)).collect();
+        let faces = faces.iter().map(|face| self.faces[*face as usize].map(new_index)).collect();
         Self::by_construction(positions, faces)
     }
 
@@ -259,7 +260,8 @@ impl Mesh {
         Box3::from_points(&self.positions)
     }
 
-    /// The same topology and attributes with other positions, as after rounding to the written precision.
+    /// The same topology and attributes with other positions, for example after rounding to the written
+    /// precision.
     ///
     /// # Errors
     /// [`InvalidMesh`] when their number differs, one is not finite, or vertices with the same position id
@@ -281,7 +283,7 @@ impl Mesh {
     }
 }
 
-/// Why arrays do not form a mesh.
+/// The reason why arrays do not form a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InvalidMesh {
     /// A coordinate is NaN or infinite.
@@ -306,7 +308,7 @@ pub enum InvalidMesh {
     TooManyFaces(usize),
     /// An array has the wrong length.
     Length {
-        /// Which array.
+        /// The name of the array.
         what: &'static str,
         /// Its length.
         rows: usize,
@@ -346,7 +348,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ids_tie_rows_of_one_position_whatever_they_number() {
+    fn ids_link_rows_of_one_position_whatever_their_numbers() {
         let [p, q] = [[1.0, 2.0, 3.0], [0.0; 3]];
         let with = |rows: &[[f64; 3]], id: &[u32]| {
             Mesh::new(rows.to_vec(), Vec::new()).and_then(|mesh| mesh.with_position_id(id.to_vec()))

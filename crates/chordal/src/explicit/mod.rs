@@ -1,4 +1,4 @@
-//! Explicit shapes: points that can be listed and drawn. Everything here is exact.
+//! Explicit shapes: points that can be listed and drawn. All operations here are exact.
 mod arc;
 mod bezier;
 mod bvh;
@@ -97,7 +97,7 @@ pub mod polygons {
     pub use super::quad::{Diagonal, Quad};
 }
 
-/// Rays, closest points and winding numbers by trees of boxes.
+/// Rays, closest points and winding numbers by bounding volume trees.
 pub mod query {
     pub use super::bvh::{
         Bvh, Containment, Enclosure, Hit, HitSides, MeshClosestPoint, PointLocation, Ray, WindingNumber,

@@ -25,7 +25,7 @@ pub fn face_normal(corners: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     let [a, b, c] = corners;
     let a = DVec3::from(a);
     let (ab, ac) = (DVec3::from(b) - a, DVec3::from(c) - a);
-    // Scaled to the longer edge, so that neither tiny nor huge triangles leave the range of f64.
+    // Scaled by the longer edge, so that neither tiny nor huge triangles leave the range of f64.
     let scale = ab.abs().max_element().max(ac.abs().max_element());
     if !(scale > 0.0 && scale.is_finite()) {
         return None;

@@ -1,7 +1,7 @@
 //! `Outline`: closed paths in the plane that together bound a region, by a fill rule.
 use super::Curve;
 
-/// The rule for which points a set of closed paths encloses.
+/// The rule that decides which points a set of closed paths encloses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FillRule {
     /// Points with a nonzero winding number.

@@ -114,12 +114,12 @@ impl Patch {
     }
 
     /// The unit normal of the front at `(u, v)`; at a pole, where one tangent vanishes, its limit from inside
-    /// the patch. `None` where both tangents vanish or are parallel.
+    /// the patch. `None` if both tangents vanish or are parallel.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<[f64; 3]> {
         let [by_u, by_v] = self.tangents(u, v);
-        let least = self.least_tangent();
-        let vanishes = |tangent| largest(tangent) <= least;
+        let shortest = self.least_tangent();
+        let vanishes = |tangent| largest(tangent) <= shortest;
         let mixed = || self.second_derivatives(u, v)[1];
         // Away from the pole into the patch, S_u grows like ±(v − v0)·S_uv (and S_v like ±(u − u0)·S_uv).
         let inward = |t: f64| if t > 0.5 { -1.0 } else { 1.0 };
@@ -132,8 +132,8 @@ impl Patch {
         (scale > 0.0 && scale.is_finite()).then_some(unit)
     }
 
-    /// A tangent this short is its own rounding error and has no direction: 16 products and sums of the
-    /// patch's size.
+    /// A tangent shorter than this is its own rounding error and has no direction: 16 products and sums of
+    /// the patch's size.
     pub(super) fn least_tangent(&self) -> f64 {
         64.0 * f64::EPSILON * self.size()
     }
@@ -220,7 +220,7 @@ impl Patch {
     /// The largest absolute coordinate of the control points.
     #[must_use]
     pub fn size(&self) -> f64 {
-        self.control.iter().flatten().flatten().fold(0.0, |most, x| greater(x.abs(), most))
+        self.control.iter().flatten().flatten().fold(0.0, |largest, x| greater(x.abs(), largest))
     }
 
     /// Whether every coordinate is finite.
@@ -235,7 +235,7 @@ impl Patch {
 #[inline(always)]
 pub(super) fn front(a: [f64; 3], b: [f64; 3]) -> ([f64; 3], f64) {
     let cross = [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]];
-    // Scaled first, so that the squares do not underflow for tiny patches.
+    // Scale first, so that the squares do not underflow for tiny patches.
     let scale = largest(cross);
     let [x, y, z] = [cross[0] / scale, cross[1] / scale, cross[2] / scale];
     let inverse = 1.0 / (x * x + y * y + z * z).sqrt();

@@ -1,9 +1,9 @@
-//! `PatchGrid`: one patch at many parameters at once, bit-identical to one at a time.
+//! `PatchGrid`: one patch at many parameters at once, bit-identical to evaluating one at a time.
 //!
-//! The kernels are loops over parameters in separate arrays. Their body is plain scalar code that does what
-//! [`Patch::at`] and [`Patch::tangents`] do in the same order. Without closures or iterators in the body such
-//! a loop is vectorised as a whole. Calling `Patch::at` in the loop was tried: it vectorised or not (2 or 14
-//! ns a point) depending on where the compiler happened to inline. Eight-wide arrays with operators were
+//! The kernels are loops over parameters in separate arrays. Their bodies are plain scalar code with the
+//! operations of [`Patch::at`] and [`Patch::tangents`] in the same order. Without closures or iterators in
+//! its body, such a loop is vectorized completely. Calling `Patch::at` in the loop was tried: it vectorized
+//! or not (2 or 14 ns a point) depending on the compiler's inlining. Eight-wide arrays with operators were
 //! tried: slower by 1.4 to 2.7 times.
 use super::Patch;
 use super::bezier::bernstein;
@@ -106,7 +106,7 @@ impl Kernel for PatchNormalsKernel<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { patch, uv, normals } = self;
-        let least = patch.least_tangent();
+        let shortest = patch.least_tangent();
         for (uv, normals) in uv.chunks(BLOCK).zip(normals.chunks_mut(BLOCK)) {
             let [u, v] = side_by_side(uv);
             let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
@@ -118,8 +118,8 @@ impl Kernel for PatchNormalsKernel<'_> {
                 shorter[i] = lesser(a, b);
             }
             for (i, normal) in normals.iter_mut().enumerate() {
-                // Only the plain case is handled here; `patch.normal` handles all others, NaN included.
-                let plain = shorter[i] > least && scale[i] > 0.0 && scale[i] < f64::INFINITY;
+                // Only the regular case is handled here; `patch.normal` handles all others, NaN included.
+                let plain = shorter[i] > shortest && scale[i] > 0.0 && scale[i] < f64::INFINITY;
                 *normal = if plain { Some([x[i], y[i], z[i]]) } else { patch.normal(u[i], v[i]) };
             }
         }

@@ -2,7 +2,7 @@
 use super::FillRule;
 use crate::math::{Orientation, PointInTriangle, orient2d};
 
-/// The winding number of a closed polygon around a point, counter-clockwise positive; `None` where the point
+/// The winding number of a closed polygon around a point, counter-clockwise positive; `None` if the point
 /// lies on a side, and for an empty ring.
 ///
 /// `ring`: finite corners in order; the last is joined to the first. Time O(n).

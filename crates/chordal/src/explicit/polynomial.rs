@@ -2,10 +2,10 @@
 use super::spline::InvalidSpline;
 use crate::math::{greater, lesser};
 
-/// The polynomial of least degree through `points` at `nodes`.
+/// The polynomial of lowest degree through `points` at `nodes`.
 ///
-/// Every point of it depends on every given point. Through equally spaced nodes it oscillates near the ends
-/// (C. Runge, 1901): for 1/(1+25x²) at 11 nodes on [−1, 1] by 1.9 where the function is at most 1.
+/// The entire curve depends on every given point. Through equally spaced nodes it oscillates near the ends
+/// (C. Runge, 1901): for 1/(1+25x²) at 11 nodes on [−1, 1] by 1.9, although the function is at most 1.
 ///
 /// ```
 /// use chordal::explicit::parametric::Polynomial;
@@ -26,7 +26,8 @@ impl<const D: usize> Polynomial<D> {
     /// The polynomial through `points` at `nodes`, in quadratic time.
     ///
     /// # Errors
-    /// When there is no point, not one node for each, two equal nodes, or numbers that are not finite.
+    /// When there is no point, the numbers of points and nodes differ, two nodes are equal, or a number is
+    /// not finite.
     pub fn through(nodes: &[f64], points: &[[f64; D]]) -> Result<Self, InvalidSpline> {
         if points.is_empty() {
             return Err(InvalidSpline::TooFew(1));
@@ -37,7 +38,8 @@ impl<const D: usize> Polynomial<D> {
         if !nodes.iter().chain(points.as_flattened()).all(|x| x.is_finite()) {
             return Err(InvalidSpline::NotFinite);
         }
-        // Scaled by the width of all nodes, so that products of many differences overflow later.
+        // Scaled by the width of all nodes, so that products of many differences overflow only for more
+        // nodes.
         let (low, high) =
             nodes.iter().fold((nodes[0], nodes[0]), |(low, high), x| (lesser(*x, low), greater(*x, high)));
         let scale = if high > low { 4.0 / (high - low) } else { 1.0 };

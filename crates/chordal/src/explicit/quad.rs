@@ -37,13 +37,13 @@ impl Diagonal {
     }
 }
 
-/// Bends that differ by less count as equal, in radians: normals have an error of some units of 2⁻⁵³ in each
-/// coordinate, and their products and the arc tangent add as many again; 64 of them are allowed for.
+/// Bends that differ by less count as equal, in radians. Derived: normals have an error of some units of 2⁻⁵³
+/// in each coordinate, and their products and the arc tangent add as many again; 64 of them are allowed for.
 const SAME_BEND: f64 = 32.0 * f64::EPSILON;
 
 impl Quad {
     /// The signed distance of the fourth corner from the plane of the other three, positive to the front. It
-    /// is exactly 0 where all lie in one plane, and `None` where the first three lie on one line.
+    /// is exactly 0 if all lie in one plane, and `None` if the first three lie on one line.
     #[must_use]
     pub fn bulge(&self) -> Option<f64> {
         let [a, b, c, d] = self.corners;
@@ -58,13 +58,13 @@ impl Quad {
     }
 
     /// The largest distance of a corner from the plane that is equally far from all four: half the distance
-    /// between the lines of the diagonals. It does not depend on which corner comes first. `None` where the
+    /// between the lines of the diagonals. It is the same for any choice of the first corner. `None` if the
     /// diagonals are parallel.
     #[must_use]
     pub fn warp(&self) -> Option<f64> {
         let [a, b, c, d] = self.corners;
-        // A triangle with sides parallel to the diagonals has their common normal. The height of `b` over the
-        // first diagonal's line along it is the distance between the lines.
+        // A triangle with sides parallel to the diagonals has their common normal. The height of `b` along
+        // it, above the line of the first diagonal, is the distance between the lines.
         let (along, across) = (difference(c, a), difference(d, b));
         let plane = Triangle { corners: [[0.0; 3], along, across] };
         if self.is_flat() {
@@ -73,21 +73,21 @@ impl Quad {
         plane.height_of(difference(b, a)).map(|height| 0.5 * height.abs())
     }
 
-    /// For each diagonal the angle between the normals of its two triangles: 0 where they are coplanar, π
-    /// where one folds back onto the other, `None` where one has no area.
+    /// For each diagonal the angle between the normals of its two triangles: 0 if they are coplanar, π if one
+    /// folds back onto the other, `None` if one has no area.
     #[must_use]
     pub fn bends_rad(&self) -> [Option<f64>; 2] {
         [Diagonal::First, Diagonal::Second].map(|diagonal| {
             let normal = |t: [u32; 3]| Triangle { corners: t.map(|k| self.corners[k as usize]) }.normal();
-            let [one, other] = diagonal.triangles().map(normal);
-            let ([a, b, c], [x, y, z]) = (one?, other?);
+            let [first, second] = diagonal.triangles().map(normal);
+            let ([a, b, c], [x, y, z]) = (first?, second?);
             let across = length([b * z - c * y, c * x - a * z, a * y - b * x]);
             Some(libm::atan2(across, (a * x + b * y) + c * z))
         })
     }
 
-    /// The diagonal with the smaller bend. The first one where both bend alike, as in a flat convex quad, and
-    /// where neither gives two triangles with area. Where only one does, it is that one.
+    /// The diagonal with the smaller bend. The first one if both bends are equal, as in a flat convex quad,
+    /// or if neither diagonal gives two triangles with area. If only one does, it is that one.
     ///
     /// In a flat quad with a concave corner this is the diagonal that lies inside.
     #[must_use]
@@ -110,8 +110,8 @@ impl Quad {
     #[must_use]
     pub fn differences(rows: [&[f64]; 4]) -> [f64; 2] {
         [[0, 2], [1, 3]].map(|[from, to]| {
-            let both = rows[from].iter().zip(rows[to]);
-            both.fold(0.0, |sum, (a, b)| sum + (b - a) * (b - a)).sqrt()
+            let pairs = rows[from].iter().zip(rows[to]);
+            pairs.fold(0.0, |sum, (a, b)| sum + (b - a) * (b - a)).sqrt()
         })
     }
 }

@@ -7,12 +7,12 @@
 //! | [`natural`], [`clamped`], [`periodic`], all of them [`interpolating`] | yes | C2 | all pieces, farther ones less |
 //! | [`b_spline`] | no | C2 | 4 pieces |
 //!
-//! Each is a special case of [`NurbsCurve`](super::nurbs::NurbsCurve), which has any degree, knots and weights:
-//! [`NurbsCurve::from_path`](super::nurbs::NurbsCurve::from_path) makes it of a path,
+//! Each is a special case of [`NurbsCurve`](super::nurbs::NurbsCurve), which has any degree, knots and
+//! weights: [`NurbsCurve::from_path`](super::nurbs::NurbsCurve::from_path) converts a path,
 //! [`NurbsCurve::through`](super::nurbs::NurbsCurve::through) interpolates with any degree.
 //!
 //! In an interpolating spline piece `i` starts at point `i`. No cubic spline is C2, local and interpolating
-//! at once: each of these gives up one of the three.
+//! at once: each of these lacks one of the three.
 //!
 //! Sources: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, ch. 8–9; E. Catmull, R. Rom, *A class of
 //! local interpolating splines*, 1974; C. Yuksel, S. Schaefer, J. Keyser, *Parameterization and applications
@@ -25,7 +25,7 @@ mod smooth;
 
 pub use smooth::{SplineEnds, clamped, interpolating, natural, periodic};
 
-/// The knots, which are the parameters of the points.
+/// The choice of the knots, which are the parameters of the points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Knots {
     /// Whole numbers.
@@ -33,11 +33,12 @@ pub enum Knots {
     Uniform,
     /// Knot intervals are the square roots of the distances of the points.
     Centripetal,
-    /// Knot intervals are the distances of the points: the speed is about 1, and a moved point is felt in proportion.
+    /// Knot intervals are the distances of the points: the speed is about 1, and the effect of a moved point
+    /// follows distance.
     Chordal,
 }
 
-/// Why there is no spline.
+/// The reason why there is no spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InvalidSpline {
     /// There are fewer points than this.
@@ -74,10 +75,11 @@ impl From<InvalidCurve> for InvalidSpline {
     }
 }
 
-/// The path through `points` with these first derivatives (per piece) there.
+/// The path through `points` with these first derivatives (per piece) at the points.
 ///
 /// # Errors
-/// When there are fewer than two points, not one tangent for each, or numbers that are not finite.
+/// When there are fewer than two points, the numbers of points and tangents differ, or a number is not
+/// finite.
 ///
 /// ```
 /// use chordal::explicit::spline;
@@ -149,8 +151,8 @@ pub fn catmull_rom<const D: usize>(
     path(pieces, ends)
 }
 
-/// The knot intervals of [`catmull_rom`], with respect to which the path is C1, and of [`interpolating`], with respect to
-/// which it is C2.
+/// The knot intervals of [`catmull_rom`], in which the path is C1, and of [`interpolating`], in which it is
+/// C2.
 ///
 /// # Errors
 /// When two points in a row are equal and the knots are centripetal or chordal.
@@ -166,7 +168,7 @@ pub fn widths<const D: usize>(
             Knots::Centripetal => distance(a, b).sqrt(),
             Knots::Chordal => distance(a, b),
         };
-        // Not a number, or infinite: the path will be refused for that.
+        // A NaN or infinite width is passed on: the path is refused for it later.
         if width == 0.0 { Err(InvalidSpline::Repeated(i)) } else { Ok(width) }
     };
     (0..n_pieces).map(width).collect()
@@ -178,14 +180,14 @@ fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
         let square = (0..D).fold(0.0, |sum, k| sum + (scale * (b[k] - a[k])) * (scale * (b[k] - a[k])));
         square.sqrt() / scale
     };
-    let most = (0..D).fold(0.0, |most: f64, k| greater((b[k] - a[k]).abs(), most));
-    // Squares of common lengths neither vanish nor overflow: 2^±400, chosen.
-    let is_common = exponent(most).abs() < 400;
-    if most == 0.0 || is_common { root(1.0) } else { root(power_of_two(-exponent(most))) }
+    let largest = (0..D).fold(0.0, |largest: f64, k| greater((b[k] - a[k]).abs(), largest));
+    // Squares of common lengths neither vanish nor overflow: 2^±400, chosen far from both limits.
+    let is_common = exponent(largest).abs() < 400;
+    if largest == 0.0 || is_common { root(1.0) } else { root(power_of_two(-exponent(largest))) }
 }
 
 /// The uniform cubic B-spline with these control points: C2, near them but not through them, inside their
-/// hull.
+/// convex hull.
 ///
 /// Piece `i` depends only on the control points `i` to `i + 3`. So a moved point changes four pieces and
 /// leaves the others identical to the bit.

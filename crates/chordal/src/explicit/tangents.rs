@@ -1,16 +1,16 @@
-//! Tangents for normal maps by MikkTSpace, the method of the programs that bake or render them.
+//! Tangents for normal maps by MikkTSpace, the method of the programs that bake or render such maps.
 use super::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 use crate::math::greater;
 use bevy_mikktspace::{Geometry, Ops, TangentSpace};
 
-/// The mesh with MikkTSpace tangents for the texture coordinates of a set, which replace any others. `None`
-/// where it has no such coordinates (2 wide) or no normals (3 wide), of vertices, corners or faces.
+/// The mesh with MikkTSpace tangents for a set of texture coordinates; they replace existing tangents. `None`
+/// if it has no such coordinates (2 wide) or no normals (3 wide), of vertices, corners or faces.
 ///
 /// Four numbers for each *corner*: the unit tangent, and the sign of the bitangent
-/// `sign · (normal × tangent)`. Corners of one vertex can differ, as where mirrored halves of a texture meet;
-/// one tangent per vertex would be wrong there. Formats that have vertex attributes only, such as GLB,
-/// duplicate such vertices. A corner without a defined tangent, as on faces without area or without extent in
-/// the texture, takes that of a neighbour or, without one, (1, 0, 0, 1).
+/// `sign · (normal × tangent)`. Corners of one vertex can differ, for example where mirrored halves of a
+/// texture meet; one tangent per vertex would be wrong there. Formats with vertex attributes only, such as
+/// GLB, duplicate such vertices. A corner without a defined tangent, as on faces without area or without
+/// extent in the texture, takes the tangent of a neighbour or, without one, (1, 0, 0, 1).
 ///
 /// The computation is in single precision, relative to the centre of the mesh and in units of its extent,
 /// because the method is defined on floats and baked maps rely on it. The order of faces does not matter.
@@ -47,7 +47,7 @@ pub fn with_tangents(mesh: &Mesh, set: u32) -> Option<Result<Mesh, InvalidMesh>>
     let texture = mesh.attribute(&Semantic::TexCoord(set)).filter(|rows| rows.width == 2)?;
     let bounds = mesh.bounds();
     let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-    let extent = half.fold(0.0, |most: f64, x| greater(x, most));
+    let extent = half.fold(0.0, |largest: f64, x| greater(x, largest));
     let mut corners = MikktGeometry {
         mesh,
         normals,
@@ -63,14 +63,19 @@ pub fn with_tangents(mesh: &Mesh, set: u32) -> Option<Result<Mesh, InvalidMesh>>
 }
 
 fn rebuilt(mesh: &Mesh, values: Vec<f64>) -> Result<Mesh, InvalidMesh> {
-    let mut made = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec())?;
+    let mut rebuilt_mesh = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec())?;
     if let Some(ids) = mesh.position_id() {
-        made = made.with_position_id(ids.to_vec())?;
+        rebuilt_mesh = rebuilt_mesh.with_position_id(ids.to_vec())?;
     }
     for attribute in mesh.attributes().iter().filter(|attribute| attribute.semantic != Semantic::Tangent) {
-        made = made.with_attribute(attribute.clone())?;
+        rebuilt_mesh = rebuilt_mesh.with_attribute(attribute.clone())?;
     }
-    made.with_attribute(Attribute { semantic: Semantic::Tangent, domain: Domain::Corner, width: 4, values })
+    rebuilt_mesh.with_attribute(Attribute {
+        semantic: Semantic::Tangent,
+        domain: Domain::Corner,
+        width: 4,
+        values,
+    })
 }
 
 /// Functions with the same results on every machine.
@@ -111,7 +116,7 @@ impl MikktGeometry<'_> {
 /// The number in single precision, clamped so that its square is finite.
 #[allow(clippy::cast_possible_truncation)]
 fn single(x: f64) -> f32 {
-    // Texture coordinates in a file may be anything; past 2^40 they have no meaning any more, and NaN has
+    // Texture coordinates in a file may be any number; past 2^40 they have no meaning any more, and NaN has
     // none at all.
     const MOST: f64 = (1_u64 << 40) as f64;
     if x > MOST {

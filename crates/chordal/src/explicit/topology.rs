@@ -1,12 +1,13 @@
-//! `Topology`: the rule by which rows of a mesh count as one position.
+//! `Topology`: the rule that decides which rows of a mesh are the same position.
 use super::Mesh;
 use crate::budget::{Job, par_map, par_map_owned};
 use crate::math::simd::{self, Kernel};
 
-/// The rule by which two rows of a mesh are the same position, and so two triangles neighbours.
+/// The rule that decides whether two rows of a mesh are the same position, and so whether two triangles are
+/// neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topology {
-    /// The ids of the mesh: equal [`Mesh::position_id`], or equal indices where it has none.
+    /// The ids of the mesh: equal [`Mesh::position_id`], or equal indices if it has none.
     Indices,
     /// Bit-identical coordinates, with `−0.0` and `0.0` equal ([`position_id_by_bits`]): for formats without
     /// position indices, such as STL and glTF.
@@ -54,8 +55,8 @@ pub fn position_id_by_bits(positions: &[[f64; 3]]) -> Vec<u32> {
     hashed(positions).unwrap_or_else(|| sorted(positions))
 }
 
-/// A row as bits that are equal for equal coordinates: adding zero turns `−0.0` into `0.0` and changes
-/// nothing else.
+/// A row as bits that are equal for equal coordinates: adding zero turns `−0.0` into `0.0` and changes no
+/// other number.
 #[inline(always)]
 fn key([x, y, z]: [f64; 3]) -> [u64; 3] {
     [(x + 0.0).to_bits(), (y + 0.0).to_bits(), (z + 0.0).to_bits()]
@@ -83,27 +84,28 @@ fn hashed(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     Some(ids)
 }
 
-/// Rows in a chunk, whose table then fits the second-level cache. Measured: with 8,192 too many rows are the first of their
-/// chunk, a third more time.
+/// Rows in a chunk, whose table then fits the second-level cache. Measured: with 8,192, too many rows are the
+/// first of their position in the chunk, which takes a third more time.
 const CHUNK: usize = 1 << 15;
-/// The first rows of a chunk, which show whether its rows have equal ones near by.
+/// The first rows of a chunk, which show whether equal rows are near each other.
 const TRIAL: usize = 1 << 12;
 /// The most rows of a part, by hash, whose table again fits the second-level cache.
 const PART: usize = 1 << 14;
 
-/// The same for many rows: first for each chunk of them alone, then, by parts of equal hashes, for the rows that are the
-/// first of their chunk. Triangles that share a corner are mostly near each other, also in a soup of triangles, so that
-/// few rows are left for the second step; where a chunk shows that this is not so, all of it is left.
+/// Like [`hashed`], for many rows: first within each chunk, then, by parts of equal hashes, for the rows that
+/// are the first of their position in a chunk. Triangles that share a corner are usually close in memory,
+/// even in a triangle soup, so few rows remain for the second step; if the start of a chunk shows that this
+/// is not so, all its rows remain.
 fn hashed_by_chunks(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     let job = Job::default();
     let mut ids = vec![0; positions.len()];
-    // 1. The first row of the chunk at the position of each row.
+    // 1. For each row, find the first row of the chunk at its position.
     let chunks = ids.chunks_mut(CHUNK).enumerate().collect();
     let firsts = par_map_owned(&job, chunks, |(number, ids): (usize, &mut [u32])| {
         first_in_chunk(positions, number * CHUNK, ids)
     });
     let firsts: Vec<Vec<u64>> = firsts.into_iter().collect::<Option<_>>()?;
-    // 2. These rows by the leading bits of their hashes, in ascending order in each part.
+    // 2. Distribute these rows by the leading bits of their hashes, in ascending order in each part.
     let n_firsts: usize = firsts.iter().map(Vec::len).sum();
     let bits = n_firsts.div_ceil(PART).next_power_of_two().trailing_zeros();
     let part_of = |entry: u64| (entry >> 32 << bits >> 32) as usize;
@@ -115,11 +117,11 @@ fn hashed_by_chunks(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     }
     let mut sorted = vec![0; n_firsts];
     for entry in firsts.into_iter().flatten() {
-        let place = &mut ends[part_of(entry)];
-        sorted[*place] = entry;
-        *place += 1;
+        let end = &mut ends[part_of(entry)];
+        sorted[*end] = entry;
+        *end += 1;
     }
-    // 3. The first row of all at the position of each of them.
+    // 3. For each of them, find the first row of all at its position.
     let starts = std::iter::once(0).chain(ends.iter().copied());
     let parts: Vec<&[u64]> = starts.zip(&ends).map(|(start, end)| &sorted[start..*end]).collect();
     let moved = par_map(&job, &parts, |_, part| first_in_part(positions, part));
@@ -130,12 +132,12 @@ fn hashed_by_chunks(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
             is_moved[row as usize / CHUNK] = true;
         }
     }
-    // 4. All rows get what their first row got.
+    // 4. All rows take the result of the first row in their chunk.
     let chunks = ids.chunks_mut(CHUNK).enumerate().filter(|(number, _)| is_moved[*number]).collect();
     par_map_owned(&job, chunks, |(number, ids): (usize, &mut [u32])| {
         let start = (number * CHUNK) as u32;
         for row in 0..ids.len() {
-            // A first row comes before the others, and so has its answer by now.
+            // A first row comes before the others of its position, so its result is already final.
             let first = ids[row];
             ids[row] = if first < start { first } else { ids[(first - start) as usize] };
         }
@@ -143,8 +145,8 @@ fn hashed_by_chunks(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     Some(ids)
 }
 
-/// For each row of the chunk from `start` on the first one at its position; returns those, each with the upper half of its
-/// hash. `None` as of [`hashed`].
+/// For each row of the chunk from `start` on, the first row of the chunk at its position; returns those first
+/// rows, each with the upper half of its hash. `None` as for [`hashed`].
 fn first_in_chunk(positions: &[[f64; 3]], start: usize, ids: &mut [u32]) -> Option<Vec<u64>> {
     let isa = simd::isa();
     let mut table = PositionTable::new(ids.len());
@@ -172,7 +174,7 @@ fn first_in_chunk(positions: &[[f64; 3]], start: usize, ids: &mut [u32]) -> Opti
     Some(firsts)
 }
 
-/// The rows of a part, in ascending order, that have an earlier one at their position, and that one.
+/// The rows of a part, in ascending order, that have an earlier row at their position, each with that row.
 fn first_in_part(positions: &[[f64; 3]], part: &[u64]) -> Option<Vec<(u32, u32)>> {
     let mut table = PositionTable::new(part.len());
     let mut steps_left = steps_for(part.len());
@@ -199,14 +201,14 @@ impl Kernel for HashKernel<'_> {
 
     #[inline(always)]
     fn run(self) {
-        for (row, made) in self.rows.iter().zip(self.hashes) {
-            *made = hash(key(*row));
+        for (row, result) in self.rows.iter().zip(self.hashes) {
+            *result = hash(key(*row));
         }
     }
 }
 
-/// At a load of one half a search takes 1.5 to 2.5 steps on average, and growing takes as many again. Eight times that
-/// does not happen by chance.
+/// The limit of steps. Derived: at a load of one half a search takes 1.5 to 2.5 steps on average, and growing
+/// takes as many again. Eight times that does not happen by chance.
 fn steps_for(n_rows: usize) -> usize {
     16 * n_rows + 1024
 }
@@ -220,9 +222,10 @@ struct PositionTable {
 }
 
 impl PositionTable {
-    /// For rows of which so many may be distinct. A scene may have a hundred thousand parts of three rows.
+    /// A table for up to `n_rows` distinct rows. It starts small: a scene may have a hundred thousand parts
+    /// of three rows.
     fn new(n_rows: usize) -> Self {
-        // A load below one half from the start; more slots come when they are needed.
+        // A load below one half from the start; more slots are added when needed.
         let n_slots = (2 * n_rows + BLOCK).next_power_of_two();
         Self { entries: vec![0; n_slots.min(1024)], n_rows: 0 }
     }
@@ -234,7 +237,7 @@ impl PositionTable {
     }
 
     /// Grows the table so that its load stays below one half with `more` rows. The upper half of a hash
-    /// distinguishes 2³² slots; there are too few rows for more.
+    /// distinguishes 2³² slots, more than there can be rows.
     fn make_room(&mut self, more: usize, steps_left: &mut usize) -> Option<()> {
         if 2 * (self.n_rows + more) <= self.entries.len() {
             return Some(());
@@ -251,7 +254,8 @@ impl PositionTable {
         Some(())
     }
 
-    /// The first row that equals this one; adds it if there is none. Coordinates are read where hashes agree.
+    /// The first row that equals this one; adds it if there is none. Coordinates are compared only if hashes
+    /// agree.
     #[inline]
     fn find_or_add(
         &mut self,
@@ -264,14 +268,14 @@ impl PositionTable {
         let mut slot = self.slot(hash);
         loop {
             *steps_left = steps_left.checked_sub(1)?;
-            let found = self.entries[slot];
-            if found == 0 {
+            let stored = self.entries[slot];
+            if stored == 0 {
                 self.entries[slot] = entry;
                 self.n_rows += 1;
                 return Some(row);
             }
-            let earlier = (found as u32).wrapping_sub(1);
-            if found >> 32 == hash >> 32 && are_equal(positions[earlier as usize], positions[row as usize]) {
+            let earlier = (stored as u32).wrapping_sub(1);
+            if stored >> 32 == hash >> 32 && are_equal(positions[earlier as usize], positions[row as usize]) {
                 return Some(earlier);
             }
             slot = (slot + 1) & (self.entries.len() - 1);
@@ -325,23 +329,23 @@ mod tests {
     #[test]
     fn chunks_find_the_first_equal_row_of_all() {
         let mut random = Random::new(9);
-        // Corners that are used again near by, at the other end, and at the borders of chunks.
+        // Corners that occur again close by, at the other end, and at the borders of chunks.
         for (n, n_distinct) in [(2 * CHUNK, 9), (3 * CHUNK + 1, 4000), (5 * CHUNK - 1, 40_000)] {
             let mut row_at = |row: usize| -> [f64; 3] {
                 let is_far = random.below(50) == 0;
-                let off = random.below(if is_far { n_distinct } else { 7 });
-                let at = (row * n_distinct / n + off) % n_distinct;
+                let offset = random.below(if is_far { n_distinct } else { 7 });
+                let at = (row * n_distinct / n + offset) % n_distinct;
                 [at as f64, [0.0, -0.0][random.below(2)], 1.0 / (at + 1) as f64]
             };
             let rows: Vec<[f64; 3]> = (0..n).map(&mut row_at).collect();
-            let found = hashed_by_chunks(&rows).expect("few rows are distinct");
-            assert!(found == sorted(&rows), "{n}");
-            assert!(found == position_id_by_bits(&rows) && found == hashed(&rows).expect("no collisions"));
+            let ids = hashed_by_chunks(&rows).expect("few rows are distinct");
+            assert!(ids == sorted(&rows), "{n}");
+            assert!(ids == position_id_by_bits(&rows) && ids == hashed(&rows).expect("no collisions"));
         }
         // Mostly distinct, with a few that occur again far away.
-        let mut far: Vec<[f64; 3]> = (0..3 * CHUNK).map(|i| [i as f64, 1.0, 2.0]).collect();
-        (0..CHUNK).step_by(7).for_each(|row| far[2 * CHUNK + row] = far[row]);
-        assert!(hashed_by_chunks(&far).expect("no collisions") == sorted(&far));
+        let mut rows_far_apart: Vec<[f64; 3]> = (0..3 * CHUNK).map(|i| [i as f64, 1.0, 2.0]).collect();
+        (0..CHUNK).step_by(7).for_each(|row| rows_far_apart[2 * CHUNK + row] = rows_far_apart[row]);
+        assert!(hashed_by_chunks(&rows_far_apart).expect("no collisions") == sorted(&rows_far_apart));
     }
 
     #[test]

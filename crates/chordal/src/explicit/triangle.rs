@@ -47,8 +47,8 @@ impl Triangle<2> {
     /// The three edge functions: twice the signed areas that `point` spans with the edges opposite to the
     /// corners. All are positive inside a counter-clockwise triangle, and they add up to twice its area.
     ///
-    /// The signs are exact, and exactly 0 on the lines of the edges. The sizes are rounded; where they leave
-    /// the range of f64, only the signs are meaningful.
+    /// The signs are exact, and exactly 0 on the lines of the edges. The sizes are rounded; if they leave the
+    /// range of f64, only the signs are meaningful.
     ///
     /// ```
     /// use chordal::explicit::Triangle;
@@ -134,10 +134,10 @@ impl Triangle<3> {
     }
 
     /// The barycentric coordinates of the projection of `point` onto the triangle's plane: their sum is 1,
-    /// and all are ≥ 0 where the projection lies inside. `None` for a triangle without area.
+    /// and all are ≥ 0 if the projection lies inside. `None` for a triangle without area.
     ///
-    /// The weights come from areas with twice the digits of f64. So they are right to a few units in the last
-    /// place of the largest one, unless the triangle is thinner than 1 in 10¹⁵.
+    /// The weights come from areas with twice the digits of f64. So they are accurate to a few units in the
+    /// last place of the largest one, unless the triangle is thinner than 1 in 10¹⁵.
     #[must_use]
     pub fn barycentric(&self, point: [f64; 3]) -> Option<[f64; 3]> {
         if self.is_degenerate() {
@@ -152,7 +152,7 @@ impl Triangle<3> {
     }
 
     /// The signed distance of `point` from the triangle's plane, positive in front of it; `None` without
-    /// area. It is 0 exactly where the four points lie in one plane, and its sign is exact.
+    /// area. It is 0 exactly if the four points lie in one plane, and its sign is exact.
     #[must_use]
     pub fn height_of(&self, point: [f64; 3]) -> Option<f64> {
         let [a, b, c] = self.corners;
@@ -182,25 +182,25 @@ impl Triangle<3> {
         let edges = scaled.edges_sq();
         let sum = edges[0] + edges[1] + edges[2];
         let share = 2.0 * 3.0_f64.sqrt() * size(scaled.doubled_area()) / sum;
-        // The ratio is NaN where all corners coincide; the quality is 0 then.
+        // The ratio is NaN if all corners coincide; the quality is 0 then.
         if share > 0.0 { lesser(share, 1.0) } else { 0.0 }
     }
 
-    /// The ratio of the least height to the longest edge, from 0 for corners on one line to `√3/2` for three
-    /// equal edges. Below some threshold the triangle is a sliver: 1/100 is a needle or a cap of 1 : 100. It
-    /// has no unit. Translation, rotation, reflection and scaling leave it unchanged.
+    /// The ratio of the smallest height to the longest edge, from 0 for corners on one line to `√3/2` for
+    /// three equal edges. Below some threshold the triangle is a sliver: 1/100 is a needle or a cap of 1 :
+    /// 100. It has no unit. Translation, rotation, reflection and scaling leave it unchanged.
     #[must_use]
     pub fn slenderness(&self) -> f64 {
         let (scaled, _) = self.scaled();
         let longest_sq = scaled.edges_sq().into_iter().fold(0.0, |m, e| greater(e, m));
         let share = size(scaled.doubled_area()) / longest_sq;
-        // The ratio is NaN where all corners coincide; the slenderness is 0 then.
+        // The ratio is NaN if all corners coincide; the slenderness is 0 then.
         greater(share, 0.0)
     }
 }
 
 /// Writes the mean of three rows of an attribute by `weights` to `out`: linear over the triangle, exact at
-/// its corners, and exact where the three rows are equal.
+/// its corners, and exact if the three rows are equal.
 ///
 /// ```
 /// use chordal::explicit::interpolate;
@@ -210,7 +210,7 @@ impl Triangle<3> {
 /// ```
 pub fn interpolate(rows: [&[f64]; 3], weights: [f64; 3], out: &mut [f64]) {
     // Start at the row with the largest weight: the differences vanish at its corner.
-    let base = (1..3).fold(0, |most, k| if weights[k] > weights[most] { k } else { most });
+    let base = (1..3).fold(0, |heaviest, k| if weights[k] > weights[heaviest] { k } else { heaviest });
     let (next, last) = ((base + 1) % 3, (base + 2) % 3);
     for (k, value) in out.iter_mut().enumerate() {
         let from = rows[base][k];
@@ -253,19 +253,19 @@ fn dot(a: Wide3, b: Wide3) -> DoubleDouble {
 
 fn size(v: Wide3) -> f64 {
     let [x, y, z] = v.map(|x| x.hi);
-    let most = [x, y, z].into_iter().fold(0.0, |m, x| greater(x.abs(), m));
-    if most == 0.0 {
+    let largest = [x, y, z].into_iter().fold(0.0, |m, x| greater(x.abs(), m));
+    if largest == 0.0 {
         return 0.0;
     }
     // Divided by the largest coordinate, so that no square underflows.
-    let [x, y, z] = [x / most, y / most, z / most];
-    most * ((x * x + y * y) + z * z).sqrt()
+    let [x, y, z] = [x / largest, y / largest, z / largest];
+    largest * ((x * x + y * y) + z * z).sqrt()
 }
 
 /// The fractions of the sum; the largest is 1 minus the others, so that they add up to 1.
 fn weights(parts: [DoubleDouble; 3]) -> Option<[f64; 3]> {
-    let whole = parts[0].plus(parts[1]).plus(parts[2]);
-    let mut weights = parts.map(|part| part.hi / whole.hi);
+    let sum = parts[0].plus(parts[1]).plus(parts[2]);
+    let mut weights = parts.map(|part| part.hi / sum.hi);
     if !weights.iter().all(|w| w.is_finite()) {
         return None;
     }

@@ -1,7 +1,7 @@
 //! Polygon triangulation that keeps every corner, decides exactly and bounds the work.
 //!
 //! A polygon of n corners always gives n − 2 triangles that form a disc whose boundary is exactly the
-//! polygon. So neighbours that share an edge still share it afterwards, even where corners lie on a straight
+//! polygon. So neighbours that share an edge still share it afterwards, even if corners lie on a straight
 //! line or coincide. That is why the crate `earcut` is only the oracle of the tests: it omits such corners
 //! (which opens T-junctions), decides in rounded arithmetic, and takes cubic time on self-intersecting
 //! polygons.
@@ -38,13 +38,13 @@ impl Triangulation {
 
 /// Triangulates one polygon in space.
 ///
-/// The polygon is projected along the largest axis of its Newell normal. This changes no coordinate, so that
-/// all decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of
-/// two). All triangles together have the polygon's signed area, because they form a disc with its boundary;
-/// so they have its area when none faces backwards. For a polygon that is not flat this holds in that
-/// projection. Where something folds in it, the projection along the normal itself (rounded) is used if it
-/// has fewer folds. A quadrilateral that is not flat is split along the diagonal with the smaller bend
-/// ([`Quad::flattest`]), if both are valid.
+/// The polygon is projected along the largest axis of its Newell normal. This changes no coordinate, so all
+/// decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of two).
+/// All triangles together have the polygon's signed area, because they form a disc with its boundary; so they
+/// have its area if none faces backwards. For a polygon that is not flat this holds in that projection. If a
+/// triangle folds in it, the projection along the normal itself (rounded) is used if it has fewer folds. A
+/// quadrilateral that is not flat is split along the diagonal with the smaller bend ([`Quad::flattest`]), if
+/// both are valid.
 ///
 /// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as
 /// long as corners block few ears, and never more than 1,024 steps per corner; memory O(n).
@@ -101,7 +101,7 @@ impl Triangulator {
         if folded == 0 || !along_normal(points, scale, normal, &mut self.flat) {
             return folded;
         }
-        // A non-planar polygon may intersect itself in one projection and not in the other.
+        // A non-planar polygon may intersect itself in one projection but not in the other.
         self.second.clear();
         let folded_second = cut(&self.flat, &mut self.ears, &mut self.second);
         if folded_second >= folded {
@@ -129,23 +129,23 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 /// The diagonal with the smaller bend, for a quadrilateral that is not flat and can be split along either.
 fn bent_quad(corners: [[f64; 3]; 4], flat: &[[f64; 2]]) -> Option<Diagonal> {
     let [a, b, c, d] = *flat else { return None };
-    let both = turn(a, b, c) > 0.0 && turn(b, c, d) > 0.0 && turn(c, d, a) > 0.0 && turn(d, a, b) > 0.0;
+    let is_convex = turn(a, b, c) > 0.0 && turn(b, c, d) > 0.0 && turn(c, d, a) > 0.0 && turn(d, a, b) > 0.0;
     let quad = Quad { corners };
-    (both && !quad.is_flat()).then(|| quad.flattest())
+    (is_convex && !quad.is_flat()).then(|| quad.flattest())
 }
 
-/// The two triangles of a quadrilateral: split at its first corner where that is valid, else at its second.
+/// The two triangles of a quadrilateral: split at its first corner if that is valid, otherwise at its second.
 fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
     const CUTS: [[[u32; 3]; 2]; 2] = [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]];
     let turns = CUTS.map(|cut| cut.map(|t| turn(p[t[0] as usize], p[t[1] as usize], p[t[2] as usize])));
-    let all = |test: fn(f64) -> bool| (0..2).find(|k| turns[*k].iter().all(|t| test(*t)));
+    let split_with = |test: fn(f64) -> bool| (0..2).find(|k| turns[*k].iter().all(|t| test(*t)));
     // Two triangles with area if possible, else two that do not face backwards, else the first split.
-    let pick = all(|t| t > 0.0).or_else(|| all(|t| t >= 0.0)).unwrap_or(0);
+    let pick = split_with(|t| t > 0.0).or_else(|| split_with(|t| t >= 0.0)).unwrap_or(0);
     out.extend(CUTS[pick]);
     turns[pick].iter().filter(|t| **t < 0.0).count()
 }
 
-/// The projection of the polygon along the largest axis of its normal, counter-clockwise. Exact but for the
+/// The projection of the polygon along the largest axis of its normal, counter-clockwise. Exact up to the
 /// power of two.
 fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) {
     let [u, v] = seen_axes(points, normal);
@@ -153,8 +153,8 @@ fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<
     flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
 }
 
-/// The axes that become x and y when looking against a normal, along its largest axis. Without a normal,
-/// along the axis of the points' smallest extent.
+/// The axes that become x and y in the view against a normal, along its largest axis. Without a normal, along
+/// the axis of the points' smallest extent.
 fn seen_axes(points: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     let mut drop = largest_axis(normal);
     if normal[drop].is_nan() || normal[drop] == 0.0 {
@@ -164,7 +164,7 @@ fn seen_axes(points: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     if normal[drop] < 0.0 { [v, u] } else { [u, v] }
 }
 
-/// The projection of the polygon along its normal, counter-clockwise, rounded; false where it has no normal.
+/// The projection of the polygon along its normal, counter-clockwise, rounded; false if it has no normal.
 fn along_normal(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) -> bool {
     let largest = normal[largest_axis(normal)].abs();
     if !(largest > 0.0 && largest.is_finite()) {
@@ -173,9 +173,9 @@ fn along_normal(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Ve
     let n = normal.map(|x| x / largest);
     // The axis farthest from the normal, made perpendicular to it, and a third axis perpendicular to both.
     let mut k = 0;
-    for other in 1..3 {
-        if n[other].abs() < n[k].abs() {
-            k = other;
+    for axis in 1..3 {
+        if n[axis].abs() < n[k].abs() {
+            k = axis;
         }
     }
     let mut axis = [0.0; 3];
@@ -208,7 +208,7 @@ fn scale_of(points: &[[f64; 3]]) -> f64 {
 
 /// A power of two that scales the largest coordinate to near 1.
 pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
-    let largest = points.iter().flatten().fold(0.0_f64, |most, x| greater(x.abs(), most));
+    let largest = points.iter().flatten().fold(0.0_f64, |largest, x| greater(x.abs(), largest));
     let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i64 - 1023;
     if largest == 0.0 {
         return 1.0;
@@ -233,11 +233,11 @@ fn thinnest(points: &[[f64; 3]]) -> usize {
         0.5 * high - 0.5 * low
     };
     let extents = [extent(0), extent(1), extent(2)];
-    let mut least = 0;
+    let mut thinnest = 0;
     for k in 1..3 {
-        if extents[k] < extents[least] {
-            least = k;
+        if extents[k] < extents[thinnest] {
+            thinnest = k;
         }
     }
-    least
+    thinnest
 }

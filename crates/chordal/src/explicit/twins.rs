@@ -16,7 +16,7 @@ pub enum Twin {
     /// The only other half-edge of the edge, in the same direction: the two triangles have opposite
     /// orientations.
     Flipped(u32),
-    /// None: the half-edge is on the boundary.
+    /// No other half-edge: the half-edge is on the boundary.
     Boundary,
     /// Two or more other half-edges; [`Twins::non_manifold_edges`] lists them.
     NonManifold,
@@ -77,7 +77,7 @@ impl Twins {
         Self::with_ids(mesh, topology.ids(mesh).as_deref())
     }
 
-    /// The same for known ids, as from [`Topology::ids`]: for each row an id below the number of rows.
+    /// The same for given ids, as from [`Topology::ids`]: for each row an id below the number of rows.
     #[must_use]
     pub fn with_ids(mesh: &Mesh, ids: Option<&[u32]>) -> Self {
         let (faces, n) = (mesh.faces(), mesh.positions().len());
@@ -114,7 +114,8 @@ impl Twins {
         }
     }
 
-    /// Whether two sides of a face may have the same neighbour: false is certain, and true of few faces.
+    /// Whether two sides of a face may have the same neighbour. False is certain; true is rare, and may be
+    /// wrong.
     #[inline]
     pub(crate) fn may_share_two_sides(&self, face: u32) -> bool {
         let at = 3 * face as usize;
@@ -169,7 +170,7 @@ impl Twins {
     }
 }
 
-/// The half-edges in one bucket per position, that of their lower end.
+/// The half-edges in one bucket per position: that of their lower end.
 ///
 /// An entry is the higher end in the upper 32 bits and the half-edge in the lower. A bucket is filled from
 /// the front with half-edges that run up, from lower to higher end, and from the back with those that run
@@ -223,13 +224,13 @@ impl HalfEdgeBuckets {
             for (k, (from, to)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
                 let h = (3 * face_idx + k) as u64;
                 if from < to {
-                    let place = &mut front[from as usize];
-                    entries[*place as usize] = u64::from(to) << 32 | h;
-                    *place += 1;
+                    let slot = &mut front[from as usize];
+                    entries[*slot as usize] = u64::from(to) << 32 | h;
+                    *slot += 1;
                 } else {
-                    let place = &mut back[to as usize];
-                    *place -= 1;
-                    entries[*place as usize] = u64::from(from) << 32 | h;
+                    let slot = &mut back[to as usize];
+                    *slot -= 1;
+                    entries[*slot as usize] = u64::from(from) << 32 | h;
                 }
             }
         }

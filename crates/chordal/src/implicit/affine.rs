@@ -1,4 +1,4 @@
-//! `Affine3`: from the indices of a lattice to points of space.
+//! `Affine3`: the map from the indices of a lattice to points of space.
 use crate::math::{Orientation, orient3d};
 use std::fmt;
 
@@ -41,7 +41,7 @@ impl Affine3 {
         self.0
     }
 
-    /// The map that does `first`, then this, rounded.
+    /// The map that applies `first`, then this one, rounded.
     ///
     /// # Errors
     /// As for [`Affine3::new`].
@@ -67,7 +67,7 @@ impl Affine3 {
         self.0.map(|[a, b, c, d]| ((a * index[0] + b * index[1]) + c * index[2]) + d)
     }
 
-    /// The three step vectors: how far a point moves when one index grows by 1.
+    /// The three step vectors: the motion of the point when one index grows by 1.
     #[must_use]
     pub fn steps(&self) -> [[f64; 3]; 3] {
         [0, 1, 2].map(|k| [self.0[0][k], self.0[1][k], self.0[2][k]])
@@ -85,7 +85,7 @@ impl Affine3 {
     }
 }
 
-/// What is wrong with a transform, in one sentence.
+/// The reason why a map is invalid, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidAffine(String);
 

@@ -1,4 +1,4 @@
-//! Blocks: as many values as fit well into the first-level cache, one row per component, for vector code.
+//! Blocks: as many values as fit well into the first-level cache, one row per component, for vectorized code.
 use super::dual::{Dual, each_axis};
 use super::inputs::LeafScalar;
 use super::number::TapeInterval;
@@ -12,8 +12,8 @@ pub(super) trait BlockScalar: LeafScalar + 'static {
     const LANES: usize;
     /// Whether it carries a decoration, which operations may clear.
     const CLAIMS: bool;
-    /// Whether constants are put into the loops themselves; else into a block first, which keeps the program
-    /// small.
+    /// Whether constants are written into the loops themselves; otherwise they are first copied to a block,
+    /// which keeps the program small.
     const IMMEDIATE: bool;
 
     fn block() -> Self::Block;
@@ -26,7 +26,7 @@ pub(super) trait BlockScalar: LeafScalar + 'static {
         u64::MAX
     }
 
-    /// The same number with the decoration that is left after all operations; NaN gets the same bits
+    /// The same number with the decoration that remains after all operations; NaN gets the same bits
     /// everywhere.
     fn with_decoration(self, claims: u64) -> Self;
 }
@@ -201,11 +201,11 @@ pub(super) fn put<N: BlockScalar>(value: N, out: &mut N::Block, claims: &mut Dec
 /// Whether the sines of the first `n` numbers need no argument reduction in integers.
 #[inline(always)]
 pub(super) fn all_near<N: BlockScalar>(n: usize, a: &N::Block) -> bool {
-    let mut all = true;
+    let mut near = true;
     for at in 0..at_most::<N>(n) {
-        all &= N::is_near(N::load(a, at));
+        near &= N::is_near(N::load(a, at));
     }
-    all
+    near
 }
 
 /// `n`, at most the block size, which the compiler then knows.

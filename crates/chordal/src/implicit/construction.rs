@@ -1,46 +1,46 @@
-//! `Construction`: how a field was put together from solids whose surfaces are known in closed form.
+//! `Construction`: how a field was built from solids whose surfaces are known in closed form.
 //!
-//! Shapes and combinations keep it, everything else drops it: a field that has none is an operand by itself. What it
-//! describes is the set of points where the field is negative, but for the rounding of placements and for points on
-//! surfaces that coincide.
+//! Shapes and combinations keep it, all other operations drop it: a field without one is an operand by
+//! itself. It describes the set of points where the field is negative, except for the rounding of placements
+//! and for points on surfaces that coincide.
 use super::affine::Affine3;
 use super::field::Field;
 use super::shapes::Contours;
 use std::sync::Arc;
 
-/// A solid as a combination of others. Clones share their parts.
+/// A solid as a combination of other solids. Clones share their parts.
 #[derive(Clone, Debug)]
 pub struct Construction {
     node: Arc<ConstructionNode>,
-    /// The nodes on the longest way down.
+    /// The number of nodes on the longest path to a leaf.
     depth: u32,
-    /// The shapes at the ends of all ways down.
+    /// The number of shapes at the ends of all paths.
     n_solids: u64,
 }
 
-/// What a [`Construction`] is made of.
+/// A node of a [`Construction`].
 #[derive(Clone, Debug)]
 pub enum ConstructionNode {
-    /// A shape of which the numbers are known.
+    /// A shape in closed form.
     Solid(SolidForm),
-    /// A plane shape, without ends along z.
+    /// A planar shape, unbounded along z.
     Planar(PlanarForm),
-    /// What a map makes of a solid: its point `p` goes to `map.at(p)`.
+    /// The image of a solid under a map: its point `p` goes to `map.at(p)`.
     Placed(Affine3, Construction),
-    /// All points of any of them.
+    /// The points in any of them.
     Union(Arc<[Construction]>),
-    /// The points that all of them have.
+    /// The points in all of them.
     Intersection(Arc<[Construction]>),
-    /// All other points.
+    /// All points outside of it.
     Complement(Construction),
-    /// A field about which nothing of the kind is known.
+    /// A field without a construction.
     Other(Arc<Field>),
 }
 
 /// A solid in its own coordinates.
 #[derive(Clone, Debug)]
 pub enum SolidForm {
-    /// The box of these half sizes around the origin.
+    /// The box with these half sizes around the origin.
     Cuboid {
         /// Half of its sizes, above 0.
         half: [f64; 3],
@@ -59,11 +59,11 @@ pub enum SolidForm {
         /// The height of the plane along it.
         offset: f64,
     },
-    /// A cone around z, from minus `half` to `half`; a cylinder where both radii are the same.
+    /// A cone around z, from minus `half` to `half`; a cylinder if both radii are equal.
     Cone {
-        /// The radius at the low end; one of both may be 0.
+        /// The radius at the lower end; one of the two may be 0.
         bottom: f64,
-        /// The radius at the high end.
+        /// The radius at the upper end.
         top: f64,
         /// Half of the height.
         half: f64,
@@ -87,88 +87,91 @@ pub enum SolidForm {
         /// Above 0.
         radius: f64,
     },
-    /// A plane shape between two heights.
+    /// A planar shape between two heights.
     Extruded {
-        /// The plane shape.
+        /// The planar shape.
         profile: PlanarForm,
         /// From minus this height to this height.
         half: f64,
     },
-    /// A plane shape turned about its y axis, which becomes the z axis.
+    /// A planar shape revolved about its y axis, which becomes the z axis.
     Revolved {
-        /// The plane shape.
+        /// The planar shape.
         profile: PlanarForm,
-        /// Where it is in the plane first.
+        /// Its placement in the plane before revolving.
         place: Option<Affine3>,
     },
-    /// A plane shape between two heights, with a section that grows evenly about z.
+    /// A planar shape between two heights, scaled about z linearly with the height.
     Tapered {
-        /// The plane shape, which is the section at the lower end.
+        /// The planar shape, which is the section at the lower end.
         profile: PlanarForm,
-        /// Where it is in the plane first.
+        /// Its placement in the plane before tapering.
         place: Option<Affine3>,
         /// From minus this height to this height.
         half: f64,
-        /// How many times as large the section is at the upper end; above 0.
+        /// The scale of the section at the upper end; above 0.
         factor: f64,
     },
-    /// A plane shape between two heights, with a section that turns about z with the height.
+    /// A planar shape between two heights, turned about z in proportion to the height.
     Twisted {
-        /// The plane shape, which is the section at the height 0.
+        /// The planar shape, which is the section at height 0.
         profile: PlanarForm,
-        /// Where it is in the plane first.
+        /// Its placement in the plane before twisting.
         place: Option<Affine3>,
         /// The lower and the upper end.
         heights: [f64; 2],
-        /// The turn from one height to the next whole one.
+        /// The angle per unit of height.
         radians: f64,
     },
-    /// A screw thread about z without ends: at the angle θ its section is the profile, raised by θ / 2π of the pitch.
+    /// A screw thread about z without ends: at the angle θ its section is the profile, raised by θ / 2π of
+    /// the pitch.
     Thread {
         /// The section.
         profile: ThreadProfile,
-        /// It is wanted from minus this height to this height at least.
+        /// The thread is needed at least from minus this height to this height.
         half: f64,
     },
 }
 
-/// The section of a thread: a ridge that repeats along z, with flanks that fall by √3 of their height along z.
+/// The section of a thread: a ridge that repeats along z, with flanks that fall by √3 of their height along
+/// z.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadProfile {
     /// The largest radius, if the ridge has a flat there.
     pub major: f64,
-    /// The least radius, if there is a flat between two turns.
+    /// The smallest radius, if there is a flat between two turns.
     pub minor: f64,
     /// The height of a turn.
     pub pitch: f64,
-    /// Half of the ridge's height along z at the largest radius; below 0 where its flanks meet before.
+    /// Half of the ridge's height along z at the largest radius; negative if its flanks meet below that
+    /// radius.
     pub at_crest: f64,
-    /// The same at the least radius; above half of the pitch where two turns meet before.
+    /// The same at the smallest radius; above half of the pitch if two turns meet above that radius.
     pub at_root: f64,
 }
 
 impl ThreadProfile {
-    /// Its corners for one turn, each the radius and the height, from below the middle of the ridge upwards; the first
-    /// comes again a pitch higher.
+    /// Its corners for one turn, each as radius and height, from below the middle of the ridge upwards; the
+    /// first corner repeats a pitch higher.
     #[must_use]
     pub fn corners(&self) -> Vec<[f64; 2]> {
         // Defined by ISO 68-1: an angle of 60° between two flanks.
         let slope = 3.0_f64.sqrt();
-        let mut all = match self.at_crest {
-            far if far > 0.0 => vec![[self.major, -far], [self.major, far]],
-            far => vec![[self.major + slope * far, 0.0]],
+        let mut corners = match self.at_crest {
+            half_crest if half_crest > 0.0 => vec![[self.major, -half_crest], [self.major, half_crest]],
+            half_crest => vec![[self.major + slope * half_crest, 0.0]],
         };
         let middle = 0.5 * self.pitch;
         if self.at_root < middle {
-            all.extend([[self.minor, self.at_root], [self.minor, self.pitch - self.at_root]]);
+            corners.extend([[self.minor, self.at_root], [self.minor, self.pitch - self.at_root]]);
         } else {
-            all.push([self.major - slope * (middle - self.at_crest), middle]);
+            corners.push([self.major - slope * (middle - self.at_crest), middle]);
         }
-        all
+        corners
     }
 }
 
-/// A shape of the plane.
+/// A planar shape.
 #[derive(Clone, Debug)]
 pub enum PlanarForm {
     /// A disc around the origin.
@@ -176,7 +179,7 @@ pub enum PlanarForm {
         /// Above 0.
         radius: f64,
     },
-    /// All points of a rectangle around the origin, and those nearer than a radius to it.
+    /// All points of a rectangle around the origin, and those nearer to it than a radius.
     Rectangle {
         /// Half of its sizes, without the radius.
         half: [f64; 2],
@@ -190,14 +193,15 @@ pub enum PlanarForm {
         /// Above 0.
         radius: f64,
     },
-    /// What contours enclose.
+    /// The region that contours enclose.
     Contours(Arc<Contours>),
 }
 
-/// Beyond this depth parts of one operation become parts of one node. Chosen: for chains of n operations that is copied n / 64
-/// times.
+/// Beyond this depth the parts of nested operations become parts of one node. Chosen: a chain of n operations
+/// is then copied n / 64 times.
 const FLAT_DEPTH: u32 = 64;
-/// What is deeper still has no construction. Chosen: what walks through it calls itself.
+/// A deeper combination has no construction. Chosen: walks through constructions recurse, and the stack has
+/// room for this many calls.
 const MOST_DEPTH: u32 = 256;
 
 impl Construction {
@@ -226,31 +230,31 @@ impl Construction {
         Self::new(ConstructionNode::Planar(form))
     }
 
-    /// What it is made of.
+    /// Its root node.
     #[must_use]
     pub fn node(&self) -> &ConstructionNode {
         &self.node
     }
 
-    /// How many shapes it combines; one that stands at several places counts at each.
+    /// The number of shapes that it combines, with repetitions.
     #[must_use]
     pub fn n_solids(&self) -> u64 {
         self.n_solids
     }
 
-    /// A number that clones share, and that no other construction has as long as one of them lives.
+    /// An identifier that clones share, and that no other construction has while one of them lives.
     #[must_use]
     pub fn address(&self) -> usize {
         Arc::as_ptr(&self.node) as usize
     }
 
-    /// That of a field, or the field itself as an operand.
+    /// The construction of a field, or the field itself as an operand.
     fn of(field: &Field) -> Option<Self> {
-        let own = || Self::new(ConstructionNode::Other(Arc::new(field.clone())));
-        field.construction().cloned().or_else(own)
+        let operand = || Self::new(ConstructionNode::Other(Arc::new(field.clone())));
+        field.construction().cloned().or_else(operand)
     }
 
-    /// All points of either. None where nothing is known of both.
+    /// The points in either. None if both are operands without a construction.
     pub(super) fn union(a: &Field, b: &Field) -> Option<Self> {
         Self::joined([a, b], ConstructionNode::Union, |node| match node {
             ConstructionNode::Union(parts) => Some(parts),
@@ -258,7 +262,7 @@ impl Construction {
         })
     }
 
-    /// The points that both have. None where nothing is known of both.
+    /// The points in both. None if both are operands without a construction.
     pub(super) fn intersection(a: &Field, b: &Field) -> Option<Self> {
         Self::joined([a, b], ConstructionNode::Intersection, |node| match node {
             ConstructionNode::Intersection(parts) => Some(parts),
@@ -287,13 +291,13 @@ impl Construction {
         Self::new(join(flat.into()))
     }
 
-    /// What other solids have of it.
+    /// Its intersection with other solids.
     pub(super) fn clipped(&self, others: Vec<Self>) -> Option<Self> {
-        let all: Vec<Self> = std::iter::once(self.clone()).chain(others).collect();
-        Self::new(ConstructionNode::Intersection(all.into()))
+        let parts: Vec<Self> = std::iter::once(self.clone()).chain(others).collect();
+        Self::new(ConstructionNode::Intersection(parts.into()))
     }
 
-    /// All other points.
+    /// All points outside of it.
     pub(super) fn complement(&self) -> Option<Self> {
         match self.node() {
             ConstructionNode::Complement(below) => Some(below.clone()),
@@ -301,13 +305,13 @@ impl Construction {
         }
     }
 
-    /// Whether some part of it is a field by itself.
+    /// Whether some part of it is a field without a construction.
     #[must_use]
     pub fn has_other(&self) -> bool {
         self.has(&|node| matches!(node, ConstructionNode::Other(_)))
     }
 
-    /// Whether it or something that it is made of is of a kind.
+    /// Whether it or one of its parts is of a kind.
     pub fn has(&self, is_of_kind: &impl Fn(&ConstructionNode) -> bool) -> bool {
         is_of_kind(self.node())
             || match self.node() {
@@ -323,7 +327,7 @@ impl Construction {
             }
     }
 
-    /// The same under a further map. None where that flattens space by rounding.
+    /// The same under a further map. None if rounding makes that map flatten space.
     pub(super) fn placed(&self, rows: [[f64; 4]; 3]) -> Option<Self> {
         let map = Affine3::new(rows).ok()?;
         if map == Affine3::IDENTITY {
@@ -332,53 +336,53 @@ impl Construction {
         Self::new(ConstructionNode::Placed(map, self.clone()))
     }
 
-    /// What is left of the plane shape between two heights, `half` above 0 and below. None for what is no plane shape.
+    /// The planar shape between the heights `-half` and `half`. None if this is not a planar shape.
     pub(super) fn extruded(&self, half: f64) -> Option<Self> {
-        self.map_planar(None, &|form, place| {
+        self.map_planar(None, &|form, placement| {
             let solid = Self::solid(SolidForm::Extruded { profile: form.clone(), half })?;
-            match place {
+            match placement {
                 Some(map) => Self::new(ConstructionNode::Placed(map, solid)),
                 None => Some(solid),
             }
         })
     }
 
-    /// The plane shape turned about its y axis. None for what is no plane shape.
+    /// The planar shape revolved about its y axis. None if this is not a planar shape.
     pub(super) fn revolved(&self) -> Option<Self> {
-        self.map_planar(None, &|form, place| {
-            Self::solid(SolidForm::Revolved { profile: form.clone(), place })
+        self.map_planar(None, &|form, placement| {
+            Self::solid(SolidForm::Revolved { profile: form.clone(), place: placement })
         })
     }
 
-    /// The same combination of what is made of each plane shape and its place. Heights of places are left out: a plane
-    /// shape has none.
-    pub(super) fn map_planar(&self, place: Option<Affine3>, make: &PlanarMap) -> Option<Self> {
+    /// The same combination, with each planar shape and its placement replaced by a solid from `make`.
+    /// Heights in placements are dropped: a planar shape has none.
+    pub(super) fn map_planar(&self, placement: Option<Affine3>, make: &PlanarMap) -> Option<Self> {
         let each = |parts: &[Self]| -> Option<Arc<[Self]>> {
-            parts.iter().map(|part| part.map_planar(place, make)).collect()
+            parts.iter().map(|part| part.map_planar(placement, make)).collect()
         };
         match self.node() {
-            ConstructionNode::Planar(form) => make(form, place),
+            ConstructionNode::Planar(form) => make(form, placement),
             ConstructionNode::Placed(map, below) => {
                 let map = flat_map(map)?;
-                let place = match place {
+                let placement = match placement {
                     Some(outer) => flat_map(&outer.after(&map).ok()?)?,
                     None => map,
                 };
-                below.map_planar(Some(place), make)
+                below.map_planar(Some(placement), make)
             }
             ConstructionNode::Union(parts) => Self::new(ConstructionNode::Union(each(parts)?)),
             ConstructionNode::Intersection(parts) => Self::new(ConstructionNode::Intersection(each(parts)?)),
-            ConstructionNode::Complement(below) => below.map_planar(place, make)?.complement(),
+            ConstructionNode::Complement(below) => below.map_planar(placement, make)?.complement(),
             ConstructionNode::Solid(_) | ConstructionNode::Other(_) => None,
         }
     }
 }
 
-/// Makes a solid of a plane shape and its place.
+/// Builds a solid from a planar shape and its placement.
 pub(super) type PlanarMap<'a> = dyn Fn(&PlanarForm, Option<Affine3>) -> Option<Construction> + 'a;
 
-/// A map as it acts on shapes without ends along z, with heights left as they are. None where it turns them out of the
-/// plane.
+/// The effect of a map on shapes that are unbounded along z, with heights unchanged. None if it tilts the z
+/// axis.
 fn flat_map(map: &Affine3) -> Option<Affine3> {
     let [x, y, z] = map.rows();
     let keeps_axis = x[2] == 0.0 && y[2] == 0.0 && z[0] == 0.0 && z[1] == 0.0;

@@ -1,17 +1,18 @@
-//! What offsets, tapers and twists make of a [`Construction`]. All of them are made of the parts one by one, because that is
-//! what they do to the minima and maxima of the parts' fields.
+//! The [`Construction`] of offsets, tapers and twists. Each is applied to the parts one by one, because that
+//! is its effect on the minima and maxima of the parts' fields.
 use super::affine::Affine3;
 use super::construction::{Construction, ConstructionNode, PlanarForm, SolidForm};
 use super::distance::DistanceQuality;
 use super::shapes::Contours;
 
-/// The most sides of contours that are offset side by side. Chosen: each becomes a shape of its own.
+/// The most sides of contours that are offset side by side. Chosen: each side becomes a shape of its own.
 const MOST_SIDES: usize = 256;
 
 impl Construction {
-    /// The points where the field is below `by`. None where some part has no such surface in closed form.
+    /// The points where the field is below `by`. None if some part has no such surface in closed form.
     ///
-    /// Grown intersections and shrunk complements are refused: their fields may say less than the distance outside.
+    /// Grown intersections and shrunk complements are refused: outside, their fields may be less than the
+    /// distance.
     pub(super) fn offset(&self, by: f64) -> Option<Self> {
         let each = |parts: &[Self]| parts.iter().map(|part| part.offset(by)).collect::<Option<Vec<_>>>();
         match self.node() {
@@ -20,20 +21,21 @@ impl Construction {
             ConstructionNode::Placed(map, below) => {
                 let [x, y, z] = map.rows().map(|row| row[0]);
                 let scale = (x * x + y * y + z * z).sqrt();
-                // Anything else would be rounded twice.
+                // Other scales would be rounded twice.
                 if scale != 1.0 {
                     return None;
                 }
                 Self::new(ConstructionNode::Placed(*map, below.offset(by)?))
             }
-            // Contours that were grown are a union as well, which is less deep than they are.
+            // Grown contours are a union too, whose value is less deep than theirs.
             ConstructionNode::Union(parts) if by < 0.0 && parts.iter().any(Self::is_contours) => None,
             ConstructionNode::Union(parts) => Self::new(ConstructionNode::Union(each(parts)?.into())),
             ConstructionNode::Intersection(parts) if by < 0.0 => {
                 Self::new(ConstructionNode::Intersection(each(parts)?.into()))
             }
             ConstructionNode::Complement(below) if by > 0.0 => below.offset(-by)?.complement(),
-            // What is grown below a complement may have been shrunk, and is sharp where it is grown again.
+            // A part that is grown below a complement may have been shrunk before, and is sharp when it is
+            // grown again.
             ConstructionNode::Complement(_)
             | ConstructionNode::Intersection(_)
             | ConstructionNode::Other(_) => None,
@@ -44,26 +46,26 @@ impl Construction {
         matches!(self.node(), ConstructionNode::Planar(PlanarForm::Contours(_)))
     }
 
-    /// A plane shape between two heights, `half` above 0 and below, that is `factor` times as large at the upper one.
+    /// A planar shape between the heights `-half` and `half`, scaled by `factor` at the upper one.
     pub(super) fn tapered(&self, factor: f64, half: f64) -> Option<Self> {
         self.map_planar(None, &|form, place| {
             Self::solid(SolidForm::Tapered { profile: form.clone(), place, half, factor })
         })
     }
 
-    /// Turned about z by `radians` more per unit of height. None for what is no combination of upright prisms.
+    /// Turned about z by `radians` per unit of height. None if this is not a combination of upright prisms.
     pub(super) fn twisted(&self, radians: f64) -> Option<Self> {
         self.map_prisms(&Affine3::IDENTITY, radians)
     }
 
-    fn map_prisms(&self, place: &Affine3, radians: f64) -> Option<Self> {
+    fn map_prisms(&self, placement: &Affine3, radians: f64) -> Option<Self> {
         let each = |parts: &[Self]| {
-            parts.iter().map(|part| part.map_prisms(place, radians)).collect::<Option<Vec<_>>>()
+            parts.iter().map(|part| part.map_prisms(placement, radians)).collect::<Option<Vec<_>>>()
         };
         match self.node() {
             ConstructionNode::Solid(form) => {
                 let (profile, half) = prism(form)?;
-                let [x, y, z] = place.rows();
+                let [x, y, z] = placement.rows();
                 let is_upright = [x[2], y[2], z[0], z[1]] == [0.0; 4];
                 if !is_upright {
                     return None;
@@ -71,21 +73,21 @@ impl Construction {
                 let flat = Affine3::new([x, y, [0.0, 0.0, 1.0, 0.0]]).ok()?;
                 let reach = z[2].abs() * half;
                 let heights = [z[3] - reach, z[3] + reach];
-                let place = if flat == Affine3::IDENTITY { None } else { Some(flat) };
-                Self::solid(SolidForm::Twisted { profile, place, heights, radians })
+                let placement = if flat == Affine3::IDENTITY { None } else { Some(flat) };
+                Self::solid(SolidForm::Twisted { profile, place: placement, heights, radians })
             }
-            ConstructionNode::Placed(map, below) => below.map_prisms(&place.after(map).ok()?, radians),
+            ConstructionNode::Placed(map, below) => below.map_prisms(&placement.after(map).ok()?, radians),
             ConstructionNode::Union(parts) => Self::new(ConstructionNode::Union(each(parts)?.into())),
             ConstructionNode::Intersection(parts) => {
                 Self::new(ConstructionNode::Intersection(each(parts)?.into()))
             }
-            ConstructionNode::Complement(below) => below.map_prisms(place, radians)?.complement(),
+            ConstructionNode::Complement(below) => below.map_prisms(placement, radians)?.complement(),
             ConstructionNode::Planar(_) | ConstructionNode::Other(_) => None,
         }
     }
 }
 
-/// The section and half of the height of a solid that has the same section at all heights.
+/// The section and half of the height of a solid with the same section at all heights.
 fn prism(form: &SolidForm) -> Option<(PlanarForm, f64)> {
     match form {
         SolidForm::Extruded { profile, half } => Some((profile.clone(), *half)),
@@ -103,7 +105,7 @@ fn above_zero(x: f64) -> Option<f64> {
     (x > 0.0).then_some(x)
 }
 
-/// Sides and a radius around them, by which a rectangle or a box is larger.
+/// Half sizes and a radius around them, for the offset of a rectangle or a box.
 fn rounded_offset<const N: usize>(half: [f64; N], radius: f64, by: f64) -> Option<([f64; N], f64)> {
     let radius = radius + by;
     if radius > 0.0 {
@@ -158,7 +160,7 @@ fn planar_offset(form: &PlanarForm, by: f64) -> Option<Construction> {
     })
 }
 
-/// What contours enclose, with or without all that is nearer than a distance to one of their sides.
+/// The region that contours enclose, with or without all points within a distance of one of their sides.
 fn contours_offset(contours: &Contours, form: &PlanarForm, by: f64) -> Option<Construction> {
     let distance = contours.distance();
     let quality = if by > 0.0 { distance.outside } else { distance.inside };
@@ -167,15 +169,15 @@ fn contours_offset(contours: &Contours, form: &PlanarForm, by: f64) -> Option<Co
     if quality != DistanceQuality::Exact || n_sides > MOST_SIDES {
         return None;
     }
-    let side = |own: &[[f64; 2]], k: usize| {
-        let ends = [own[k], own[(k + 1) % own.len()]];
+    let side = |corners: &[[f64; 2]], k: usize| {
+        let ends = [corners[k], corners[(k + 1) % corners.len()]];
         Construction::planar(PlanarForm::Segment { ends, radius: by.abs() })
     };
     let mut parts = vec![Construction::planar(form.clone())?];
-    for own in &loops {
-        for k in 0..own.len() {
-            let near = side(own, k)?;
-            parts.push(if by > 0.0 { near } else { near.complement()? });
+    for corners in &loops {
+        for k in 0..corners.len() {
+            let capsule = side(corners, k)?;
+            parts.push(if by > 0.0 { capsule } else { capsule.complement()? });
         }
     }
     Construction::new(if by > 0.0 {

@@ -1,14 +1,14 @@
-//! `Distance`: what the value of a field is worth as a distance.
+//! `Distance`: how well the value of a field approximates the distance to its surface.
 
 use crate::math::lesser;
 
 /// What the absolute value of a field says about the distance to its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DistanceQuality {
-    /// Nothing: only the sign has a meaning.
+    /// Nothing: only the sign means something.
     Sign,
-    /// Its Lipschitz constant is at most 1, and it is 0 on the surface. So it is never more than the
-    /// distance: a step of that length hits nothing.
+    /// Its Lipschitz constant is at most 1, and it is 0 on the surface. So it never exceeds the distance: a
+    /// step of that length cannot cross the surface.
     Bound,
     /// It is the distance.
     Exact,
@@ -26,7 +26,7 @@ impl DistanceQuality {
     }
 }
 
-/// What a field's value is worth outside and inside the shape.
+/// The distance quality of a field's value outside and inside the shape.
 ///
 /// ```
 /// use chordal::implicit::{Distance, DistanceQuality};
@@ -50,21 +50,21 @@ impl Distance {
     /// Only a sign, everywhere.
     pub const SIGN: Self = Self { outside: DistanceQuality::Sign, inside: DistanceQuality::Sign };
 
-    /// That of `min(a, b)`. Outside both shapes the nearer surface is the nearest of the union. Inside, the
-    /// other shape may cover that surface, so only a bound is left.
+    /// The quality of `min(a, b)`. Outside both shapes the nearer of the two surfaces is nearest. Inside, the
+    /// other shape may cover that surface, so the value is only a bound.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let inside = lesser(self.inside, other.inside);
         Self { outside: lesser(self.outside, other.outside), inside: lesser(inside, DistanceQuality::Bound) }
     }
 
-    /// That of `max(a, b)`: [`Distance::union`] with both sides exchanged.
+    /// The quality of `max(a, b)`: [`Distance::union`] with both sides exchanged.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         self.complement().union(other.complement()).complement()
     }
 
-    /// That of `−a`.
+    /// The quality of `−a`.
     #[must_use]
     pub fn complement(self) -> Self {
         Self { outside: self.inside, inside: self.outside }

@@ -13,7 +13,7 @@ pub struct Dual<N> {
 }
 
 /// Evaluates an expression for each of the three axes. An array's `map` takes a closure, which the compiler
-/// may leave outside of the code that it vectorises, so loops over blocks contain no closures.
+/// may not inline into vectorized code, so loops over blocks contain no closures.
 macro_rules! each_axis {
     ($k:ident => $value:expr) => {{
         let x = {
@@ -33,26 +33,26 @@ macro_rules! each_axis {
 }
 pub(super) use each_axis;
 
-/// What [`Dual`] does at kinks and jumps of a function: take one side, or cover both.
+/// The treatment of kinks and jumps by [`Dual`]: take one side, or cover both.
 pub(super) trait GeneralizedDerivative: Scalar {
     /// The derivatives of `|a|`.
     fn abs(a: Dual<Self>) -> [Self; 3];
-    /// The derivatives of the smaller of both.
+    /// The derivatives of the smaller one.
     fn min(a: Dual<Self>, b: Dual<Self>) -> [Self; 3];
     /// The weighted mean of two gradients; `share`, clamped to [0, 1], is the weight of the first.
     fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3];
-    /// The derivatives of a vector's length by its coordinates: these over the length. At 0, where the length
-    /// has a kink, a generalized gradient.
+    /// The derivatives of a vector's length by its coordinates: the coordinates over the length. At 0, where
+    /// the length has a kink, a generalized gradient.
     fn length_gradient<const N: usize>(parts: [Self; N], length: Self) -> [Self; N];
     /// The derivatives of the distance to a box by the signed distances to its sides.
     fn box_distance_gradient<const N: usize>(sides: [Self; N]) -> [Self; N];
-    /// The derivative of a step function that has this value.
+    /// The derivative of a step function with this value.
     fn step_derivative(value: Self) -> Self;
-    /// How many whole `b`s were subtracted from `a` to leave `value`.
-    fn whole_quotient(a: Self, b: Self, value: Self) -> Self;
+    /// The number of times that `b` was subtracted from `a` to leave `value`.
+    fn integer_quotient_of(a: Self, b: Self, value: Self) -> Self;
     /// `zero` where `condition` is 0, else `other`.
     fn select(condition: Self, zero: [Self; 3], other: [Self; 3]) -> [Self; 3];
-    /// One decoration for all: a slope is defined and continuous where the value and all derivatives are.
+    /// One decoration for all: a dual is defined and continuous where its value and all derivatives are.
     fn unify_decorations(slope: Dual<Self>) -> Dual<Self>;
 }
 
@@ -69,7 +69,7 @@ impl GeneralizedDerivative for f64 {
     fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3] {
         each_axis!(k => {
             let mean = share * da[k] + (1.0 - share) * db[k];
-            // An operand of weight 0 does not count at all.
+            // An operand of weight 0 does not count, even if it is not finite.
             let mean = if share < 1.0 { mean } else { da[k] };
             if share > 0.0 { mean } else { db[k] }
         })
@@ -103,7 +103,7 @@ impl GeneralizedDerivative for f64 {
         0.0
     }
     #[inline(always)]
-    fn whole_quotient(a: Self, b: Self, value: Self) -> Self {
+    fn integer_quotient_of(a: Self, b: Self, value: Self) -> Self {
         ((a - value) / b).round()
     }
     #[inline(always)]
@@ -133,29 +133,29 @@ impl GeneralizedDerivative for Interval {
             da.choose(first, db.choose(second, da.hull(db)))
         })
     }
-    /// The mean is linear in the share, so its extremes are at the ends of the share.
+    /// The mean is linear in the weight, so its extremes are at the ends of the weight's interval.
     #[inline(always)]
     fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3] {
         let one = Self::point(1.0);
         let share = share.max(Self::point(0.0)).min(one).bare();
-        let (all, none) = (share.lo >= 1.0, share.hi <= 0.0);
+        let (only_first, only_second) = (share.lo >= 1.0, share.hi <= 0.0);
         let (low, high) = (Self::point(share.lo), Self::point(share.hi));
         each_axis!(k => {
             let (da, db) = (da[k], db[k]);
             let mean = (low * da + (one - low) * db).hull(high * da + (one - high) * db);
-            da.choose(all, db.choose(none, mean))
+            da.choose(only_first, db.choose(only_second, mean))
         })
     }
     #[inline(always)]
     fn length_gradient<const N: usize>(parts: [Self; N], _: Self) -> [Self; N] {
         let mut shares = parts;
         for (k, share) in shares.iter_mut().enumerate() {
-            // The squares of the others.
-            let mut rest = Self::point(0.0);
-            for (other, part) in parts.iter().enumerate() {
-                rest = if other == k { rest } else { rest + part.square() };
+            // The sum of the squares of the other coordinates.
+            let mut others_sq = Self::point(0.0);
+            for (i, part) in parts.iter().enumerate() {
+                others_sq = if i == k { others_sq } else { others_sq + part.square() };
             }
-            *share = parts[k].direction_cosine(rest);
+            *share = parts[k].direction_cosine(others_sq);
         }
         shares
     }
@@ -163,15 +163,15 @@ impl GeneralizedDerivative for Interval {
     fn box_distance_gradient<const N: usize>(sides: [Self; N]) -> [Self; N] {
         let mut shares = sides;
         for (k, share) in shares.iter_mut().enumerate() {
-            // The squares of the others where they are above 0, and the ends of the largest of them.
-            let (mut rest, mut largest) = (Self::point(0.0), Self::UNKNOWN.bare());
+            // The sum of the squares of the other sides above 0, and the interval of the largest other side.
+            let (mut others_sq, mut largest) = (Self::point(0.0), Self::UNKNOWN.bare());
             largest.hi = f64::NEG_INFINITY;
-            for (other, side) in sides.iter().enumerate() {
-                let with = rest + side.max(Self::point(0.0)).square();
+            for (i, side) in sides.iter().enumerate() {
+                let sum = others_sq + side.max(Self::point(0.0)).square();
                 let ends = largest.max(side.bare());
-                (rest, largest) = if other == k { (rest, largest) } else { (with, ends) };
+                (others_sq, largest) = if i == k { (others_sq, largest) } else { (sum, ends) };
             }
-            *share = sides[k].box_derivative(rest, largest);
+            *share = sides[k].box_derivative(others_sq, largest);
         }
         shares
     }
@@ -180,27 +180,27 @@ impl GeneralizedDerivative for Interval {
         Self::point(0.0).choose(value.lo() == value.hi(), Self::UNKNOWN)
     }
     #[inline(always)]
-    fn whole_quotient(a: Self, b: Self, _: Self) -> Self {
-        let whole = a.bare().integer_quotient(b.bare());
-        let n = Self::point(if b.hi() < 0.0 { -whole } else { whole });
-        n.choose(!whole.is_nan(), Self::UNKNOWN)
+    fn integer_quotient_of(a: Self, b: Self, _: Self) -> Self {
+        let quotient = a.bare().integer_quotient(b.bare());
+        let n = Self::point(if b.hi() < 0.0 { -quotient } else { quotient });
+        n.choose(!quotient.is_nan(), Self::UNKNOWN)
     }
     #[inline(always)]
     fn select(condition: Self, zero: [Self; 3], other: [Self; 3]) -> [Self; 3] {
         let condition = condition.bare();
         let (is_zero, never) = ((condition.lo == 0.0) & (condition.hi == 0.0), !condition.has_zero());
         each_axis!(k => {
-            let both = zero[k].hull(other[k]).undefined();
-            zero[k].choose(is_zero, other[k].choose(never, both))
+            let either = zero[k].hull(other[k]).undefined();
+            zero[k].choose(is_zero, other[k].choose(never, either))
         })
     }
     #[inline(always)]
     fn unify_decorations(slope: Dual<Self>) -> Dual<Self> {
         let [x, y, z] = slope.gradient;
-        let all = slope.value.is_defined() & x.is_defined() & y.is_defined() & z.is_defined();
+        let is_defined = slope.value.is_defined() & x.is_defined() & y.is_defined() & z.is_defined();
         Dual {
-            value: slope.value.choose(all, slope.value.undefined()),
-            gradient: each_axis!(k => slope.gradient[k].choose(all, slope.gradient[k].undefined())),
+            value: slope.value.choose(is_defined, slope.value.undefined()),
+            gradient: each_axis!(k => slope.gradient[k].choose(is_defined, slope.gradient[k].undefined())),
         }
     }
 }
@@ -251,7 +251,8 @@ fn beside<N: Scalar>(x: N) -> N {
     N::near(Unary::Sqrt, sub(N::constant(1.0), square(x)))
 }
 
-/// The chain rule, from the value of an operation and, for sine and cosine, the value of the other one.
+/// The chain rule, from the value of an operation and, for sine and cosine, the value of the other of the
+/// two.
 #[inline(always)]
 fn chain<N: GeneralizedDerivative>(op: Unary, a: Dual<N>, value: N, other: N) -> Dual<N> {
     let one = N::constant(1.0);
@@ -278,7 +279,7 @@ fn chain<N: GeneralizedDerivative>(op: Unary, a: Dual<N>, value: N, other: N) ->
     N::unify_decorations(Dual { value, gradient })
 }
 
-/// What the chain rule needs besides the value.
+/// The operation whose value the chain rule needs in addition.
 #[inline(always)]
 fn partner(op: Unary) -> Unary {
     match op {
@@ -325,8 +326,8 @@ impl<N: GeneralizedDerivative> Scalar for Dual<N> {
             Binary::Div => each_axis!(k => div(sub(da[k], mul(value, db[k])), b.value)),
             Binary::Min => N::min(a, b),
             Binary::Max => {
-                let least = N::min(minus(a), minus(b));
-                each_axis!(k => neg(least[k]))
+                let negated = N::min(minus(a), minus(b));
+                each_axis!(k => neg(negated[k]))
             }
             Binary::SmoothMin => {
                 let half = N::constant(0.5);
@@ -335,10 +336,10 @@ impl<N: GeneralizedDerivative> Scalar for Dual<N> {
             Binary::RoundMin => {
                 let (one, half) = (N::constant(1.0), N::constant(0.5));
                 // The share of the first is 1/2 − t/(2√(2 − t²)) with their difference t, from −1 to 1.
-                let apart = N::binary(Binary::Max, sub(a.value, b.value), neg(one));
-                let apart = N::binary(Binary::Min, apart, one);
-                let beside = N::near(Unary::Sqrt, sub(N::constant(2.0), square(apart)));
-                N::mean(sub(half, mul(half, div(apart, beside))), da, db)
+                let difference = N::binary(Binary::Max, sub(a.value, b.value), neg(one));
+                let difference = N::binary(Binary::Min, difference, one);
+                let beside = N::near(Unary::Sqrt, sub(N::constant(2.0), square(difference)));
+                N::mean(sub(half, mul(half, div(difference, beside))), da, db)
             }
             Binary::LogSumExp => {
                 let ratio = N::near(Unary::Exp, sub(b.value, a.value));
@@ -348,9 +349,9 @@ impl<N: GeneralizedDerivative> Scalar for Dual<N> {
                 let r = add(square(a.value), square(b.value));
                 each_axis!(k => div(sub(mul(b.value, da[k]), mul(a.value, db[k])), r))
             }
-            // a − n b, with an integer n that is constant where nothing jumps.
+            // a − n b, with an integer n that is constant between jumps.
             Binary::Mod => {
-                let n = N::whole_quotient(a.value, b.value, value);
+                let n = N::integer_quotient_of(a.value, b.value, value);
                 each_axis!(k => sub(da[k], mul(n, db[k])))
             }
             Binary::Compare => [N::step_derivative(value); 3],

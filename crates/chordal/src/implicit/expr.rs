@@ -37,26 +37,26 @@ struct ExprNode(ExprKind);
 impl Drop for ExprNode {
     /// Drops the nodes in a loop: recursion over a chain of a million nodes would overflow the stack.
     fn drop(&mut self) {
-        let mut rest = Vec::new();
-        take_parts(&mut self.0, &mut rest);
-        while let Some(part) = rest.pop() {
+        let mut pending = Vec::new();
+        take_parts(&mut self.0, &mut pending);
+        while let Some(part) = pending.pop() {
             if let Some(mut node) = Arc::into_inner(part.0) {
-                take_parts(&mut node.0, &mut rest);
+                take_parts(&mut node.0, &mut pending);
             }
         }
     }
 }
 
-fn take_parts(kind: &mut ExprKind, rest: &mut Vec<Expr>) {
+fn take_parts(kind: &mut ExprKind, pending: &mut Vec<Expr>) {
     match std::mem::replace(kind, ExprKind::Const(0.0)) {
         ExprKind::Const(_) | ExprKind::Axis(_) => {}
-        ExprKind::Unary(_, a) => rest.push(a),
-        ExprKind::Binary(_, a, b) => rest.extend([a, b]),
+        ExprKind::Unary(_, a) => pending.push(a),
+        ExprKind::Binary(_, a, b) => pending.extend([a, b]),
         ExprKind::At(a, at) => {
-            rest.push(a);
-            rest.extend(at);
+            pending.push(a);
+            pending.extend(at);
         }
-        ExprKind::Leaf(_, at) => rest.extend(at),
+        ExprKind::Leaf(_, at) => pending.extend(at),
     }
 }
 
@@ -101,13 +101,13 @@ impl Expr {
         Self::new(ExprKind::At(self.clone(), at))
     }
 
-    /// The smaller of both.
+    /// The smaller one.
     #[must_use]
     pub fn min(&self, other: &Self) -> Self {
         Self::binary(Binary::Min, self, other)
     }
 
-    /// The smaller of both, with its kink rounded off over a width above 0: `min(a, b) − h²/(4·width)` with
+    /// The smaller one, with its kink rounded off over a width above 0: `min(a, b) − h²/(4·width)` with
     /// `h = max(width − |a − b|, 0)`. Its interval is as tight as those of the operands, however deeply such
     /// terms are nested.
     ///
@@ -117,10 +117,11 @@ impl Expr {
         Self::binary(Binary::SmoothMin, &(self / width), &(other / width)) * width
     }
 
-    /// The smaller of both, with its kink replaced by an arc: it equals the smaller where they are `radius`
-    /// apart, and is 0 on the quarter of the circle of this radius around (`radius`, `radius`) that touches
-    /// both axes of the plane of `self` and `other`. Where those are distances to faces at a right angle, the
-    /// arc is a circle of that radius. The result grows with both, and where both are 1-Lipschitz, so is it.
+    /// The smaller one, with its kink replaced by an arc: it equals the minimum if the operands differ by at
+    /// least `radius`, and is 0 on the quarter of the circle of this radius around (`radius`, `radius`) that
+    /// touches both axes of the plane of `self` and `other`. If the operands are distances to faces at a
+    /// right angle, the arc is a circle of that radius. The result grows with both operands, and is
+    /// 1-Lipschitz if both are.
     ///
     /// Source: I. Quilez, *Smooth minimum* (circular); derived here from the equation of the circle.
     #[must_use]
@@ -128,7 +129,7 @@ impl Expr {
         Self::binary(Binary::RoundMin, &(self / radius), &(other / radius)) * radius
     }
 
-    /// The larger of both.
+    /// The larger one.
     #[must_use]
     pub fn max(&self, other: &Self) -> Self {
         Self::binary(Binary::Max, self, other)
@@ -164,7 +165,7 @@ impl Expr {
         Self::unary(Unary::Cos, self)
     }
 
-    /// The value at one point. This compiles a tape each time; for many points make one, see
+    /// The value at one point. This compiles a tape each time; for many points compile one yourself, see
     /// [`Tape::at`](super::Tape::at).
     ///
     /// # Errors
@@ -175,8 +176,8 @@ impl Expr {
         Ok(value[0])
     }
 
-    /// Whether the zero set consists of zero sets of other expressions: below signs and constants there is a
-    /// minimum, a maximum or an absolute value.
+    /// Whether the zero set consists of zero sets of other expressions: below signs and operations with
+    /// constants there is a minimum, a maximum or an absolute value.
     pub(super) fn is_choice(&self) -> bool {
         let mut at = self;
         loop {
@@ -212,7 +213,7 @@ impl Expr {
 }
 
 impl fmt::Debug for Expr {
-    /// Prints the root alone: there may be a million nodes below it.
+    /// Prints only the root: there may be a million nodes below it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind() {
             ExprKind::Const(value) => write!(f, "{value:?}"),

@@ -1,4 +1,4 @@
-//! `Field`: a signed number for every point, negative inside, with what is known about it.
+//! `Field`: a signed number for every point, negative inside, with the known facts about it.
 use super::combine::PeriodicPattern;
 use super::construction::Construction;
 use super::distance::Distance;
@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 /// An implicit shape: the set of points where an expression is negative.
 ///
-/// Besides the expression, a field carries what proofs and queries need: its distance quality, and a box that
-/// contains the shape. Statements of the caller that could not be checked are kept as sentences;
+/// Besides the expression, a field carries the facts that proofs and queries need: its distance quality, and
+/// a box that contains the shape. Statements of the caller that could not be checked are kept as sentences;
 /// [`Field::evidence`] lists them.
 ///
 /// ```
@@ -32,21 +32,21 @@ use std::sync::Arc;
 pub struct Field {
     expr: Expr,
     sign: Option<Expr>,
-    /// Whether the sign expression is the value wherever that is negative.
+    /// Whether the sign expression equals the value wherever the value is negative.
     sign_is_depth: bool,
-    /// Whether a part has a sign expression of its own, with creases that the value does not show.
+    /// Whether a part has its own sign expression, with creases that the value does not show.
     has_creases: bool,
-    /// Set for a shape that is repeated without end, or nearly so.
+    /// Set for a shape that repeats without end, or nearly so.
     pattern: Option<Arc<PeriodicPattern>>,
     distance: Distance,
     bounds: Box3,
     promises: Promises,
-    /// Promises about the value as a distance. Proofs depend on them only once an operation uses the
+    /// Promises about the value as a distance. Proofs depend on them only after an operation has used the
     /// distance.
     distance_promises: Promises,
-    /// Of what solids it is made, if that is known.
+    /// The solids that it is built from, if known.
     construction: Option<Construction>,
-    /// How far it is from what it stands for; infinite where nothing is known of that.
+    /// The largest distance from the shape that it represents; infinite if unknown.
     slack: f64,
 }
 
@@ -54,7 +54,7 @@ impl Field {
     /// All of space: the [`Field::bounds`] of a field without a known box.
     pub const EVERYWHERE: Box3 = Box3 { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
 
-    /// The field of an expression about which nothing else is known.
+    /// The field of an expression without further facts.
     #[must_use]
     pub fn new(expr: Expr) -> Self {
         Self {
@@ -72,8 +72,8 @@ impl Field {
         }
     }
 
-    /// The field of an expression made of other fields. It inherits their promises and creases. How far it is from
-    /// what it stands for is known only where the operation says so.
+    /// The field of an expression built from other fields. It inherits their promises and creases. Its slack
+    /// is known only if the operation sets it.
     pub(super) fn from_parts(expr: Expr, parts: &[&Self]) -> Self {
         let mut field = Self::new(expr);
         if parts.iter().any(|part| part.slack > 0.0) {
@@ -103,9 +103,9 @@ impl Field {
 
     /// The same, with the caller's promise that no point outside the box is inside the shape.
     ///
-    /// If interval arithmetic proves this, it is no promise any more. Intervals are rounded outward, so a box
-    /// larger by 2⁻⁴⁰ of its largest coordinate is tried as well; if only that one holds, it becomes the box.
-    /// Otherwise [`Field::evidence`] lists the promise. Cost: intervals in a thousand boxes at most.
+    /// If interval arithmetic proves this, it is no longer a promise. Intervals are rounded outward, so a box
+    /// larger by 2⁻⁴⁰ of its largest coordinate is tried too; if only that box is proved, it becomes the
+    /// bounds. Otherwise [`Field::evidence`] lists the promise. Cost: intervals in a thousand boxes at most.
     #[must_use]
     pub fn with_bounds(mut self, bounds: Box3) -> Self {
         let tape = Tape::new(self.sign());
@@ -121,13 +121,13 @@ impl Field {
         self.known_bounds(bounds)
     }
 
-    /// Whether ranges show that nothing outside of a box is inside.
+    /// Whether intervals prove that no point outside a box is inside the shape.
     pub(crate) fn is_within(&self, bounds: &Box3) -> bool {
         is_empty_outside(&Tape::new(self.sign()), bounds)
     }
 
-    /// The same, with the caller's promise that `sign` is negative exactly where the value is, and positive
-    /// exactly where that is. [`Field::evidence`] lists the promise.
+    /// The same, with the caller's promise that `sign` is negative exactly where the value is negative, and
+    /// positive exactly where the value is positive. [`Field::evidence`] lists the promise.
     ///
     /// A distance often has kinks on the surface itself, where intervals of its gradient say little: the
     /// distance to a box consists of an outer and an inner part that meet there. An expression that passes
@@ -154,34 +154,35 @@ impl Field {
         self.promises.add(sentence.into());
     }
 
-    /// The same, which stands for another shape: what is proved of it, is under this promise.
+    /// The same, as a stand-in for another shape: proofs about it hold under this promise.
     pub(crate) fn standing_for(mut self, sentence: String) -> Self {
         self.promise(sentence);
         self
     }
 
-    /// The same, made of numbers of other fields: proofs depend on what was promised of those.
+    /// The same, for a field built from numbers of other fields: proofs depend on the promises about those.
     pub(super) fn with_promises_of(mut self, parts: &[Self]) -> Self {
         parts.iter().for_each(|part| self.promises.extend(&part.promises));
-        // Two hulls are no farther from each other than what they are of.
+        // Two hulls differ by no more than the shapes that they enclose.
         self.slack = parts.iter().fold(self.slack, |most, part| greater(most, part.slack));
         self
     }
 
-    /// The same, which stands for another shape, as polygons do for curves: what is inside of one of both alone is
-    /// no farther than `slack` from their surfaces, and where the value is a distance, it is no more than that off.
+    /// The same, as an approximation of another shape, as polygons approximate curves: every point inside
+    /// exactly one of the two shapes is within `slack` of their surfaces, and if the value is a distance, its
+    /// error is at most `slack`.
     ///
-    /// [`Field::slack`] keeps it through whatever is made of the field: moves, turns and extrusions leave it,
-    /// scales change it, and of shapes that are combined the largest counts. What is inside of a combined shape
-    /// alone, or of what that stands for, is no farther than it from the surface of a *part*, which the others may
-    /// hide.
+    /// [`Field::slack`] keeps it through later operations: moves, turns and extrusions leave it unchanged,
+    /// scales change it, and a combination has the largest one of its parts. A point inside exactly one of
+    /// the combined shape and its ideal is within that distance of the surface of a *part*, which other parts
+    /// may hide.
     #[must_use]
     pub fn with_slack(self, slack: f64) -> Self {
         Self { slack: greater(self.slack, slack), ..self }
     }
 
-    /// How far it is from the shape that it stands for: see [`Field::with_slack`]. 0 where it stands for itself,
-    /// infinite after an operation that changes it in a way that nothing is known of, such as a blend.
+    /// The largest distance from the shape that it approximates: see [`Field::with_slack`]. 0 if it is itself
+    /// the true shape, infinite after an operation whose effect on the slack is unknown, such as a blend.
     ///
     /// ```
     /// use chordal::implicit::shapes::rectangle;
@@ -196,52 +197,53 @@ impl Field {
         self.slack
     }
 
-    /// Sets how far it is from what it stands for, where an operation knows it.
+    /// Sets the slack, for an operation that knows it.
     pub(super) fn known_slack(self, slack: f64) -> Self {
         Self { slack, ..self }
     }
 
-    /// The same, for an operation that uses the distance: from now on proofs depend on promises about it too.
+    /// The same, for an operation that uses the distance: from now on proofs also depend on the promises
+    /// about it.
     pub(super) fn as_distance(&self) -> Self {
         let mut field = self.clone();
         field.promises.extend(&self.distance_promises);
         field
     }
 
-    /// Sets the distance quality, where it is known and not promised.
+    /// Sets the distance quality, if it is known and not promised.
     pub(crate) fn known_distance(self, distance: Distance) -> Self {
         Self { distance, ..self }
     }
 
-    /// Sets a box that contains the shape, where it is known and not promised.
+    /// Sets a box that contains the shape, if it is known and not promised.
     pub(crate) fn known_bounds(self, bounds: Box3) -> Self {
         Self { bounds, ..self }
     }
 
-    /// Sets another expression of the same sign, where this is known and not promised.
+    /// Sets another expression of the same sign, if that is known and not promised.
     pub(crate) fn known_sign(self, sign: Expr) -> Self {
         let has_creases = self.has_creases || sign.is_choice();
         Self { has_creases, ..self.replace_sign(sign) }
     }
 
-    /// The same, of an expression that is the value, too, wherever that is negative: in a box the largest distance of its
-    /// planes, which its value is only inside.
+    /// The same, for an expression that also equals the value wherever the value is negative: for a box, the
+    /// largest signed distance to its planes, which equals the box's distance only inside.
     pub(super) fn known_depth(self, sign: Expr) -> Self {
         Self { sign_is_depth: true, ..self.known_sign(sign) }
     }
 
-    /// Sets a sign expression that is made of those of the parts, or of the value.
+    /// Sets a sign expression that is built from those of the parts, or from the value.
     pub(super) fn replace_sign(self, sign: Expr) -> Self {
         Self { sign: Some(sign), sign_is_depth: false, ..self }
     }
 
-    /// The same, where the sign expression is known to be the value wherever that is negative.
+    /// The same, if the sign expression is known to equal the value wherever the value is negative.
     pub(super) fn with_depth(self, is_depth: bool) -> Self {
         Self { sign_is_depth: is_depth && self.sign.is_some(), ..self }
     }
 
-    /// An expression of the sign of the value that is the value itself wherever that is negative: what is deeper than a
-    /// length can be told by it, and its creases are seen.
+    /// An expression with the sign of the value that equals the value wherever it is negative. It decides
+    /// whether a point is deeper than a length, and shows the creases.
     pub(super) fn depth(&self) -> Option<&Expr> {
         match &self.sign {
             None => Some(&self.expr),
@@ -249,8 +251,8 @@ impl Field {
         }
     }
 
-    /// What a proof about the surface is worth: the weakest evidence among the leaves of [`Field::sign`] and
-    /// the promises made for the field. Cost: linear in the distinct subexpressions.
+    /// The evidence of a proof about the surface: the weakest among the leaves of [`Field::sign`] and the
+    /// promises about the field. Cost: linear in the distinct subexpressions.
     ///
     /// ```
     /// use chordal::budget::Evidence;
@@ -267,32 +269,32 @@ impl Field {
         Tape::new(self.sign()).evidence().weaker(&self.promises.evidence())
     }
 
-    /// What a proof is worth that takes the value for the distance that [`Field::distance`] says it is: the
-    /// weakest evidence among the leaves of the value, the promises about it, and those made for the field.
+    /// The evidence of a proof that uses the value as a distance of the quality [`Field::distance`]: the
+    /// weakest among the leaves of the value, the promises about it, and those about the field.
     #[must_use]
     pub fn distance_evidence(&self) -> Evidence {
         self.tape().evidence().weaker(&self.as_distance().promises.evidence())
     }
 
     /// An expression that is negative exactly where the value is, for uses that need the surface and not the
-    /// distance: that of [`Field::with_sign`], else the value's own.
+    /// distance: that of [`Field::with_sign`], else the value itself.
     #[must_use]
     pub fn sign(&self) -> &Expr {
         self.sign.as_ref().unwrap_or(&self.expr)
     }
 
-    /// How the shape is put together from solids, if it is a combination of some: see [`Construction`].
+    /// How the shape is built from solids, if it is a combination of some: see [`Construction`].
     #[must_use]
     pub fn construction(&self) -> Option<&Construction> {
         self.construction.as_ref()
     }
 
-    /// Sets how the shape is put together, where it is known.
+    /// Sets how the shape is built from solids, if known.
     pub(super) fn known_construction(self, construction: Option<Construction>) -> Self {
         Self { construction, ..self }
     }
 
-    /// The pattern that it repeats without end, if it does.
+    /// The pattern that it repeats without end, if any.
     pub(super) fn pattern(&self) -> Option<&PeriodicPattern> {
         self.pattern.as_deref()
     }
@@ -350,9 +352,9 @@ impl Field {
 
 /// The box with a margin for the rounding of intervals at its sides.
 fn with_margin(bounds: &Box3) -> Box3 {
-    /// Derived: an interval of some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
-    const ROOM: f64 = 1.0 / (1_u64 << 40) as f64;
+    /// Derived: an interval after some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
+    const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
     let ends = bounds.min.iter().chain(&bounds.max).map(|x| x.abs()).filter(|x| x.is_finite());
-    let room = ROOM * ends.fold(0.0, |most, x| greater(x, most));
-    Box3 { min: bounds.min.map(|x| sub_down(x, room)), max: bounds.max.map(|x| add_up(x, room)) }
+    let margin = MARGIN * ends.fold(0.0, |most, x| greater(x, most));
+    Box3 { min: bounds.min.map(|x| sub_down(x, margin)), max: bounds.max.map(|x| add_up(x, margin)) }
 }

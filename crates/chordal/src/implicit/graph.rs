@@ -1,4 +1,4 @@
-//! `ExprGraph`: an expression as a list of distinct terms, each made of earlier ones.
+//! `ExprGraph`: an expression as a list of distinct terms, whose operands are earlier terms.
 use super::expr::{Expr, ExprKind};
 use super::leaf::Leaf;
 use super::material::MaterialMark;
@@ -24,19 +24,19 @@ pub enum Term {
 /// The distinct terms of an expression in evaluation order; the last is its value.
 ///
 /// Equal terms are merged (common subexpressions), whether shared or written twice. Operations on constants
-/// are carried out in f64; the rounded result defines the true shape, as a number in a text does. Other
-/// simplifications change no value where the expression has one: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`,
-/// `min(a, a)`; and `a · a` is `a²`, whose interval is known to be positive. The logarithm of a sum of
-/// exponentials is [`Binary::LogSumExp`], the same number up to rounding: its exponentials do not overflow,
-/// and the interval of its slope is that of a mean.
+/// are evaluated in f64; the rounded result defines the true shape, like a number in a text. Other
+/// simplifications change no value where the expression is defined: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`,
+/// `min(a, a)`; and `a · a` becomes `a²`, whose interval is known to be positive. The logarithm of a sum of
+/// exponentials becomes [`Binary::LogSumExp`], the same number up to rounding: its exponentials do not
+/// overflow, and the interval of its slope is that of a mean.
 #[derive(Clone, Debug)]
 pub struct ExprGraph {
     terms: Vec<Term>,
 }
 
 impl ExprGraph {
-    /// The terms of an expression. Time and memory grow with the distinct subexpressions, not with how often
-    /// they are used.
+    /// The terms of an expression. Time and memory grow with the distinct subexpressions, not with the number
+    /// of their uses.
     #[must_use]
     pub fn from_expr(expr: &Expr) -> Self {
         let mut builder = GraphBuilder::default();
@@ -44,7 +44,7 @@ impl ExprGraph {
         Self { terms: reachable(builder.terms, root) }
     }
 
-    /// The same with the marks of materials, each a leaf whose value is its operand's.
+    /// The same, with marks of materials as terms: each is a leaf with the value of its operand.
     pub(super) fn with_materials(expr: &Expr) -> Self {
         let mut builder = GraphBuilder { keeps_marks: true, ..GraphBuilder::default() };
         let root = builder.lower(expr);
@@ -83,12 +83,12 @@ enum TermKey {
     Leaf(usize, [u32; 3]),
 }
 
-/// A pending step: visit an expression in a frame (the terms that stand for x, y and z), or finish it once
-/// its operands are known.
+/// A pending step: visit an expression in a frame (the terms that replace x, y and z), or finish it after its
+/// operands.
 enum LoweringTask<'a> {
     Visit(&'a Expr, u32),
     Finish(&'a Expr, u32),
-    /// Visit the child of an `At`, whose frame is known once its three terms are.
+    /// Visit the child of an `At`, whose frame is known after its three terms.
     Enter(&'a Expr, u32),
     /// Give the `At` the term of its child in the new frame.
     Leave(&'a Expr, u32),
@@ -96,12 +96,12 @@ enum LoweringTask<'a> {
 
 #[derive(Default)]
 struct GraphBuilder {
-    /// Whether marks of materials are terms; else their operands stand for them.
+    /// Whether marks of materials become terms; otherwise their operands replace them.
     keeps_marks: bool,
     terms: Vec<Term>,
     // The maps are only looked up, never iterated.
     numbers: HashMap<TermKey, u32>,        // No order depends on it.
-    known: HashMap<(usize, u32), u32>,     // No order depends on it.
+    lowered: HashMap<(usize, u32), u32>,   // No order depends on it.
     frame_numbers: HashMap<[u32; 3], u32>, // No order depends on it.
     frames: Vec<[u32; 3]>,
 }
@@ -114,13 +114,13 @@ impl GraphBuilder {
         while let Some(task) = tasks.pop() {
             match task {
                 LoweringTask::Visit(expr, frame) => {
-                    if !self.known.contains_key(&(expr.address(), frame)) {
+                    if !self.lowered.contains_key(&(expr.address(), frame)) {
                         self.visit(expr, frame, &mut tasks);
                     }
                 }
                 LoweringTask::Finish(expr, frame) => {
                     let number = self.finish(expr, frame);
-                    self.known.insert((expr.address(), frame), number);
+                    self.lowered.insert((expr.address(), frame), number);
                 }
                 LoweringTask::Enter(expr, frame) => {
                     let ExprKind::At(child, at) = expr.kind() else { continue };
@@ -131,12 +131,12 @@ impl GraphBuilder {
                 LoweringTask::Leave(expr, frame) => {
                     let ExprKind::At(child, at) = expr.kind() else { continue };
                     let inner = self.inner_frame(at, frame);
-                    let number = self.known[&(child.address(), inner)];
-                    self.known.insert((expr.address(), frame), number);
+                    let number = self.lowered[&(child.address(), inner)];
+                    self.lowered.insert((expr.address(), frame), number);
                 }
             }
         }
-        self.known[&(expr.address(), world)]
+        self.lowered[&(expr.address(), world)]
     }
 
     fn visit<'a>(&mut self, expr: &'a Expr, frame: u32, tasks: &mut Vec<LoweringTask<'a>>) {
@@ -148,7 +148,7 @@ impl GraphBuilder {
         match expr.kind() {
             ExprKind::Const(_) | ExprKind::Axis(_) => {}
             ExprKind::Unary(_, a) => tasks.push(LoweringTask::Visit(a, frame)),
-            // The first operand is on top, so it is done first.
+            // The first operand is on top of the stack, so it is lowered first.
             ExprKind::Binary(_, a, b) => {
                 tasks.extend([LoweringTask::Visit(b, frame), LoweringTask::Visit(a, frame)])
             }
@@ -159,26 +159,26 @@ impl GraphBuilder {
     }
 
     fn finish(&mut self, expr: &Expr, frame: u32) -> u32 {
-        let known = |e: &Expr| self.known[&(e.address(), frame)];
+        let lowered = |e: &Expr| self.lowered[&(e.address(), frame)];
         match expr.kind() {
             ExprKind::Const(value) => self.constant(*value),
             ExprKind::Axis(k) => self.frames[frame as usize][usize::from(*k)],
             ExprKind::Unary(op, a) => {
-                let a = known(a);
+                let a = lowered(a);
                 self.unary(*op, a)
             }
             ExprKind::Binary(op, a, b) => {
-                let (a, b) = (known(a), known(b));
+                let (a, b) = (lowered(a), lowered(b));
                 self.binary(*op, a, b)
             }
             ExprKind::At(..) => unreachable!("an At is entered and left"),
             ExprKind::Leaf(leaf, [at, ..])
                 if !self.keeps_marks && MaterialMark::from_leaf(leaf).is_some() =>
             {
-                known(at)
+                lowered(at)
             }
             ExprKind::Leaf(leaf, at) => {
-                let at = at.each_ref().map(known);
+                let at = at.each_ref().map(lowered);
                 let address = Arc::as_ptr(leaf).cast::<()>() as usize;
                 self.term(TermKey::Leaf(address, at), || Term::Leaf(Arc::clone(leaf), at))
             }
@@ -186,7 +186,7 @@ impl GraphBuilder {
     }
 
     fn inner_frame(&mut self, at: &[Expr; 3], frame: u32) -> u32 {
-        let terms = at.each_ref().map(|a| self.known[&(a.address(), frame)]);
+        let terms = at.each_ref().map(|a| self.lowered[&(a.address(), frame)]);
         self.frame(terms)
     }
 
@@ -244,7 +244,7 @@ impl GraphBuilder {
                 Term::Binary(Binary::Add, a, b) => open.extend([*b, *a]),
                 _ => return None,
             }
-            // Sums that share their parts could be endless.
+            // A sum that contains itself many times could be endless.
             if logs.len() + open.len() > MOST_EXPONENTIALS {
                 return None;
             }
@@ -266,7 +266,7 @@ impl GraphBuilder {
             Binary::Mul if a == b => return self.unary(Unary::Square, a),
             _ => {}
         }
-        // Sums and products are commutative. Minima and maxima are not where an operand is undefined.
+        // Sums and products are commutative. Minima and maxima are not, if an operand is undefined.
         let either = matches!(op, Binary::Add | Binary::Mul);
         let (a, b) = if either && b < a { (b, a) } else { (a, b) };
         self.term(TermKey::Binary(op, a, b), || Term::Binary(op, a, b))
@@ -283,18 +283,18 @@ pub(super) fn reachable(terms: Vec<Term>, root: u32) -> Vec<Term> {
         }
     }
     let mut number = vec![0_u32; terms.len()];
-    let mut kept = Vec::new();
+    let mut copies = Vec::new();
     for (k, term) in terms.into_iter().enumerate().filter(|(k, _)| used[*k]) {
-        number[k] = kept.len() as u32;
+        number[k] = copies.len() as u32;
         let new = |old: u32| number[old as usize];
-        kept.push(match term {
+        copies.push(match term {
             Term::Const(_) | Term::Axis(_) => term,
             Term::Unary(op, a) => Term::Unary(op, new(a)),
             Term::Binary(op, a, b) => Term::Binary(op, new(a), new(b)),
             Term::Leaf(leaf, at) => Term::Leaf(leaf, at.map(new)),
         });
     }
-    kept
+    copies
 }
 
 pub(super) fn parts(term: &Term) -> impl Iterator<Item = u32> {
@@ -324,11 +324,11 @@ mod tests {
         let is_exp = |term: &Term| matches!(term, Term::Unary(Exp | Ln, _));
         assert!(!graph.terms().iter().any(is_exp), "{graph:?}");
         let ([a, b, c], tape) = ([0.3_f64, -0.7, 0.2], Tape::new(&sum));
-        let mut found = [0.0; 2];
-        tape.at(&[[a, b, c], [1000.0, 3.0, 500.0]], &mut found).unwrap();
+        let mut values = [0.0; 2];
+        tape.at(&[[a, b, c], [1000.0, 3.0, 500.0]], &mut values).unwrap();
         let expected = (a.exp() + b.exp() + (2.0 * c).exp()).ln();
-        assert!((found[0] - expected).abs() < 4.0 * f64::EPSILON, "{found:?}");
-        assert!((found[1] - (1000.0 + 2.0_f64.ln())).abs() < 1e-12, "{found:?}");
+        assert!((values[0] - expected).abs() < 4.0 * f64::EPSILON, "{values:?}");
+        assert!((values[1] - (1000.0 + 2.0_f64.ln())).abs() < 1e-12, "{values:?}");
         // A sum with another term stays as it is.
         let other = ExprGraph::from_expr(&Expr::unary(Ln, &(exp(&x) + &y)));
         assert_eq!(other.terms().iter().filter(|term| is_exp(term)).count(), 2);

@@ -89,13 +89,13 @@ impl Samples {
     }
 }
 
-fn tally(value: f64, [unknown, infinite]: &mut [u64; 2]) {
-    *unknown += u64::from(value.is_nan());
-    *infinite += u64::from(value.is_infinite());
+fn tally(value: f64, [n_nan, n_infinite]: &mut [u64; 2]) {
+    *n_nan += u64::from(value.is_nan());
+    *n_infinite += u64::from(value.is_infinite());
 }
 
 /// Samples on a lattice, the first index running fastest, with the map from indices to space. Between samples
-/// the value is the exact trilinear interpolant of the samples and the map as they are in f64.
+/// the value is the exact trilinear interpolant of the samples and the map, both taken in f64.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples};
@@ -159,7 +159,7 @@ impl Grid {
     }
 }
 
-/// What is wrong with a grid, in one sentence.
+/// The reason why a grid is invalid, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidGrid(String);
 

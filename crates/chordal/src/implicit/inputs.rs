@@ -13,8 +13,8 @@ pub(super) trait LeafScalar: Scalar {
 /// The coordinate `k` with its derivatives.
 #[inline(always)]
 pub(super) fn seed_dual<N: GeneralizedDerivative>(value: N, k: usize) -> Dual<N> {
-    let one = |axis: usize| N::constant(if axis == k { 1.0 } else { 0.0 });
-    N::unify_decorations(Dual { value, gradient: [0, 1, 2].map(one) })
+    let derivative = |axis: usize| N::constant(if axis == k { 1.0 } else { 0.0 });
+    N::unify_decorations(Dual { value, gradient: [0, 1, 2].map(derivative) })
 }
 
 /// The side of a box along axis `k`.
@@ -45,9 +45,9 @@ impl LeafScalar for f32 {
 
 impl LeafScalar for Dual<f64> {
     fn from_leaf(leaf: &dyn Leaf, at: &[[Self; 3]]) -> Result<Vec<Self>, LeafError> {
-        let places: Vec<[f64; 3]> = at.iter().map(|p| p.map(|s| s.value)).collect();
-        let values = f64::from_leaf(leaf, &places)?;
-        let gradients = leaf_gradients(leaf, &places)?;
+        let points: Vec<[f64; 3]> = at.iter().map(|p| p.map(|s| s.value)).collect();
+        let values = f64::from_leaf(leaf, &points)?;
+        let gradients = leaf_gradients(leaf, &points)?;
         let slope = |i: usize| Self {
             value: values[i],
             gradient: chain(&gradients[i], &at[i], |a, b| a * b, |a, b| a + b),
@@ -62,7 +62,7 @@ impl LeafScalar for Interval {
         let mut ranges = vec![Self::UNKNOWN; boxes.len()];
         let answer = leaf.over(&boxes, &mut ranges)?;
         for (range, sides) in ranges.iter_mut().zip(at) {
-            // Nothing is known without an answer; without defined coordinates it is not defined.
+            // Without an answer all numbers are possible; without defined coordinates the value is undefined.
             let claims = sides.iter().all(|side| side.is_defined());
             *range = match answer {
                 LeafAnswer::None => Self::UNKNOWN,
@@ -115,7 +115,7 @@ fn box_of(sides: &[Interval; 3]) -> Box3 {
     Box3 { min: sides.map(Interval::lo), max: sides.map(Interval::hi) }
 }
 
-/// The leaf's own gradients, or those of a linear function through four samples around each point.
+/// The gradients that the leaf returns, or those of a linear function through four samples around each point.
 fn leaf_gradients(leaf: &dyn Leaf, points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, LeafError> {
     const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let mut gradients = vec![[0.0; 3]; points.len()];

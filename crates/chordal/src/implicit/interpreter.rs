@@ -23,15 +23,15 @@ pub(super) struct ProgramRun<'a, N: BlockScalar, F, G> {
 impl<N: BlockScalar, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> ProgramRun<'_, N, F, G> {
     /// Runs the steps on the processor's best instruction set.
     ///
-    /// Inputs and outputs stay outside the code that is compiled for each instruction set. The steps then
+    /// Inputs and outputs stay outside the code that is compiled for each instruction set. So the steps
     /// contain no closures, and there is one copy of them per kind of number, not one per kind of query.
     pub(super) fn dispatch(mut self) {
         let program = self.program;
         let mut machine = BlockInterpreter::<N>::take_cached(program);
         let mut start = 0;
         while start < self.rows {
-            let left = self.rows - start;
-            let n = lesser(left, N::LANES);
+            let remaining = self.rows - start;
+            let n = lesser(remaining, N::LANES);
             let mut claims = [u64::MAX; MOST_CLAIMS];
             for (input, read) in program.reads.iter().enumerate() {
                 if !read {
@@ -103,12 +103,12 @@ fn decoration_at<N: BlockScalar>(claims: &Decorations, at: usize) -> u64 {
 }
 
 thread_local! {
-    /// One interpreter of each type of number, kept while no call uses it.
-    static KEPT: RefCell<Vec<Box<dyn Any>>> = const { RefCell::new(Vec::new()) };
+    /// One interpreter for each type of number, cached while no call uses it.
+    static CACHE: RefCell<Vec<Box<dyn Any>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// The most registers that are kept between calls: some megabytes.
-const MOST_KEPT: usize = 1024;
+/// The most registers of a cached interpreter: some megabytes.
+const MOST_CACHED: usize = 1024;
 
 struct BlockInterpreter<N: BlockScalar> {
     inputs: Vec<N::Block>,
@@ -119,15 +119,16 @@ struct BlockInterpreter<N: BlockScalar> {
 }
 
 impl<N: BlockScalar> BlockInterpreter<N> {
-    /// The thread's last interpreter, enlarged for a program: calls of a few points would spend most of their
-    /// time on allocation. Old contents do not matter, because programs write before they read.
+    /// The thread's last interpreter, enlarged for a program: calls for a few points would spend most of
+    /// their time on allocation. Old contents do not matter, because programs write registers before they
+    /// read them.
     #[inline(never)]
     fn take_cached(program: &Program) -> Box<Self> {
-        let kept = KEPT.with_borrow_mut(|kept| {
-            let at = kept.iter().position(|machine| machine.is::<Self>())?;
-            kept.swap_remove(at).downcast::<Self>().ok()
+        let cached = CACHE.with_borrow_mut(|cache| {
+            let at = cache.iter().position(|machine| machine.is::<Self>())?;
+            cache.swap_remove(at).downcast::<Self>().ok()
         });
-        let mut machine = kept.unwrap_or_else(|| {
+        let mut machine = cached.unwrap_or_else(|| {
             let (spare, number) = (Box::new(N::block()), Box::new(N::block()));
             Box::new(Self { inputs: Vec::new(), registers: Vec::new(), spare, number })
         });
@@ -137,11 +138,11 @@ impl<N: BlockScalar> BlockInterpreter<N> {
         machine
     }
 
-    /// Keeps it for the thread's next call, unless it is large.
+    /// Caches it for the thread's next call, unless it is large.
     #[inline(never)]
     fn cache(self: Box<Self>) {
-        if self.registers.len() <= MOST_KEPT {
-            KEPT.with_borrow_mut(|kept| kept.push(self));
+        if self.registers.len() <= MOST_CACHED {
+            CACHE.with_borrow_mut(|cache| cache.push(self));
         }
     }
 
@@ -166,7 +167,7 @@ impl<N: BlockScalar> BlockInterpreter<N> {
                 vector::<N, 2>(op, n, spare, claims, [a, find::<N>(inputs, registers, step.b)]);
             }
             Opcode::Vector3(op) => {
-                let [b, c] = [step.b, step.c].map(|of| find::<N>(inputs, registers, of));
+                let [b, c] = [step.b, step.c].map(|operand| find::<N>(inputs, registers, operand));
                 vector::<N, 3>(op, n, spare, claims, [a, b, c]);
             }
             Opcode::WithConst(op) if !N::IMMEDIATE => {
@@ -251,7 +252,7 @@ impl<N: BlockScalar> BlockOperand<N> for Broadcast<N> {
     }
 }
 
-/// One operation over a block. Each has its own loop, in which the compiler knows the operation.
+/// One operation over a block. Each operation has its own loop, in which the compiler knows it.
 #[inline(always)]
 fn unary<N: BlockScalar>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims: &mut Decorations) {
     if is_periodic(op) && !all_near::<N>(n, a) {
@@ -283,7 +284,7 @@ fn unary_anywhere<N: BlockScalar>(
     }
 }
 
-/// As [`unary`], with two operands.
+/// Like [`unary`], with two operands.
 #[inline(always)]
 fn binary<N: BlockScalar, A: BlockOperand<N>, B: BlockOperand<N>>(
     op: Binary,

@@ -1,4 +1,4 @@
-//! `Leaf`: a part of a field that is not an expression, such as a grid, a mesh or a function of the user's.
+//! `Leaf`: a part of a field that is not an expression, such as a grid, a mesh or a user's function.
 use crate::budget::Evidence;
 use crate::math::{Box3, Interval, add_up, greater, mul_up, sub_up};
 use std::fmt;
@@ -24,8 +24,8 @@ pub struct Lipschitz {
 
 /// A function of points, for use in expressions.
 ///
-/// Every query covers many points at once, so that a leaf with expensive calls (a Python function, a
-/// processor of its own) is called seldom. A call may fail, and its error ends the work.
+/// Every query covers many points at once, so that a leaf with expensive calls (a Python function, a separate
+/// processor) is called seldom. A call may fail, and its error ends the work.
 ///
 /// Values are signed: negative means inside. NaN means outside.
 pub trait Leaf: Send + Sync + fmt::Debug {
@@ -44,12 +44,12 @@ pub trait Leaf: Send + Sync + fmt::Debug {
     }
 
     /// The step of the differences that replace a missing gradient, in the leaf's own units: four samples at
-    /// the corners of a tetrahedron, each off by it along every axis.
+    /// the corners of a tetrahedron, each moved by this step along every axis.
     fn difference_step(&self) -> f64 {
         1.0 / 65_536.0
     }
 
-    /// An interval of all values in each box. It is taken as true, see [`Leaf::evidence`]. By default it is
+    /// An interval of all values in each box. It is trusted, see [`Leaf::evidence`]. By default it is
     /// computed from the value at the middle and [`Leaf::lipschitz`].
     ///
     /// # Errors
@@ -62,7 +62,7 @@ pub trait Leaf: Send + Sync + fmt::Debug {
         for (k, bounds) in boxes.iter().enumerate() {
             let reach = add_up(mul_up(constant, radius_around(bounds, middles[k])), error);
             let around = Interval::new(-reach, reach).unwrap_or(Interval::UNKNOWN);
-            // With an error, the value may jump by it.
+            // If there is an error, the value may jump by it.
             let value = Interval::point(values[k]) + around;
             out[k] = if error == 0.0 { value } else { value.undefined() };
         }
@@ -78,17 +78,17 @@ pub trait Leaf: Send + Sync + fmt::Debug {
         Ok(LeafAnswer::None)
     }
 
-    /// A bound on how fast the function changes, if it is known.
+    /// A bound on how fast the function changes, if known.
     fn lipschitz(&self) -> Option<Lipschitz> {
         None
     }
 
-    /// What proofs that depend on [`Leaf::over`], [`Leaf::gradient_over`] and [`Leaf::lipschitz`] are worth:
-    /// proved, proved if the user's promise holds, or only measured because there is nothing to prove with.
+    /// The evidence of proofs that depend on [`Leaf::over`], [`Leaf::gradient_over`] and [`Leaf::lipschitz`]:
+    /// proved, proved if the user's promise holds, or only measured because none of these is available.
     fn evidence(&self) -> Evidence;
 
     /// For a region at `x ≥ axis` with a part of its boundary at `x = axis`: the function of the region
-    /// joined with its mirror image, so that this part is no boundary any more. For profiles that are
+    /// joined with its mirror image, so that this part is no longer a boundary. For profiles that are
     /// revolved.
     fn without_axis(&self, _axis: f64) -> Option<Arc<dyn Leaf>> {
         None
@@ -102,13 +102,13 @@ pub trait Leaf: Send + Sync + fmt::Debug {
         Ok(LeafAnswer::None)
     }
 
-    /// The leaf itself, for those that look for their own kind in an expression. By default a leaf is not to be
-    /// found.
+    /// The leaf itself, for leaves that search an expression for others of their type. By default a leaf
+    /// cannot be found.
     fn as_any(&self) -> Option<&dyn std::any::Any> {
         None
     }
 
-    /// The number of points that a call should have at least, where there are so many.
+    /// The smallest number of points that a call should have, if there are that many.
     fn preferred_batch(&self) -> usize {
         1 << 16
     }
@@ -116,14 +116,14 @@ pub trait Leaf: Send + Sync + fmt::Debug {
 
 /// The largest distance from `middle` to a point of the box, rounded up.
 fn radius_around(bounds: &Box3, middle: [f64; 3]) -> f64 {
-    let far = |k: usize| {
+    let reach = |k: usize| {
         let (low, high) = (sub_up(middle[k], bounds.min[k]), sub_up(bounds.max[k], middle[k]));
         greater(low, high)
     };
-    Box3 { min: [0.0; 3], max: [far(0), far(1), far(2)] }.diagonal()
+    Box3 { min: [0.0; 3], max: [reach(0), reach(1), reach(2)] }.diagonal()
 }
 
-/// Why a leaf could not give values.
+/// The reason why a leaf returned no values.
 #[derive(Clone, Debug)]
 pub struct LeafError {
     /// One sentence.

@@ -1,8 +1,9 @@
-//! `SurfaceMaterial`: what the surface of a part of a field looks like. Operations carry it and never compute with it.
+//! `SurfaceMaterial`: the look of a surface of a part of a field. Operations carry it and never compute with
+//! it.
 //!
-//! An expression carries a material as a leaf that returns its operand. Graphs and tapes leave it out, so that
-//! a field with materials has the same values, to the last bit, as one without. Only a CSG tree keeps it
-//! ([`Csg::materials`](super::csg::Csg::materials)), and knows by it which primitive has which material.
+//! An expression carries a material as a leaf that returns its operand. Graphs and tapes leave it out, so
+//! that a field with materials has the same values, to the last bit, as one without. Only a CSG tree keeps it
+//! ([`Csg::materials`](super::csg::Csg::materials)), and so knows the material of each primitive.
 use super::expr::{Expr, ExprKind};
 use super::field::Field;
 use super::leaf::{Leaf, LeafAnswer, LeafError};
@@ -10,20 +11,20 @@ use crate::budget::Evidence;
 use crate::math::{Box3, Interval};
 use std::sync::Arc;
 
-/// What a surface looks like, in the terms of glTF's metal and roughness.
+/// The look of a surface, in the terms of glTF's metallic-roughness model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaterial {
     /// Its name; may be empty.
     pub name: String,
     /// Red, green, blue and opacity from 0 to 1; the first three as encoded for a screen (sRGB).
     pub color: [f64; 4],
-    /// From 0 for none to 1 for a metal.
+    /// From 0 for a non-metal to 1 for a metal.
     pub metallic: f64,
     /// From 0 for a mirror to 1.
     pub roughness: f64,
 }
 
-/// A leaf that stands for its first coordinate: the operand that has the material.
+/// A leaf that returns its first coordinate: the operand with the material.
 #[derive(Debug)]
 pub(super) struct MaterialMark(pub SurfaceMaterial);
 
@@ -67,7 +68,7 @@ impl Leaf for MaterialMark {
 }
 
 impl Expr {
-    /// The same expression, of this material.
+    /// The same expression with this material.
     pub(super) fn marked(&self, mark: &Arc<dyn Leaf>) -> Self {
         Self::leaf(Arc::clone(mark), [self.clone(), self.clone(), self.clone()])
     }
@@ -80,13 +81,13 @@ impl Expr {
 }
 
 impl Field {
-    /// The same shape, all of this material: one of a part gives way to it.
+    /// The same shape with this material throughout; materials of its parts are overridden.
     ///
-    /// Unions, differences, transforms and all other operations keep the materials of their parts. Where parts
-    /// meet, so do their materials: [`field_to_mesh`](crate::convert::field_to_mesh()) gives its faces the
-    /// numbers of their materials. The faces of an intersection or difference whose own part has no material
-    /// get that of what they bound. Where two parts share a surface, the first has it. In a blend each place
-    /// has the material of the part that is nearer there.
+    /// Unions, differences, transforms and all other operations keep the materials of their parts. Where
+    /// parts meet, so do their materials: [`field_to_mesh`](crate::convert::field_to_mesh()) gives each face
+    /// the number of its material. A face of an intersection or difference whose own part has no material
+    /// gets the material of the solid behind it. If two parts share a surface, the first one's material wins.
+    /// In a blend each place has the material of the nearer part.
     ///
     /// ```
     /// use chordal::explicit::Semantic;
@@ -109,6 +110,8 @@ impl Field {
     /// The materials of its surface, in the order of their numbers from 1. Cost: as for a CSG tree.
     #[must_use]
     pub fn materials(&self) -> Vec<SurfaceMaterial> {
-        super::Csg::from_expr(self.sign()).materials().map_or_else(Vec::new, |own| own.list().to_vec())
+        super::Csg::from_expr(self.sign())
+            .materials()
+            .map_or_else(Vec::new, |materials| materials.list().to_vec())
     }
 }

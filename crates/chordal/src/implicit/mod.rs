@@ -1,4 +1,4 @@
-//! Implicit surfaces: fields, which say for every point whether it is inside, and grids of samples.
+//! Implicit surfaces: fields, whose sign says for every point whether it is inside, and grids of samples.
 mod affine;
 mod block;
 mod combine;
@@ -46,7 +46,7 @@ pub(crate) use sparse::BrickSlab;
 pub use sparse::SparseGrid;
 pub(crate) use tape::Tape;
 
-/// Expressions as graphs and tapes, and what evaluates them.
+/// Expressions as graphs and tapes, and their evaluation.
 pub mod evaluation {
     pub use super::dual::Dual;
     pub use super::graph::{ExprGraph, Term};
@@ -55,12 +55,12 @@ pub mod evaluation {
     pub use super::trilinear::{SampleGrid, Trilinear};
 }
 
-/// Functions of the user as leaves of an expression.
+/// User functions as leaves of an expression.
 pub mod leaves {
     pub use super::leaf::{Leaf, LeafAnswer, LeafError};
 }
 
-/// What surfaces look like.
+/// Materials of surfaces.
 pub mod materials {
     pub use super::material::SurfaceMaterial;
 }

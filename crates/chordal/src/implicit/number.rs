@@ -5,7 +5,7 @@ use crate::math::{BareInterval, Interval};
 
 /// A value of a term: f64, f32, an interval, or one of these with its derivatives.
 ///
-/// Everything here is inlined, and so compiled for each instruction set in the loops that use it.
+/// All methods are inlined, and so compiled for each instruction set in the loops that use them.
 pub(super) trait Scalar: Copy {
     fn constant(value: f64) -> Self;
 
@@ -21,7 +21,7 @@ pub(super) trait Scalar: Copy {
     /// An operation on two numbers.
     fn binary(op: Binary, a: Self, b: Self) -> Self;
 
-    /// The length of a vector: the root of the sum of the squares, added from the first on.
+    /// The length of a vector: the root of the sum of the squares, added in order.
     #[inline(always)]
     fn length<const N: usize>(parts: [Self; N]) -> Self {
         Self::near(Unary::Sqrt, squares(&parts))
@@ -40,7 +40,7 @@ pub(super) trait Scalar: Copy {
     }
 }
 
-/// The sum of the squares, added from the first on.
+/// The sum of the squares, added in order.
 #[inline(always)]
 pub(super) fn squares<N: Scalar>(parts: &[N]) -> N {
     let mut sum = N::near(Unary::Square, parts[0]);
@@ -191,9 +191,9 @@ fn range(op: Unary, a: Interval, sin_cos: impl Fn(f64) -> (f64, f64)) -> Interva
     }
 }
 
-/// An interval while a tape runs. Unlike [`Interval`] it marks an empty interval by a flag, and its ends may
-/// then be anything. Every operation on an empty interval gives an empty one, so the flag is enough and the
-/// operations need not check.
+/// An interval during the evaluation of a tape. Unlike [`Interval`] it marks an empty interval by a flag, and
+/// its ends are then arbitrary. Every operation on an empty interval gives an empty one, so the flag is
+/// enough and the operations need no check.
 #[derive(Clone, Copy)]
 pub(super) struct TapeInterval {
     pub(super) ends: BareInterval,
@@ -207,7 +207,7 @@ impl TapeInterval {
         Self { ends: range.bare(), defined: range.is_defined(), some: !range.is_empty() }
     }
 
-    /// The side of a box; unknown where the ends form no interval.
+    /// The side of a box; unknown if the ends form no interval.
     #[inline(always)]
     pub(super) fn side(lo: f64, hi: f64) -> Self {
         let valid = (lo <= hi) & (lo < f64::INFINITY) & (hi > f64::NEG_INFINITY);
@@ -259,7 +259,7 @@ impl TapeInterval {
         }
     }
 
-    /// A step function's result; continuous only where it is constant.
+    /// The result of a step function; continuous only if it is constant.
     #[inline(always)]
     fn flat(self, ends: BareInterval) -> Self {
         self.to(ends, ends.lo == ends.hi, true)
@@ -290,22 +290,22 @@ impl Scalar for TapeInterval {
     #[inline(always)]
     fn binary(op: Binary, x: Self, y: Self) -> Self {
         let (a, b) = (x.ends, y.ends);
-        let both = x.to(a, y.defined, y.some);
+        let joined = x.to(a, y.defined, y.some);
         match op {
-            Binary::Add => both.to(a.add(b), true, true),
-            Binary::Sub => both.to(a.sub(b), true, true),
-            Binary::Mul => both.to(a.mul(b), true, true),
-            Binary::Div => both.to(a.div(b), !b.has_zero(), true),
-            Binary::Min => both.to(a.min(b), true, true),
-            Binary::Max => both.to(a.max(b), true, true),
-            Binary::SmoothMin => both.to(a.smooth_min(b), true, true),
-            Binary::RoundMin => both.to(a.round_min(b), true, true),
-            Binary::LogSumExp => both.to(a.log_sum_exp(b), true, true),
-            Binary::Atan2 => both.to(BareInterval::atan2(a, b), a.is_off_cut(b), true),
-            Binary::Mod => both.to(a.rem(b), !a.integer_quotient(b).is_nan(), true),
-            Binary::Compare => both.flat(a.compare(b)),
-            Binary::And => both.to(a.and(b), a.is_decided(), true),
-            Binary::Or => both.to(a.or_else(b), a.is_decided(), true),
+            Binary::Add => joined.to(a.add(b), true, true),
+            Binary::Sub => joined.to(a.sub(b), true, true),
+            Binary::Mul => joined.to(a.mul(b), true, true),
+            Binary::Div => joined.to(a.div(b), !b.has_zero(), true),
+            Binary::Min => joined.to(a.min(b), true, true),
+            Binary::Max => joined.to(a.max(b), true, true),
+            Binary::SmoothMin => joined.to(a.smooth_min(b), true, true),
+            Binary::RoundMin => joined.to(a.round_min(b), true, true),
+            Binary::LogSumExp => joined.to(a.log_sum_exp(b), true, true),
+            Binary::Atan2 => joined.to(BareInterval::atan2(a, b), a.is_off_cut(b), true),
+            Binary::Mod => joined.to(a.rem(b), !a.integer_quotient(b).is_nan(), true),
+            Binary::Compare => joined.flat(a.compare(b)),
+            Binary::And => joined.to(a.and(b), a.is_decided(), true),
+            Binary::Or => joined.to(a.or_else(b), a.is_decided(), true),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The operations of expressions: their names, and their effect on numbers.
+//! The operations of expressions: their names, and their values on numbers.
 use crate::math::elementary::{self, single};
 use crate::math::{greater, lesser};
 
@@ -56,11 +56,11 @@ pub enum Binary {
     Min,
     /// `a` where `a > b`, else `b`.
     Max,
-    /// The smaller of both with its kink rounded off: `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`. It
-    /// is nowhere above the minimum, and equals it where they are 1 apart.
+    /// The smaller one with its kink rounded off: `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`. It is
+    /// nowhere above the minimum, and equals it if they differ by 1 or more.
     SmoothMin,
-    /// The smaller of both with its kink replaced by a quarter circle: `min(a, b) − h²/(1 + h + √(1 + 2h − h²))`
-    /// with `h = max(1 − |a − b|, 0)`. It equals the minimum where they are 1 apart, and is 0 on the arc
+    /// The smaller one with its kink replaced by a quarter circle: `min(a, b) − h²/(1 + h + √(1 + 2h − h²))`
+    /// with `h = max(1 − |a − b|, 0)`. It equals the minimum if they differ by 1 or more, and is 0 on the arc
     /// `(1 − a)² + (1 − b)² = 1` between (0, 1) and (1, 0).
     RoundMin,
     /// `ln(eᵃ + eᵇ)`: the maximum with its kink rounded off. It overflows only where the maximum does.
@@ -185,20 +185,20 @@ impl Binary {
             Self::SmoothMin => {
                 let near = 1.0 - (a - b).abs();
                 let near = greater(near, 0.0);
-                // Not by `Self::Min` of this function: a function that calls itself is not inlined.
-                let least = lesser(a, b);
-                least - 0.25 * (near * near)
+                // Not `Self::Min.apply`: a function that calls itself is not inlined.
+                let low = lesser(a, b);
+                low - 0.25 * (near * near)
             }
             Self::RoundMin => {
                 let near = 1.0 - (a - b).abs();
                 let near = greater(near, 0.0);
-                let least = lesser(a, b);
-                least - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
+                let low = lesser(a, b);
+                low - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
             }
             Self::LogSumExp => {
-                let (least, most) = if a < b { (a, b) } else { (b, a) };
-                let fall = if least == most { 0.0 } else { least - most };
-                most + elementary::ln(1.0 + elementary::exp(fall))
+                let (low, high) = if a < b { (a, b) } else { (b, a) };
+                let fall = if low == high { 0.0 } else { low - high };
+                high + elementary::ln(1.0 + elementary::exp(fall))
             }
             Self::Atan2 => elementary::atan2(a, b),
             Self::Mod => a.rem_euclid(b),
@@ -238,19 +238,19 @@ impl Binary {
             Self::SmoothMin => {
                 let near = 1.0 - (a - b).abs();
                 let near = greater(near, 0.0);
-                let least = lesser(a, b);
-                least - 0.25 * (near * near)
+                let low = lesser(a, b);
+                low - 0.25 * (near * near)
             }
             Self::RoundMin => {
                 let near = 1.0 - (a - b).abs();
                 let near = greater(near, 0.0);
-                let least = lesser(a, b);
-                least - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
+                let low = lesser(a, b);
+                low - near * near / (1.0 + near + (1.0 + near * (2.0 - near)).sqrt())
             }
             Self::LogSumExp => {
-                let (least, most) = if a < b { (a, b) } else { (b, a) };
-                let fall = if least == most { 0.0 } else { least - most };
-                most + single::ln(1.0 + single::exp(fall))
+                let (low, high) = if a < b { (a, b) } else { (b, a) };
+                let fall = if low == high { 0.0 } else { low - high };
+                high + single::ln(1.0 + single::exp(fall))
             }
             Self::Atan2 => single::atan2(a, b),
             Self::Mod => a.rem_euclid(b),

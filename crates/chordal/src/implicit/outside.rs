@@ -3,29 +3,28 @@ use super::leaf::LeafError;
 use super::tape::Tape;
 use crate::math::{Box3, Interval};
 
-/// The most boxes that are evaluated. Chosen: a question that some dozen do not answer is seldom answered at
-/// all.
+/// The most boxes that are evaluated. Chosen: a question that some dozen boxes leave open is seldom answered
+/// by more.
 const MOST_BOXES: usize = 1 << 10;
-/// The most interval steps. Chosen: as many as a hundred terms take in ten thousand boxes, far less than a
-/// mesh takes.
+/// The most interval steps. Chosen: a hundred terms in ten thousand boxes, far less than a mesh takes.
 const MOST_STEPS: usize = 1 << 20;
 
 /// Whether the value is proved to be defined and nowhere negative outside `bounds`. `false` proves nothing.
-/// Cost: at most so many steps. Leaves are not evaluated: they may be user functions that cannot handle
+/// Cost: at most [`MOST_STEPS`]. Leaves are not evaluated: they may be user functions that cannot handle
 /// unbounded boxes.
 pub(super) fn is_empty_outside(tape: &Tape, bounds: &Box3) -> bool {
     let mut waiting = slabs(bounds);
     if bounds.is_empty() || tape.has_leaves() && !waiting.is_empty() {
         return false;
     }
-    let most = (MOST_STEPS / tape.len()).clamp(16, MOST_BOXES); // 16: the six sides, halved once or so
+    let limit = (MOST_STEPS / tape.len()).clamp(16, MOST_BOXES); // 16: the six sides, halved once or so
     let mut n_seen = 0;
     while !waiting.is_empty() {
         n_seen += waiting.len();
         let Ok(ranges) = over(tape, &waiting) else { return false };
         let open: Vec<Box3> =
             waiting.iter().zip(&ranges).filter(|(_, range)| !holds(**range)).map(|(b, _)| *b).collect();
-        if n_seen + 2 * open.len() > most {
+        if n_seen + 2 * open.len() > limit {
             return open.is_empty();
         }
         waiting = open.iter().flat_map(|part| halves(part, bounds)).collect();
@@ -54,14 +53,14 @@ fn holds(range: Interval) -> bool {
     range.is_defined() && range.lo() >= 0.0
 }
 
-/// The outside of a box: on each side the part that the slabs before it do not contain.
+/// The outside of a box: on each side the slab that is not covered by the slabs before it.
 fn slabs(bounds: &Box3) -> Vec<Box3> {
     let mut slabs = Vec::new();
-    let mut rest = Box3 { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
+    let mut remaining = Box3 { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
     for k in 0..3 {
         for (end, below) in [(bounds.min[k], true), (bounds.max[k], false)] {
             if end.is_finite() {
-                let mut slab = rest;
+                let mut slab = remaining;
                 if below {
                     slab.max[k] = end
                 } else {
@@ -70,12 +69,12 @@ fn slabs(bounds: &Box3) -> Vec<Box3> {
                 slabs.push(slab);
             }
         }
-        (rest.min[k], rest.max[k]) = (bounds.min[k], bounds.max[k]);
+        (remaining.min[k], remaining.max[k]) = (bounds.min[k], bounds.max[k]);
     }
     slabs
 }
 
-/// Two parts of a box: cut across an unbounded side, if there is one, else across the longest.
+/// The two halves of a box: cut across an unbounded side, if there is one, else across the longest side.
 fn halves(part: &Box3, bounds: &Box3) -> [Box3; 2] {
     let cuts: [f64; 3] =
         std::array::from_fn(|k| cut([part.min[k], part.max[k]], [bounds.min[k], bounds.max[k]]));
@@ -91,8 +90,8 @@ fn halves(part: &Box3, bounds: &Box3) -> [Box3; 2] {
     [low, high]
 }
 
-/// Where a side is cut: in the middle, or, if unbounded, as far beyond its end as that is from the box, so
-/// that cuts double.
+/// The position of the cut of a side: in the middle, or, if unbounded, as far beyond its end as that is from
+/// the box, so that successive cuts double the distance.
 fn cut([low, high]: [f64; 2], bounds: [f64; 2]) -> f64 {
     let (centre, size) = middle_and_size(bounds);
     match (low.is_finite(), high.is_finite()) {
@@ -134,8 +133,8 @@ mod tests {
     }
 
     #[test]
-    fn what_only_smaller_boxes_show_is_found() {
-        // The interval of the sum over an unbounded side says nothing; over halves it does.
+    fn finds_what_only_smaller_boxes_show() {
+        // The interval of the sum over an unbounded side is unbounded; over halves it is not.
         let [x, y, z] = Expr::axes();
         let waves = (x.clone() * 3.0).sin() + (x.clone() * 3.0).cos() * 0.5;
         let bump = x.square() + y.square() + z.square() - 1.0 - waves * 0.25;
@@ -144,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_value_is_not_shown_to_be_empty() {
+    fn an_undefined_value_is_not_shown_to_be_empty() {
         let [x, ..] = Expr::axes();
         assert!(!is_empty_outside(&Tape::new(&(x.sqrt() + 1.0)), &cube(1.0)));
         assert_eq!(lowest(&Tape::new(&x.sqrt())), None);

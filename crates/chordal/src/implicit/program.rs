@@ -2,7 +2,7 @@
 use super::graph::Term;
 use super::op::{Binary, Unary};
 
-/// What a step does.
+/// The operation of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Opcode {
     /// Loads the number.
@@ -19,8 +19,8 @@ pub(super) enum Opcode {
     Vector3(VectorOp),
 }
 
-/// Several terms of an expression that run as one step: the whole has tighter intervals of its slope than its
-/// parts.
+/// Several terms of an expression that run as one step: its slope has tighter intervals than the single terms
+/// give.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum VectorOp {
     /// The length of a vector: a root of a sum of squares.
@@ -58,16 +58,17 @@ const NOWHERE: u32 = u32::MAX;
 
 struct ProgramBuilder<'a> {
     terms: &'a [Term],
-    /// The last term that uses each one; the number of terms for outputs.
+    /// The last term that uses each term; the number of terms for outputs.
     last_use: Vec<u32>,
-    place: Vec<u32>,
-    /// Registers that are free again; the one used last is taken first.
+    /// The operand that holds each term's value.
+    operand_of: Vec<u32>,
+    /// Free registers; the one used last is taken first.
     free: Vec<u32>,
     program: Program,
 }
 
 impl Program {
-    /// Compiles the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term. A
+    /// Compiles the terms `outputs`. `leaf_input` returns the input with the value of a leaf's term. A
     /// register is reused after the last use of its value (linear scan). Time and memory: linear.
     pub(super) fn compile(
         terms: &[Term],
@@ -83,18 +84,23 @@ impl Program {
             reads: vec![false; n_inputs],
             outputs: Vec::new(),
         };
-        let mut maker =
-            ProgramBuilder { terms, last_use, place: vec![NOWHERE; terms.len()], free: Vec::new(), program };
+        let mut builder = ProgramBuilder {
+            terms,
+            last_use,
+            operand_of: vec![NOWHERE; terms.len()],
+            free: Vec::new(),
+            program,
+        };
         for (k, term) in terms.iter().enumerate() {
-            if maker.last_use[k] != NOWHERE {
-                maker.term(k as u32, term, leaf_input);
+            if builder.last_use[k] != NOWHERE {
+                builder.term(k as u32, term, leaf_input);
             }
         }
         for output in outputs {
-            let place = maker.place(*output);
-            maker.program.outputs.push(place);
+            let operand = builder.operand(*output);
+            builder.program.outputs.push(operand);
         }
-        maker.program
+        builder.program
     }
 }
 
@@ -136,8 +142,8 @@ struct Operands {
 }
 
 impl Operands {
-    fn new<const N: usize>(some: [u32; N]) -> Self {
-        Self { terms: std::array::from_fn(|k| some.get(k).copied().unwrap_or(NOWHERE)), n: N }
+    fn new<const N: usize>(terms: [u32; N]) -> Self {
+        Self { terms: std::array::from_fn(|k| terms.get(k).copied().unwrap_or(NOWHERE)), n: N }
     }
 }
 
@@ -164,9 +170,9 @@ fn length_operands(terms: &[Term], term: &Term) -> Option<Operands> {
     let [a, b] = sum_of(*sum)?;
     match (square_of(a), square_of(b)) {
         (Some(a), Some(b)) => Some(Operands::new([a, b])),
-        (Some(one), None) | (None, Some(one)) => {
+        (Some(other), None) | (None, Some(other)) => {
             let [p, q] = sum_of(if square_of(a).is_some() { b } else { a })?;
-            Some(Operands::new([square_of(p)?, square_of(q)?, one]))
+            Some(Operands::new([square_of(p)?, square_of(q)?, other]))
         }
         (None, None) => None,
     }
@@ -192,23 +198,23 @@ fn box_distance_operands(terms: &[Term], term: &Term) -> Option<Operands> {
         Term::Binary(Binary::Min, a, zero) if is_zero(*zero) => *a,
         _ => return None,
     };
-    let mut found = Vec::with_capacity(3);
+    let mut maxima = Vec::with_capacity(3);
     let mut open = vec![largest];
     while let Some(term) = open.pop() {
         match terms[term as usize] {
             Term::Binary(Binary::Max, a, b) if !sides.into_iter().any(|side| side == term) => {
                 open.extend([a, b]);
             }
-            _ => found.push(term),
+            _ => maxima.push(term),
         }
-        if found.len() + open.len() > sides.n {
+        if maxima.len() + open.len() > sides.n {
             return None;
         }
     }
-    let mut wanted: Vec<u32> = sides.into_iter().collect();
-    found.sort_unstable();
-    wanted.sort_unstable();
-    (found == wanted).then_some(sides)
+    let mut side_terms: Vec<u32> = sides.into_iter().collect();
+    maxima.sort_unstable();
+    side_terms.sort_unstable();
+    (maxima == side_terms).then_some(sides)
 }
 
 /// The terms between the distance to a box and the distances to its sides. They are one step as long as none
@@ -217,60 +223,60 @@ pub(super) fn box_distance_terms(terms: &[Term], term: &Term) -> Vec<u32> {
     let (Some(sides), Term::Binary(_, a, b)) = (box_distance_operands(terms, term), term) else {
         return Vec::new();
     };
-    let mut found = Vec::new();
+    let mut between = Vec::new();
     let mut open = vec![*a, *b];
     while let Some(part) = open.pop() {
         if !sides.into_iter().any(|side| side == part) {
-            found.push(part);
+            between.push(part);
             open.extend(super::graph::parts(&terms[part as usize]));
         }
     }
-    found
+    between
 }
 
 impl ProgramBuilder<'_> {
     fn term(&mut self, k: u32, term: &Term, leaf_input: &dyn Fn(u32) -> u32) {
         let step = |code, a, b, number| Instruction { code, out: 0, a, b, c: 0, number };
-        let made = match term {
+        let instruction = match term {
             Term::Const(_) => return,
             Term::Axis(axis) => return self.input(k, u32::from(*axis)),
             Term::Leaf(..) => return self.input(k, leaf_input(k)),
             Term::Unary(op, a) => match length_operands(self.terms, term) {
                 Some(parts) => self.vector_instruction(VectorOp::Length, parts),
-                None => step(Opcode::Unary(*op), self.place(*a), 0, 0.0),
+                None => step(Opcode::Unary(*op), self.operand(*a), 0, 0.0),
             },
             Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
                 _ if let Some(sides) = box_distance_operands(self.terms, term) => {
                     self.vector_instruction(VectorOp::BoxDistance, sides)
                 }
                 (Term::Const(number), Term::Const(_)) => {
-                    step(Opcode::ConstWith(*op), self.place(*b), 0, *number)
+                    step(Opcode::ConstWith(*op), self.operand(*b), 0, *number)
                 }
-                (_, Term::Const(number)) => step(Opcode::WithConst(*op), self.place(*a), 0, *number),
-                (Term::Const(number), _) => step(Opcode::ConstWith(*op), self.place(*b), 0, *number),
-                _ => step(Opcode::Binary(*op), self.place(*a), self.place(*b), 0.0),
+                (_, Term::Const(number)) => step(Opcode::WithConst(*op), self.operand(*a), 0, *number),
+                (Term::Const(number), _) => step(Opcode::ConstWith(*op), self.operand(*b), 0, *number),
+                _ => step(Opcode::Binary(*op), self.operand(*a), self.operand(*b), 0.0),
             },
         };
         for part in operands(self.terms, term) {
             self.release(part, k);
         }
         let out = self.register();
-        self.place[k as usize] = out + self.program.n_inputs as u32;
-        self.program.steps.push(Instruction { out, ..made });
+        self.operand_of[k as usize] = out + self.program.n_inputs as u32;
+        self.program.steps.push(Instruction { out, ..instruction });
     }
 
     /// A step with two or three operands.
     fn vector_instruction(&mut self, op: VectorOp, Operands { terms, n }: Operands) -> Instruction {
-        let [a, b] = [terms[0], terms[1]].map(|part| self.place(part));
+        let [a, b] = [terms[0], terms[1]].map(|part| self.operand(part));
         let (code, c) = match n {
-            3 => (Opcode::Vector3(op), self.place(terms[2])),
+            3 => (Opcode::Vector3(op), self.operand(terms[2])),
             _ => (Opcode::Vector2(op), 0),
         };
         Instruction { code, out: 0, a, b, c, number: 0.0 }
     }
 
     fn input(&mut self, k: u32, input: u32) {
-        self.place[k as usize] = input;
+        self.operand_of[k as usize] = input;
         self.program.reads[input as usize] = true;
     }
 
@@ -282,10 +288,10 @@ impl ProgramBuilder<'_> {
     }
 
     /// The operand with a term's value. A constant used as an operand gets its own register.
-    fn place(&mut self, term: u32) -> u32 {
-        if let (NOWHERE, Term::Const(number)) = (self.place[term as usize], &self.terms[term as usize]) {
+    fn operand(&mut self, term: u32) -> u32 {
+        if let (NOWHERE, Term::Const(number)) = (self.operand_of[term as usize], &self.terms[term as usize]) {
             let out = self.register();
-            self.place[term as usize] = out + self.program.n_inputs as u32;
+            self.operand_of[term as usize] = out + self.program.n_inputs as u32;
             self.program.steps.push(Instruction {
                 code: Opcode::Const,
                 out,
@@ -295,15 +301,16 @@ impl ProgramBuilder<'_> {
                 number: *number,
             });
         }
-        self.place[term as usize]
+        self.operand_of[term as usize]
     }
 
     /// Frees a register after its last use, which is at term `k`.
     fn release(&mut self, term: u32, k: u32) {
-        let place = self.place[term as usize];
-        if self.last_use[term as usize] == k && place != NOWHERE && place >= self.program.n_inputs as u32 {
-            self.free.push(place - self.program.n_inputs as u32);
-            self.place[term as usize] = NOWHERE;
+        let operand = self.operand_of[term as usize];
+        if self.last_use[term as usize] == k && operand != NOWHERE && operand >= self.program.n_inputs as u32
+        {
+            self.free.push(operand - self.program.n_inputs as u32);
+            self.operand_of[term as usize] = NOWHERE;
         }
     }
 }

@@ -1,11 +1,12 @@
-//! Tape pruning: where one operand of a minimum or maximum always wins in a region, the other is left out.
+//! Tape pruning: if one operand of a minimum or maximum always wins in a region, the other is left out.
 //!
-//! A first pass, from the leaves to the root, finds the interval of every term. A second one, from the root,
-//! finds for every term above and below which values it does not affect the result. In a chain of blends,
-//! each ball is so compared with the nearest one of all, not only with its neighbours in the chain. Let a
-//! value of `m = smin(a, b)` of `T` and above have no effect on the whole. Then `a` has none where it is at
-//! least `T + 5/4`: where `b < T + 1/4`, `a` is 1 above `b`, so that `m = b`; elsewhere
-//! `m ≥ min(a, b) − 1/4 ≥ T` with `a` and, being `b`, without it. And `a` has none from `max b + 1` on.
+//! A first pass, from the leaves to the root, computes the interval of every term. A second one, from the
+//! root, computes for every term the values above and below which it does not affect the result. So in a
+//! chain of blends, each ball is compared with the nearest one of all, not only with its neighbours in the
+//! chain. Suppose that values of `m = smin(a, b)` of `T` and above do not affect the result. Then `a` does
+//! not affect it if it is at least `T + 5/4`: where `b < T + 1/4`, `a` is 1 above `b`, so that `m = b`;
+//! elsewhere `m ≥ min(a, b) − 1/4 ≥ T` with `a`, and also without it, when `m` is `b`. And `a` has no effect
+//! from `max b + 1` on.
 use super::graph::{ExprGraph, Term};
 use super::inputs::{LeafScalar, box_side};
 use super::leaf::LeafError;
@@ -16,30 +17,30 @@ use crate::math::{
     Box3, Interval, add_up, div_down, div_up, greater, lesser, mul_down, mul_up, sub_down, sub_up,
 };
 
-/// What replaces a term in the region.
+/// The replacement of a term in the region.
 #[derive(Clone, Copy, PartialEq)]
 enum OperandChoice {
-    /// The term is needed as it is.
+    /// The term is needed unchanged.
     Itself,
     First,
     Second,
 }
 
 impl ExprGraph {
-    /// The interval of the value in a box, and the terms that are enough there, if they are at most seven
-    /// eighths.
+    /// The interval of the value in a box, and the terms that suffice there, if they are at most seven
+    /// eighths of all.
     pub(super) fn prune(&self, bounds: &Box3) -> Result<(Interval, Option<Self>), LeafError> {
         let terms = self.terms();
         let mut ranges: Vec<Interval> = Vec::with_capacity(terms.len());
         for term in terms {
-            let of = |number: &u32| ranges[*number as usize];
+            let range_of = |number: &u32| ranges[*number as usize];
             let range = match term {
                 Term::Const(value) => Interval::constant(*value),
                 Term::Axis(axis) => box_side(bounds, usize::from(*axis)),
-                Term::Unary(op, a) => Interval::unary(*op, of(a)),
-                Term::Binary(op, a, b) => Interval::binary(*op, of(a), of(b)),
+                Term::Unary(op, a) => Interval::unary(*op, range_of(a)),
+                Term::Binary(op, a, b) => Interval::binary(*op, range_of(a), range_of(b)),
                 Term::Leaf(leaf, at) => {
-                    let range = Interval::from_leaf(&**leaf, &[at.each_ref().map(of)])?;
+                    let range = Interval::from_leaf(&**leaf, &[at.each_ref().map(range_of)])?;
                     range.first().copied().unwrap_or(Interval::UNKNOWN)
                 }
             };
@@ -51,7 +52,7 @@ impl ExprGraph {
         Ok((value, if chosen { self.copy_needed(&choices) } else { None }))
     }
 
-    /// The terms that are still needed: one pass backward finds them, one forward copies them.
+    /// The needed terms: one pass backward finds them, one forward copies them.
     fn copy_needed(&self, choices: &[OperandChoice]) -> Option<Self> {
         let terms = self.terms();
         let mut needed = vec![false; terms.len()];
@@ -81,7 +82,7 @@ impl ExprGraph {
             return None;
         }
         let mut number = vec![0_u32; terms.len()];
-        let mut kept = Vec::with_capacity(n_kept);
+        let mut copies = Vec::with_capacity(n_kept);
         for (k, term) in terms.iter().enumerate().filter(|(k, _)| needed[*k]) {
             let new = |old: &u32| number[*old as usize];
             let copy = match (term, choices[k]) {
@@ -99,17 +100,17 @@ impl ExprGraph {
                 (Term::Binary(op, a, b), OperandChoice::Itself) => Term::Binary(*op, new(a), new(b)),
                 (Term::Leaf(leaf, at), _) => Term::Leaf(leaf.clone(), at.each_ref().map(new)),
             };
-            number[k] = kept.len() as u32;
-            kept.push(copy);
+            number[k] = copies.len() as u32;
+            copies.push(copy);
         }
-        // The root may have become another term's value, which then has to be last.
+        // The root may have been replaced by an earlier term, which then has to be last.
         let root = number.last().copied()? as usize;
-        kept.truncate(root + 1);
-        Some(Self::from_terms(kept))
+        copies.truncate(root + 1);
+        Some(Self::from_terms(copies))
     }
 }
 
-/// Values of a term that do not affect the whole: those from `above` on, and those up to `below`.
+/// Values of a term that do not affect the result: those from `above` on, and those up to `below`.
 #[derive(Clone, Copy)]
 struct PruningBounds {
     above: f64,
@@ -119,10 +120,10 @@ struct PruningBounds {
 impl PruningBounds {
     /// Every value has an effect.
     const NONE: Self = Self { above: f64::INFINITY, below: f64::NEG_INFINITY };
-    /// No use has been seen yet.
+    /// No use has been visited yet.
     const UNUSED: Self = Self { above: f64::NEG_INFINITY, below: f64::INFINITY };
 
-    /// The values without effect in both of two uses.
+    /// The values without effect in either of two uses.
     fn both(self, other: Self) -> Self {
         Self { above: greater(self.above, other.above), below: lesser(self.below, other.below) }
     }
@@ -131,13 +132,13 @@ impl PruningBounds {
         Self { above: -self.below, below: -self.above }
     }
 
-    /// The same with values from there on without effect.
+    /// The same, with all values from `above` on without effect.
     fn from(self, above: f64) -> Self {
         Self { above: lesser(above, self.above), ..self }
     }
 
-    /// Whether the operand with this interval can be left out: of a minimum one without effect above, of a
-    /// maximum one without effect below.
+    /// Whether the operand with this interval can be left out: of a minimum, one above the bound; of a
+    /// maximum, one below it.
     fn leaves_out(self, op: Binary, range: Interval) -> bool {
         match op {
             Binary::Min | Binary::SmoothMin | Binary::RoundMin => range.lo() >= self.above,
@@ -147,10 +148,10 @@ impl PruningBounds {
     }
 }
 
-/// For each term the operand that is enough, from the root down.
+/// For each term the operand that suffices, from the root down.
 fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<OperandChoice> {
     let mut choices = vec![OperandChoice::Itself; terms.len()];
-    // What is one step has tighter slopes than its parts.
+    // Terms that run as one step are kept together: its slopes are tighter than those of single terms.
     let mut is_within_step = vec![false; terms.len()];
     for term in terms {
         box_distance_terms(terms, term).into_iter().for_each(|part| is_within_step[part as usize] = true);
@@ -162,8 +163,8 @@ fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<OperandChoice> {
     for (k, term) in terms.iter().enumerate().rev() {
         let silence = silences[k];
         let mut use_of = |part: &u32, silence: PruningBounds| {
-            let known = &mut silences[*part as usize];
-            *known = known.both(silence);
+            let bounds = &mut silences[*part as usize];
+            *bounds = bounds.both(silence);
         };
         let constant = |part: &u32| match terms[*part as usize] {
             Term::Const(value) if value.is_finite() => Some(value),
@@ -175,14 +176,14 @@ fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<OperandChoice> {
             Term::Unary(_, a) => use_of(a, PruningBounds::NONE),
             Term::Leaf(_, at) => at.iter().for_each(|a| use_of(a, PruningBounds::NONE)),
             Term::Binary(op, a, b) => {
-                let of = [ranges[*a as usize], ranges[*b as usize]];
-                let [of_a, of_b] = operand_silences(*op, silence, of, [constant(a), constant(b)]);
-                let found = choice(*op, of, [of_a, of_b]);
-                choices[k] = if is_within_step[k] { OperandChoice::Itself } else { found };
+                let ranges_ab = [ranges[*a as usize], ranges[*b as usize]];
+                let [for_a, for_b] = operand_silences(*op, silence, ranges_ab, [constant(a), constant(b)]);
+                let operand = choice(*op, ranges_ab, [for_a, for_b]);
+                choices[k] = if is_within_step[k] { OperandChoice::Itself } else { operand };
                 match choices[k] {
                     OperandChoice::Itself => {
-                        use_of(a, of_a);
-                        use_of(b, of_b);
+                        use_of(a, for_a);
+                        use_of(b, for_b);
                     }
                     // The node is replaced by its operand.
                     OperandChoice::First => use_of(a, silence),
@@ -209,7 +210,7 @@ fn operand_silences(
         // Strictly beyond: of equal numbers the second is taken, which may be the other zero.
         (Binary::Min, _) => [b, a].map(|other| silence.from(other.hi().next_up())),
         (Binary::Max, _) => [b, a].map(|other| silence.mirrored().from((-other.lo()).next_up()).mirrored()),
-        // Both are at most the minimum, so values without effect below stay so.
+        // The result is at most the minimum, so values without effect below stay without effect.
         (Binary::SmoothMin | Binary::RoundMin, _) => [b, a]
             .map(|other| PruningBounds { above: add_up(above, 1.25), below }.from(add_up(other.hi(), 1.0))),
         (Binary::Add, [None, Some(k)]) => [shifted(silence, k), PruningBounds::NONE],
@@ -236,15 +237,15 @@ fn scaled(silence: PruningBounds, k: f64) -> PruningBounds {
 }
 
 /// The operand that alone decides, if both are defined everywhere.
-fn choice(op: Binary, [a, b]: [Interval; 2], [of_a, of_b]: [PruningBounds; 2]) -> OperandChoice {
+fn choice(op: Binary, [a, b]: [Interval; 2], [for_a, for_b]: [PruningBounds; 2]) -> OperandChoice {
     if !(a.is_defined() && b.is_defined()) {
         return OperandChoice::Itself;
     }
     let (is_zero, never) = (a.lo() == 0.0 && a.hi() == 0.0, a.lo() > 0.0 || a.hi() < 0.0);
     match op {
-        // One of them stays where neither has an effect.
-        _ if of_b.leaves_out(op, b) => OperandChoice::First,
-        _ if of_a.leaves_out(op, a) => OperandChoice::Second,
+        // One of them stays if neither has an effect.
+        _ if for_b.leaves_out(op, b) => OperandChoice::First,
+        _ if for_a.leaves_out(op, a) => OperandChoice::Second,
         Binary::And if never => OperandChoice::Second,
         Binary::And if is_zero => OperandChoice::First,
         Binary::Or if never => OperandChoice::First,
@@ -266,37 +267,38 @@ mod tests {
 
     /// Balls in a chain of unions, blends, intersections with complements, offsets and scales.
     fn chain(random: &mut Random, n: usize, blends_only: bool) -> Expr {
-        let mut whole = ball(random);
+        let mut chain = ball(random);
         for _ in 0..n {
             let ball = ball(random);
-            whole = match if blends_only { 0.0 } else { 8.0 * random.unit() } {
-                0.0..3.0 => whole.smooth_min(&ball, 0.05),
-                3.0..4.0 => -((-whole).smooth_min(&ball, 0.05)),
-                4.0..5.0 => whole.min(&ball),
-                5.0..6.0 => whole.max(&-ball),
-                6.0..7.0 => Expr::constant(0.02) - (ball.max(&(whole * -1.25)) / 1.25),
-                _ => (whole + 0.3).min(&(ball + 0.3)) - 0.3,
+            chain = match if blends_only { 0.0 } else { 8.0 * random.unit() } {
+                0.0..3.0 => chain.smooth_min(&ball, 0.05),
+                3.0..4.0 => -((-chain).smooth_min(&ball, 0.05)),
+                4.0..5.0 => chain.min(&ball),
+                5.0..6.0 => chain.max(&-ball),
+                6.0..7.0 => Expr::constant(0.02) - (ball.max(&(chain * -1.25)) / 1.25),
+                _ => (chain + 0.3).min(&(ball + 0.3)) - 0.3,
             };
         }
-        whole
+        chain
     }
 
-    /// Values and gradients of the pruned tape are those of the whole, bit for bit, everywhere in the box.
+    /// Values and gradients of the pruned tape are those of the full tape, bit for bit, everywhere in the
+    /// box.
     fn same_in(tape: &Tape, bounds: &Box3, random: &mut Random) -> Option<usize> {
         let shorter = tape.prune(bounds).unwrap().1?;
         let points: Vec<[f64; 3]> = (0..60)
             .map(|_| [0, 1, 2].map(|k| bounds.min[k] + random.unit() * (bounds.max[k] - bounds.min[k])))
             .collect();
         let none = Dual { value: 0.0, gradient: [0.0; 3] };
-        let (mut whole, mut part) = (vec![none; 60], vec![none; 60]);
-        tape.gradient_at(&points, &mut whole).unwrap();
-        shorter.gradient_at(&points, &mut part).unwrap();
-        assert_eq!(whole, part);
+        let (mut full, mut pruned) = (vec![none; 60], vec![none; 60]);
+        tape.gradient_at(&points, &mut full).unwrap();
+        shorter.gradient_at(&points, &mut pruned).unwrap();
+        assert_eq!(full, pruned);
         Some(shorter.len())
     }
 
     #[test]
-    fn what_has_no_say_changes_no_value() {
+    fn leaving_out_terms_without_effect_changes_no_value() {
         let mut random = Random::new(5);
         let mut n_shorter = 0;
         for case in 0..300 {

@@ -8,17 +8,17 @@ pub(crate) const BRICK: usize = 8;
 /// Samples of a brick.
 const VOLUME: usize = BRICK * BRICK * BRICK;
 
-/// The directory entry of an absent brick: all samples are the background, outside …
+/// The directory entry of an absent brick outside the shape: all samples equal the background …
 const OUTSIDE: u32 = u32::MAX;
-/// … or minus the background, inside.
+/// … and inside: all samples equal minus the background.
 const INSIDE: u32 = u32::MAX - 1;
 
 /// Samples in f64 on a lattice, for data such as a narrow band of distances. A directory has one entry for
-/// each brick of 8³ samples. Only bricks that hold anything but the background value, or minus that value
-/// throughout, store their samples.
+/// each brick of 8³ samples. A brick is stored unless all its samples equal the background value, or all
+/// equal minus that value.
 ///
 /// Access to a sample takes O(1) through the directory; [`SparseGrid::to_dense`] has the same numbers bit for
-/// bit. Memory: 4 KiB for a stored brick and 4 bytes for an absent one, 1/1024 of its dense samples
+/// bit. Memory: 4 KiB for a stored brick, and 4 bytes for an absent one, 1/1024 of its dense samples
 /// ([`SparseGrid::bytes`]).
 ///
 /// ```
@@ -47,7 +47,7 @@ pub struct SparseGrid {
 }
 
 impl SparseGrid {
-    /// The dense grid without the bricks that are all `background`, or all minus that. Cost: one pass over
+    /// The dense grid without the bricks that hold only `background`, or only minus that. Cost: one pass over
     /// the samples.
     ///
     /// # Panics
@@ -55,7 +55,7 @@ impl SparseGrid {
     #[must_use]
     pub fn from_grid(grid: &Grid, background: f64) -> Self {
         let size = grid.size();
-        let mut made = Self::empty(size, *grid.affine(), background);
+        let mut sparse = Self::empty(size, *grid.affine(), background);
         let [nx, ny, nz] = size;
         for layer in 0..nz.div_ceil(BRICK) {
             let planes = BRICK.min(nz - layer * BRICK);
@@ -63,9 +63,9 @@ impl SparseGrid {
             let samples: Vec<f64> =
                 (start..start + nx * ny * planes).map(|n| grid.samples().get(n)).collect();
             let layer = BrickSlab::from_samples(&samples, size, background);
-            made.push(layer);
+            sparse.push(layer);
         }
-        made
+        sparse
     }
 
     /// A grid without layers.
@@ -94,7 +94,7 @@ impl SparseGrid {
         &self.affine
     }
 
-    /// The background value: absent bricks hold it, or minus it.
+    /// The background value: all samples of an absent brick equal it, or minus it.
     #[must_use]
     pub fn background(&self) -> f64 {
         self.background
@@ -138,7 +138,8 @@ impl SparseGrid {
         }
     }
 
-    /// Whether the brick of a sample is stored; otherwise all its samples are the background, or minus that.
+    /// Whether the brick of a sample is stored; otherwise all its samples equal the background, or minus
+    /// that.
     ///
     /// # Panics
     /// When an index is not below the size.
@@ -191,7 +192,7 @@ impl BrickSlab {
                     for j in y..ny.min(y + BRICK) {
                         for i in x..nx.min(x + BRICK) {
                             let value = samples[i + nx * (j + ny * k)];
-                            // By bits, so that all come back unchanged.
+                            // Compare bits, so that −0 and NaN come back unchanged.
                             outside &= value.to_bits() == background.to_bits();
                             inside &= value.to_bits() == (-background).to_bits();
                             brick[i - x + BRICK * (j - y + BRICK * k)] = value;

@@ -13,7 +13,7 @@ use crate::math::{Box3, Interval};
 use std::sync::Arc;
 
 /// An expression as a list of instructions, evaluated for many points at once. Each leaf is called once for
-/// all of them.
+/// all points.
 ///
 /// Values are those of f64 operations in the order of the expression, the same bits on every platform.
 /// Intervals contain every value that the exact expression takes in a box, rounding included.
@@ -23,7 +23,7 @@ pub struct Tape {
     plan: Arc<EvaluationPlan>,
 }
 
-/// What runs for a batch: the stages that evaluate leaves, then the rest.
+/// The programs of a batch: the stages that evaluate leaves, then the last program.
 #[derive(Debug)]
 struct EvaluationPlan {
     /// A leaf whose coordinates depend on other leaves is in a later stage.
@@ -45,12 +45,12 @@ impl EvaluationPlan {
         let mut stage_of = vec![0_usize; terms.len()];
         let mut stages: Vec<Vec<u32>> = Vec::new();
         for (k, term) in terms.iter().enumerate() {
-            let of = |part: &u32| stage_of[*part as usize];
+            let stage = |part: &u32| stage_of[*part as usize];
             stage_of[k] = match term {
                 Term::Const(_) | Term::Axis(_) => 0,
-                Term::Unary(_, a) => of(a),
-                Term::Binary(_, a, b) => of(a).max(of(b)),
-                Term::Leaf(_, at) => at.iter().map(of).fold(0, usize::max) + 1,
+                Term::Unary(_, a) => stage(a),
+                Term::Binary(_, a, b) => stage(a).max(stage(b)),
+                Term::Leaf(_, at) => at.iter().map(stage).fold(0, usize::max) + 1,
             };
             if let Term::Leaf(..) = term {
                 stages.resize_with(stages.len().max(stage_of[k]), Vec::new);
@@ -77,8 +77,8 @@ impl EvaluationPlan {
     }
 }
 
-/// Tapes of no more terms, and tapes for no more points, are evaluated as they are. Chosen: to prune takes about as long as to
-/// evaluate a tape at a hundred points.
+/// Tapes with at most this many terms, and tapes for few points, are evaluated without pruning. Chosen:
+/// pruning takes about as long as evaluating a tape at a hundred points.
 const SHORT: usize = 64;
 const FEW: usize = 256;
 
@@ -126,14 +126,14 @@ impl Tape {
         self.graph.terms().iter().any(|term| matches!(term, Term::Leaf(..)))
     }
 
-    /// What proofs that depend on [`Tape::over`] are worth: the weakest evidence of the leaves.
+    /// The evidence of proofs that depend on [`Tape::over`]: the weakest of the leaves.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
         let leaves = self.graph.terms().iter().filter_map(|term| match term {
             Term::Leaf(leaf, _) => Some(leaf.evidence()),
             _ => None,
         });
-        leaves.fold(Evidence::Proved, |all, one| all.weaker(&one))
+        leaves.fold(Evidence::Proved, |weakest, leaf| weakest.weaker(&leaf))
     }
 
     /// The value at each point; NaN where the expression is undefined.
@@ -144,8 +144,8 @@ impl Tape {
         self.run(points.len(), |k, row| points[row][k], |row, value| out[row] = value)
     }
 
-    /// [`Tape::at`] for many points that lie here and there: boxes around them are halved, each with a shorter tape, as long
-    /// as that pays. The values are the same, wherever the expression is defined.
+    /// [`Tape::at`] for many scattered points: boxes around them are halved, each with a shorter tape, as
+    /// long as that pays. The values are the same wherever the expression is defined.
     ///
     /// # Errors
     /// When a leaf fails.
@@ -155,21 +155,21 @@ impl Tape {
         }
         let mut rows: Vec<u32> = (0..points.len() as u32).collect();
         let mut todo = vec![(self.clone(), 0..rows.len())];
-        let (mut own, mut values) = (Vec::new(), Vec::new());
+        let (mut part_points, mut values) = (Vec::new(), Vec::new());
         while let Some((tape, range)) = todo.pop() {
             let part = &mut rows[range.clone()];
-            own.clear();
-            own.extend(part.iter().map(|row| points[*row as usize]));
+            part_points.clear();
+            part_points.extend(part.iter().map(|row| points[*row as usize]));
             if tape.len() <= SHORT || part.len() <= FEW {
-                values.resize(own.len(), 0.0);
-                tape.at(&own, &mut values)?;
+                values.resize(part_points.len(), 0.0);
+                tape.at(&part_points, &mut values)?;
                 part.iter().zip(&values).for_each(|(row, value)| out[*row as usize] = *value);
                 continue;
             }
-            let bounds = Box3::from_points(&own);
+            let bounds = Box3::from_points(&part_points);
             let tape = tape.prune(&bounds)?.1.unwrap_or(tape);
             let size: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
-            let axis = (1..3).fold(0, |most, k| if size[k] > size[most] { k } else { most });
+            let axis = (1..3).fold(0, |longest, k| if size[k] > size[longest] { k } else { longest });
             let half = part.len() / 2;
             let by_axis = |a: &u32, b: &u32| points[*a as usize][axis].total_cmp(&points[*b as usize][axis]);
             part.select_nth_unstable_by(half, by_axis);
@@ -248,7 +248,7 @@ impl Tape {
     }
 
     /// Evaluates every row: `axis` gives coordinate `k` of a row, `put` receives its value. Each leaf is
-    /// called once for all.
+    /// called once for all rows.
     fn run<N: BlockScalar>(
         &self,
         rows: usize,
@@ -257,10 +257,10 @@ impl Tape {
     ) -> Result<(), LeafError> {
         let mut columns: Vec<Vec<N>> = Vec::new();
         for LeafStage { program, leaves } in &self.plan.stages {
-            let mut places = vec![vec![N::constant(0.0); rows]; program.outputs.len()];
-            let keep = |k: usize, row: usize, value: N| places[k][row] = value;
+            let mut coordinates = vec![vec![N::constant(0.0); rows]; program.outputs.len()];
+            let keep = |k: usize, row: usize, value: N| coordinates[k][row] = value;
             ProgramRun { program, rows, axis: &axis, columns: &columns, put: keep }.dispatch();
-            for (leaf, at) in leaves.iter().zip(places.chunks_exact(3)) {
+            for (leaf, at) in leaves.iter().zip(coordinates.chunks_exact(3)) {
                 columns.push(N::from_leaf(&**leaf, &to_triples([&at[0], &at[1], &at[2]]))?);
             }
         }

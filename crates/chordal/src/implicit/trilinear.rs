@@ -7,17 +7,17 @@ use crate::budget::Evidence;
 use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up, sub_down};
 use std::sync::Arc;
 
-/// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same bits for the
-/// same samples.
+/// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same samples give
+/// the same bits.
 ///
 /// Outside the lattice the value is that of the nearest index: each index is clamped between the first and
-/// the last sample, so the function is continuous everywhere. The values are the samples' own; a density
-/// becomes a field by `level − grid`. Where a sample of the cell is NaN, so is the value, which counts as
+/// the last sample, so the function is continuous everywhere. The values are those of the samples; a density
+/// becomes a field by `level − grid`. If a sample of the cell is NaN, the value is NaN, which counts as
 /// outside.
 ///
 /// Intervals are rounded outward, contain the computed values, and enclose the inverse of the lattice's
-/// transform. In boxes of up to 64 cells they come from the corners of the box's part of each cell, else from
-/// the samples of blocks of cells.
+/// transform. In boxes of up to 64 cells they come from the corners of the box's part of each cell, otherwise
+/// from the samples of blocks of cells.
 ///
 /// ```
 /// use chordal::implicit::{Affine3, Grid, Samples};
@@ -34,8 +34,8 @@ pub struct Trilinear<G = Grid> {
     grid: Arc<G>,
     /// From space to indices: three rows of `[a, b, c]` for a point minus the first sample's.
     inverse: [[Interval; 3]; 3],
-    /// The least and the largest samples of blocks of cells: first of blocks of 4³ cells, then of 4³ blocks
-    /// of the level before.
+    /// The smallest and largest samples of blocks of cells: first of blocks of 4³ cells, then of 4³ blocks of
+    /// the level before.
     levels: Vec<MinMaxLevel>,
 }
 
@@ -50,8 +50,8 @@ pub trait SampleGrid: Send + Sync + std::fmt::Debug {
     /// One sample.
     fn sample(&self, index: [usize; 3]) -> f64;
 
-    /// Whether the samples of the brick of 8³ that holds this one may differ; else all are the background, or minus
-    /// that.
+    /// Whether the samples of the brick of 8³ that holds this one may differ; otherwise all equal the
+    /// background, or minus that.
     fn is_stored(&self, _index: [usize; 3]) -> bool {
         true
     }
@@ -116,7 +116,7 @@ impl<G: SampleGrid> SampleGrid for Arc<G> {
 struct MinMaxLevel {
     /// Blocks along each index.
     size: [usize; 3],
-    /// The smallest and largest sample; [`Interval::UNKNOWN`] where one is not finite.
+    /// The smallest and largest sample; [`Interval::UNKNOWN`] if one is not finite.
     ranges: Vec<Interval>,
 }
 
@@ -151,11 +151,11 @@ impl<G: SampleGrid> Trilinear<G> {
     }
 
     /// The lower sample along an axis and the fraction of the way to the next one, clamped to the lattice.
-    fn split(&self, axis: usize, place: f64) -> (usize, f64) {
+    fn split(&self, axis: usize, index: f64) -> (usize, f64) {
         let last = (self.grid.size()[axis] - 1) as f64;
-        let kept = if place > 0.0 { lesser(place, last) } else { 0.0 };
-        let low = (kept.floor() as usize).min(self.grid.size()[axis].saturating_sub(2));
-        (low, kept - low as f64)
+        let clamped = if index > 0.0 { lesser(index, last) } else { 0.0 };
+        let low = (clamped.floor() as usize).min(self.grid.size()[axis].saturating_sub(2));
+        (low, clamped - low as f64)
     }
 
     /// The eight samples of the cell that starts at a lower sample; repeated along an axis of one sample.
@@ -167,7 +167,7 @@ impl<G: SampleGrid> Trilinear<G> {
     }
 
     /// The fractional indices that a box of space may contain, not clamped.
-    fn places(&self, bounds: &Box3) -> [Interval; 3] {
+    fn index_ranges(&self, bounds: &Box3) -> [Interval; 3] {
         let rows = self.grid.affine().rows();
         let from: [Interval; 3] = std::array::from_fn(|k| {
             let side = Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::UNKNOWN);
@@ -177,34 +177,34 @@ impl<G: SampleGrid> Trilinear<G> {
     }
 
     /// The cells that a range of indices touches: first and last along each axis.
-    fn cells(&self, places: &[Interval; 3]) -> [[usize; 2]; 3] {
+    fn cells(&self, indices: &[Interval; 3]) -> [[usize; 2]; 3] {
         std::array::from_fn(|k| {
-            let (low, _) = self.split(k, places[k].lo());
-            let (high, part) = self.split(k, places[k].hi());
+            let (low, _) = self.split(k, indices[k].lo());
+            let (high, part) = self.split(k, indices[k].hi());
             // A box that ends on a sample touches only the cell before it, whose values there are the same.
             [low, if part == 0.0 && high > low { high - 1 } else { high }]
         })
     }
 
     fn range(&self, bounds: &Box3) -> Interval {
-        let places = self.places(bounds);
-        if places.iter().any(|place| place.is_empty() || place.lo().is_nan() || !place.is_defined()) {
+        let indices = self.index_ranges(bounds);
+        if indices.iter().any(|range| range.is_empty() || range.lo().is_nan() || !range.is_defined()) {
             return Interval::UNKNOWN;
         }
-        let cells = self.cells(&places);
+        let cells = self.cells(&indices);
         if count(&cells) > MOST_BLOCKS {
             return self.coarse_range(&cells);
         }
         each(&cells)
             .map(|low| {
                 let corners = self.corners(low);
-                with_rounding(value_over(&corners, &cell_fractions(&places, low)), &corners)
+                with_rounding(value_over(&corners, &cell_fractions(&indices, low)), &corners)
             })
             .reduce(Interval::hull)
             .unwrap_or(Interval::UNKNOWN)
     }
 
-    /// The interval of the samples of all blocks at the cells, on the first level that has few enough of
+    /// The interval of the samples of all blocks that cover the cells, on the first level with few enough of
     /// them.
     fn coarse_range(&self, cells: &[[usize; 2]; 3]) -> Interval {
         let mut blocks = *cells;
@@ -220,18 +220,18 @@ impl<G: SampleGrid> Trilinear<G> {
     }
 
     fn gradient_range(&self, bounds: &Box3) -> [Interval; 3] {
-        let places = self.places(bounds);
-        if places.iter().any(|place| place.is_empty() || !place.is_defined()) {
+        let indices = self.index_ranges(bounds);
+        if indices.iter().any(|range| range.is_empty() || !range.is_defined()) {
             return [Interval::UNKNOWN; 3];
         }
-        let cells = self.cells(&places);
+        let cells = self.cells(&indices);
         let size = self.grid.size();
         let mut slopes = if count(&cells) > MOST_BLOCKS {
             // No difference of two samples is larger than that of the largest and the smallest.
             let range = self.coarse_range(&cells);
             {
-                let most = range.width();
-                let slope = Interval::new(-most, most).unwrap_or(Interval::UNKNOWN);
+                let width = range.width();
+                let slope = Interval::new(-width, width).unwrap_or(Interval::UNKNOWN);
                 [if range.is_defined() { slope } else { Interval::UNKNOWN }; 3]
             }
         } else {
@@ -239,19 +239,19 @@ impl<G: SampleGrid> Trilinear<G> {
                 std::array::from_fn(|k| {
                     // On a sample the slopes of both sides count.
                     let last = size[k].saturating_sub(2);
-                    let low = places[k].lo().floor() == places[k].lo() && cells[k][0] > 0;
-                    let high = places[k].hi().floor() == places[k].hi();
+                    let low = indices[k].lo().floor() == indices[k].lo() && cells[k][0] > 0;
+                    let high = indices[k].hi().floor() == indices[k].hi();
                     [cells[k][0] - usize::from(low), (cells[k][1] + usize::from(high)).min(last)]
                 })
             };
             let cells = grow(cells);
             let slopes =
-                each(&cells).map(|low| slopes_over(&self.corners(low), &cell_fractions(&places, low)));
+                each(&cells).map(|low| slopes_over(&self.corners(low), &cell_fractions(&indices, low)));
             slopes.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k]))).unwrap_or([Interval::UNKNOWN; 3])
         };
         for k in 0..3 {
             // Outside the lattice the index is constant.
-            if places[k].lo() <= 0.0 || places[k].hi() >= (size[k] - 1) as f64 {
+            if indices[k].lo() <= 0.0 || indices[k].hi() >= (size[k] - 1) as f64 {
                 slopes[k] = slopes[k].hull(Interval::point(0.0));
             }
         }
@@ -264,23 +264,23 @@ impl<G: SampleGrid> Trilinear<G> {
 impl<G: SampleGrid> Leaf for Trilinear<G> {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         for (point, out) in points.iter().zip(out) {
-            let place = self.to_index(*point);
-            let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, place[k]));
+            let index = self.to_index(*point);
+            let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, index[k]));
             let v = self.corners(split.map(|s| s.0));
             let [x, y, z] = split.map(|s| s.1);
             let along = |c: usize| v[c] * (1.0 - x) + v[c + 1] * x;
             let low = along(0) * (1.0 - y) + along(2) * y;
             let high = along(4) * (1.0 - y) + along(6) * y;
             let value = low * (1.0 - z) + high * z;
-            *out = if place.iter().any(|x| x.is_nan()) { f64::NAN } else { value };
+            *out = if index.iter().any(|x| x.is_nan()) { f64::NAN } else { value };
         }
         Ok(())
     }
 
     fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
         for (point, out) in points.iter().zip(out) {
-            let place = self.to_index(*point);
-            let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, place[k]));
+            let index = self.to_index(*point);
+            let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, index[k]));
             let v = self.corners(split.map(|s| s.0));
             let part = split.map(|s| s.1);
             let mut slope: [f64; 3] = std::array::from_fn(|k| {
@@ -294,7 +294,7 @@ impl<G: SampleGrid> Leaf for Trilinear<G> {
                 near * (1.0 - part[q]) + far * part[q]
             });
             for k in 0..3 {
-                if place[k] < 0.0 || place[k] > (self.grid.size()[k] - 1) as f64 {
+                if index[k] < 0.0 || index[k] > (self.grid.size()[k] - 1) as f64 {
                     slope[k] = 0.0;
                 }
             }
@@ -336,13 +336,13 @@ fn each(ranges: &[[usize; 2]; 3]) -> impl Iterator<Item = [usize; 3]> + '_ {
 }
 
 /// The part of a cell that a range of indices covers, from 0 to 1 along each axis.
-fn cell_fractions(places: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
-    let whole = Interval::new(0.0, 1.0).unwrap_or(Interval::UNKNOWN);
+fn cell_fractions(indices: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
+    let unit = Interval::new(0.0, 1.0).unwrap_or(Interval::UNKNOWN);
     std::array::from_fn(|k| {
-        let part = (places[k] - Interval::point(low[k] as f64)).intersection(whole);
+        let part = (indices[k] - Interval::point(low[k] as f64)).intersection(unit);
         if !part.is_empty() {
             part
-        } else if places[k].hi() < low[k] as f64 + 0.5 {
+        } else if indices[k].hi() < low[k] as f64 + 0.5 {
             Interval::point(0.0)
         } else {
             Interval::point(1.0)
@@ -358,24 +358,25 @@ fn lerp_range(a: Interval, b: Interval, part: Interval) -> Interval {
     either.intersection(a.hull(b))
 }
 
-/// The interval of the interpolant over a part of a cell. It is linear along each axis, so that its extremes are
+/// The interval of the interpolant over a part of a cell. It is linear along each axis, so its extremes are
 /// at the corners of the part: these are computed in plain numbers, axis by axis, and widened once for all
-/// their roundings. Intervals throughout took most of the time of whole proofs.
+/// their roundings. Intervals throughout took most of the time of entire proofs.
 fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
     if !v.iter().all(|v| v.is_finite()) || [x, y, z].iter().any(|part| part.is_empty()) {
         return Interval::UNKNOWN;
     }
-    let (least, most) = v[1..].iter().fold((v[0], v[0]), |(a, b), v| (lesser(*v, a), greater(*v, b)));
-    let Ok(hull) = Interval::new(least, most) else { return Interval::UNKNOWN };
-    let off = rounding_of_means(v);
-    if greater(least.abs(), most.abs()) > 0.5 * f64::MAX {
+    let (low_sample, high_sample) =
+        v[1..].iter().fold((v[0], v[0]), |(a, b), v| (lesser(*v, a), greater(*v, b)));
+    let Ok(hull) = Interval::new(low_sample, high_sample) else { return Interval::UNKNOWN };
+    let rounding = rounding_of_means(v);
+    if greater(low_sample.abs(), high_sample.abs()) > 0.5 * f64::MAX {
         // Means may overflow.
         return hull;
     }
     let mean = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
     let ends = |part: &Interval| [part.lo(), part.hi()];
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    // A part of no width along an axis has one end there: often it is a point.
+    // A part without width along an axis has one end there: often it is a point.
     let n_ends = |part: &Interval| if part.lo() == part.hi() { 1 } else { 2 };
     for x in &ends(x)[..n_ends(x)] {
         let lines = [0, 2, 4, 6].map(|c| mean(v[c], v[c + 1], *x));
@@ -388,22 +389,23 @@ fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
         }
     }
     // A mean is never outside of its operands.
-    Interval::new(sub_down(low, off), add_up(high, off)).map_or(hull, |around| around.intersection(hull))
+    Interval::new(sub_down(low, rounding), add_up(high, rounding))
+        .map_or(hull, |around| around.intersection(hull))
 }
 
-/// More than three means in a row, of three roundings each, are off where no operand is larger than the largest of
+/// More than the error of three means in a row, of three roundings each, if no operand exceeds the largest of
 /// some numbers. The smallest normal number covers underflow.
 fn rounding_of_means(samples: &[f64]) -> f64 {
     let largest = samples.iter().fold(0.0, |most: f64, v| greater(v.abs(), most));
     add_up(mul_up(8.0 * f64::EPSILON, largest), f64::MIN_POSITIVE)
 }
 
-/// Widens an interval of the interpolant to contain what [`Leaf::at`] computes: a mean of two equal samples
+/// Widens an interval of the interpolant to contain the result of [`Leaf::at`]: a mean of two equal samples
 /// can be off by its last place. A mean of numbers that are not negative is not negative either, rounded or
-/// not, and likewise of numbers that are not positive.
+/// not, and likewise for numbers that are not positive.
 fn with_rounding(range: Interval, samples: &[f64]) -> Interval {
-    let off = rounding_of_means(samples);
-    let around = Interval::new(-off, off).unwrap_or(Interval::UNKNOWN);
+    let rounding = rounding_of_means(samples);
+    let around = Interval::new(-rounding, rounding).unwrap_or(Interval::UNKNOWN);
     let end = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::UNKNOWN);
     let wide = range + around;
     let wide =
@@ -443,19 +445,19 @@ fn levels<G: SampleGrid>(grid: &G) -> Vec<MinMaxLevel> {
     let mut blocks = size.map(|n| (n - 1).max(1).div_ceil(BLOCK));
     let first = all(blocks).map(|block| {
         let mut range = Interval::EMPTY;
-        let mut known = true;
+        let mut is_finite = true;
         let span = |k: usize| block[k] * BLOCK..=((block[k] + 1) * BLOCK).min(size[k] - 1);
         for k in span(2) {
             for j in span(1) {
                 for i in span(0) {
                     let value = grid.sample([i, j, k]);
-                    known &= value.is_finite();
+                    is_finite &= value.is_finite();
                     range = range.hull(Interval::point(value));
                 }
             }
         }
-        let whole = || Interval::new(range.lo(), range.hi()).unwrap_or(Interval::UNKNOWN);
-        if known { whole() } else { Interval::UNKNOWN }
+        let hull = || Interval::new(range.lo(), range.hi()).unwrap_or(Interval::UNKNOWN);
+        if is_finite { hull() } else { Interval::UNKNOWN }
     });
     let first = first.collect();
     let mut levels = vec![MinMaxLevel { size: blocks, ranges: first }];

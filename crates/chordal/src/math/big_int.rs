@@ -17,10 +17,10 @@ impl BigInt {
         let (mantissa, shift) =
             if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent as usize - 1) };
         let mut limbs = vec![0; shift / 32];
-        let mut rest = u128::from(mantissa) << (shift % 32);
-        while rest > 0 {
-            limbs.push(rest as u32);
-            rest >>= 32;
+        let mut remaining = u128::from(mantissa) << (shift % 32);
+        while remaining > 0 {
+            limbs.push(remaining as u32);
+            remaining >>= 32;
         }
         if mantissa == 0 {
             limbs.clear();

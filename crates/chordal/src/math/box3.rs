@@ -1,7 +1,7 @@
 //! `Box3`: an axis-aligned box.
 use super::{add_up, div_up, mul_up, sqrt_up, sub_up};
 
-/// An axis-aligned box; it is empty when an end of `min` is above that of `max`.
+/// An axis-aligned box; it is empty if a coordinate of `min` exceeds that of `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Box3 {
     /// The lowest coordinates.
@@ -27,11 +27,11 @@ impl Box3 {
         self.union(Self { min: point, max: point })
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        // Without `from_fn`, which stays three calls here: readers ask this of every point.
+        // Without `from_fn`, which is not inlined here: readers call this for every point.
         let low = |k: usize| if self.min[k] < other.min[k] { self.min[k] } else { other.min[k] };
         let high = |k: usize| if self.max[k] > other.max[k] { self.max[k] } else { other.max[k] };
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
@@ -55,7 +55,7 @@ impl Box3 {
         std::array::from_fn(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
     }
 
-    /// The length of the diagonal, bounded from above; 0 for the empty box, ∞ when a side is longer than the
+    /// The length of the diagonal, bounded from above; 0 for the empty box, ∞ if a side is longer than the
     /// largest number.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
@@ -63,7 +63,7 @@ impl Box3 {
             return 0.0;
         }
         let [x, y, z]: [f64; 3] = std::array::from_fn(|k| sub_up(self.max[k], self.min[k]));
-        let longest = [y, z].into_iter().fold(x, |most, side| if side > most { side } else { most });
+        let longest = [y, z].into_iter().fold(x, |longest, side| if side > longest { side } else { longest });
         if longest == f64::INFINITY {
             return longest;
         }

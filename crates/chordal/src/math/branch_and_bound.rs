@@ -1,15 +1,16 @@
-//! `branch_and_bound`: the largest bound over the pieces of a shape, the worst of which is divided again and again.
+//! `branch_and_bound`: the largest bound over the pieces of a shape; the piece with the largest bound is
+//! divided repeatedly.
 use super::PriorityItem;
 use std::collections::BinaryHeap;
 
-/// The largest bound over pieces that together are the whole: each time the piece with the largest bound is
-/// divided, until it is settled or `most_pieces` were.
+/// The largest bound over pieces that together form the shape: the piece with the largest bound is divided
+/// repeatedly, until it is settled or `most_pieces` pieces have been divided.
 ///
-/// `is_settled` gets the worst piece and the number of pieces that were divided. `divide` pushes the parts of a
-/// piece; where it pushes none, the piece is gone. 0 where no piece is left.
+/// `is_settled` receives the worst piece and the number of pieces divided so far. `divide` pushes the parts
+/// of a piece; if it pushes none, the piece is dropped. 0 if no piece remains.
 ///
 /// # Errors
-/// Those of `divide`.
+/// The errors of `divide`.
 pub(crate) fn branch_and_bound<T, E>(
     mut open: BinaryHeap<PriorityItem<T>>,
     most_pieces: usize,
@@ -55,8 +56,8 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_size() {
-        let nothing = BinaryHeap::<PriorityItem<()>>::new();
-        assert_eq!(branch_and_bound(nothing, 5, |_, _| false, |(), _| Err(())), Ok(0.0));
+    fn without_pieces_the_bound_is_zero() {
+        let no_pieces = BinaryHeap::<PriorityItem<()>>::new();
+        assert_eq!(branch_and_bound(no_pieces, 5, |_, _| false, |(), _| Err(())), Ok(0.0));
     }
 }

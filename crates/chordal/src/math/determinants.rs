@@ -2,7 +2,7 @@
 //! perturbation.
 //!
 //! Entries are below 2⁵³ in absolute value, so they are exact as doubles. A floating-point filter decides the
-//! sign where rounding cannot change it; 256-bit integers decide otherwise.
+//! sign if rounding cannot change it; otherwise 256-bit integers decide.
 use std::cmp::Ordering;
 
 /// Half the distance from 1 to the next double.
@@ -76,7 +76,7 @@ fn determinant3([a, b, c]: [[i64; 3]; 3]) -> Int256 {
 
 /// The determinant of rank 4, exactly, by the minors of its two pairs of rows.
 fn determinant4([a, b, c, d]: [[i64; 4]; 4]) -> Int256 {
-    // Columns of the first pair, the others, and whether the term is negative.
+    // Columns of the first pair, the other columns, and whether the term is negative.
     const PAIRS: [([usize; 2], [usize; 2], bool); 6] = [
         ([0, 1], [2, 3], false),
         ([0, 2], [1, 3], true),
@@ -140,7 +140,7 @@ fn filtered_sign(sum: f64, error: f64) -> Option<Ordering> {
 }
 
 /// The barycentric coordinates at which two functions that are linear on a triangle vanish, from their values
-/// at its corners, up to a few roundings. `None` where they do not meet in one point.
+/// at its corners, up to a few roundings. `None` if they do not meet in one point.
 pub(crate) fn common_zero3([a, b]: [[i64; 3]; 2]) -> Option<[f64; 3]> {
     let minor = |i: usize, j: usize| determinant2([a[i], a[j]], [b[i], b[j]]);
     let weights = [minor(1, 2), minor(2, 0), minor(0, 1)];
@@ -163,9 +163,9 @@ pub(crate) fn common_zero4(rows: [[i64; 4]; 3]) -> Option<[f64; 4]> {
 /// The sign of a determinant whose rows are perturbed by constants: row `k` by `sense[k]`·ε`[order[k]]`, with
 /// 1 ≫ ε₀ ≫ ε₁ ≫ … > 0.
 ///
-/// Terms with two of the constants vanish, since their rows are equal. So where the determinant is 0, the
-/// sign is that of the first row in the order whose replacement by its sense gives a nonzero determinant. It
-/// is 0 only where the functions have too few independent directions to meet in one point.
+/// Terms with two of the constants vanish, since their rows are equal. So if the determinant is 0, the sign
+/// is that of the first row in the order whose replacement by its sense gives a nonzero determinant. It is 0
+/// only if the functions have too few independent directions to meet in one point.
 pub(crate) fn perturbed_sign<const N: usize>(
     rows: [[i64; N]; N],
     order: [u32; N],
@@ -211,11 +211,11 @@ mod tests {
         }
         let mut sum = BigInt::from_f64(0.0);
         for k in 0..rows.len() {
-            let rest: Vec<Vec<i64>> = rows[1..]
+            let minor: Vec<Vec<i64>> = rows[1..]
                 .iter()
                 .map(|row| row.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, x)| *x).collect())
                 .collect();
-            let term = &BigInt::from_f64(rows[0][k] as f64) * &determinant(&rest);
+            let term = &BigInt::from_f64(rows[0][k] as f64) * &determinant(&minor);
             sum = if k % 2 == 0 { &sum - &-term } else { &sum - &term };
         }
         sum
@@ -236,15 +236,15 @@ mod tests {
         }
         let factors: [i64; N] = std::array::from_fn(|_| (random(state) % 5) as i64 - 2);
         rows[N - 1] = std::array::from_fn(|k| (0..N - 1).map(|i| factors[i] * rows[i][k]).sum());
-        let off = random(state) % 3;
-        if off > 0 {
-            rows[N - 1][(random(state) % N as u64) as usize] += off as i64 * 2 - 3;
+        let shift = random(state) % 3;
+        if shift > 0 {
+            rows[N - 1][(random(state) % N as u64) as usize] += shift as i64 * 2 - 3;
         }
         rows
     }
 
     #[test]
-    fn signs_are_those_of_whole_numbers_of_any_size() {
+    fn signs_are_those_of_integers_of_any_size() {
         let mut state = 17;
         let mut n_zero = 0;
         for _ in 0..20_000 {
@@ -257,12 +257,12 @@ mod tests {
             n_zero += u32::from(sign4(rows) == Ordering::Equal);
         }
         assert!(n_zero > 1000, "exact zeros were among them");
-        let most = (1 << ENTRY_BITS) - 1;
+        let largest = (1 << ENTRY_BITS) - 1;
         let largest = [
-            [most, most, most, -most],
-            [most, most, -most, most],
-            [most, -most, most, most],
-            [-most, most, most, most],
+            [largest, largest, largest, -largest],
+            [largest, largest, -largest, largest],
+            [largest, -largest, largest, largest],
+            [-largest, largest, largest, largest],
         ];
         assert_eq!(sign4(largest), expected(&largest));
     }
@@ -287,9 +287,9 @@ mod tests {
             let mut order = [3, 7, 8];
             order.rotate_left((random(&mut state) % 3) as usize);
             let scaled: [[i64; 3]; 3] = std::array::from_fn(|k| {
-                let place = [3, 7, 8].iter().position(|x| *x == order[k]).expect("it is one of them");
+                let rank = [3, 7, 8].iter().position(|x| *x == order[k]).expect("it is one of them");
                 // 2⁻¹², 2⁻²⁴ and 2⁻³⁶ of the entries' unit, which is more than all minors of the later ones.
-                rows[k].map(|x| (x << 36) + sense[k] * (1 << (24 - 12 * place)))
+                rows[k].map(|x| (x << 36) + sense[k] * (1 << (24 - 12 * rank)))
             });
             assert_eq!(
                 perturbed_sign(rows, order, sense, sign3),

@@ -24,7 +24,7 @@ impl DoubleDouble {
         Self { hi, lo: (a - (hi - of_b)) + (b - of_b) }
     }
 
-    /// `a · b`, exactly unless it under- or overflows.
+    /// `a · b`, exactly unless it overflows or underflows.
     pub(crate) fn two_product(a: f64, b: f64) -> Self {
         let (a0, a1) = veltkamp_split(a);
         let (b0, b1) = veltkamp_split(b);
@@ -47,9 +47,9 @@ impl DoubleDouble {
     /// The quotient by `divisor` ≠ 0, to about 2⁻¹⁰² of itself.
     pub(crate) fn over(self, divisor: f64) -> Self {
         let q = self.hi / divisor;
-        let taken = Self::two_product(q, divisor);
-        let rest = ((self.hi - taken.hi) - taken.lo) + self.lo;
-        Self::two_sum(q, rest / divisor)
+        let product = Self::two_product(q, divisor);
+        let remainder = ((self.hi - product.hi) - product.lo) + self.lo;
+        Self::two_sum(q, remainder / divisor)
     }
 
     pub(crate) fn minus(self, other: Self) -> Self {
@@ -82,8 +82,8 @@ mod tests {
     #[test]
     fn a_third_three_times_is_one() {
         let third = DoubleDouble::from_f64(1.0).over(3.0);
-        let one = third.times(DoubleDouble::from_f64(3.0));
-        assert_eq!(one.hi, 1.0);
-        assert!(one.lo.abs() < 2.0_f64.powi(-100));
+        let product = third.times(DoubleDouble::from_f64(3.0));
+        assert_eq!(product.hi, 1.0);
+        assert!(product.lo.abs() < 2.0_f64.powi(-100));
     }
 }

@@ -1,4 +1,4 @@
-//! Exponents of numbers, and powers of two with them: scaling by a power of two is exact.
+//! Exponents of numbers, and powers of two with these exponents: scaling by a power of two is exact.
 
 /// The exponent `e` with `2^(e−1) ≤ |x| < 2^e`; for 0 and subnormals that of the smallest normal number.
 pub(crate) fn exponent(x: f64) -> i32 {

@@ -1,10 +1,11 @@
-//! `Interval`: a range of real numbers that encloses every value, with the claim *defined and continuous*.
+//! `Interval`: a range of real numbers that encloses every value, with the decoration *defined and
+//! continuous*.
 //!
 //! Each operation returns a range that contains the exact result for all real numbers of its operands: the
 //! ends are rounded outward by one step (see [`super::add_up`]), so an exactly representable end may be
-//! widened by one unit in the last place. Exact ends are kept in two cases: 0 where a factor, a dividend or a
-//! root is exactly 0 or where a sum cancels to 0, and every end that is only selected or negated (`neg`,
-//! `abs`, `min`, `max`, `hull`, `intersection`). A product or quotient that underflows keeps its sign:
+//! widened by one unit in the last place. Exact ends are kept in two cases: 0 if a factor, a dividend or a
+//! root is exactly 0 or a sum cancels to 0, and every end that is only selected or negated (`neg`, `abs`,
+//! `min`, `max`, `hull`, `intersection`). A product or quotient that underflows keeps its sign:
 //! `[1e-200, 1] · [1e-200, 1]` starts at 0, not below.
 //!
 //! Ends are never NaN. An infinite end means that the values are unbounded there, not that ∞ is one of them,
@@ -25,7 +26,7 @@ pub(crate) mod bare;
 mod elementary;
 
 /// All real numbers from `lo` to `hi`, or none, and whether the expression that produced it is defined and
-/// continuous at all points of the box that it was evaluated over.
+/// continuous at all points of the box over which it was evaluated.
 ///
 /// ```
 /// use chordal::math::Interval;
@@ -96,7 +97,7 @@ impl Interval {
         self.defined
     }
 
-    /// The same numbers without the claim, for an operation that jumps or has no value somewhere.
+    /// The same numbers without that claim, for an operation that jumps or is undefined somewhere.
     #[inline(always)]
     #[must_use]
     pub fn undefined(self) -> Self {
@@ -129,7 +130,7 @@ impl Interval {
         self.is_empty() || (other.lo <= self.lo && self.hi <= other.hi)
     }
 
-    /// The smallest interval around both; defined where both operands are.
+    /// The smallest interval around both; defined if both operands are.
     #[inline(always)]
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
@@ -137,8 +138,7 @@ impl Interval {
         Self { lo, hi, defined: self.defined & other.defined }
     }
 
-    /// The numbers that are in both; defined where both operands are, [`Interval::EMPTY`] when there are
-    /// none.
+    /// The numbers in both; defined if both operands are, [`Interval::EMPTY`] if there are none.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         let (lo, hi) = (upper(self.lo, other.lo), lower(self.hi, other.hi));
@@ -152,7 +152,7 @@ impl Interval {
     }
 
     /// A finite number in it, the middle up to rounding; 0 for [`Interval::ENTIRE`], the largest (smallest)
-    /// number when only the high (low) end is open. `None` when empty.
+    /// number if only the high (low) end is open. `None` if empty.
     #[must_use]
     pub fn midpoint(self) -> Option<f64> {
         if self.is_empty() {
@@ -185,7 +185,7 @@ impl Interval {
         Self { lo, hi, defined: true }
     }
 
-    /// `self` where the condition holds, else `other`, without a branch.
+    /// `self` if the condition holds, otherwise `other`, without a branch.
     #[inline(always)]
     pub(crate) fn choose(self, condition: bool, other: Self) -> Self {
         Self {
@@ -195,13 +195,14 @@ impl Interval {
         }
     }
 
-    /// The result of an operation on `self` and `other`; empty where an operand is.
+    /// The result of an operation on `self` and `other`; empty if an operand is.
     #[inline(always)]
     fn combine(self, other: Self, ends: BareInterval) -> Self {
         Self::from_bare(ends.unless_either_empty(self.bare(), other.bare()), self.defined & other.defined)
     }
 
-    /// The result of an operation; the caller sets `defined` to false where the operation has no value.
+    /// The result of an operation; the caller sets `defined` to false if the operation is undefined
+    /// somewhere.
     #[inline(always)]
     pub(crate) fn from_bare(ends: BareInterval, defined: bool) -> Self {
         Self { lo: ends.lo, hi: ends.hi, defined }
@@ -214,21 +215,21 @@ impl Interval {
         Self::from_bare(self.bare().abs().unless_empty(self.bare()), self.defined)
     }
 
-    /// The minimum of a number of each, exactly.
+    /// The minimum of a number from each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         self.combine(other, self.bare().min(other.bare()))
     }
 
-    /// The smooth minimum of a number of each; monotone in both.
+    /// The smooth minimum of a number from each; monotone in both.
     #[inline(always)]
     #[must_use]
     pub(crate) fn smooth_min(self, other: Self) -> Self {
         self.combine(other, self.bare().smooth_min(other.bare()))
     }
 
-    /// The minimum of a number of each with a round kink; monotone in both.
+    /// The minimum of a number from each with a round kink; monotone in both.
     #[inline(always)]
     #[must_use]
     pub(crate) fn round_min(self, other: Self) -> Self {
@@ -242,7 +243,7 @@ impl Interval {
         self.combine(other, self.bare().log_sum_exp(other.bare()))
     }
 
-    /// The maximum of a number of each, exactly.
+    /// The maximum of a number from each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
@@ -256,23 +257,23 @@ impl Interval {
         Self::from_bare(self.bare().square().unless_empty(self.bare()), self.defined)
     }
 
-    /// `x / √(x² + y²)` where y² is in `rest`: the sine of an angle, which grows with x and is nearer to 0
-    /// the larger y² is. Where x and y are both 0 it takes any value that it may have nearby.
+    /// `x / √(x² + y²)` with y² in `others_sq`: the sine of an angle, which grows with x and approaches 0 as
+    /// y² grows. At x = y = 0 it takes any value that it may have nearby.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn direction_cosine(self, rest: Self) -> Self {
-        let ends = self.bare().direction_cosine(rest.bare());
-        self.combine(rest, ends)
+    pub(crate) fn direction_cosine(self, others_sq: Self) -> Self {
+        let ends = self.bare().direction_cosine(others_sq.bare());
+        self.combine(others_sq, ends)
     }
 
     /// The derivative of the distance from a box by the distance from one of its sides. Outside the box it is
-    /// `x / |v|`, v being the positive parts of all side distances; inside it is 1 where x is the largest and
-    /// 0 where it is not. `rest` is the sum of squares of the others in v, `largest` the largest of the
+    /// `x / |v|`, with v the positive parts of all side distances; inside it is 1 if x is the largest and 0
+    /// if it is not. `others_sq` is the sum of squares of the others in v, `largest` the largest of the
     /// others.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn box_derivative(self, rest: Self, largest: BareInterval) -> Self {
-        let outside = self.bare().max(BareInterval { lo: 0.0, hi: 0.0 }).direction_cosine(rest.bare());
+    pub(crate) fn box_derivative(self, others_sq: Self, largest: BareInterval) -> Self {
+        let outside = self.bare().max(BareInterval { lo: 0.0, hi: 0.0 }).direction_cosine(others_sq.bare());
         let (is_first, may_be_first) =
             ((largest.hi <= 0.0) & (largest.hi < self.lo), (largest.lo <= 0.0) & (largest.lo <= self.hi));
         let inside =
@@ -281,11 +282,11 @@ impl Interval {
             lo: if self.lo > 0.0 { outside.lo } else { inside.lo },
             hi: if self.hi > 0.0 { outside.hi } else { inside.hi },
         };
-        self.combine(rest, ends)
+        self.combine(others_sq, ends)
     }
 
-    /// `√x` of the non-negative part: defined only where there is no negative part, empty when there is
-    /// nothing else.
+    /// `√x` of the non-negative part: defined only if there is no negative part, empty if there is no
+    /// non-negative part.
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
@@ -371,8 +372,8 @@ impl Div for Interval {
 }
 
 impl fmt::Display for Interval {
-    /// `[1, 2]`, followed by `?` where it is not defined everywhere, or `empty`. Reading the numbers back
-    /// gives the same f64 ends.
+    /// `[1, 2]`, followed by `?` if it is not defined everywhere, or `empty`. The text reads back as the same
+    /// f64 ends.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
             return f.write_str("empty");
@@ -406,24 +407,24 @@ fn product_up(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { step_up(a * b) }
 }
 
-/// A lower bound of a product of positive numbers; it is 0 where the product underflows.
+/// A lower bound of a product of positive numbers; 0 if the product underflows.
 #[inline]
 fn below(rounded: f64) -> f64 {
     if rounded == 0.0 { 0.0 } else { step_down(rounded) }
 }
 
-/// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; an upper or lower bound, as `times` rounds.
+/// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; an upper or lower bound, depending on `times`.
 fn power(x: f64, count: u32, times: fn(f64, f64) -> f64) -> f64 {
-    let (mut square, mut rest) = (x, count);
-    while rest.is_multiple_of(2) {
+    let (mut square, mut remaining) = (x, count);
+    while remaining.is_multiple_of(2) {
         square = times(square, square);
-        rest /= 2;
+        remaining /= 2;
     }
     let mut product = square;
-    while rest > 1 {
+    while remaining > 1 {
         square = times(square, square);
-        rest /= 2;
-        if rest % 2 == 1 {
+        remaining /= 2;
+        if remaining % 2 == 1 {
             product = times(product, square);
         }
     }

@@ -33,7 +33,7 @@ pub(crate) use simd::prefetch;
 pub(crate) use vector::{cross, difference, dot, length, unit_and_length};
 pub use vector::{greater, lesser, unit};
 
-/// Predicates without rounding, and what is no interval.
+/// Exact predicates, and the error for numbers that form no interval.
 pub mod exact {
     pub use super::interval::InvalidInterval;
     pub use super::predicates::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};

@@ -1,15 +1,15 @@
 //! Exact predicates: the side on which a point lies, decided without rounding for all finite coordinates.
 //!
-//! In the usual range the answer comes from J. Shewchuk's adaptive expansions (crate `robust`). Those are
+//! In the usual range the answer comes from J. Shewchuk's adaptive expansions (crate `robust`). These are
 //! exact as long as nothing overflows and no error term or error bound is subnormal. With every coordinate 0
 //! or `2^low ≤ |x| ≤ 2^high`, all coordinates and their differences are multiples of `2^(low−52)`; a
 //! predicate of degree `d` then handles multiples of `2^(d·(low−52))` and, in the smallest error bound,
-//! numbers 2¹⁰³ times smaller, which must stay above 2⁻¹⁰²²; upwards, `d`-fold products of differences, six
-//! of them together, must stay below 2¹⁰²⁴. That holds for `[2^−400, 2^500]` in the plane (d = 2) and for
-//! `[2^−250, 2^300]` in space (d = 3). Outside that range, integers of any size decide: exact as well, at
-//! some microseconds per call instead of some nanoseconds.
+//! numbers 2¹⁰³ times smaller, which must stay above 2⁻¹⁰²²; at the upper end, `d`-fold products of
+//! differences, six of them together, must stay below 2¹⁰²⁴. That holds for `[2^−400, 2^500]` in the plane (d
+//! = 2) and for `[2^−250, 2^300]` in space (d = 3). Outside that range, integers of any size decide: also
+//! exactly, in some microseconds per call instead of some nanoseconds.
 //!
-//! Coordinates must be finite: with a NaN or an infinity there is no side, and the answer is
+//! Coordinates must be finite: for a NaN or an infinity there is no side, and the answer is
 //! [`Orientation::Flat`].
 //!
 //! Source: J. R. Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
@@ -36,7 +36,7 @@ pub enum PointInTriangle {
     Inside,
     /// On a side or a corner, exactly.
     Boundary,
-    /// Anywhere else.
+    /// Outside.
     Outside,
 }
 
@@ -107,7 +107,7 @@ pub fn orient3d(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]) -> Orientati
     let coordinates = points.as_flattened();
     if exponents_in_range(coordinates, -250, 300) {
         let [a, b, c, d] = points.map(|[x, y, z]| Coord3D { x, y, z });
-        // Shewchuk's sign is positive below the plane, which is behind it.
+        // Shewchuk's sign is positive below the plane, which is behind it in our terms.
         Orientation::from_sign(robust::orient3d(a, b, c, d)).flipped()
     } else if coordinates.iter().all(|x| x.is_finite()) {
         orient3d_wide(points)
@@ -134,8 +134,8 @@ pub fn triangle_contains([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> PointInTr
         (true, true, _) => PointInTriangle::Outside,
         (_, _, false) => PointInTriangle::Inside,
         (true, _, true) | (_, true, true) => PointInTriangle::Boundary,
-        // All four are collinear, so the triangle is a segment, and the point is on it where it is inside its
-        // bounding box.
+        // All four points are collinear, so the triangle is a segment, and the point is on it if it is inside
+        // its bounding box.
         (false, false, true) => {
             let between = |k: usize| {
                 let reached = |other: fn(f64, f64) -> bool| [a, b, c].iter().any(|p| other(p[k], point[k]));
@@ -151,7 +151,7 @@ pub(crate) fn dot_sign(v: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Ordering {
     let terms = [v[0] * b[0], v[1] * b[1], -(v[0] * a[0]), -(v[1] * a[1])];
     let sum = (terms[0] + terms[2]) + (terms[1] + terms[3]);
     // Each product and each of three sums has an error of half a unit in the last place: less than 4 ε of the
-    // sum of the sizes, which is rounded by less.
+    // sum of the sizes, whose own rounding is smaller.
     let size: f64 = terms.iter().map(|term| term.abs()).sum();
     let clear = (1e-280..1e280).contains(&size);
     if clear && sum.abs() > 8.0 * f64::EPSILON * size {

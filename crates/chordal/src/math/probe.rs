@@ -3,9 +3,10 @@ use std::hint::black_box;
 
 /// Whether this thread replaces subnormal numbers by 0, in operands or in results.
 ///
-/// Outward rounding needs subnormals: next to 0 the neighbour of a result is one. Some libraries loaded into
-/// the same process switch the processor to flushing them (FTZ and DAZ on x86-64, FZ on ARM); then nothing is
-/// proved, and a job has to refuse. The setting is per thread: probe on the thread that computes.
+/// Outward rounding needs subnormals: the neighbours of a result next to 0 are subnormal. Some libraries
+/// loaded into the same process switch the processor to flushing them (FTZ and DAZ on x86-64, FZ on ARM);
+/// then nothing is proved, and a job must refuse. The setting is per thread: probe on the thread that
+/// computes.
 ///
 /// A changed rounding *direction* needs no probe: in every mode the exact value lies between the neighbours
 /// of the rounded one.

@@ -1,12 +1,12 @@
 //! One kernel in plain Rust, compiled once for each instruction set, and the choice between them at run time.
 //!
-//! A kernel is written once, as loops over plain `f64` slices; the compiler vectorises it for each set. It
-//! uses only additions, subtractions, multiplications, divisions, square roots and comparisons, in the order
-//! as written, and never a fused multiply-add: Rust contracts nothing by itself. So the results are
+//! A kernel is written once, as loops over plain `f64` slices; the compiler vectorizes it for each set. It
+//! uses only additions, subtractions, multiplications, divisions, square roots and comparisons, in the
+//! written order, and never a fused multiply-add: Rust contracts no operations by itself. So the results are
 //! bit-identical on every set, and [`Isa::Plain`] is the reference for the others.
 //!
 //! The environment variable `CHORDAL_ISA` = `plain`, `avx2` or `avx512` selects a set, for tests and
-//! comparisons. A value that is unknown, or that this processor does not have, means `plain`, which is always
+//! comparisons. If a value is unknown, or this processor lacks the set, `plain` is used, which is always
 //! available and gives the same results. (A caller that wants to report this parses the value as [`Isa`] and
 //! checks [`Isa::is_available`].)
 use std::fmt;
@@ -17,8 +17,8 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Isa {
-    /// The instruction set that the whole program was compiled for. This includes SSE2 on x86-64, NEON on
-    /// 64-bit ARM and, when enabled at compile time, simd128 on WebAssembly, which has no choice at run time.
+    /// The instruction set that the program was compiled for. This includes SSE2 on x86-64, NEON on 64-bit
+    /// ARM and, if enabled at compile time, simd128 on WebAssembly, which has no choice at run time.
     Plain,
     /// AVX2: four f64 at once.
     Avx2,
@@ -72,15 +72,15 @@ impl Isa {
 #[must_use]
 pub fn isa() -> Isa {
     static CHOSEN: OnceLock<Isa> = OnceLock::new();
-    // In WASM there is one, and modules ask their hosts for nothing.
+    // WASM has one set, and modules read no environment variables of their hosts.
     let request = || if cfg!(target_family = "wasm") { None } else { std::env::var("CHORDAL_ISA").ok() };
     *CHOSEN.get_or_init(|| Isa::choose(request().as_deref()))
 }
 
 /// Work that is compiled for every instruction set.
 ///
-/// `run` and everything that it calls in its inner loops must be `#[inline(always)]`: only code that is
-/// inlined is compiled for the set.
+/// `run` and all functions that it calls in its inner loops must be `#[inline(always)]`: only inlined code is
+/// compiled for the set.
 ///
 /// ```
 /// use chordal::math::simd::{self, Isa, Kernel};
@@ -157,14 +157,15 @@ impl fmt::Display for UnknownIsa {
 
 impl std::error::Error for UnknownIsa {}
 
-/// Asks for the memory of an element that is read soon. It changes no result, and does nothing beyond the end or
-/// where the processor has no such instruction.
+/// Prefetches the memory of an element that is read soon. It changes no result, and does nothing beyond the
+/// end or on processors without such an instruction.
 #[inline]
 pub(crate) fn prefetch<T>(slice: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]
     if let Some(element) = slice.get(index) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: SSE, which every x86-64 has; the address is that of an element, and nothing is read or written.
+        // SAFETY: SSE, which every x86-64 has; the address is that of an element, and nothing is read or
+        // written.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(element).cast()) }
     }
     #[cfg(not(target_arch = "x86_64"))]
@@ -176,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn takes_the_widest_set_unless_asked() {
+    fn takes_the_widest_set_by_default() {
         let widest = Isa::choose(None);
         assert!(widest.is_available());
         assert!(Isa::ALL.into_iter().skip_while(|isa| *isa != widest).skip(1).all(|isa| !isa.is_available()));
@@ -184,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn takes_what_is_asked_for_and_there_and_else_plain() {
+    fn takes_the_requested_set_if_available_and_otherwise_plain() {
         for isa in Isa::ALL {
             let expected = if isa.is_available() { isa } else { Isa::Plain };
             assert_eq!(Isa::choose(Some(isa.as_str())), expected);

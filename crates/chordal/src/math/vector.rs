@@ -24,7 +24,7 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `v` scaled to length 1, or `None` where it has no direction: zero, infinite or NaN.
+/// `v` scaled to length 1, or `None` if it has no direction: zero, infinite or NaN.
 ///
 /// ```
 /// use chordal::math::unit;
@@ -36,7 +36,7 @@ pub fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     if !(largest > 0.0 && v.iter().all(|x| x.is_finite())) {
         return None;
     }
-    // Scaled first, so that squares neither overflow nor vanish.
+    // Scale first, so that squares neither overflow nor vanish.
     let scaled = v.map(|x| x / largest);
     let length = length(scaled);
     Some(scaled.map(|x| x / length))
@@ -50,8 +50,8 @@ pub(crate) fn unit_and_length(v: [f64; 3]) -> ([f64; 3], f64) {
     (v.map(|x| x / length), length)
 }
 
-/// The lesser of two numbers: `b` where they are equal or one is NaN, so that signs of zero are the same on
-/// every platform, as those of `f64::min` need not be.
+/// The lesser of two numbers: `b` if they are equal or one is NaN, so that signs of zero are the same on
+/// every platform; those of `f64::min` need not be.
 ///
 /// ```
 /// use chordal::math::lesser;
@@ -62,7 +62,7 @@ pub fn lesser<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
-/// The greater of two numbers: `b` where they are equal or one is NaN.
+/// The greater of two numbers: `b` if they are equal or one is NaN.
 #[inline(always)]
 pub fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }

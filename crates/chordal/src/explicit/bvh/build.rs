@@ -1,4 +1,4 @@
-//! Building the tree: top down, with each node split where the binned surface area heuristic is least.
+//! Builds the tree top down; each node is split where the binned surface area heuristic is smallest.
 use super::frame::{BvhFrame, down, up};
 use super::sah_split::{BvhPrimitive, PrimitiveBounds, cut};
 use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, NONE, WIDTH};
@@ -12,7 +12,7 @@ pub(super) const LEAF_SIZE: usize = 4;
 /// The depth in nodes up to which the heuristic decides. Below, nodes are split into equal quarters, 16
 /// levels of which are enough for 2³² triangles.
 pub(super) const DEEPEST_BY_COST: u32 = 24;
-/// Subtrees above this size are separate tasks.
+/// Larger subtrees are separate tasks. Chosen: some milliseconds of work.
 const TASK: usize = 1 << 14;
 
 /// The tree over all faces; `None` when the job is cancelled.
@@ -63,17 +63,17 @@ fn prims(mesh: &Mesh, frame: &BvhFrame, from: usize) -> Vec<BvhPrimitive> {
 /// The box of one face in local coordinates, rounded outward twice: by the shift to the middle and to f32.
 fn prim(mesh: &Mesh, frame: &BvhFrame, face: usize) -> BvhPrimitive {
     let [a, b, c] = mesh.corners(face).map(|p| frame.scaled(p));
-    let least = |k: usize| {
+    let lowest = |k: usize| {
         let ab = lesser(a[k], b[k]);
         lesser(ab, c[k])
     };
-    let most = |k: usize| {
+    let highest = |k: usize| {
         let ab = greater(a[k], b[k]);
         greater(ab, c[k])
     };
     BvhPrimitive::new(
-        std::array::from_fn(|k| down(sub_down(least(k), frame.middle[k]))),
-        std::array::from_fn(|k| up(sub_up(most(k), frame.middle[k]))),
+        std::array::from_fn(|k| down(sub_down(lowest(k), frame.middle[k]))),
+        std::array::from_fn(|k| up(sub_up(highest(k), frame.middle[k]))),
         face as u32,
     )
 }
@@ -89,23 +89,23 @@ struct BuildRange {
 /// A part of a node's triangles.
 struct BuildRecord<'a> {
     prims: &'a mut [BvhPrimitive],
-    place: BuildRange,
+    range: BuildRange,
 }
 
 /// The nodes over `prims`, the root first; large parts are built as tasks and appended in order.
-fn subtree(prims: &mut [BvhPrimitive], place: BuildRange, job: &Job) -> Vec<BvhNode> {
+fn subtree(prims: &mut [BvhPrimitive], range: BuildRange, job: &Job) -> Vec<BvhNode> {
     if prims.len() <= TASK {
         let mut nodes = Vec::with_capacity(prims.len() / 5 + 1);
-        emit(prims, place, &mut nodes);
+        emit(prims, range, &mut nodes);
         return nodes;
     }
     if job.is_cancelled() {
         return Vec::new();
     }
-    let parts = quarter(prims, place);
+    let parts = quarter(prims, range);
     let root = node(&parts);
     let below = par_map_owned(job, parts, |part| {
-        if part.prims.len() <= LEAF_SIZE { Vec::new() } else { subtree(part.prims, part.place, job) }
+        if part.prims.len() <= LEAF_SIZE { Vec::new() } else { subtree(part.prims, part.range, job) }
     });
     let mut nodes = Vec::with_capacity(1 + below.iter().map(Vec::len).sum::<usize>());
     nodes.push(root);
@@ -124,13 +124,13 @@ fn subtree(prims: &mut [BvhPrimitive], place: BuildRange, job: &Job) -> Vec<BvhN
 }
 
 /// Appends the nodes over `prims`, the root first, and returns the root's index.
-fn emit(prims: &mut [BvhPrimitive], place: BuildRange, nodes: &mut Vec<BvhNode>) -> u32 {
+fn emit(prims: &mut [BvhPrimitive], range: BuildRange, nodes: &mut Vec<BvhNode>) -> u32 {
     let index = nodes.len();
-    let parts = quarter(prims, place);
+    let parts = quarter(prims, range);
     nodes.push(node(&parts));
     for (lane, part) in parts.into_iter().enumerate() {
         if part.prims.len() > LEAF_SIZE {
-            nodes[index].child[lane] = emit(part.prims, part.place, nodes);
+            nodes[index].child[lane] = emit(part.prims, part.range, nodes);
         }
     }
     index as u32
@@ -141,46 +141,47 @@ fn node(parts: &[BuildRecord]) -> BvhNode {
     let mut node =
         BvhNode { bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [NONE; WIDTH] };
     for (lane, part) in parts.iter().enumerate() {
-        let bounds = &part.place.extent.bounds;
+        let bounds = &part.range.extent.bounds;
         for k in 0..3 {
             node.bounds[k][0][lane] = bounds.low[k];
             node.bounds[k][1][lane] = bounds.high[k];
         }
-        node.child[lane] = LEAF | part.place.first;
+        node.child[lane] = LEAF | part.range.first;
     }
     node
 }
 
 /// Splits `prims` into up to four parts, always the one with the largest surface next. Another box in a node
 /// costs nothing, so even leaves are split while lanes are free.
-fn quarter(prims: &mut [BvhPrimitive], place: BuildRange) -> Vec<BuildRecord<'_>> {
+fn quarter(prims: &mut [BvhPrimitive], range: BuildRange) -> Vec<BuildRecord<'_>> {
     let mut parts = Vec::with_capacity(WIDTH);
-    parts.push(BuildRecord { prims, place: BuildRange { depth: place.depth + 1, ..place } });
+    parts.push(BuildRecord { prims, range: BuildRange { depth: range.depth + 1, ..range } });
     while parts.len() < WIDTH {
-        let Some(which) = largest(&parts, place.depth) else { break };
-        let BuildRecord { prims, place } = parts.swap_remove(which);
-        let by_cost = place.depth <= DEEPEST_BY_COST;
-        let (middle, [left, right]) = cut(prims, by_cost.then_some(&place.extent));
+        let Some(index) = largest(&parts, range.depth) else { break };
+        let BuildRecord { prims, range } = parts.swap_remove(index);
+        let by_cost = range.depth <= DEEPEST_BY_COST;
+        let (middle, [left, right]) = cut(prims, by_cost.then_some(&range.extent));
         let (a, b) = prims.split_at_mut(middle);
-        parts.push(BuildRecord { prims: a, place: BuildRange { extent: left, ..place } });
+        parts.push(BuildRecord { prims: a, range: BuildRange { extent: left, ..range } });
         parts.push(BuildRecord {
             prims: b,
-            place: BuildRange { extent: right, first: place.first + middle as u32, ..place },
+            range: BuildRange { extent: right, first: range.first + middle as u32, ..range },
         });
     }
-    parts.sort_by_key(|part| part.place.first);
+    parts.sort_by_key(|part| part.range.first);
     parts
 }
 
 fn largest(parts: &[BuildRecord], depth: u32) -> Option<usize> {
     let size = |part: &BuildRecord| {
         let n = part.prims.len();
-        if depth >= DEEPEST_BY_COST { n as f32 } else { part.place.extent.bounds.area() }
+        if depth >= DEEPEST_BY_COST { n as f32 } else { part.range.extent.bounds.area() }
     };
     let splittable = parts.iter().enumerate().filter(|(_, part)| part.prims.len() > 1);
     splittable
         .map(|(i, part)| (i, part.prims.len() > LEAF_SIZE, size(part)))
-        // Parts that must be split before those that may be, then the largest; the first of equals.
+        // First parts that must be split, then parts that may be; among these the largest, and the first of
+        // equals.
         .reduce(|a, b| if (b.1, b.2) > (a.1, a.2) { b } else { a })
         .map(|(i, ..)| i)
 }
@@ -198,12 +199,12 @@ fn in_leaf_order(
     let mut triangles: Vec<BvhTriangle> = Vec::with_capacity(prims.len());
     for prim in prims {
         let indices = mesh.faces()[prim.face() as usize].map(|i| {
-            let known = &mut row[i as usize];
-            if *known == UNSEEN {
-                *known = corners.len() as u32;
+            let new_row = &mut row[i as usize];
+            if *new_row == UNSEEN {
+                *new_row = corners.len() as u32;
                 corners.push(frame.scaled(mesh.positions()[i as usize]));
             }
-            *known
+            *new_row
         });
         triangles.push(BvhTriangle { corners: indices, face: prim.face() });
     }

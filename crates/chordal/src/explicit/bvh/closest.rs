@@ -17,15 +17,15 @@ pub struct MeshClosestPoint {
     pub distance_sq: f64,
 }
 
-/// Distance from the middle of the mesh, in local extents, up to which f32 decides between boxes. Farther out
-/// f32 could not distinguish them, and f64 decides.
+/// Distance from the middle of the mesh, in local extents, up to which f32 decides between boxes. Chosen:
+/// farther out f32 could not distinguish them, and f64 decides.
 const FAR: f64 = 64.0;
 
-/// The slack of [`NearQuery::limit`], which derives it; more than f64 needs, near and far.
+/// The slack of [`NearQuery::limit`], derived there; more than f64 needs, near and far.
 const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
 const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
 
-/// The squared distances of boxes to a query, in local units: too large by no more than `limit` allows for.
+/// The squared distances of boxes to a query, in local units: too large by at most the margin of `limit`.
 trait BoxDistance {
     /// A squared distance.
     type Square: Copy + PartialOrd;
@@ -63,7 +63,7 @@ impl BoxDistance for NearQuery {
     }
 
     /// Seven roundings of 2⁻²⁴ make a square of f32 at most 2⁻²¹ too large; below the normal numbers it is
-    /// too large by less than 2⁻¹²⁶. The triangles' own arithmetic computes a distance that is too small by
+    /// too large by less than 2⁻¹²⁶. The arithmetic of the triangles computes a distance that is too small by
     /// at most 2⁻⁴⁶ (16 roundings of values up to 130): `(d + 2⁻⁴⁶)² ≤ d²(1 + 2⁻²⁰) + 2⁻⁷¹`. All this is less
     /// than the slack here.
     #[inline]
@@ -73,7 +73,7 @@ impl BoxDistance for NearQuery {
     }
 }
 
-/// A query far from the mesh, in coordinates where its own distance is about 1.
+/// A query far from the mesh, in coordinates in which its distance is about 1.
 struct FarQuery {
     q: [f64; 3],
     middle: [f64; 3],
@@ -101,7 +101,7 @@ impl BoxDistance for FarQuery {
     }
 
     /// Boxes and triangles are computed with a few dozen roundings of 2⁻⁵³ on values of at most 4, and the
-    /// distance is at least 1/4: less than 2⁻⁴⁰ of it.
+    /// distance is at least 1/4: the error is less than 2⁻⁴⁰ of it.
     #[inline]
     fn limit(&self, best_sq: f64) -> f64 {
         const RELATIVE: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
@@ -110,7 +110,7 @@ impl BoxDistance for FarQuery {
     }
 }
 
-/// A query in coordinates that suit its distance: scaled, and shrunk where it is far.
+/// A query in coordinates that suit its distance: scaled, and shrunk if it is far.
 struct ClosestQuery {
     q: [f64; 3],
     /// The scale from world to these coordinates, a power of two.
@@ -126,14 +126,14 @@ impl ClosestQuery {
         if !p.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let off = largest(std::array::from_fn(|k| p[k] * frame.scale - frame.middle[k]));
-        if off <= FAR {
+        let distance = largest(std::array::from_fn(|k| p[k] * frame.scale - frame.middle[k]));
+        if distance <= FAR {
             return Some(Self { q: frame.scaled(p), scale: frame.scale, shrink: 1.0 });
         }
-        // Where the scaled point overflows, the mesh is a point relative to it, and exponents alone give the
+        // If the scaled point overflows, the mesh is a point relative to it, and exponents alone give the
         // distance.
         let scale = exponent(frame.scale) - 1;
-        let away = if off.is_finite() { exponent(off) } else { exponent(largest(p)) + scale };
+        let away = if distance.is_finite() { exponent(distance) } else { exponent(largest(p)) + scale };
         let scale = power_of_two(scale - away);
         Some(Self { q: p.map(|x| x * scale), scale, shrink: power_of_two(-away) })
     }
@@ -180,23 +180,23 @@ impl Bvh {
     /// The closest point of the mesh to `p`; `None` without faces or when `p` is not finite.
     ///
     /// The error of the distance is a few units in the last place of the larger of the distance and the
-    /// extent of the mesh around the nearest face, whatever the shape of the triangles. Of equally close
-    /// faces (rounded distances compared exactly) the lowest is returned.
+    /// extent of the mesh around the nearest face, for any shape of the triangles. Of equally close faces
+    /// (rounded distances compared exactly) the lowest is returned.
     ///
     /// Cost: O(log n) for points near the mesh. The farther away, the more triangles are equally close, and
     /// from about 10¹² extents on all are.
     #[must_use]
     pub fn closest_point(&self, p: [f64; 3]) -> Option<MeshClosestPoint> {
         let query = ClosestQuery::new(&self.frame, p)?;
-        let (least, near) = self.nearest_triangle(&query)?;
-        let triangle = &self.triangles[least.row as usize];
+        let (closest, near) = self.nearest_triangle(&query)?;
+        let triangle = &self.triangles[closest.row as usize];
         let corners = self.corners_of(triangle);
         let point = std::array::from_fn(|k| {
             let [u, v, w] = near.barycentric;
             (u * corners[0][k] + v * corners[1][k] + w * corners[2][k]) / self.frame.scale
         });
         let distance_sq = near.distance_sq / query.scale / query.scale;
-        Some(MeshClosestPoint { point, face: least.face, barycentric: near.barycentric, distance_sq })
+        Some(MeshClosestPoint { point, face: closest.face, barycentric: near.barycentric, distance_sq })
     }
 
     /// A proved lower bound for the distance from `p` to the mesh, with rounding included: every triangle is
@@ -225,15 +225,15 @@ impl Bvh {
     #[must_use]
     pub fn closest_distance_up(&self, p: [f64; 3]) -> Option<f64> {
         let query = ClosestQuery::new(&self.frame, p)?;
-        let (least, near) = self.nearest_triangle(&query)?;
-        let corners = query.corners(self, &self.triangles[least.row as usize]);
+        let (closest, near) = self.nearest_triangle(&query)?;
+        let corners = query.corners(self, &self.triangles[closest.row as usize]);
         let local = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
         Some(div_up(local, query.scale))
     }
 
-    /// [`Bvh::closest_distance_down`] and [`Bvh::closest_distance_up`] by one search. The hint is a row of the
-    /// tree, any for the first of many points and then what the one before left: it saves time, and the ends
-    /// are proved whatever it is.
+    /// [`Bvh::closest_distance_down`] and [`Bvh::closest_distance_up`] by one search. The hint is a row of
+    /// the tree: any row for the first of many points, and then the row that the previous query left. It
+    /// saves time, and the ends are proved for any hint.
     ///
     /// ```
     /// use chordal::{Job, Mesh, explicit::query::Bvh};
@@ -248,23 +248,23 @@ impl Bvh {
         let query = ClosestQuery::new(&self.frame, p)?;
         let row = if (*hint as usize) < self.triangles.len() { *hint } else { 0 };
         let first = self.triangles.get(row as usize)?;
-        let down = |triangle: &BvhTriangle, enough: f64| {
-            triangle::distance_down(query.q, query.corners(self, triangle), enough)
+        let down = |triangle: &BvhTriangle, sufficient: f64| {
+            triangle::distance_down(query.q, query.corners(self, triangle), sufficient)
         };
         let mut lowest = down(first, f64::INFINITY);
         let start = ClosestTriangle { row, face: first.face & !LAST, square: lowest * lowest };
-        let least = self.closest_row_from(&query, start, |triangle| {
-            // A triangle whose box is farther by more than any rounding is farther itself.
+        let closest = self.closest_row_from(&query, start, |triangle| {
+            // A triangle is farther too if its box is farther by more than any rounding.
             if box_distance_sq(query.q, query.corners(self, triangle)) > lowest * lowest * RELATIVE + ABSOLUTE
             {
                 return f64::INFINITY;
             }
-            let found = down(triangle, lowest);
-            lowest = lesser(found, lowest);
-            found * found
+            let distance = down(triangle, lowest);
+            lowest = lesser(distance, lowest);
+            distance * distance
         })?;
-        *hint = least.row;
-        let corners = query.corners(self, &self.triangles[least.row as usize]);
+        *hint = closest.row;
+        let corners = query.corners(self, &self.triangles[closest.row as usize]);
         let near = triangle::closest_point(query.q, corners);
         // The error of underflow in these coordinates is less than the smallest normal number.
         let low = div_down(sub_down(lowest, f64::MIN_POSITIVE), query.scale);
@@ -279,12 +279,12 @@ impl Bvh {
         let square = |triangle: &BvhTriangle| {
             triangle::closest_point(query.q, query.corners(self, triangle)).distance_sq
         };
-        let least = self.closest_row(query, square)?;
-        let corners = query.corners(self, &self.triangles[least.row as usize]);
-        Some((least, triangle::closest_point(query.q, corners)))
+        let closest = self.closest_row(query, square)?;
+        let corners = query.corners(self, &self.triangles[closest.row as usize]);
+        Some((closest, triangle::closest_point(query.q, corners)))
     }
 
-    /// The triangle with the least `square`, and of those the lowest face.
+    /// The triangle with the smallest `square`, and among equals the lowest face.
     fn closest_row(
         &self,
         query: &ClosestQuery,
@@ -298,8 +298,8 @@ impl Bvh {
     /// triangle. The hint `row` should be near: it saves time and does not affect the answer, because the
     /// search skips only triangles that are certainly farther.
     ///
-    /// Where no triangle is within `reach` (∞ is allowed), the answer is `reach`, rounded, no triangle is nearer,
-    /// and the row is the hint.
+    /// If no triangle is nearer than `reach` (∞ is allowed), the answer is `reach`, rounded, and the row is
+    /// the hint.
     pub(crate) fn distance_within(&self, p: [f64; 3], row: u32, reach: f64) -> Option<(f64, u32)> {
         let query = ClosestQuery::new(&self.frame, p)?;
         let square = |triangle: &BvhTriangle| {
@@ -309,12 +309,12 @@ impl Bvh {
         let mut start = ClosestTriangle { row, face: first.face & !LAST, square: square(first) };
         let reach = reach * query.scale;
         if (f64::MIN_POSITIVE..start.square).contains(&(reach * reach)) {
-            // No face has this number, so that a triangle exactly as far is found.
+            // No face has this number, so that a triangle at exactly this distance wins.
             start = ClosestTriangle { face: u32::MAX, square: reach * reach, ..start };
         }
         // The box of one triangle is smaller than that of its leaf, and faster to test than the triangle.
         let mut best = start.square;
-        let least = self.closest_row_from(&query, start, |triangle| {
+        let closest = self.closest_row_from(&query, start, |triangle| {
             if box_distance_sq(query.q, query.corners(self, triangle)) > best * RELATIVE + ABSOLUTE {
                 return f64::INFINITY;
             }
@@ -322,7 +322,7 @@ impl Bvh {
             best = lesser(value, best);
             value
         })?;
-        Some((least.square.sqrt() / query.scale, least.row))
+        Some((closest.square.sqrt() / query.scale, closest.row))
     }
 
     /// [`Bvh::distance_within`] any distance.
@@ -335,7 +335,7 @@ impl Bvh {
         let query = ClosestQuery::new(&self.frame, p)?;
         let corners = query.corners(self, &self.triangles[row as usize]);
         let near = triangle::closest_point(query.q, corners);
-        // As in `closest_distance_down` and `closest_distance_up`.
+        // Rounding as in `closest_distance_down` and `closest_distance_up`.
         let down = sub_down(triangle::distance_down(query.q, corners, f64::INFINITY), f64::MIN_POSITIVE);
         let up = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
         let down = div_down(down, query.scale);
@@ -366,7 +366,7 @@ impl Bvh {
 
     fn descend<S: BoxDistance>(
         &self,
-        sight: &S,
+        distances: &S,
         start: ClosestTriangle,
         mut square: impl FnMut(&BvhTriangle) -> f64,
     ) -> Option<ClosestTriangle> {
@@ -374,14 +374,15 @@ impl Bvh {
             return None;
         }
         let mut best = start;
-        let mut limit = if best.square < f64::INFINITY { sight.limit(best.square) } else { S::ALL };
-        // Pending children, the nearest on top.
+        let mut limit = if best.square < f64::INFINITY { distances.limit(best.square) } else { S::ALL };
+        // Pending children, the nearest on top; distances decrease towards the top within each node's
+        // children.
         let mut stack = [(S::ALL, 0_u32); STACK];
         let mut height = 1;
         while height > 0 {
             height -= 1;
-            let (off, child) = stack[height];
-            if off > limit && off < S::ALL {
+            let (box_square, child) = stack[height];
+            if box_square > limit && box_square < S::ALL {
                 continue;
             }
             if child & LEAF != 0 {
@@ -392,7 +393,7 @@ impl Bvh {
                     let value = square(triangle);
                     if value < best.square || (value == best.square && face < best.face) {
                         best = ClosestTriangle { row, face, square: value };
-                        limit = sight.limit(value);
+                        limit = distances.limit(value);
                     }
                     if triangle.face & LAST != 0 {
                         break;
@@ -402,16 +403,16 @@ impl Bvh {
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let offs = sight.squares(node);
+            let squares = distances.squares(node);
             let bottom = height;
-            for (off, child) in offs.into_iter().zip(node.child) {
-                if off <= limit {
+            for (box_square, child) in squares.into_iter().zip(node.child) {
+                if box_square <= limit {
                     let mut at = height;
-                    while at > bottom && stack[at - 1].0 < off {
+                    while at > bottom && stack[at - 1].0 < box_square {
                         stack[at] = stack[at - 1];
                         at -= 1;
                     }
-                    stack[at] = (off, child);
+                    stack[at] = (box_square, child);
                     height += 1;
                 }
             }

@@ -2,7 +2,7 @@
 use crate::math::{Box3, exponent, greater, power_of_two, sub_down, sub_up};
 
 /// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the
-/// mesh. In local coordinates the mesh lies within `[−1, 1]³`, at any position and scale.
+/// mesh. In local coordinates the mesh lies within `[−1, 1]³`, for any position and scale.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BvhFrame {
     /// A power of two.
@@ -14,15 +14,14 @@ pub(super) struct BvhFrame {
 impl BvhFrame {
     /// The frame of a mesh within `bounds`, which are not empty.
     pub fn from_bounds(bounds: &Box3) -> Self {
-        // Halved before the difference, which might overflow.
+        // Halved before the difference, which might overflow otherwise.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
         let centre = bounds.centre();
-        // A mesh without extent gets that of the rounding of its position, so that scaled coordinates stay
+        // For a mesh without extent, use the rounding of its position, so that scaled coordinates stay
         // finite.
         let rounding = centre.iter().map(|c| c.abs() * f64::EPSILON);
-        let extent = half.chain(rounding).fold(0.0, |most, x| greater(x, most));
-        // Beyond 2^±900 a scale and its inverse leave no range for distances that are larger or smaller than
-        // the mesh.
+        let extent = half.chain(rounding).fold(0.0, |largest, x| greater(x, largest));
+        // Beyond 2^±900 a scale and its inverse leave no range for distances larger or smaller than the mesh.
         let scale = power_of_two(-(exponent(extent) + 1).clamp(-900, 900));
         Self { scale, middle: centre.map(|c| c * scale) }
     }

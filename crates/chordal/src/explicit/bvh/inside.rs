@@ -11,13 +11,13 @@ use std::borrow::Cow;
 /// The location of a point relative to a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PointLocation {
-    /// The mesh winds around it, with outward faces counter-clockwise.
+    /// The mesh winds around the point, with outward faces counter-clockwise.
     Inside,
-    /// The mesh does not wind around it.
+    /// The mesh does not wind around the point.
     Outside,
     /// On a triangle, exactly.
     On,
-    /// The mesh is open, and covers between a quarter and three quarters of the directions from there.
+    /// The mesh is open, and covers between a quarter and three quarters of the directions from the point.
     Ambiguous,
 }
 
@@ -32,16 +32,16 @@ pub struct Containment {
 
 /// A mesh prepared for point location.
 ///
-/// *Closed* means that at every edge, by position, the half-edges in both directions are equally many. Then
-/// the winding number is an integer, the same all over each cell of space, whatever else is wrong with the
-/// mesh (self-intersections, doubled walls, more than two triangles at an edge). It is counted along a
-/// vertical ray by exact predicates, with a symbolic perturbation where the ray meets an edge or a corner. So
-/// for closed meshes every answer is exact (but for coordinates so much smaller than the mesh that a power of
-/// two makes them subnormal). For all others the generalized winding number decides.
+/// *Closed* means that at every edge, by position, there are equally many half-edges in both directions. Then
+/// the winding number is an integer, constant in each cell of space, whatever other defects the mesh has
+/// (self-intersections, doubled walls, more than two triangles at an edge). It is counted along a vertical
+/// ray by exact predicates, with a symbolic perturbation if the ray meets an edge or a corner. So for closed
+/// meshes every answer is exact (except for coordinates so much smaller than the mesh that scaling by a power
+/// of two makes them subnormal). For all other meshes the generalized winding number decides.
 ///
 /// The winding number depends on the orientation of triangles. A closed mesh that is inside out winds −1
 /// times around the points it encloses, which is [`PointLocation::Outside`]. Two walls around a point, both
-/// outward, are 2, which is [`PointLocation::Inside`].
+/// outward, give 2, which is [`PointLocation::Inside`].
 ///
 /// Cost: 120 bytes for each of four children of each node, about 80 bytes per triangle; O(n) time.
 ///
@@ -75,7 +75,7 @@ pub struct Enclosure<'a> {
 pub(crate) struct WindingMoments {
     moments: Vec<[ClusterMoments; WIDTH]>,
     is_closed: bool,
-    /// What closes it, where that is little.
+    /// Triangles that close the mesh, if few are needed.
     lids: Option<Lids>,
 }
 
@@ -87,13 +87,14 @@ impl WindingMoments {
         Self { moments: moments(bvh), is_closed, lids }
     }
 
-    /// The enclosure; `bvh` is the tree that the moments belong to.
+    /// The enclosure; `bvh` is the tree from which the moments were built.
     pub(crate) fn enclosure<'a>(&'a self, bvh: &'a Bvh) -> Enclosure<'a> {
         Enclosure { bvh, moments: Cow::Borrowed(self) }
     }
 }
 
-/// The largest error of a winding number that decides on a location: it separates a half from a quarter.
+/// The largest error with which a winding number decides a location. Derived: it separates a half from a
+/// quarter.
 const DECIDES: f64 = 1.0 / 16.0;
 
 impl<'a> Enclosure<'a> {
@@ -103,21 +104,22 @@ impl<'a> Enclosure<'a> {
         Self { bvh, moments: Cow::Owned(WindingMoments::new(mesh, bvh)) }
     }
 
-    /// Whether the half-edges in both directions are equally many at every edge, so that every answer is
+    /// Whether there are equally many half-edges in both directions at every edge, so that every answer is
     /// exact.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.moments.is_closed
     }
 
-    /// The winding number of the mesh around `p`, off by `within` at most; by more only where rounding alone
-    /// exceeds it, as within some roundings of an edge. `None` without faces, and when `p` is not finite.
+    /// The winding number of the mesh around `p`, with an error of at most `within`; more only if rounding
+    /// alone exceeds it, for example within some roundings of an edge. `None` without faces, and when `p` is
+    /// not finite.
     ///
     /// Far clusters are summed by two moments each, with a bound for the remainder; clusters are opened until
     /// the bound is below `within`. Time: about 30 µs for 1/16 on a million triangles, 250 for 1/100; in the
-    /// end it is that of [`Bvh::winding_number_plain`]. Where a mesh has at least four triangles for each open
-    /// edge, it is closed by lids in thought, and their winding number is taken from that of the whole, an integer:
-    /// then the time is that of a closed mesh and of so many triangles.
+    /// limit it is that of [`Bvh::winding_number_plain`]. If a mesh has at least four triangles for each open
+    /// edge, lids close it virtually, and their winding number is subtracted from that of the closed mesh, an
+    /// integer: then the time is that of a closed mesh plus that for the lids.
     #[must_use]
     pub fn winding_number(&self, p: [f64; 3], within: f64) -> Option<WindingNumber> {
         let q = self.bvh.scaled_query(p)?;
@@ -131,7 +133,7 @@ impl<'a> Enclosure<'a> {
     /// The location of `p`; outside without faces, and when `p` is not finite.
     ///
     /// Exact for closed meshes, usually in O(√n) time: one vertical ray, 1 to 3 µs on a million triangles.
-    /// For open ones inside is a winding number above 3/4, outside one below 1/4, and the range between is
+    /// For open meshes a winding number above 3/4 is inside, one below 1/4 outside, and the range between is
     /// ambiguous.
     #[must_use]
     pub fn inside(&self, p: [f64; 3]) -> Containment {
@@ -153,10 +155,10 @@ impl<'a> Enclosure<'a> {
         }
         let with_lids = self.moments.lids.as_ref().and_then(|lids| lids.winding_of_mesh(p, number, DECIDES));
         let winding = with_lids.unwrap_or_else(|| self.bvh.winding_by(&self.moments.moments, q, DECIDES));
-        let WindingNumber { value, off_at_most: off } = winding;
-        let side = if value - off > 0.75 {
+        let WindingNumber { value, off_at_most: error } = winding;
+        let side = if value - error > 0.75 {
             PointLocation::Inside
-        } else if value + off < 0.25 {
+        } else if value + error < 0.25 {
             PointLocation::Outside
         } else {
             PointLocation::Ambiguous
@@ -171,7 +173,7 @@ impl<'a> Enclosure<'a> {
     }
 }
 
-/// Whether at every edge, by position, the half-edges in both directions are equally many.
+/// Whether there are equally many half-edges in both directions at every edge, by position.
 pub(crate) fn is_closed(mesh: &Mesh) -> bool {
     let Some(ids) = Topology::Positions.ids(mesh) else { return false };
     let twins = Twins::with_ids(mesh, Some(&ids));
@@ -186,8 +188,8 @@ pub(crate) fn is_closed(mesh: &Mesh) -> bool {
 }
 
 impl Bvh {
-    /// The winding number around `q` by the triangles above it: those that are met from behind count 1, from
-    /// the front −1. `None` where `q` is on one. Scaled coordinates.
+    /// The winding number around `q` by the triangles above it: those met from behind count 1, from the front
+    /// −1. `None` if `q` is on one. Scaled coordinates.
     pub(super) fn winding_above(&self, q: [f64; 3]) -> Option<i32> {
         let [low, high] = self.frame.local(q);
         let mut stack = [0_u32; STACK];
@@ -218,8 +220,8 @@ impl Bvh {
     }
 }
 
-/// 1 where the vertical ray from `q` leaves through the triangle's front, −1 where it enters, 0 where it
-/// misses; `None` where `q` is on it.
+/// 1 if the vertical ray from `q` leaves through the triangle's front, −1 if it enters, 0 if it misses;
+/// `None` if `q` is on it.
 fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     let [a, b, c] = corners;
     let spans = |k: usize| {
@@ -254,7 +256,7 @@ fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     if side(a, b) != facing || side(b, c) != facing || side(c, a) != facing {
         return Some(0);
     }
-    // A triangle that faces up has `q` behind it when it is above.
+    // If the triangle faces up, `q` is behind it when the triangle is above.
     let is_above = orient3d(a, b, c, q) == facing.flipped();
     Some(match (is_above, facing) {
         (false, _) => 0,

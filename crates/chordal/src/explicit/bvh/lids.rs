@@ -1,17 +1,17 @@
-//! `Lids`: triangles that close an open mesh. Mesh and lids together wind around a point an integer number of times,
-//! which a ray counts exactly; the mesh alone does so less the lids. A mesh with few open edges has few lids, so its
-//! winding number costs about what one of a closed mesh does.
+//! `Lids`: triangles that close an open mesh. The mesh with its lids winds around a point an integer number
+//! of times, which a ray counts exactly; subtracting the lids gives the winding number of the mesh alone. A
+//! mesh with few open edges has few lids, so its winding number costs about as much as that of a closed mesh.
 //!
-//! Source: the cone over a cycle has it as its border, hence adds up to a closed surface with any other that has; the
-//! winding number is linear (A. Jacobson, L. Kavan, O. Sorkine-Hornung, *Robust inside-outside segmentation using
-//! generalized winding numbers*, 2013).
+//! Source: the cone over a cycle has the cycle as its border, hence it forms a closed surface together with
+//! any other surface of that border; the winding number is linear (A. Jacobson, L. Kavan, O. Sorkine-Hornung,
+//! *Robust inside-outside segmentation using generalized winding numbers*, 2013).
 use super::Bvh;
 use super::WIDTH;
 use super::winding::{ClusterMoments, WindingNumber, moments};
 use crate::budget::Job;
 use crate::explicit::{DisjointSets, Mesh, Topology};
 
-/// Faces for each lid, at least. Chosen: with fewer, the lids cost as much as the mesh.
+/// The smallest number of faces per lid. Chosen: with fewer, the lids cost as much as the mesh.
 const FACES_A_LID: usize = 4;
 
 /// The lids with their tree.
@@ -22,14 +22,14 @@ pub(super) struct Lids {
 }
 
 impl Lids {
-    /// Cones over the open edges, an apex for those that hang together; `None` where they are many.
+    /// Cones over the open edges, with an apex for each connected piece; `None` if there are too many.
     pub(super) fn new(mesh: &Mesh) -> Option<Self> {
         let edges = open_edges(mesh);
         let n_lids = edges.iter().fold(0_usize, |n, edge| n.saturating_add(edge.times as usize));
         if edges.is_empty() || n_lids > mesh.faces().len() / FACES_A_LID {
             return None;
         }
-        // 1. Rows of the edges' ends, and which of them hang together.
+        // 1. Rows of the edges' ends, and their connected pieces.
         let mut rows: Vec<u32> = edges.iter().flat_map(|edge| edge.rows).collect();
         rows.sort_unstable();
         rows.dedup();
@@ -46,7 +46,7 @@ impl Lids {
             *n += 1.0;
         }
         positions.extend(sums.into_iter().map(|(sum, n)| sum.map(|x| x / n)));
-        // 3. A lid runs its edge the other way.
+        // 3. A lid runs along its edge in the opposite direction.
         let mut faces = Vec::with_capacity(n_lids);
         for edge in &edges {
             let [a, b] = edge.rows.map(number);
@@ -59,27 +59,27 @@ impl Lids {
         Some(Self { bvh, moments })
     }
 
-    /// The winding number of the mesh around `p`, of which the triangles of the mesh above `p` make up `above`; off by
-    /// `within` at most unless roundings alone are more. `None` where `p` is on a lid.
+    /// The winding number of the mesh around `p`, if the triangles of the mesh above `p` count `above`; with
+    /// an error of at most `within`, unless roundings alone are more. `None` if `p` is on a lid.
     pub(super) fn winding_of_mesh(&self, p: [f64; 3], above: i32, within: f64) -> Option<WindingNumber> {
         let q = self.bvh.scaled_query(p)?;
-        let all = f64::from(above.checked_add(self.bvh.winding_above(q)?)?);
+        let closed = f64::from(above.checked_add(self.bvh.winding_above(q)?)?);
         let lids = self.bvh.winding_by(&self.moments, q, within);
-        let value = all - lids.value;
+        let value = closed - lids.value;
         // The difference is rounded by half a unit.
         Some(WindingNumber { value, off_at_most: lids.off_at_most + f64::EPSILON * value.abs() })
     }
 }
 
-/// An edge that the half-edges of a mesh, by position, run one way more often than the other.
+/// An edge with more half-edges of a mesh, by position, in one direction than in the other.
 pub(crate) struct OpenEdge {
-    /// The rows of its ends, in the direction that is run more often.
+    /// The rows of its ends, in the direction of more half-edges.
     pub rows: [u32; 2],
-    /// By how many times.
+    /// The number of surplus half-edges.
     pub times: u32,
 }
 
-/// The edges at which a mesh is not closed, by position. They add up to cycles. O(n log n).
+/// The edges at which a mesh is not closed, by position. They form cycles. O(n log n).
 pub(crate) fn open_edges(mesh: &Mesh) -> Vec<OpenEdge> {
     let Some(ids) = Topology::Positions.ids(mesh) else { return Vec::new() };
     let mut halves: Vec<(u32, u32, i32)> = Vec::with_capacity(3 * mesh.faces().len());
@@ -133,25 +133,28 @@ mod tests {
         let mesh = broken_ball();
         let bvh = Bvh::build(&mesh, &Job::default()).unwrap();
         let lids = Lids::new(&mesh).unwrap();
-        let mut seen = [0; 2];
+        let mut counts = [0; 2];
         for step in 0..4000_u32 {
             let at = |n: u32| f64::from(step * n % 4001) / 2000.0 - 1.0;
             let p = [1.3 * at(1), 1.3 * at(37), 1.3 * at(1013)];
             let plain = bvh.winding_number_plain(p).unwrap();
             let above = bvh.winding_above(bvh.scaled_query(p).unwrap()).unwrap();
             for within in [1.0 / 16.0, 1e-9] {
-                let Some(found) = lids.winding_of_mesh(p, above, within) else { continue };
-                assert!(found.off_at_most <= within, "{p:?}: {found:?}");
-                let off = (found.value - plain.value).abs();
-                assert!(off <= found.off_at_most + plain.off_at_most, "{p:?}: {found:?} {plain:?}");
-                seen[usize::from(plain.value > 0.5)] += 1;
+                let Some(winding) = lids.winding_of_mesh(p, above, within) else { continue };
+                assert!(winding.off_at_most <= within, "{p:?}: {winding:?}");
+                let difference = (winding.value - plain.value).abs();
+                assert!(
+                    difference <= winding.off_at_most + plain.off_at_most,
+                    "{p:?}: {winding:?} {plain:?}"
+                );
+                counts[usize::from(plain.value > 0.5)] += 1;
             }
         }
-        assert!(seen[0] > 3000 && seen[1] > 1000, "{seen:?}");
+        assert!(counts[0] > 3000 && counts[1] > 1000, "{counts:?}");
     }
 
     #[test]
-    fn a_soup_has_none() {
+    fn a_soup_has_no_lids() {
         let positions = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
         assert!(Lids::new(&Mesh::new(positions, vec![[0, 1, 2]; 8]).unwrap()).is_none());
     }

@@ -41,7 +41,8 @@ pub(crate) fn distance_sq_to_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> f6
 }
 
 /// A proved lower bound for the distance from a point to a triangle, rounding included, for coordinates whose
-/// squares neither overflow nor vanish. Where that is sure to be at least `enough`, it may be any bound that is.
+/// squares neither overflow nor vanish. If the distance is surely at least `enough`, the bound may be any
+/// number of at least `enough`.
 #[inline]
 pub(crate) fn distance_to_triangle_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) -> f64 {
     // The error of underflow is less than the smallest normal number.
@@ -57,8 +58,8 @@ const LEAF: u32 = 1 << 31;
 const LAST: u32 = 1 << 31;
 /// No child; its box is inverted, so that no query meets it.
 const NONE: u32 = u32::MAX;
-/// The size of a traversal's stack. The build stops splitting by cost at [`build::DEEPEST_BY_COST`] and from
-/// there on splits into equal quarters, so no path is longer than 24 + 16 nodes, each of which leaves at most
+/// The size of a traversal's stack. Derived: the build stops splitting by cost at [`build::DEEPEST_BY_COST`]
+/// and then splits into equal quarters, so no path is longer than 24 + 16 nodes, each of which leaves at most
 /// 3 pending.
 const STACK: usize = 128;
 
@@ -123,7 +124,7 @@ impl Bvh {
     /// Builds the tree over all faces of `mesh`.
     ///
     /// # Errors
-    /// [`JobError::Refused`] for 2³¹ faces and more, or where about 130 bytes per face and 28 per position
+    /// [`JobError::Refused`] for 2³¹ faces and more, or if about 130 bytes per face and 28 per position
     /// exceed the job's memory limit; [`JobError::Cancelled`] when the job was cancelled.
     pub fn build(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let n = mesh.faces().len();
@@ -143,7 +144,7 @@ impl Bvh {
         build::build(mesh, job).ok_or(JobError::Cancelled)
     }
 
-    /// The box of the triangles (of all positions that a face uses); empty without faces.
+    /// The box of the triangles (of all positions that faces use); empty without faces.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
         self.bounds
@@ -177,7 +178,7 @@ mod tests {
     use super::*;
     use crate::math::{sub_down, sub_up};
 
-    /// Checks the whole subtree of a child, collects the faces of its leaves and returns its depth.
+    /// Checks the subtree of a child, collects the faces of its leaves and returns its depth.
     fn check(bvh: &Bvh, node: &BvhNode, lane: usize, faces: &mut Vec<u32>) -> usize {
         let child = node.child[lane];
         let mut first = child & !LEAF;
@@ -212,7 +213,7 @@ mod tests {
     fn boxes_enclose_what_is_below_them_and_leaves_hold_each_face_once() {
         let heights = |i: u32| libm::sin(f64::from(i * i)) * 1e-3;
         let smooth = (0..40_000).map(|i| [f64::from(i % 200), f64::from(i / 200), heights(i)]);
-        // Each vertex half as far as the one before: no balanced tree is the cheapest.
+        // Each vertex is half as far as the previous one, so that the cheapest tree is not balanced.
         let shrinking = (0..900).map(|i| [libm::ldexp(1.0, -i), libm::ldexp(1.5, -i), 0.1]);
         let equal = (0..30_000).map(|i| [7.0, f64::from(i % 3), f64::from(i % 2)]);
         let cases: [Vec<[f64; 3]>; 3] = [smooth.collect(), shrinking.collect(), equal.collect()];
@@ -222,10 +223,10 @@ mod tests {
             let mesh = Mesh::new(positions, faces).expect("finite");
             let bvh = Bvh::build(&mesh, &Job::default()).expect("small");
             let root = BvhNode { bounds: [[[-2.0; WIDTH], [2.0; WIDTH]]; 3], child: [0; WIDTH] };
-            let mut held = Vec::new();
-            let depth = check(&bvh, &root, 0, &mut held);
-            held.sort_unstable();
-            assert!(held.into_iter().eq(0..n - 2), "not each face once");
+            let mut leaf_faces = Vec::new();
+            let depth = check(&bvh, &root, 0, &mut leaf_faces);
+            leaf_faces.sort_unstable();
+            assert!(leaf_faces.into_iter().eq(0..n - 2), "not each face once");
             assert!(depth <= 40 && 3 * depth < STACK, "{depth} nodes deep");
             assert!(bvh.bytes() <= 90 * bvh.n_triangles() + 1000, "{} bytes", bvh.bytes());
         }

@@ -1,10 +1,11 @@
-//! `PackedBoxes`: the boxes of all triangles in groups along a curve through space, to find pairs that meet.
+//! `PackedBoxes`: the boxes of all triangles in groups along a space-filling curve, to find pairs that meet.
 //!
-//! All pairs need a tree that is cheap to make and wide, rather than one that is cheap to descend: each group of triangles
-//! asks only once. So the triangles are sorted along a Z-order curve, and every eight in a row are a group, of which every
-//! eight are one again.
+//! For all pairs, a tree that is cheap to build and wide is better than one that is cheap to descend: each
+//! group of triangles queries it only once. So the triangles are sorted along a Z-order curve, every eight
+//! consecutive ones form a group, and every eight groups form a group again.
 //!
-//! Source: I. Kamel and C. Faloutsos, *On packing R-trees*, 1993; G. Morton, *A computer oriented geodetic data base*, 1966.
+//! Source: I. Kamel and C. Faloutsos, *On packing R-trees*, 1993; G. Morton, *A computer oriented geodetic
+//! data base*, 1966.
 use super::build::used_bounds;
 use super::frame::{BvhFrame, LocalBox};
 use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map, par_map_owned};
@@ -17,12 +18,14 @@ const WIDTH: usize = 8;
 const TASK: usize = 256;
 /// Triangles in a task of sorting.
 const CHUNK: usize = 1 << 14;
-/// Bits of the curve along each axis. Triangles in one cell, a 65,536th of the mesh, stay in the order of the mesh.
+/// Bits of the curve along each axis. Chosen: triangles in one cell, a 65,536th of the mesh, stay in the
+/// order of the mesh.
 const AXIS_BITS: u32 = 16;
-/// The leading bits of the curve by which it is split into parts that are sorted each by itself.
+/// The leading bits of the curve that split it into parts, which are sorted separately.
 const PART_BITS: u32 = 12;
 
-/// The boxes of a group in local f32 coordinates, rounded outward; inverted where there is none, so that it meets no box.
+/// The boxes of a group in local f32 coordinates, rounded outward; inverted for missing boxes, so that they
+/// meet no box.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 struct BoxGroup {
@@ -32,11 +35,11 @@ struct BoxGroup {
 
 /// The boxes of all triangles of a mesh.
 ///
-/// Time O(n log n); memory 28 bytes a triangle, and 32 more while it is made.
+/// Time O(n log n); memory 28 bytes per triangle, and 32 more while it is built.
 pub(crate) struct PackedBoxes {
     /// The faces along the curve.
     faces: Vec<u32>,
-    /// The groups of triangles, then the groups of the groups before, up to a single one; none without faces.
+    /// The groups of triangles, then the groups of those groups, up to a single one; none without faces.
     levels: Vec<Vec<BoxGroup>>,
 }
 
@@ -44,7 +47,8 @@ impl PackedBoxes {
     /// The boxes of all faces.
     ///
     /// # Errors
-    /// [`JobError::Refused`] where about 64 bytes a face exceed the memory of the job; [`JobError::Cancelled`].
+    /// [`JobError::Refused`] if about 64 bytes per face exceed the memory of the job;
+    /// [`JobError::Cancelled`].
     pub fn new(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let n = mesh.faces().len();
         let bytes = 64 * n as u64;
@@ -81,9 +85,9 @@ impl PackedBoxes {
         &self.faces
     }
 
-    /// Calls `meet` with the slots of every two triangles whose boxes share a point, and of few others whose boxes nearly
-    /// do, each pair once, the lower slot first. The order of the tasks' results does not depend on threads; `None` when
-    /// the job is cancelled.
+    /// Calls `meet` with the slots of every two triangles whose boxes share a point, and of few others whose
+    /// boxes nearly do, each pair once, the lower slot first. The order of the tasks' results does not depend
+    /// on threads; `None` if the job is cancelled.
     pub fn pairs<R: Default + Send>(
         &self,
         job: &Job,
@@ -108,17 +112,18 @@ impl PackedBoxes {
         (!job.is_cancelled()).then_some(results)
     }
 
-    /// The groups from a group on whose boxes meet its own, itself included.
-    fn groups_from(&self, group: usize, found: &mut Vec<u32>) {
-        found.clear();
+    /// The groups from `group` on whose boxes meet the box of `group`, including itself.
+    fn groups_from(&self, group: usize, groups_found: &mut Vec<u32>) {
+        groups_found.clear();
         let bounds = self.levels[0][group].hull();
-        // At each level the groups to open, as numbers within the level.
-        found.push(0);
+        // At each level the groups to open, as indices within the level.
+        groups_found.push(0);
         let mut open = Vec::new();
         for (level, groups) in self.levels.iter().enumerate().skip(1).rev() {
-            std::mem::swap(found, &mut open);
-            found.clear();
-            // The group that holds the one asked for, a level below this one; those before it have no later group.
+            std::mem::swap(groups_found, &mut open);
+            groups_found.clear();
+            // The ancestor of `group` one level below this one; earlier groups contain no group from `group`
+            // on.
             let first = group >> (WIDTH.trailing_zeros() as usize * (level - 1));
             for &node in &open {
                 let mut hits = groups[node as usize].meeting(&bounds);
@@ -126,22 +131,22 @@ impl PackedBoxes {
                     let child = WIDTH * node as usize + hits.trailing_zeros() as usize;
                     hits &= hits - 1;
                     if child >= first {
-                        found.push(child as u32);
+                        groups_found.push(child as u32);
                     }
                 }
             }
         }
     }
 
-    /// The pairs of triangles of two groups, or within one.
+    /// The pairs of triangles of two groups, or within one group.
     #[inline]
     fn between(&self, group: usize, other: usize, mut meet: impl FnMut([u32; 2])) {
-        let (own, others) = (&self.levels[0][group], &self.levels[0][other]);
-        let mut near = own.meeting(&others.hull());
+        let (boxes, others) = (&self.levels[0][group], &self.levels[0][other]);
+        let mut near = boxes.meeting(&others.hull());
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
-            let mut hits = others.meeting(&own.lane(lane));
+            let mut hits = others.meeting(&boxes.lane(lane));
             if group == other {
                 hits &= !(u32::MAX >> (31 - lane as u32));
             }
@@ -173,9 +178,10 @@ impl BoxGroup {
     /// The box of all boxes.
     #[inline]
     fn hull(&self) -> LocalBox {
-        let least = |k: usize| self.bounds[k][0].iter().fold(f32::INFINITY, |least, x| lesser(*x, least));
-        let most = |k: usize| self.bounds[k][1].iter().fold(f32::NEG_INFINITY, |most, x| greater(*x, most));
-        [[least(0), least(1), least(2)], [most(0), most(1), most(2)]]
+        let lowest = |k: usize| self.bounds[k][0].iter().fold(f32::INFINITY, |lowest, x| lesser(*x, lowest));
+        let highest =
+            |k: usize| self.bounds[k][1].iter().fold(f32::NEG_INFINITY, |highest, x| greater(*x, highest));
+        [[lowest(0), lowest(1), lowest(2)], [highest(0), highest(1), highest(2)]]
     }
 
     /// The boxes that meet another one, as bits.
@@ -195,22 +201,22 @@ impl BoxGroup {
     }
 }
 
-/// The faces along the curve, those of one cell in their order.
+/// The faces along the curve; those of one cell in the order of the mesh.
 fn along_curve(mesh: &Mesh, frame: &BvhFrame, job: &Job) -> Vec<u32> {
-    // 1. The place of each face on the curve.
+    // 1. The key of each face on the curve.
     let starts: Vec<usize> = (0..mesh.faces().len()).step_by(CHUNK).collect();
     let keys = par_map(job, &starts, |_, start| -> Vec<(u64, u32)> {
         let end = lesser(start + CHUNK, mesh.faces().len());
         (*start..end).map(|face| (curve_key(frame, mesh.corners(face)), face as u32)).collect()
     });
-    // 2. Parts of the curve.
+    // 2. Distribute the faces to parts of the curve.
     let part_of = |key: u64| (key >> (3 * AXIS_BITS - PART_BITS)) as usize;
     let mut parts: Vec<Vec<(u64, u32)>> = vec![Vec::new(); 1 << PART_BITS];
     let mut counts = vec![0; 1 << PART_BITS];
     keys.iter().flatten().for_each(|(key, _)| counts[part_of(*key)] += 1);
     parts.iter_mut().zip(counts).for_each(|(part, count)| part.reserve_exact(count));
     keys.into_iter().flatten().for_each(|entry| parts[part_of(entry.0)].push(entry));
-    // 3. Each of them in order.
+    // 3. Sort each part.
     let sorted = par_map_owned(job, parts, |mut part| -> Vec<u32> {
         part.sort_unstable();
         part.into_iter().map(|(_, face)| face).collect()
@@ -218,7 +224,7 @@ fn along_curve(mesh: &Mesh, frame: &BvhFrame, job: &Job) -> Vec<u32> {
     sorted.concat()
 }
 
-/// The place of the middle of a triangle on the curve.
+/// The key of the middle of a triangle on the curve.
 fn curve_key(frame: &BvhFrame, corners: [[f64; 3]; 3]) -> u64 {
     let [a, b, c] = corners.map(|p| frame.scaled(p));
     let cells = f64::from(1_u32 << AXIS_BITS);
@@ -230,27 +236,29 @@ fn curve_key(frame: &BvhFrame, corners: [[f64; 3]; 3]) -> u64 {
     })
 }
 
-/// The box of a triangle in local coordinates, rounded outward without a branch, so by a little more than needed.
+/// The box of a triangle in local coordinates, rounded outward without a branch, and so by a little more than
+/// needed.
 #[inline]
 fn wide_box(frame: &BvhFrame, corners: [[f64; 3]; 3]) -> LocalBox {
     let [a, b, c] = corners.map(|p| frame.scaled(p));
-    // The shift and f32 lose 2⁻⁵³ and 2⁻²⁴ of a number, or half of the smallest subnormal; what is added or taken, and the
-    // sum, another 2⁻²⁴: 2⁻²² of it and the smallest normal number are more.
-    let play = |x: f32| x.abs() * (2.0 * f32::EPSILON) + f32::MIN_POSITIVE;
+    // The shift and f32 lose 2⁻⁵³ and 2⁻²⁴ of a number, or half of the smallest subnormal; the margin and the
+    // sum lose another 2⁻²⁴: 2⁻²² of the number plus the smallest normal number is more.
+    let margin = |x: f32| x.abs() * (2.0 * f32::EPSILON) + f32::MIN_POSITIVE;
     let low = |k: usize| {
         let ab = lesser(a[k], b[k]);
-        let least = (lesser(ab, c[k]) - frame.middle[k]) as f32;
-        least - play(least)
+        let lowest = (lesser(ab, c[k]) - frame.middle[k]) as f32;
+        lowest - margin(lowest)
     };
     let high = |k: usize| {
         let ab = greater(a[k], b[k]);
-        let most = (greater(ab, c[k]) - frame.middle[k]) as f32;
-        most + play(most)
+        let highest = (greater(ab, c[k]) - frame.middle[k]) as f32;
+        highest + margin(highest)
     };
     [[low(0), low(1), low(2)], [high(0), high(1), high(2)]]
 }
 
-/// The 16 bits of a number, two others between each. The masks follow from the shifts: each step halves the runs of bits.
+/// The 16 bits of a number, with two other bits between each. The masks follow from the shifts: each step
+/// halves the runs of bits.
 fn spread(x: u64) -> u64 {
     let x = (x | x << 16) & 0x00ff_0000_ff00_00ff;
     let x = (x | x << 8) & 0xf00f_00f0_0f00_f00f;
@@ -268,22 +276,22 @@ mod tests {
         Box3::from_points(&mesh.corners(face))
     }
 
-    /// Whether two boxes are no farther apart than so much along any axis.
+    /// Whether two boxes are at most `play` apart along each axis.
     fn meet(a: &Box3, b: &Box3, play: f64) -> bool {
         (0..3).all(|k| a.min[k] <= b.max[k] + play && b.min[k] <= a.max[k] + play)
     }
 
-    fn found_pairs(mesh: &Mesh, job: &Job) -> Option<Vec<[u32; 2]>> {
+    fn all_pairs(mesh: &Mesh, job: &Job) -> Option<Vec<[u32; 2]>> {
         let boxes = PackedBoxes::new(mesh, &Job::default()).expect("small");
-        let found = boxes.pairs(job, |found: &mut Vec<[u32; 2]>, slots| found.push(slots));
-        let mut found = found?.concat();
-        for pair in &mut found {
+        let pairs_found = boxes.pairs(job, |pairs_found: &mut Vec<[u32; 2]>, slots| pairs_found.push(slots));
+        let mut pairs_found = pairs_found?.concat();
+        for pair in &mut pairs_found {
             assert!(pair[0] < pair[1]);
             *pair = pair.map(|slot| boxes.faces()[slot as usize]);
             pair.sort_unstable();
         }
-        found.sort_unstable();
-        Some(found)
+        pairs_found.sort_unstable();
+        Some(pairs_found)
     }
 
     #[test]
@@ -307,18 +315,21 @@ mod tests {
                 .filter(|&[f, g]| meet(&bounds(&mesh, f), &bounds(&mesh, g), 0.0))
                 .map(|pair| pair.map(|face| face as u32))
                 .collect();
-            let found = found_pairs(&mesh, &Job::default().with_threads(1)).expect("not cancelled");
-            assert_eq!(found_pairs(&mesh, &Job::default().with_threads(3)).as_ref(), Some(&found));
-            assert!(found.windows(2).all(|pair| pair[0] != pair[1]), "round {round}: one is found twice");
+            let pairs_found = all_pairs(&mesh, &Job::default().with_threads(1)).expect("not cancelled");
+            assert_eq!(all_pairs(&mesh, &Job::default().with_threads(3)).as_ref(), Some(&pairs_found));
             assert!(
-                expected.iter().all(|pair| found.binary_search(pair).is_ok()),
+                pairs_found.windows(2).all(|pair| pair[0] != pair[1]),
+                "round {round}: one is found twice"
+            );
+            assert!(
+                expected.iter().all(|pair| pairs_found.binary_search(pair).is_ok()),
                 "round {round}: one is missed"
             );
             // f32 keeps seven digits.
             let play = 1e-6 * side as f64 * scale;
             let near =
                 |&[f, g]: &[u32; 2]| meet(&bounds(&mesh, f as usize), &bounds(&mesh, g as usize), play);
-            assert!(found.iter().all(near), "round {round}: one is far");
+            assert!(pairs_found.iter().all(near), "round {round}: one is far");
         }
     }
 
@@ -326,9 +337,9 @@ mod tests {
     fn boxes_hold_their_triangles() {
         let mut random = Random::new(31);
         for round in 0..3000 {
-            let place = [0.0, 1.0, 1e9, 1e-9][round % 4];
+            let offset = [0.0, 1.0, 1e9, 1e-9][round % 4];
             let scale = libm::ldexp(1.0, random.below(200) as i32 - 100);
-            let mut coordinate = || (place + random.below(1 << 30) as f64 * 1e-9) * scale;
+            let mut coordinate = || (offset + random.below(1 << 30) as f64 * 1e-9) * scale;
             let positions: Vec<[f64; 3]> =
                 (0..3).map(|_| [coordinate(), coordinate(), coordinate()]).collect();
             let frame = BvhFrame::from_bounds(&Box3::from_points(&positions));
@@ -345,7 +356,7 @@ mod tests {
 
     #[test]
     fn neighbours_along_the_curve_are_neighbours_in_space() {
-        // A grid of 64 × 64 squares asks for less than 30 pairs a triangle.
+        // A grid of 64 × 64 squares tests less than 30 pairs per triangle.
         let at = |i: u32, j: u32| i * 65 + j;
         let positions = (0..65 * 65).map(|i| [f64::from(i / 65), f64::from(i % 65), 0.0]).collect();
         let cells = (0..64).flat_map(|i| (0..64).map(move |j| (i, j)));
@@ -372,7 +383,7 @@ mod tests {
         let job = Job::default();
         job.cancel();
         let mesh = Mesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]; 3000]).expect("finite");
-        assert_eq!(found_pairs(&mesh, &job), None);
+        assert_eq!(all_pairs(&mesh, &job), None);
         assert_eq!(PackedBoxes::new(&mesh, &job).err(), Some(JobError::Cancelled));
     }
 }

@@ -10,7 +10,7 @@ pub struct Ray {
     pub origin: [f64; 3],
     /// The step for `t = 1`; of any length but 0.
     pub direction: [f64; 3],
-    /// The least `t`, ≥ 0.
+    /// The smallest `t`, ≥ 0.
     pub t_min: f64,
     /// The largest `t`; may be infinite.
     pub t_max: f64,
@@ -35,7 +35,7 @@ impl Ray {
 pub struct Hit {
     /// The parameter on the ray, rounded.
     pub t: f64,
-    /// The face; the lowest of those that are met at the same `t`.
+    /// The face; the lowest of those hit at the same `t`.
     pub face: u32,
     /// The barycentric coordinates in the face: ≥ 0, with sum 1 up to rounding.
     pub barycentric: [f64; 3],
@@ -88,7 +88,7 @@ impl ShearedRay {
     fn new(origin: [f64; 3], direction: [f64; 3]) -> Self {
         let z = (1..3).fold(0, |z, k| if direction[k].abs() > direction[z].abs() { k } else { z });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        // A swap preserves the orientation when the ray runs against its axis.
+        // The swap preserves the orientation if the ray runs against its axis.
         if direction[z] < 0.0 {
             (x, y) = (y, x);
         }
@@ -96,13 +96,13 @@ impl ShearedRay {
         Self { origin, axes: [x, y, z], shear }
     }
 
-    /// The intersection with a triangle for `least ≤ t ≤ most`.
+    /// The intersection with a triangle for `t_min ≤ t ≤ t_max`.
     ///
     /// Each corner is projected independently, and the edge functions compare two rounded products each.
     /// Since rounding is monotonic, they never have the wrong sign; at worst they are 0, and then exact
     /// arithmetic decides. So triangles that share projected corners leave no gap between them.
     #[inline]
-    fn intersect(&self, corners: [[f64; 3]; 3], least: f64, most: f64) -> Option<TriangleHit> {
+    fn intersect(&self, corners: [[f64; 3]; 3], t_min: f64, t_max: f64) -> Option<TriangleHit> {
         let [ix, iy, iz] = self.axes;
         let project = |p: [f64; 3]| {
             let z = p[iz] - self.origin[iz];
@@ -120,14 +120,14 @@ impl ShearedRay {
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
-        let whole = u + v + w;
-        if whole == 0.0 {
+        let sum = u + v + w;
+        if sum == 0.0 {
             return None;
         }
-        let barycentric = [u / whole, v / whole, w / whole];
+        let barycentric = [u / sum, v / sum, w / sum];
         let depth = barycentric[0] * a[2] + barycentric[1] * b[2] + barycentric[2] * c[2];
         let t = depth * self.shear[2];
-        (t >= least && t <= most).then_some(TriangleHit { t, barycentric, front: whole > 0.0 })
+        (t >= t_min && t <= t_max).then_some(TriangleHit { t, barycentric, front: sum > 0.0 })
     }
 }
 
@@ -142,7 +142,7 @@ fn exact_cross(p: [f64; 3], q: [f64; 3]) -> f64 {
 struct RaySlabs {
     /// By axis: the end of the box (low 0, high 1) where the ray enters.
     enter: [usize; 3],
-    /// The origin, rounded towards the ray's end and against it.
+    /// The origin, rounded forwards along the ray and backwards.
     ahead: [f32; 3],
     behind: [f32; 3],
     /// The inverse direction, its magnitude rounded down and up.
@@ -150,8 +150,8 @@ struct RaySlabs {
     inverse_up: [f32; 3],
 }
 
-/// Relative slack of the four roundings of 2⁻²⁴ (difference, inverse, product, `t` of the origin) of each
-/// end.
+/// Relative slack. Derived: the four roundings of 2⁻²⁴ (difference, inverse, product, `t` of the origin) of
+/// each end.
 const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 
 impl RaySlabs {
@@ -174,8 +174,8 @@ impl RaySlabs {
             // Two steps of f32 each way: for the conversion and for this product.
             const STEPS: f32 = 2.0 * f32::EPSILON;
             let near = inverse[k] as f32;
-            let least = near * (1.0 - STEPS);
-            slabs.inverse_down[k] = least.clamp(-f32::MAX, f32::MAX);
+            let lowest = near * (1.0 - STEPS);
+            slabs.inverse_down[k] = lowest.clamp(-f32::MAX, f32::MAX);
             slabs.inverse_up[k] = near * (1.0 + STEPS);
         }
         slabs
@@ -209,20 +209,20 @@ struct LocalRay {
     start: f64,
     /// World `t` per scaled `t`.
     unit: f64,
-    least: f64,
-    most: f64,
+    t_min: f64,
+    t_max: f64,
 }
 
 impl Bvh {
-    /// The first triangle that the ray hits. `None` when there is none, for a direction that is 0 or not
+    /// The first triangle that the ray hits. `None` if there is none, for a direction that is 0 or not
     /// finite, and for an origin that is not finite or beyond 10³⁰⁰ extents.
     ///
     /// The query is watertight: a ray through an edge or a corner that triangles share hits one of them,
-    /// unless it is on the silhouette of the mesh. Front and back count alike; see [`Hit::front`]. Triangles
-    /// without area are never hit.
+    /// unless it is on the silhouette of the mesh. Front and back faces are treated alike; see
+    /// [`Hit::front`]. Triangles without area are never hit.
     ///
     /// Source: S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, 2013, in f64, with exact
-    /// signs in place of a wider fallback.
+    /// signs instead of a wider fallback.
     #[must_use]
     pub fn first_hit(&self, ray: &Ray) -> Option<Hit> {
         self.first_hit_on(ray, HitSides::Both)
@@ -235,7 +235,7 @@ impl Bvh {
         let mut cast = self.cast(ray)?;
         let mut best: Option<(TriangleHit, u32)> = None;
         self.traverse(&mut cast, |cast, triangle| {
-            let Some(meeting) = cast.sheared.intersect(self.corners_of(triangle), cast.least, cast.most)
+            let Some(meeting) = cast.sheared.intersect(self.corners_of(triangle), cast.t_min, cast.t_max)
             else {
                 return false;
             };
@@ -243,8 +243,8 @@ impl Bvh {
             if !sides.accepts(meeting.front) {
                 return false;
             }
-            if best.is_none_or(|(known, known_face)| meeting.t < known.t || face < known_face) {
-                cast.most = meeting.t;
+            if best.is_none_or(|(closest, closest_face)| meeting.t < closest.t || face < closest_face) {
+                cast.t_max = meeting.t;
                 best = Some((meeting, face));
             }
             false
@@ -263,7 +263,7 @@ impl Bvh {
         let Some(mut cast) = self.cast(ray) else { return false };
         let mut met = false;
         self.traverse(&mut cast, |cast, triangle| {
-            met = cast.sheared.intersect(self.corners_of(triangle), cast.least, cast.most).is_some();
+            met = cast.sheared.intersect(self.corners_of(triangle), cast.t_min, cast.t_max).is_some();
             met
         });
         met
@@ -277,13 +277,13 @@ impl Bvh {
         if self.nodes.is_empty() || !usable {
             return None;
         }
-        // Powers of two scale the direction to a size between 1 and 2; two steps, since one may overflow. A
-        // zero loses its sign.
+        // Powers of two scale the direction to a size between 1 and 2; two steps, since one may overflow.
+        // Adding 0 turns −0 into 0.
         let shift = 1 - exponent(size);
-        let [half, rest] = [shift / 2, shift - shift / 2].map(power_of_two);
-        let direction = ray.direction.map(|x| x * half * rest + 0.0);
+        let [half, other_half] = [shift / 2, shift - shift / 2].map(power_of_two);
+        let direction = ray.direction.map(|x| x * half * other_half + 0.0);
         let origin = self.frame.scaled(ray.origin);
-        let unit = half / self.frame.scale * rest;
+        let unit = half / self.frame.scale * other_half;
         let local: [f64; 3] = std::array::from_fn(|k| origin[k] - self.frame.middle[k]);
         if !local.iter().all(|x| x.is_finite()) {
             return None;
@@ -299,18 +299,18 @@ impl Bvh {
             slabs: RaySlabs::new(nearer, inverse, error),
             start,
             unit,
-            least: ray.t_min / unit,
-            most: ray.t_max / unit,
+            t_min: ray.t_min / unit,
+            t_max: ray.t_max / unit,
         })
     }
 
-    /// Visits triangles whose boxes the ray meets before `cast.most`, nearest boxes first, until `visit`
+    /// Visits triangles whose boxes the ray meets before `cast.t_max`, nearest boxes first, until `visit`
     /// returns true.
     #[inline]
     fn traverse(&self, cast: &mut LocalRay, mut visit: impl FnMut(&mut LocalRay, &BvhTriangle) -> bool) {
         let limit_of = |cast: &LocalRay| {
-            let limit = (cast.most - cast.start) as f32;
-            // Slack at both ends: `t` was rounded, and so is the entry into a box.
+            let limit = (cast.t_max - cast.start) as f32;
+            // Slack at both ends: `t` was rounded, and the entry into a box is rounded too.
             if limit < f32::MAX { limit * (SLACK * SLACK) + f32::EPSILON } else { f32::MAX }
         };
         let mut limit = limit_of(cast);
@@ -355,7 +355,7 @@ impl Bvh {
     }
 }
 
-/// The `t ≥ 0` at which a ray enters a box widened by `error`, 0 from within; `None` when it never does.
+/// The `t ≥ 0` at which a ray enters a box widened by `error`, 0 from inside; `None` if it never does.
 #[inline]
 fn start(bounds: &Box3, error: f64, origin: [f64; 3], inverse: [f64; 3]) -> Option<f64> {
     let (mut enter, mut leave) = (0.0, f64::INFINITY);

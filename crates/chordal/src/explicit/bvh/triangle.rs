@@ -13,22 +13,21 @@ pub(super) struct TriangleClosestPoint {
     pub distance_sq: f64,
 }
 
-/// A triangle is thin when its squared doubled area is below this fraction of its longest edge to the fourth.
-/// The areas by which the closed form decides lose up to the inverse of that in precision. 1/64 is an aspect
-/// of 1:8.
+/// A triangle is thin if its squared doubled area is below this fraction of the fourth power of its longest
+/// edge. The areas by which the closed form decides lose up to the inverse of that in precision. Chosen: 1/64
+/// is an aspect of 1:8.
 const THIN: f64 = 1.0 / 64.0;
 
 /// The closest point of a triangle of any shape to `q`.
 ///
 /// The error of the distance is a few units in the last place of the distance to the farthest corner. Source
-/// of the regions: C. Ericson, *Real-Time Collision Detection*, 2005, 5.1.5; the corners first, then thin
-/// triangles and those without area in a frame of their own.
+/// of the regions: C. Ericson, *Real-Time Collision Detection*, 2005, 5.1.5; corners are tested first, and
+/// thin triangles and those without area are treated in a frame of their own.
 #[inline]
 pub(super) fn closest_point(q: [f64; 3], corners: [[f64; 3]; 3]) -> TriangleClosestPoint {
     let [a, b, c] = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
     let q = DVec3::from(q);
-    // Edges are differences of the corners: as differences of offsets from a far `q` they would include its
-    // rounding.
+    // Edges are differences of the corners: differences of offsets from a far `q` would include its rounding.
     let (ab, ac) = (b - a, c - a);
     let (aq, bq, cq) = (q - a, q - b, q - c);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));
@@ -57,7 +56,7 @@ pub(super) fn closest_point(q: [f64; 3], corners: [[f64; 3]; 3]) -> TriangleClos
 }
 
 /// The barycentric coordinates of the closest point, which is not a corner, from the dot products of `ab` and
-/// `ac` with the offsets of `q` from the three corners; `None` where the areas contradict each other.
+/// `ac` with the offsets of `q` from the three corners; `None` if the areas contradict each other.
 #[inline]
 fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
     let vc = d1 * d4 - d3 * d2;
@@ -76,15 +75,15 @@ fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
         let t = e4 / (e4 + e5);
         return Some([0.0, 1.0 - t, t]);
     }
-    let whole = va + vb + vc;
-    let (v, w) = (vb / whole, vc / whole);
+    let sum = va + vb + vc;
+    let (v, w) = (vb / sum, vc / sum);
     let u = 1.0 - v - w;
     (u >= 0.0 && v >= 0.0 && w >= 0.0).then_some([u, v, w])
 }
 
-/// A triangle in a frame of its own, with the longest edge along x. However thin it is, the triangle with
-/// corners `(0, 0)`, `(length, 0)` and `apex` is within a few units in the last place of the longest edge of
-/// the true one.
+/// A triangle in its own frame, with the longest edge along x. However thin it is, the triangle with corners
+/// `(0, 0)`, `(length, 0)` and `apex` is within a few units in the last place of the longest edge of the true
+/// one.
 struct ThinTriangle {
     /// The corners: start and end of the longest edge, apex.
     order: [usize; 3],
@@ -95,7 +94,8 @@ struct ThinTriangle {
     apex: [f64; 2],
 }
 
-/// `v` minus its components along the unit vectors `axes`; twice, since the first time leaves its rounding.
+/// `v` minus its components along the unit vectors `axes`; done twice, since the first pass leaves its
+/// rounding.
 fn reject(v: DVec3, axes: &[DVec3]) -> DVec3 {
     let once = |v: DVec3| axes.iter().fold(v, |v, axis| v - *axis * axis.dot(v));
     once(once(v))
@@ -109,7 +109,7 @@ fn unit(v: DVec3) -> DVec3 {
 impl ThinTriangle {
     fn new(p: [DVec3; 3]) -> Self {
         let squares: [f64; 3] = std::array::from_fn(|k| (p[(k + 1) % 3] - p[k]).length_squared());
-        let k = (1..3).fold(0, |most, k| if squares[k] > squares[most] { k } else { most });
+        let k = (1..3).fold(0, |longest, k| if squares[k] > squares[longest] { k } else { longest });
         let order = [k, (k + 1) % 3, (k + 2) % 3];
         let [start, end, apex] = order.map(|i| p[i]);
         let x = unit(end - start);
@@ -134,20 +134,20 @@ impl ThinTriangle {
         let clamped = |x: f64| {
             if x > 0.0 { lesser(x, 1.0) } else { 0.0 }
         };
-        // The nearest of the three edges …
+        // The nearest point of the three edges …
         let edge = |from: [f64; 2], to: [f64; 2]| {
             let along = [to[0] - from[0], to[1] - from[1]];
             let dot = (at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1];
             let square = along[0] * along[0] + along[1] * along[1];
             let t = if square > 0.0 { clamped(dot / square) } else { 0.0 };
-            let off = [at[0] - from[0] - t * along[0], at[1] - from[1] - t * along[1]];
-            (t, off[0] * off[0] + off[1] * off[1])
+            let offset = [at[0] - from[0] - t * along[0], at[1] - from[1] - t * along[1]];
+            (t, offset[0] * offset[0] + offset[1] * offset[1])
         };
         let sides = [edge([0.0; 2], end), edge([0.0; 2], apex), edge(end, apex)];
-        let which = (1..3).fold(0, |least, k| if sides[k].1 < sides[least].1 { k } else { least });
-        let t = sides[which].0;
-        let mut weights = [[1.0 - t, t, 0.0], [1.0 - t, 0.0, t], [0.0, 1.0 - t, t]][which];
-        // … or the point itself where it projects inside.
+        let nearest = (1..3).fold(0, |closest, k| if sides[k].1 < sides[closest].1 { k } else { closest });
+        let t = sides[nearest].0;
+        let mut weights = [[1.0 - t, t, 0.0], [1.0 - t, 0.0, t], [0.0, 1.0 - t, t]][nearest];
+        // … or the point itself, if it projects inside.
         let right_of_left = at[0] * apex[1] - at[1] * apex[0] > 0.0;
         let left_of_right = (at[0] - end[0]) * apex[1] - at[1] * (apex[0] - end[0]) < 0.0;
         if at[1] > 0.0 && right_of_left && left_of_right {
@@ -161,13 +161,13 @@ impl ThinTriangle {
     }
 }
 
-/// A proved lower bound for the distance between `q` and the triangle, rounding included. Where that is sure
-/// to be at least `enough`, it may be any bound that is at least `enough`.
+/// A proved lower bound for the distance between `q` and the triangle, rounding included. If the distance is
+/// surely at least `enough`, the bound may be any number of at least `enough`.
 ///
-/// For any direction `u`, the whole triangle is at least `min (q − corner)·u / |u|` away: it lies beyond that
-/// plane. The directions are the one from the closest point to `q`, and `q`'s component perpendicular to the
-/// edge or face of the closest point. They only affect how tight the bound is; the arithmetic after them is
-/// rounded downwards.
+/// For any direction `u`, the entire triangle is at least `min (q − corner)·u / |u|` away: it lies beyond
+/// that plane. The directions are that from the closest point to `q`, and the component of `q` perpendicular
+/// to the edge or face of the closest point. They only affect how tight the bound is; the arithmetic after
+/// them is rounded downwards.
 pub(super) fn distance_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) -> f64 {
     let barycentric = closest_point(q, corners).barycentric;
     let p = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
@@ -187,17 +187,17 @@ pub(super) fn distance_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) ->
 /// [`plane_separation`] in a third of its time and with a wider margin, for `offsets` that are each off by
 /// one rounding.
 fn plane_separation_estimate(offsets: [DVec3; 3], u: DVec3) -> f64 {
-    // Each of the three terms has had at most five roundings of 2⁻⁵³, and their sizes' sum is low by as many:
-    // 2⁻⁵⁰.
+    // Each of the three terms has at most five roundings of 2⁻⁵³, and the sum of their sizes is too low by as
+    // many: 2⁻⁵⁰.
     const SHARE: f64 = 4.0 * f64::EPSILON;
     let along = |offset: DVec3| offset.dot(u) - offset.abs().dot(u.abs()) * SHARE;
     let [a, b, c] = [along(offsets[0]), along(offsets[1]), along(offsets[2])];
     let ab = lesser(a, b);
-    let least = lesser(ab, c);
-    // Products that underflow lose less than the smallest normal number; the length and the quotient four
-    // roundings.
-    let far = (least - f64::MIN_POSITIVE) / (u.length() * (1.0 + SHARE));
-    if far > 0.0 && u.length_squared() > MIN_SQUARE { far * (1.0 - SHARE) } else { 0.0 }
+    let lowest = lesser(ab, c);
+    // Products that underflow lose less than the smallest normal number; the length and the quotient take
+    // four roundings.
+    let distance = (lowest - f64::MIN_POSITIVE) / (u.length() * (1.0 + SHARE));
+    if distance > 0.0 && u.length_squared() > MIN_SQUARE { distance * (1.0 - SHARE) } else { 0.0 }
 }
 
 /// Squares above this have lost nothing significant to underflow.
@@ -223,8 +223,8 @@ fn closest_feature(p: [DVec3; 3], barycentric: [f64; 3]) -> ClosestFeature {
     }
 }
 
-/// A lower bound for the distance of the triangle from `q` beyond the plane perpendicular to `u`; 0 when it
-/// is not beyond.
+/// A lower bound for the distance of the triangle from `q` beyond the plane perpendicular to `u`; 0 if it is
+/// not beyond.
 fn plane_separation(q: [f64; 3], corners: [[f64; 3]; 3], u: DVec3) -> f64 {
     // A power of two keeps squares in range and does not change the direction.
     let u = (u * power_of_two(-exponent(u.abs().max_element()))).to_array();
@@ -234,10 +234,10 @@ fn plane_separation(q: [f64; 3], corners: [[f64; 3]; 3], u: DVec3) -> f64 {
             add_down(sum, mul_down(end, u[k]))
         })
     };
-    let least = corners.map(along).into_iter().fold(f64::INFINITY, |a, b| lesser(b, a));
+    let lowest = corners.map(along).into_iter().fold(f64::INFINITY, |a, b| lesser(b, a));
     let square = u.iter().fold(0.0, |sum, x| add_up(sum, mul_up(*x, *x)));
     // NaN, from differences that overflow, fails the comparison.
-    if least > 0.0 { div_down(least, sqrt_up(square)) } else { 0.0 }
+    if lowest > 0.0 { div_down(lowest, sqrt_up(square)) } else { 0.0 }
 }
 
 /// An upper bound for the distance between `q` and the triangle: the true distance to the point with these
@@ -250,8 +250,8 @@ pub(super) fn distance_up(q: [f64; 3], corners: [[f64; 3]; 3], barycentric: [f64
             low = add_down(low, mul_down(sub_down(q[k], corner[k]), w));
             high = add_up(high, mul_up(sub_up(q[k], corner[k]), w));
         }
-        let most = greater(-low, high);
-        square = add_up(square, mul_up(most, most));
+        let largest = greater(-low, high);
+        square = add_up(square, mul_up(largest, largest));
     }
     let [u, v, w] = barycentric;
     div_up(sqrt_up(square), add_down(add_down(u, v), w))

@@ -1,4 +1,4 @@
-//! The generalized winding number of a mesh, open or broken as it may be, around a point.
+//! The generalized winding number of a mesh, possibly open or broken, around a point.
 //!
 //! The winding number of a triangle is the fraction of directions that it covers. Far clusters of triangles
 //! are summed by their first two moments; the remainder is bounded, cluster by cluster, by the third
@@ -15,8 +15,8 @@ use super::{Bvh, LAST, LEAF, NONE, STACK, WIDTH};
 use crate::math::{difference, dot, greater, length, lesser};
 use std::f64::consts::PI;
 
-/// The winding number of a surface around a point: 1 inside a closed outward one, 0 outside, anything between
-/// where it is open.
+/// The winding number of a surface around a point: 1 inside a closed outward surface, 0 outside, and values
+/// between if it is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindingNumber {
     /// The number.
@@ -37,7 +37,7 @@ pub(super) struct ClusterMoments {
     tensor: [f64; 6],
     /// `∫ |x − centre|²`.
     second: f64,
-    /// No corner is farther from the centre.
+    /// No corner is farther from the centre than this.
     radius: f64,
 }
 
@@ -48,43 +48,43 @@ impl ClusterMoments {
         let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
         let normal = normal.map(|x| 0.5 * x);
         let squares = [a, b, c].map(|p| dot(difference(p, centre), difference(p, centre)));
-        let most = squares.into_iter().fold(0.0, |m, s| greater(s, m));
+        let largest = squares.into_iter().fold(0.0, |m, s| greater(s, m));
         let area = length(normal);
         // ∫|x − centre|² over a triangle is a twelfth of its area times the sum of its corners' squared
         // distances.
         let second = area * (squares[0] + squares[1] + squares[2]) / 12.0;
-        Self { centre, area, normal, tensor: [0.0; 6], second, radius: grown(most.sqrt()) }
+        Self { centre, area, normal, tensor: [0.0; 6], second, radius: grown(largest.sqrt()) }
     }
 
     fn from_children(parts: &[Self]) -> Self {
-        let mut whole = Self::default();
+        let mut cluster = Self::default();
         for part in parts {
-            whole.area += part.area;
-            (0..3).for_each(|k| whole.normal[k] += part.normal[k]);
-            (0..3).for_each(|k| whole.centre[k] += part.area * part.centre[k]);
+            cluster.area += part.area;
+            (0..3).for_each(|k| cluster.normal[k] += part.normal[k]);
+            (0..3).for_each(|k| cluster.centre[k] += part.area * part.centre[k]);
         }
-        whole.centre = if whole.area > 0.0 {
-            whole.centre.map(|x| x / whole.area)
+        cluster.centre = if cluster.area > 0.0 {
+            cluster.centre.map(|x| x / cluster.area)
         } else {
             parts.first().map_or([0.0; 3], |part| part.centre)
         };
         for part in parts {
-            let off = difference(part.centre, whole.centre);
+            let offset = difference(part.centre, cluster.centre);
             let n = part.normal;
             let moved = [
-                off[0] * n[0],
-                off[1] * n[1],
-                off[2] * n[2],
-                off[1] * n[2] + off[2] * n[1],
-                off[2] * n[0] + off[0] * n[2],
-                off[0] * n[1] + off[1] * n[0],
+                offset[0] * n[0],
+                offset[1] * n[1],
+                offset[2] * n[2],
+                offset[1] * n[2] + offset[2] * n[1],
+                offset[2] * n[0] + offset[0] * n[2],
+                offset[0] * n[1] + offset[1] * n[0],
             ];
-            (0..6).for_each(|k| whole.tensor[k] += part.tensor[k] + moved[k]);
-            whole.second += part.second + part.area * dot(off, off);
-            let radius = grown(length(off) + part.radius);
-            whole.radius = greater(radius, whole.radius);
+            (0..6).for_each(|k| cluster.tensor[k] += part.tensor[k] + moved[k]);
+            cluster.second += part.second + part.area * dot(offset, offset);
+            let radius = grown(length(offset) + part.radius);
+            cluster.radius = greater(radius, cluster.radius);
         }
-        whole
+        cluster
     }
 
     /// The winding number of a cluster and its error; `None` unless the cluster is far enough for an opening
@@ -109,8 +109,8 @@ impl ClusterMoments {
         let cube = square * away;
         let value = (dot(self.normal, d) + trace - 3.0 * along / square) / cube;
         let remainder = 3.0 * self.second / (gap * gap) / (gap * gap);
-        // A few dozen roundings of sums over the cluster, none of whose terms exceeds its area over the gap
-        // squared.
+        // A few dozen roundings of sums over the cluster, none of whose terms exceeds its area over the
+        // squared gap.
         const ROUNDING: f64 = 256.0 * f64::EPSILON;
         let rounding = ROUNDING * self.area / (gap * gap);
         Some([value / (4.0 * PI), (remainder * (1.0 + ROUNDING) + rounding) / (4.0 * PI)])
@@ -119,11 +119,11 @@ impl ClusterMoments {
 
 /// An upper bound for a length after some roundings.
 fn grown(x: f64) -> f64 {
-    // Eight roundings of half a unit are allowed for.
+    // Margin for eight roundings of half a unit.
     x * (1.0 + 4.0 * f64::EPSILON)
 }
 
-/// The fraction of directions that a triangle covers, negative from behind, and its largest error.
+/// The fraction of directions that a triangle covers, negative from behind, and a bound on its error.
 #[inline]
 fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
     let [a, b, c] = corners.map(|p| difference(p, q));
@@ -133,19 +133,19 @@ fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
         + a[2] * (b[0] * c[1] - b[1] * c[0]);
     let size = la * lb * lc;
     let base = size + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    // Some 16 roundings of half a unit in each of the two, of terms that are at most 4 · size together,
-    // rotate the angle by that over their length; beyond a full turn nothing is known.
+    // Some 16 roundings of half a unit in each of the two, of terms that are together at most 4 · size,
+    // rotate the angle by that over their length; beyond a full turn there is no bound.
     const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
     let reach = (det * det + base * base).sqrt();
-    let off = ROUNDINGS * size / reach;
-    let off = lesser(off, 1.0);
-    // Seen from the front the corners run counter-clockwise, and the point is outside.
-    [libm::atan2(det, base) / (2.0 * PI), off + f64::EPSILON]
+    let error = ROUNDINGS * size / reach;
+    let error = lesser(error, 1.0);
+    // Seen from the front, the corners run counter-clockwise and the point is outside.
+    [libm::atan2(det, base) / (2.0 * PI), error + f64::EPSILON]
 }
 
 /// The moments of the subtree of each child of each node.
 pub(super) fn moments(bvh: &Bvh) -> Vec<[ClusterMoments; WIDTH]> {
-    let mut all = vec![[ClusterMoments::default(); WIDTH]; bvh.nodes.len()];
+    let mut moments = vec![[ClusterMoments::default(); WIDTH]; bvh.nodes.len()];
     // Children come after their parents.
     for (index, node) in bvh.nodes.iter().enumerate().rev() {
         for lane in 0..WIDTH {
@@ -153,22 +153,24 @@ pub(super) fn moments(bvh: &Bvh) -> Vec<[ClusterMoments; WIDTH]> {
             if child == NONE {
                 continue;
             }
-            all[index][lane] = if child & LEAF != 0 {
-                let of =
+            moments[index][lane] = if child & LEAF != 0 {
+                let triangle_moments =
                     |row: u32| ClusterMoments::from_triangle(bvh.corners_of(&bvh.triangles[row as usize]));
-                ClusterMoments::from_children(&leaf_rows(bvh, child).map(of).collect::<Vec<_>>())
+                ClusterMoments::from_children(
+                    &leaf_rows(bvh, child).map(triangle_moments).collect::<Vec<_>>(),
+                )
             } else {
                 let below = &bvh.nodes[child as usize];
                 let n = below.child.iter().filter(|child| **child != NONE).count();
-                let parts = all[child as usize];
-                let mut kept = [ClusterMoments::default(); WIDTH];
+                let parts = moments[child as usize];
+                let mut children = [ClusterMoments::default(); WIDTH];
                 let lanes = (0..WIDTH).filter(|k| below.child[*k] != NONE);
-                kept.iter_mut().zip(lanes).for_each(|(to, k)| *to = parts[k]);
-                ClusterMoments::from_children(&kept[..n])
+                children.iter_mut().zip(lanes).for_each(|(to, k)| *to = parts[k]);
+                ClusterMoments::from_children(&children[..n])
             };
         }
     }
-    all
+    moments
 }
 
 /// The rows of a leaf's triangles.
@@ -181,9 +183,10 @@ pub(super) fn leaf_rows(bvh: &Bvh, child: u32) -> impl Iterator<Item = u32> + '_
 /// Up to 2³² errors are summed at a time, each sum rounded by half a unit of 2⁻⁵²: less than 2⁻²⁰ of it.
 const SUMMED: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 /// Clusters are summed from four radii away at first, and from twice as far each time that the bound is too
-/// large.
+/// large. Chosen: a smaller value sums fewer nodes in the first round, and more often needs a second.
 const CLOSENESS: f64 = 4.0;
-/// From here on all triangles are summed one by one.
+/// Beyond this closeness, all triangles are summed one by one. Chosen: a larger value tries more rounds
+/// before it gives up on clusters.
 const CLOSEST: f64 = 128.0;
 
 impl Bvh {
@@ -203,7 +206,7 @@ impl Bvh {
         (!self.nodes.is_empty() && q.iter().all(|x| x.is_finite())).then_some(q)
     }
 
-    /// The winding number, off by `within` at most unless roundings alone are more.
+    /// The winding number, with an error of at most `within` unless roundings alone are more.
     pub(super) fn winding_by(
         &self,
         moments: &[[ClusterMoments; WIDTH]],
@@ -212,9 +215,9 @@ impl Bvh {
     ) -> WindingNumber {
         let mut closeness = CLOSENESS;
         loop {
-            let found = self.sum(moments, q, closeness);
-            if found.off_at_most <= within || closeness.is_infinite() {
-                return found;
+            let winding = self.sum(moments, q, closeness);
+            if winding.off_at_most <= within || closeness.is_infinite() {
+                return winding;
             }
             closeness = if closeness < CLOSEST { 2.0 * closeness } else { f64::INFINITY };
         }
@@ -223,11 +226,11 @@ impl Bvh {
     fn sum(&self, moments: &[[ClusterMoments; WIDTH]], q: [f64; 3], closeness: f64) -> WindingNumber {
         let mut stack = [0_u32; STACK];
         let mut height = 1;
-        let (mut value, mut off) = (0.0, 0.0);
+        let (mut value, mut error) = (0.0, 0.0);
         let mut add = |[v, o]: [f64; 2]| {
             value += v;
             // Adding rounds by half a unit of the partial sum.
-            off += o + f64::EPSILON * f64::abs(value);
+            error += o + f64::EPSILON * f64::abs(value);
         };
         while height > 0 {
             height -= 1;
@@ -237,8 +240,8 @@ impl Bvh {
                 if child == NONE {
                     continue;
                 }
-                if let Some(seen) = moment.winding_from(q, closeness) {
-                    add(seen);
+                if let Some(term) = moment.winding_from(q, closeness) {
+                    add(term);
                 } else if child & LEAF != 0 {
                     for row in leaf_rows(self, child) {
                         add(triangle_winding(q, self.corners_of(&self.triangles[row as usize])));
@@ -249,17 +252,17 @@ impl Bvh {
                 }
             }
         }
-        WindingNumber { value, off_at_most: off * SUMMED }
+        WindingNumber { value, off_at_most: error * SUMMED }
     }
 }
 
 /// The sum of many terms, each with its own error; the rounding of the sum is added.
 fn total(terms: impl Iterator<Item = [f64; 2]>) -> WindingNumber {
-    let (mut value, mut off) = (0.0_f64, 0.0);
+    let (mut value, mut error) = (0.0_f64, 0.0);
     for [v, o] in terms {
         value += v;
-        // Half a unit of the partial sum, which is below a whole one.
-        off += o + f64::EPSILON * value.abs();
+        // Half a unit of the partial sum, which is less than this.
+        error += o + f64::EPSILON * value.abs();
     }
-    WindingNumber { value, off_at_most: off * SUMMED }
+    WindingNumber { value, off_at_most: error * SUMMED }
 }

@@ -1,4 +1,5 @@
-//! Sharpness over the rounds on grids: the rules of points and their weights, independent of positions.
+//! Sharpness over the rounds on grids: the rules of points and their weights, which do not depend on
+//! positions.
 use super::edges::{csr_lists, csr_row};
 use super::quads::NONE;
 use super::stencils::StencilWeights;
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 /// The weights of one round.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StencilTable {
-    /// Vertices that do not follow the smooth rule alone, in ascending order.
+    /// Vertices that do not follow only the smooth rule, in ascending order.
     pub vertices: Vec<(u32, StencilWeights)>,
     /// Edges with a point that does not, in ascending order.
     pub edges: Vec<(u32, EdgeStencil)>,
@@ -18,7 +19,7 @@ pub(super) struct StencilTable {
 /// The weights of the crease rule for the new points along an edge.
 #[derive(Clone, Debug)]
 pub(super) enum EdgeStencil {
-    /// One weight for points between parts, one for midpoints of parts.
+    /// One weight for points between parts, and one for midpoints of parts.
     Even { points: f64, middles: f64 },
     /// One weight per point, a midpoint first.
     Each(Vec<f64>),
@@ -34,7 +35,7 @@ impl EdgeSharpness {
     fn at(&self, part: usize) -> f64 {
         match self {
             Self::Even(sharp) => *sharp,
-            Self::Each(all) => all[part],
+            Self::Each(parts) => parts[part],
         }
     }
 }
@@ -70,11 +71,11 @@ impl<'a> GridSharpness<'a> {
         let mut special: Vec<u32> = ends.chain(vertices.iter().map(|(v, _)| *v)).chain(bare).collect();
         special.sort_unstable();
         special.dedup();
-        let mut places = vec![NONE; n_vertices];
-        special.iter().enumerate().for_each(|(place, v)| places[*v as usize] = place as u32);
+        let mut indices = vec![NONE; n_vertices];
+        special.iter().enumerate().for_each(|(index, v)| indices[*v as usize] = index as u32);
         let at_ends = all_ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
-        let places = at_ends.map(|(v, e)| (places[v as usize], e)).filter(|(place, _)| *place != NONE);
-        let (around_ends, around) = csr_lists(special.len(), places);
+        let indices = at_ends.map(|(v, e)| (indices[v as usize], e)).filter(|(index, _)| *index != NONE);
+        let (around_ends, around) = csr_lists(special.len(), indices);
         Self {
             ends: all_ends,
             creasing,
@@ -87,44 +88,44 @@ impl<'a> GridSharpness<'a> {
         }
     }
 
-    /// The edges of a vertex with the sharpness of their parts there.
-    fn edges_around(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
-        let vertex = self.special[place];
-        csr_row(&self.vertex_edge_ends, &self.vertex_edges, place).iter().map(move |e| {
+    /// The edges of the special vertex with this index, with the sharpness of their parts next to it.
+    fn edges_around(&self, index: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
+        let vertex = self.special[index];
+        csr_row(&self.vertex_edge_ends, &self.vertex_edges, index).iter().map(move |e| {
             let at = if self.ends[*e as usize][0] == vertex { 0 } else { self.n - 1 };
             (*e, self.edges.get(e).map_or(0.0, |parts| parts.at(at)))
         })
     }
 
-    /// Returns the weights of the next round and lowers the sharpness to what is left after it.
+    /// Returns the weights of the next round and lowers the sharpness to that after the round.
     pub fn next(&mut self) -> StencilTable {
         let mut rules = StencilTable::default();
-        for (place, vertex) in self.special.iter().enumerate() {
-            let of = self.edges_around(place);
-            let own = self.vertices.get(vertex).copied().unwrap_or(0.0);
-            let is_bare = csr_row(&self.vertex_edge_ends, &self.vertex_edges, place).is_empty();
+        for (index, vertex) in self.special.iter().enumerate() {
+            let edges = self.edges_around(index);
+            let sharpness = self.vertices.get(vertex).copied().unwrap_or(0.0);
+            let is_bare = csr_row(&self.vertex_edge_ends, &self.vertex_edges, index).is_empty();
             let shares = if is_bare {
                 StencilWeights::CORNER
             } else {
-                StencilWeights::from_blend(RuleBlend::new(self.creasing, own, of))
+                StencilWeights::from_blend(RuleBlend::new(self.creasing, sharpness, edges))
             };
             if shares.smooth < 1.0 {
                 rules.vertices.push((*vertex, shares));
             }
         }
-        let mut left = BTreeMap::new();
+        let mut remaining = BTreeMap::new();
         for (edge, parts) in &self.edges {
             let (along, halves) = self.subdivide_edge(*edge, parts);
             rules.edges.push((*edge, along));
             let is_sharp = match &halves {
                 EdgeSharpness::Even(sharp) => *sharp > 0.0,
-                EdgeSharpness::Each(all) => all.iter().any(|sharp| *sharp > 0.0),
+                EdgeSharpness::Each(sharpness) => sharpness.iter().any(|sharp| *sharp > 0.0),
             };
             if is_sharp {
-                left.insert(*edge, halves);
+                remaining.insert(*edge, halves);
             }
         }
-        self.edges = left;
+        self.edges = remaining;
         self.vertices.values_mut().for_each(|sharp| *sharp = decrement_sharpness(*sharp));
         self.vertices.retain(|_, sharp| *sharp > 0.0);
         self.n *= 2;
@@ -140,23 +141,30 @@ impl<'a> GridSharpness<'a> {
         if let EdgeSharpness::Even(sharp) = parts
             && is_stable(*sharp)
         {
-            let left = decrement_sharpness(*sharp);
-            let along =
-                EdgeStencil::Even { points: point([*sharp; 2]), middles: crease_weight(*sharp, [left; 2]) };
-            return (along, EdgeSharpness::Even(left));
+            let remaining = decrement_sharpness(*sharp);
+            let along = EdgeStencil::Even {
+                points: point([*sharp; 2]),
+                middles: crease_weight(*sharp, [remaining; 2]),
+            };
+            return (along, EdgeSharpness::Even(remaining));
         }
-        let left = |part: usize, place: usize| {
+        let half_sharpness = |part: usize, point_index: usize| {
             let sharp = parts.at(part);
-            if place == 0 || place == self.n {
-                let vertex = self.ends[edge as usize][place / self.n];
-                let place = self.special.binary_search(&vertex).unwrap_or(0);
-                subdivide_sharpness(self.creasing, sharp, self.edges_around(place).map(|(_, sharp)| sharp))
+            if point_index == 0 || point_index == self.n {
+                let vertex = self.ends[edge as usize][point_index / self.n];
+                let index = self.special.binary_search(&vertex).unwrap_or(0);
+                subdivide_sharpness(self.creasing, sharp, self.edges_around(index).map(|(_, sharp)| sharp))
             } else {
-                subdivide_sharpness(self.creasing, sharp, [parts.at(place - 1), parts.at(place)].into_iter())
+                subdivide_sharpness(
+                    self.creasing,
+                    sharp,
+                    [parts.at(point_index - 1), parts.at(point_index)].into_iter(),
+                )
             }
         };
-        let halves: Vec<f64> =
-            (0..self.n).flat_map(|part| [left(part, part), left(part, part + 1)]).collect();
+        let halves: Vec<f64> = (0..self.n)
+            .flat_map(|part| [half_sharpness(part, part), half_sharpness(part, part + 1)])
+            .collect();
         let mut shares = Vec::with_capacity(2 * self.n - 1);
         for part in 0..self.n {
             if part > 0 {

@@ -23,8 +23,8 @@ impl CageEdges {
         Self::with_classes(cage, |_| 0)
     }
 
-    /// Sides with the same ends are one edge only when their corners have the same class: in a round of
-    /// Loop's scheme two edges may have the same ends.
+    /// Sides with the same ends are one edge only if their corners have the same class: in a round of Loop's
+    /// scheme two edges may have the same ends.
     pub fn with_classes(cage: &Cage, class: impl Fn(u32) -> u32 + Copy) -> Self {
         let halves = CageHalfEdges::new(cage, class);
         // Edges are numbered in the order of the first corner.
@@ -70,7 +70,7 @@ impl CageEdges {
         &self.faces[start as usize..self.face_ends[edge] as usize]
     }
 
-    /// The edge between two vertices; one of them where there are several.
+    /// The edge between two vertices; any one of them if there are several.
     pub fn between(&self, a: u32, b: u32) -> Option<u32> {
         let ends = if a < b { [a, b] } else { [b, a] };
         self.sorted.binary_search_by_key(&ends, |entry| entry.0).ok().map(|k| self.sorted[k].1)
@@ -78,8 +78,8 @@ impl CageEdges {
 
     /// The sharp edges by their ends, from the sharpness of each edge.
     pub fn sharp_edges(&self, sharpness: &[f64]) -> Vec<([u32; 2], f64)> {
-        let all = self.sorted.iter().map(|(ends, edge)| (*ends, sharpness[*edge as usize]));
-        all.filter(|(_, sharp)| *sharp > 0.0).collect()
+        let edges = self.sorted.iter().map(|(ends, edge)| (*ends, sharpness[*edge as usize]));
+        edges.filter(|(_, sharp)| *sharp > 0.0).collect()
     }
 }
 
@@ -112,18 +112,18 @@ impl CageHalfEdges {
 
     /// The half-edges of each edge, with the lower of its ends, in ascending order.
     fn runs(&self, class: impl Fn(u32) -> u32 + Copy) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
-        let of = move |low: usize| {
+        let runs_of = move |low: usize| {
             csr_row(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
         };
-        (0..self.ends.len()).flat_map(move |low| of(low).map(move |run| (low as u32, run)))
+        (0..self.ends.len()).flat_map(move |low| runs_of(low).map(move |run| (low as u32, run)))
     }
 }
 
 /// The face of each corner.
 fn face_of_corners(cage: &Cage) -> Vec<u32> {
     let mut faces = Vec::with_capacity(cage.corners.len());
-    for (face, of) in cage.faces().enumerate() {
-        faces.extend(of.iter().map(|_| face as u32));
+    for (face, vertices) in cage.faces().enumerate() {
+        faces.extend(vertices.iter().map(|_| face as u32));
     }
     faces
 }
@@ -141,7 +141,8 @@ impl VertexIncidence {
     pub fn new(cage: &Cage, edges: &CageEdges) -> Self {
         let n = cage.positions.len();
         let of_edges = edges.ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
-        let of_faces = cage.faces().enumerate().flat_map(|(f, of)| of.iter().map(move |v| (*v, f as u32)));
+        let of_faces =
+            cage.faces().enumerate().flat_map(|(f, vertices)| vertices.iter().map(move |v| (*v, f as u32)));
         let (edge_ends, edges) = csr_lists(n, of_edges);
         let (face_ends, faces) = csr_lists(n, of_faces);
         Self { edge_ends, edges, face_ends, faces }
@@ -156,9 +157,9 @@ impl VertexIncidence {
     }
 }
 
-pub(super) fn csr_row<'a, T>(ends: &[u32], all: &'a [T], which: usize) -> &'a [T] {
-    let start = if which == 0 { 0 } else { ends[which - 1] };
-    &all[start as usize..ends[which] as usize]
+pub(super) fn csr_row<'a, T>(ends: &[u32], items: &'a [T], row: usize) -> &'a [T] {
+    let start = if row == 0 { 0 } else { ends[row - 1] };
+    &items[start as usize..ends[row] as usize]
 }
 
 /// Lists of the items of each of `n` owners, in input order (compressed rows): the end of each list, and all
@@ -170,16 +171,16 @@ pub(super) fn csr_lists<T: Copy + Default>(
     let mut counts = vec![0_u32; n];
     pairs.clone().for_each(|(owner, _)| counts[owner as usize] += 1);
     let mut end = 0;
-    let mut places: Vec<u32> = Vec::with_capacity(n);
+    let mut starts: Vec<u32> = Vec::with_capacity(n);
     for count in &counts {
-        places.push(end);
+        starts.push(end);
         end += count;
     }
-    let mut all = vec![T::default(); end as usize];
-    for (owner, what) in pairs {
-        let place = &mut places[owner as usize];
-        all[*place as usize] = what;
-        *place += 1;
+    let mut items = vec![T::default(); end as usize];
+    for (owner, item) in pairs {
+        let slot = &mut starts[owner as usize];
+        items[*slot as usize] = item;
+        *slot += 1;
     }
-    (places, all)
+    (starts, items)
 }

@@ -1,4 +1,4 @@
-//! The ranges of the corners of faces, without memory per face where all have the same size.
+//! The ranges of the corners of faces, without memory per face if all have the same size.
 use std::ops::Range;
 
 /// A unique form: one or more faces of equal size are always `Even`.

@@ -1,5 +1,5 @@
 //! Rounds over quads as grids: after the first round each face is a quad, and later rounds turn each into a
-//! grid. All that is sharp or irregular lies on the borders of grids, so the interior needs no lookups.
+//! grid. All sharp or irregular points lie on the borders of grids, so the interior needs no lookups.
 use super::creases::{EdgeStencil, StencilTable};
 use super::quads::{NONE, QuadTopology};
 use super::rows::{GridBorders, LineStencil, between, divide, moved, spread};
@@ -7,7 +7,8 @@ use super::values::{Real, WideSum, add, chunks, scaled};
 use crate::budget::{Job, par_map_owned};
 use crate::math::simd::{Kernel, dispatch, isa};
 
-/// Points per task, about: enough to outweigh its start, few enough for an even load. Chosen.
+/// Points per task, approximately. Chosen: enough to outweigh the start of a task, few enough for an even
+/// load.
 const TASK: usize = 1 << 14;
 
 /// The values at the points of grids: vertices, n − 1 points along each edge, (n − 1)² inside each quad.
@@ -44,12 +45,12 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
 
     /// A point of an edge.
     #[inline(always)]
-    fn on_edge(&self, edge: u32, place: usize) -> [T; K] {
+    fn on_edge(&self, edge: u32, part: usize) -> [T; K] {
         let ends = self.quads.ends[edge as usize];
-        match place {
+        match part {
             0 => self.vertex(ends[0]),
-            _ if place == self.n => self.vertex(ends[1]),
-            _ => self.along(edge)[place - 1],
+            _ if part == self.n => self.vertex(ends[1]),
+            _ => self.along(edge)[part - 1],
         }
     }
 
@@ -74,7 +75,7 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         }
     }
 
-    /// All points of an edge.
+    /// All points of an edge, including its ends.
     fn whole(&self, edge: u32, out: &mut Vec<[T; K]>) {
         let ends = self.quads.ends[edge as usize];
         out.clear();
@@ -83,21 +84,21 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
         out.push(self.vertex(ends[1]));
     }
 
-    /// The row of a grid next to one of its sides, in the direction of the edge: its ends, and the rest,
-    /// gathered where it is a column.
+    /// The row of a grid next to one of its sides, in the direction of the edge: its ends, and the other
+    /// points, gathered if it is a column.
     #[inline(always)]
     fn beside<'b>(&'b self, side: u32, gathered: &'b mut Vec<[T; K]>) -> ([[T; K]; 2], &'b [[T; K]]) {
         let (quad, k, n) = (side as usize / 4, side as usize % 4, self.n);
         let edges = self.quads.edges[quad];
         // The edges that contain its ends, and the positions on them.
         let (from, to) = if k % 2 == 0 { (edges[3], edges[1]) } else { (edges[0], edges[2]) };
-        let place = if k == 0 || k == 3 { 1 } else { n - 1 };
-        let ends = [self.on_edge(from, place), self.on_edge(to, place)];
+        let part = if k == 0 || k == 3 { 1 } else { n - 1 };
+        let ends = [self.on_edge(from, part), self.on_edge(to, part)];
         let inside = self.inside(quad);
         if n == 1 {
             return (ends, &[]);
         }
-        let rest = match k {
+        let inner = match k {
             0 => &inside[..n - 1],
             2 => &inside[(n - 2) * (n - 1)..],
             _ => {
@@ -107,14 +108,14 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
                 gathered
             }
         };
-        (ends, rest)
+        (ends, inner)
     }
 
     /// The points after a round, with twice as many parts along each edge.
     pub fn divide(&self, rules: &StencilTable, weights: LineStencil<T>, job: &Job, out: &mut [[T; K]]) {
-        let (vertices, rest) = out.split_at_mut(self.quads.n_vertices);
+        let (vertices, edges_and_faces) = out.split_at_mut(self.quads.n_vertices);
         let wide = 2 * self.n - 1;
-        let (along, inside) = rest.split_at_mut(self.quads.ends.len() * wide);
+        let (along, inside) = edges_and_faces.split_at_mut(self.quads.ends.len() * wide);
         let few = TASK.div_ceil(wide);
         // Bilinear: existing points do not move.
         if weights[1] == T::default() {
@@ -132,8 +133,8 @@ impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
     }
 
     fn vertices(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
-        let all = &rules.vertices;
-        let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
+        let listed = &rules.vertices;
+        let mut special = listed[listed.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let vertex = first + k;
             *out = match special.next_if(|(v, _)| *v as usize == vertex) {
@@ -182,8 +183,8 @@ impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
         let (mut row, mut gathered) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut line = vec![[T::default(); K]; level.n + 1];
         let mut smooth = vec![[T::default(); K]; wide];
-        let all = &rules.edges;
-        let mut special = all[all.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
+        let listed = &rules.edges;
+        let mut special = listed[listed.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
         for (k, out) in out.chunks_exact_mut(wide).enumerate() {
             let edge = first + k;
             let along = special.next_if(|(e, _)| *e as usize == edge).map(|(_, along)| along);
@@ -192,17 +193,17 @@ impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
                 spread(weights, &row, out);
             }
             let sides = level.quads.sides[edge];
-            // An edge without two sides is sharp throughout.
+            // An edge without two sides is sharp along its entire length.
             if matches!(along, Some(EdgeStencil::Even { points, middles }) if *points >= 1.0 && *middles >= 1.0)
                 || sides[1] == NONE
             {
                 continue;
             }
-            let (ends, places) = (level.quads.ends[edge].map(|v| level.vertex(v)), [0, level.n]);
+            let (ends, ends_of_line) = (level.quads.ends[edge].map(|v| level.vertex(v)), [0, level.n]);
             let [first, second] = &mut gathered;
             let (a, b) = (level.beside(sides[0], first), level.beside(sides[1], second));
             for k in 0..2 {
-                line[places[k]] = moved(weights, ends[k], [a.0[k], b.0[k]]);
+                line[ends_of_line[k]] = moved(weights, ends[k], [a.0[k], b.0[k]]);
             }
             between(weights, level.along(edge as u32), [a.1, b.1], &mut line[1..level.n]);
             let Some(along) = along else {
@@ -210,10 +211,10 @@ impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
                 continue;
             };
             spread(weights, &line, &mut smooth);
-            for (place, (out, smooth)) in out.iter_mut().zip(&smooth).enumerate() {
+            for (index, (out, smooth)) in out.iter_mut().zip(&smooth).enumerate() {
                 let share = match along {
-                    EdgeStencil::Even { points, middles } => *(if place % 2 == 0 { middles } else { points }),
-                    EdgeStencil::Each(shares) => shares[place],
+                    EdgeStencil::Even { points, middles } => *(if index % 2 == 0 { middles } else { points }),
+                    EdgeStencil::Each(shares) => shares[index],
                 };
                 *out = add(scaled(T::from_f64(share), *out), T::from_f64(1.0 - share), *smooth);
             }
@@ -250,12 +251,12 @@ impl<T: Real, const K: usize> Kernel for GridFaceKernel<'_, T, K> {
 pub(super) fn corners(quads: &QuadTopology, n: usize, (first, out): (usize, &mut [u32])) {
     let inside = quads.n_vertices + quads.ends.len() * (n - 1);
     let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
-    let on_edge = |edge: u32, place: usize| {
+    let on_edge = |edge: u32, part: usize| {
         let ends = quads.ends[edge as usize];
-        match place {
+        match part {
             0 => ends[0],
-            _ if place == n => ends[1],
-            _ => (quads.n_vertices + edge as usize * (n - 1) + place - 1) as u32,
+            _ if part == n => ends[1],
+            _ => (quads.n_vertices + edge as usize * (n - 1) + part - 1) as u32,
         }
     };
     for (k, out) in out.chunks_exact_mut(4 * n * n).enumerate() {

@@ -24,11 +24,12 @@ pub use values::Real;
 /// The rules by which a cage is refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scheme {
-    /// Any polygons; every round makes quads. The limit is a bicubic B-spline where four quads meet at each
-    /// vertex.
+    /// Any polygons; every round makes quads. The limit is a bicubic B-spline in regions where four quads
+    /// meet at each vertex.
     #[default]
     CatmullClark,
-    /// Triangles; every round splits each into four. The limit is a quartic box spline where six meet.
+    /// Triangles; every round splits each into four. The limit is a quartic box spline in regions where six
+    /// meet.
     Loop,
     /// Any polygons, split into quads without smoothing.
     Bilinear,
@@ -37,12 +38,12 @@ pub enum Scheme {
 /// The treatment of the border of an open cage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
-    /// Faces with a vertex on the border have no surface; they shape that of the others.
+    /// Faces with a vertex on the border have no surface, but shape that of the others.
     None,
     /// The border is a smooth curve with rounded corners.
     #[default]
     EdgeOnly,
-    /// The border is a smooth curve that interpolates its vertices with only one face.
+    /// The border is a smooth curve that interpolates its vertices that have only one face.
     EdgeAndCorner,
 }
 
@@ -52,8 +53,8 @@ pub enum CreasingMethod {
     /// By 1 per round, on each edge independently.
     #[default]
     Uniform,
-    /// By 1 per round, with a quarter of the mean of the others around the same vertex: it changes smoothly
-    /// along a crease.
+    /// By 1 per round, with a quarter of the mean of the other edges around the same vertex: sharpness
+    /// changes smoothly along a crease.
     Chaikin,
 }
 
@@ -128,21 +129,21 @@ impl Cage {
         }
         let cage = Self { positions, sizes: FaceSizes::from_ends(ends), corners, ..Self::default() };
         let mut last = vec![u32::MAX; cage.positions.len()];
-        for (face, of) in cage.faces().enumerate() {
-            if of.len() < 3 {
+        for (face, vertices) in cage.faces().enumerate() {
+            if vertices.len() < 3 {
                 return Err(InvalidCage::ShortFace { face });
             }
-            for &index in of {
+            for &index in vertices {
                 let limit = cage.positions.len() as u32;
-                let seen = last.get_mut(index as usize).ok_or(InvalidCage::IndexOutOfRange {
+                let last_face = last.get_mut(index as usize).ok_or(InvalidCage::IndexOutOfRange {
                     face,
                     index,
                     limit,
                 })?;
-                if *seen == face as u32 {
+                if *last_face == face as u32 {
                     return Err(InvalidCage::VertexTwice { face, index });
                 }
-                *seen = face as u32;
+                *last_face = face as u32;
             }
         }
         Ok(cage)
@@ -151,10 +152,10 @@ impl Cage {
     /// The same cage with another scheme.
     ///
     /// # Errors
-    /// [`InvalidCage::NotTriangles`] for [`Scheme::Loop`] where a face is not a triangle.
+    /// [`InvalidCage::NotTriangles`] for [`Scheme::Loop`] if a face is not a triangle.
     pub fn with_scheme(mut self, scheme: Scheme) -> Result<Self, InvalidCage> {
         if scheme == Scheme::Loop
-            && let Some(face) = self.faces().position(|of| of.len() != 3)
+            && let Some(face) = self.faces().position(|vertices| vertices.len() != 3)
         {
             return Err(InvalidCage::NotTriangles { face });
         }
@@ -179,8 +180,8 @@ impl Cage {
     /// The same cage with these creases only. If an edge occurs twice, the last one counts.
     ///
     /// # Errors
-    /// [`InvalidCage::NoSuchEdge`] for an edge of no face, and [`InvalidCage::Sharpness`] where it is
-    /// negative or NaN.
+    /// [`InvalidCage::NoSuchEdge`] for an edge of no face, and [`InvalidCage::Sharpness`] if it is negative
+    /// or NaN.
     pub fn with_creases(mut self, creases: &[([u32; 2], f64)]) -> Result<Self, InvalidCage> {
         let edges = CageEdges::new(&self);
         let mut sharpness = vec![0.0; edges.ends.len()];
@@ -195,16 +196,16 @@ impl Cage {
     /// The same cage with these sharp vertices only. If a vertex occurs twice, the last one counts.
     ///
     /// # Errors
-    /// [`InvalidCage::NoSuchVertex`], and [`InvalidCage::Sharpness`] where it is negative or NaN.
+    /// [`InvalidCage::NoSuchVertex`], and [`InvalidCage::Sharpness`] if it is negative or NaN.
     pub fn with_sharp_vertices(mut self, vertices: &[(u32, f64)]) -> Result<Self, InvalidCage> {
-        let mut all = std::collections::BTreeMap::new();
+        let mut sharpness = std::collections::BTreeMap::new();
         for &(index, sharp) in vertices {
             if index as usize >= self.positions.len() {
                 return Err(InvalidCage::NoSuchVertex { index });
             }
-            all.insert(index, checked(sharp)?);
+            sharpness.insert(index, checked(sharp)?);
         }
-        self.sharp_vertices = all.into_iter().filter(|(_, sharp)| *sharp > 0.0).collect();
+        self.sharp_vertices = sharpness.into_iter().filter(|(_, sharp)| *sharp > 0.0).collect();
         Ok(self)
     }
 
@@ -223,15 +224,15 @@ impl Cage {
     }
 
     /// The same cage, treated as the result of a round: vertices that are corners by topology are corners
-    /// only where they are listed.
+    /// only if they are listed.
     #[must_use]
     pub fn with_corners_listed(mut self) -> Self {
         self.is_refined = true;
         self
     }
 
-    /// Whether vertices that are corners by topology are corners only where they are listed, as in the result
-    /// of a round.
+    /// Whether vertices that are corners by topology are corners only if they are listed, as in the result of
+    /// a round.
     #[must_use]
     pub fn lists_corners(&self) -> bool {
         self.is_refined
@@ -306,14 +307,14 @@ impl Cage {
     }
 }
 
-/// The most vertices, and corners of faces: half-edges are counted in 31 bits.
+/// The most vertices, and corners of faces. Derived: half-edges are counted in 31 bits.
 const MOST: usize = (1 << 31) - 4;
 
 fn checked(sharp: f64) -> Result<f64, InvalidCage> {
     if sharp >= 0.0 { Ok(sharp) } else { Err(InvalidCage::Sharpness { sharp }) }
 }
 
-/// Why polygons do not form a cage.
+/// The reason why polygons do not form a cage.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InvalidCage {
     /// A coordinate is NaN or infinite.
@@ -347,7 +348,7 @@ pub enum InvalidCage {
         /// The face.
         face: usize,
     },
-    /// A crease where there is no edge.
+    /// A crease that is not an edge.
     NoSuchEdge {
         /// Its vertices.
         ends: [u32; 2],
@@ -391,7 +392,7 @@ pub enum InvalidCage {
         /// The row.
         row: usize,
     },
-    /// More than can be counted.
+    /// More elements than can be counted.
     TooMany {
         /// The kind of elements.
         what: &'static str,

@@ -1,6 +1,6 @@
-//! `QuadTopology`: the quads of the first round with their edges, made directly from the cage. Each starts at
-//! its vertex of the cage, so that all edges have the direction of the rows and columns of the grids on both
-//! their sides.
+//! `QuadTopology`: the quads of the first round with their edges, built directly from the cage. Each starts
+//! at its vertex of the cage, so that all edges have the direction of the rows and columns of the grids on
+//! both sides.
 use super::Cage;
 use super::edges::{CageEdges, csr_lists, csr_row};
 
@@ -8,11 +8,11 @@ use super::edges::{CageEdges, csr_lists, csr_row};
 pub(super) const NONE: u32 = u32::MAX;
 
 /// The quads of the first round. Row 0 of a grid runs from a vertex of the cage to the midpoint of an edge,
-/// its column 0 to that of the previous edge, and the last point of its last row is the face point.
+/// column 0 to the midpoint of the previous edge, and the last point of the last row is the face point.
 #[derive(Clone, Debug)]
 pub(super) struct QuadTopology {
     pub n_vertices: usize,
-    /// The vertices of each quad, counter-clockwise from that of the cage.
+    /// The vertices of each quad, counter-clockwise from the vertex of the cage.
     pub corners: Vec<[u32; 4]>,
     /// The edges of each quad: row 0, the last column, the last row, column 0.
     pub edges: Vec<[u32; 4]>,
@@ -44,10 +44,10 @@ impl QuadTopology {
         };
         let mut inner = vec![NONE; n];
         let mut first = 0;
-        for (face, of) in cage.faces().enumerate() {
+        for (face, vertices) in cage.faces().enumerate() {
             let middle = n_vertices + n_edges + face as u32;
-            for (k, &vertex) in of.iter().enumerate() {
-                let (corner, last) = (first + k, first + if k == 0 { of.len() } else { k } - 1);
+            for (k, &vertex) in vertices.iter().enumerate() {
+                let (corner, last) = (first + k, first + if k == 0 { vertices.len() } else { k } - 1);
                 let (next_edge, last_edge) = (edges.of_corner[corner], edges.of_corner[last]);
                 let (next, before) = (n_vertices + next_edge, n_vertices + last_edge);
                 let half = |edge: u32| (edge as usize, usize::from(edges.ends[edge as usize][1] == vertex));
@@ -60,23 +60,23 @@ impl QuadTopology {
                 quads.halves[f][j] = column;
                 let around = [row, inner[corner], inner[last], column];
                 for (side, edge) in around.iter().enumerate() {
-                    let of = &mut quads.sides[*edge as usize];
-                    let place = usize::from(of[0] != NONE);
-                    if of[place] == NONE {
-                        of[place] = (4 * corner + side) as u32;
+                    let edge_sides = &mut quads.sides[*edge as usize];
+                    let slot = usize::from(edge_sides[0] != NONE);
+                    if edge_sides[slot] == NONE {
+                        edge_sides[slot] = (4 * corner + side) as u32;
                     }
                 }
                 quads.edges.push(around);
                 quads.corners.push([vertex, next, middle, before]);
             }
-            first += of.len();
+            first += vertices.len();
         }
         let corners = quads.corners.as_flattened().iter().enumerate().map(|(c, v)| (*v, c as u32));
         (quads.vertex_corner_ends, quads.vertex_corners) = csr_lists(quads.n_vertices, corners);
         quads
     }
 
-    /// The index of an edge: the known one, or the next.
+    /// The number of an edge: the given one if it has been assigned, otherwise the next.
     fn number(&mut self, number: u32, ends: [u32; 2]) -> u32 {
         if number != NONE {
             return number;
@@ -93,8 +93,8 @@ impl QuadTopology {
 
     /// The edges of a quad at one of its corners.
     pub fn edges_at_corner(&self, corner: u32) -> [u32; 2] {
-        let of = &self.edges[corner as usize / 4];
+        let edges = &self.edges[corner as usize / 4];
         let k = corner as usize % 4;
-        [of[k], of[(k + 3) % 4]]
+        [edges[k], edges[(k + 3) % 4]]
     }
 }

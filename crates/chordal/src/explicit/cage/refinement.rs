@@ -10,20 +10,20 @@ use super::values::{Real, chunks};
 use super::{Cage, Chart, CornerTexcoords, FaceSizes, InvalidCage, MOST, Scheme};
 use crate::budget::{Job, par_map_owned};
 
-/// Faces per task, about, when corners are numbered. Chosen.
+/// Faces per task, approximately, when corners are numbered. Chosen: enough to outweigh the start of a task.
 const TASK: usize = 1 << 14;
 
 impl Cage {
     /// The cage after some rounds; zero rounds give the cage itself.
     ///
-    /// The faces and vertices are those of repeated [`Cage::refined`], but for rounding and, after the second
-    /// round, the order. First come the vertices of the first round, with the same indices; then for each of
-    /// its edges the points along it, from its lower vertex; then for each of its faces the points inside,
-    /// row by row, with rows from its first vertex to its second. Faces follow the order of the first round,
-    /// row by row as well. For Loop's scheme the vertices, edges and faces of the cage itself take the place
-    /// of the first round's; in rows of triangles upright and inverted ones alternate.
+    /// The faces and vertices are those of repeated [`Cage::refined`], except for rounding and, after the
+    /// second round, the order. First come the vertices of the first round, with the same indices; then for
+    /// each of its edges the points along it, from its lower vertex; then for each of its faces the points
+    /// inside, row by row, with rows from its first vertex to its second. Faces follow the order of the first
+    /// round, also row by row. For Loop's scheme the vertices, edges and faces of the cage itself replace
+    /// those of the first round; in rows of triangles upright and inverted ones alternate.
     ///
-    /// Where an interior vertex has only two triangles, the edges opposite to it stay two here, as they are;
+    /// If an interior vertex has only two triangles, the two edges opposite to it stay separate here;
     /// repeated [`Cage::refined`] merges them after the first round, since they have the same ends.
     ///
     /// It runs on all threads; [`Cage::refinement`] and [`Refinement::refined`] take a job.
@@ -36,9 +36,9 @@ impl Cage {
         self.refinement(rounds)?.refined(&self.positions, &Job::default())
     }
 
-    /// Precomputes everything in some rounds that does not depend on positions.
+    /// Precomputes the data of some rounds that does not depend on positions.
     ///
-    /// *Cost.* In proportion to the corners of the cage, whatever the number of rounds: some 0.1 µs each.
+    /// *Cost.* Proportional to the corners of the cage, for any number of rounds: some 0.1 µs each.
     ///
     /// # Errors
     /// [`InvalidCage::TooMany`] when the result would have too many corners.
@@ -49,8 +49,9 @@ impl Cage {
 
 /// Several precomputed rounds of a cage: for moving positions, and any other values at its vertices.
 ///
-/// Faces, creases and the rules of all points are computed once, on the cage and its first round alone. Only
-/// the sharpness along creases that end in between grows with the number of rounds. About 200 bytes per
+/// Faces, creases and the rules of all points are computed once, from the cage and its first round alone.
+/// Only the sharpness along creases that end between rounds grows with the number of rounds. About 200 bytes
+/// per corner of the cage.
 /// corner of the cage.
 ///
 /// ```
@@ -75,7 +76,7 @@ impl Cage {
 #[derive(Clone, Debug)]
 pub struct Refinement {
     rounds: RefinementRounds,
-    /// The result without positions, and without faces where there are grids; after zero rounds, the cage.
+    /// The result without positions, and without faces if there are grids; after zero rounds, the cage.
     result: Cage,
     /// The chart of the cage with its own refinement, and the number of rounds.
     chart: Option<Box<(Chart, Refinement, u32)>>,
@@ -94,9 +95,9 @@ enum RefinementRounds {
 
 impl Refinement {
     fn new(cage: &Cage, rounds: u32) -> Result<Self, InvalidCage> {
-        // Without faces the vertices do not move, and finite sharpness is gone after ten rounds.
+        // Without faces the vertices do not move, and finite sharpness ends after ten rounds.
         let rounds = if cage.corners.is_empty() && rounds > 12 { 12 } else { rounds };
-        // Every round makes four corners of one.
+        // Every round turns one corner into four.
         let n_corners = (0..rounds).try_fold(cage.corners.len(), |n, _| n.checked_mul(4));
         if n_corners.is_none_or(|n| n > MOST) {
             return Err(InvalidCage::TooMany { what: "corners", most: MOST });
@@ -109,8 +110,8 @@ impl Refinement {
         let sharp = CageSharpness::new(cage, &edges, &around);
         let chart = cage.texcoords.as_ref().map(|texcoords| {
             let chart = Chart::from_texcoords(cage, texcoords, &edges, &around, &sharp);
-            let own = Self::new(chart.cage(), rounds)?;
-            Ok(Box::new((chart, own, rounds)))
+            let chart_refinement = Self::new(chart.cage(), rounds)?;
+            Ok(Box::new((chart, chart_refinement, rounds)))
         });
         let chart = chart.transpose()?;
         let of_cage = Self::for_positions(cage, rounds, edges, around, &sharp);
@@ -141,17 +142,25 @@ impl Refinement {
         let tags = cage.next_tags(&edges, &around, sharp);
         let mut of_edges: Vec<(u32, f64)> = Vec::new();
         for (e, halves) in quads.halves.iter().enumerate().filter(|(e, _)| sharp.edges[*e] > 0.0) {
-            let left = edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, e, v as usize));
-            of_edges.extend(halves.iter().copied().zip(left).filter(|(_, left)| *left > 0.0));
+            let half_sharpness =
+                edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, e, v as usize));
+            of_edges.extend(
+                halves
+                    .iter()
+                    .copied()
+                    .zip(half_sharpness)
+                    .filter(|(_, half_sharpness)| *half_sharpness > 0.0),
+            );
         }
         let listed: Vec<u32> = cage.creases.iter().filter_map(|([a, b], _)| edges.between(*a, *b)).collect();
         let first = RefinementStencils::new(cage, edges, around, sharp);
-        let all = (quads.n_vertices, &*quads.ends);
-        let mut creases = GridSharpness::new(cage.creasing, all, &of_edges, &tags.sharp_vertices);
+        let points_and_edges = (quads.n_vertices, &*quads.ends);
+        let mut creases =
+            GridSharpness::new(cage.creasing, points_and_edges, &of_edges, &tags.sharp_vertices);
         let rules = (1..rounds).map(|_| creases.next()).collect();
         let n = 1_usize << (rounds - 1);
         let halves = listed.iter().flat_map(|e| quads.halves[*e as usize]);
-        let creased = part_creases(&creases, n, all, halves);
+        let creased = part_creases(&creases, n, points_and_edges, halves);
         let holes = tags.holes.iter().flat_map(|face| parts(*face, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
         Self { rounds: RefinementRounds::Quads(first, quads, rules), result, chart: None }
@@ -166,17 +175,18 @@ impl Refinement {
     ) -> Self {
         let tags = cage.next_tags(&edges, &around, sharp);
         let listed: Vec<u32> = cage.creases.iter().filter_map(|([a, b], _)| edges.between(*a, *b)).collect();
-        let some = |all: &[f64]| -> Vec<(u32, f64)> {
-            let all = all.iter().enumerate().filter(|(_, sharp)| **sharp > 0.0);
-            all.map(|(k, sharp)| (k as u32, *sharp)).collect()
+        let some = |sharpness: &[f64]| -> Vec<(u32, f64)> {
+            let sharpness = sharpness.iter().enumerate().filter(|(_, sharp)| **sharp > 0.0);
+            sharpness.map(|(k, sharp)| (k as u32, *sharp)).collect()
         };
         let triangles = TriangleTopology::new(&cage.corners, cage.positions.len(), edges, around);
-        let all = (triangles.n_vertices, &*triangles.ends);
-        let mut creases = GridSharpness::new(cage.creasing, all, &some(&sharp.edges), &some(&sharp.vertices));
+        let points_and_edges = (triangles.n_vertices, &*triangles.ends);
+        let mut creases =
+            GridSharpness::new(cage.creasing, points_and_edges, &some(&sharp.edges), &some(&sharp.vertices));
         let rules = (0..rounds).map(|_| creases.next()).collect();
         let n = 1_usize << rounds;
-        let creased = part_creases(&creases, n, all, listed.into_iter());
-        // The tags list four parts for each hole, those after one round.
+        let creased = part_creases(&creases, n, points_and_edges, listed.into_iter());
+        // The tags list four parts for each hole, as after one round.
         let holes = tags.holes.iter().step_by(4).flat_map(|part| parts(part / 4, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
         Self { rounds: RefinementRounds::Triangles(triangles, rules), result, chart: None }
@@ -245,8 +255,8 @@ impl Refinement {
     /// as many points as quads. Its indices take 16 bytes per quad.
     ///
     /// # Errors
-    /// [`InvalidCage::WrongCount`], and [`InvalidCage::NotFinite`] where a number is NaN or infinite, or
-    /// overflows on the way.
+    /// [`InvalidCage::WrongCount`], and [`InvalidCage::NotFinite`] if a number is NaN or infinite, or an
+    /// intermediate one overflows.
     pub fn evaluate<T: Real, const K: usize>(
         &self,
         values: &[[T; K]],
@@ -276,12 +286,12 @@ impl Refinement {
         if let Some(row) = values.iter().position(|p| !is_finite(p)) {
             return Err(InvalidCage::NotFinite { row });
         }
-        // The pool is entered once for all rounds; one thread needs none.
+        // The pool is entered once for all rounds; a single thread needs none.
         match job.threads {
             1 => self.apply_rounds(values, job, out),
             _ => job.run(|| self.apply_rounds(values, job, out)),
         }
-        // Weights are from 0 to 1 and add up to 1, so that numbers far below the largest one stay so.
+        // Weights are from 0 to 1 and add up to 1, so that numbers far below the largest number stay so.
         if !values.iter().all(|p| p.iter().all(|x| x.is_safe_to_sum()))
             && let Some(row) = out.iter().position(|p| !is_finite(p))
         {
@@ -319,12 +329,12 @@ impl Refinement {
     /// *Cost.* As for [`Refinement::evaluate`] and [`Refinement::corners`].
     ///
     /// # Errors
-    /// [`InvalidCage::TexcoordNotFinite`] where one overflows on the way.
+    /// [`InvalidCage::TexcoordNotFinite`] if an intermediate one overflows.
     pub fn texcoords(&self, job: &Job) -> Result<Option<CornerTexcoords>, InvalidCage> {
         let Some(chart) = &self.chart else { return Ok(self.result.texcoords.clone()) };
-        let (chart, own, rounds) = &**chart;
-        let values = own.evaluate(&chart.values(), job).map_err(as_texcoord_error)?;
-        Ok(Some(chart.texcoords(*rounds, values, own.corners(job))))
+        let (chart, refinement, rounds) = &**chart;
+        let values = refinement.evaluate(&chart.values(), job).map_err(as_texcoord_error)?;
+        Ok(Some(chart.texcoords(*rounds, values, refinement.corners(job))))
     }
 
     /// The refined cage for these positions, with its texture coordinates.
@@ -346,8 +356,8 @@ impl Refinement {
     }
 }
 
-/// Rounds over grids, the last one into `out`. `round` gets the parts along an edge, the values before and
-/// the weights.
+/// Rounds over grids, the last one into `out`. `round` receives the number of parts along an edge, the values
+/// before the round and the weights.
 fn apply_grid_rounds<T: Real, const K: usize>(
     rules: &[StencilTable],
     values: &[[T; K]],
@@ -378,19 +388,19 @@ fn part_creases(
     (n_vertices, ends): (usize, &[[u32; 2]]),
     edges: impl Iterator<Item = u32>,
 ) -> Vec<([u32; 2], f64)> {
-    let mut all = Vec::new();
+    let mut creases_of_parts = Vec::new();
     for edge in edges {
-        let index = |place: usize| match place {
+        let index = |part: usize| match part {
             0 => ends[edge as usize][0],
-            _ if place == n => ends[edge as usize][1],
-            _ => (n_vertices + edge as usize * (n - 1) + place - 1) as u32,
+            _ if part == n => ends[edge as usize][1],
+            _ => (n_vertices + edge as usize * (n - 1) + part - 1) as u32,
         };
         let parts = (0..n).map(|part| (part, creases.part_sharpness(edge, part)));
-        all.extend(parts.filter(|(_, sharp)| *sharp > 0.0).map(|(part, sharp)| {
+        creases_of_parts.extend(parts.filter(|(_, sharp)| *sharp > 0.0).map(|(part, sharp)| {
             let (a, b) = (index(part), index(part + 1));
             (if a < b { [a, b] } else { [b, a] }, sharp)
         }));
     }
-    all.sort_unstable_by_key(|(ends, _)| *ends);
-    all
+    creases_of_parts.sort_unstable_by_key(|(ends, _)| *ends);
+    creases_of_parts
 }

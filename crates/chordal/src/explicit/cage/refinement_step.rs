@@ -10,16 +10,16 @@ use crate::math::greater;
 impl Cage {
     /// The cage after one round: the same limit surface, about four times as many faces.
     ///
-    /// Its vertices are those of the cage, moved, with the same indices; then one for each edge, in the order
-    /// of the first corner; then, except for Loop, one for each face. Its faces follow those of the cage: for
-    /// each corner of a face, in order, the part at that corner, which starts there; for Loop the central
-    /// part comes last. The border, and edges with more than two faces, are sharp by topology, without being
-    /// listed as creases.
+    /// Its vertices are the moved vertices of the cage, with the same indices; then one for each edge, in the
+    /// order of the first corner; then, except for Loop, one for each face. Its faces follow those of the
+    /// cage: for each corner of a face, in order, the part at that corner, which starts at the corner; for
+    /// Loop the central part comes last. The border, and edges with more than two faces, are sharp by
+    /// topology, without being listed as creases.
     ///
     /// *Cost.* Some hundred bytes per corner while it runs.
     ///
     /// # Errors
-    /// [`InvalidCage::TooMany`] when the result would have too many corners, [`InvalidCage::NotFinite`] where
+    /// [`InvalidCage::TooMany`] when the result would have too many corners, [`InvalidCage::NotFinite`] if
     /// coordinates overflow.
     pub fn refined(&self) -> Result<Self, InvalidCage> {
         if 4 * self.corners.len() > MOST {
@@ -31,7 +31,7 @@ impl Cage {
         self.refined_by(&edges, &around, &sharp)
     }
 
-    /// The same with known edges, incidence and sharpness.
+    /// The same with given edges, incidence and sharpness.
     pub(super) fn refined_by(
         &self,
         edges: &CageEdges,
@@ -106,8 +106,8 @@ impl CageSharpness {
             .collect();
         for ([a, b], sharp) in &cage.creases {
             if let Some(edge) = edges.between(*a, *b) {
-                let of = &mut of_edges[edge as usize];
-                *of = greater(*of, *sharp);
+                let sharpness = &mut of_edges[edge as usize];
+                *sharpness = greater(*sharpness, *sharp);
             }
         }
         let mut of_vertices: Vec<f64> = (0..cage.positions.len())
@@ -115,13 +115,13 @@ impl CageSharpness {
             .map(|is_corner| if is_corner { INFINITELY_SHARP } else { 0.0 })
             .collect();
         for (vertex, sharp) in &cage.sharp_vertices {
-            let of = &mut of_vertices[*vertex as usize];
-            *of = greater(*of, *sharp);
+            let sharpness = &mut of_vertices[*vertex as usize];
+            *sharpness = greater(*sharpness, *sharp);
         }
         Self { edges: of_edges, vertices: of_vertices }
     }
 
-    /// The sharpness left on the half of an edge at a vertex.
+    /// The sharpness of the half of an edge at a vertex after a round.
     pub fn subdivided(
         &self,
         creasing: CreasingMethod,
@@ -129,13 +129,13 @@ impl CageSharpness {
         edge: usize,
         vertex: usize,
     ) -> f64 {
-        let of = around.edges(vertex).iter().map(|e| self.edges[*e as usize]);
-        subdivide_sharpness(creasing, self.edges[edge], of)
+        let sharpness = around.edges(vertex).iter().map(|e| self.edges[*e as usize]);
+        subdivide_sharpness(creasing, self.edges[edge], sharpness)
     }
 }
 
 /// Whether a vertex is fixed by the topology around it: a corner of the border, if the boundary rule says so,
-/// or a point where surfaces meet in a point or in anything but one straight seam.
+/// or a vertex where surfaces meet only in a point or in more than one straight seam.
 fn is_corner(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, vertex: usize) -> bool {
     let (of_edges, of_faces) = (around.edges(vertex), around.faces(vertex));
     if of_faces.len() == 1 && of_edges.len() == 2 {
@@ -158,12 +158,12 @@ pub(super) fn is_hole(cage: &Cage, edges: &CageEdges, around: &VertexIncidence, 
 /// The number of fans around a vertex: groups of faces connected by edges at it.
 pub(super) fn n_fans(edges: &CageEdges, around: &VertexIncidence, vertex: usize) -> usize {
     let faces = around.faces(vertex);
-    // They are in ascending order.
-    let place = |face: u32| faces.binary_search(&face).unwrap_or(0) as u32;
+    // The faces are in ascending order.
+    let index = |face: u32| faces.binary_search(&face).unwrap_or(0) as u32;
     let mut fans = DisjointSets::new(faces.len());
     for edge in around.edges(vertex) {
         for pair in edges.faces(*edge as usize).windows(2) {
-            fans.union(place(pair[0]), place(pair[1]));
+            fans.union(index(pair[0]), index(pair[1]));
         }
     }
     faces.len() - fans.n_unions() as usize
@@ -183,9 +183,9 @@ impl RefinementStep<'_> {
 
     /// The centroids of the faces.
     fn face_points(&self) -> Vec<CagePoint> {
-        let centre = |of: &[u32]| {
-            let share = 1.0 / of.len() as f64;
-            of.iter().map(|v| self.at(*v)).fold([0.0; 3], |sum, p| plus(sum, share, p))
+        let centre = |vertices: &[u32]| {
+            let share = 1.0 / vertices.len() as f64;
+            vertices.iter().map(|v| self.at(*v)).fold([0.0; 3], |sum, p| plus(sum, share, p))
         };
         self.cage.faces().map(centre).collect()
     }
@@ -199,8 +199,12 @@ impl RefinementStep<'_> {
         let smooth = || match self.cage.scheme {
             Scheme::Loop => {
                 let across = |face: u32| {
-                    let of = self.cage.face(face as usize);
-                    of.iter().copied().find(|v| !self.edges.ends[edge].contains(v)).unwrap_or(of[0])
+                    let vertices = self.cage.face(face as usize);
+                    vertices
+                        .iter()
+                        .copied()
+                        .find(|v| !self.edges.ends[edge].contains(v))
+                        .unwrap_or(vertices[0])
                 };
                 let start = [0, 1, 2].map(|k| 0.375 * a[k] + 0.375 * b[k]);
                 faces.iter().fold(start, |sum, face| plus(sum, 0.125, self.at(across(*face))))
@@ -240,7 +244,7 @@ impl RefinementStep<'_> {
         self.at(if a as usize == vertex { b } else { a })
     }
 
-    /// The sharpness left on the half of an edge at a vertex.
+    /// The sharpness of the half of an edge at a vertex after the round.
     fn half_sharpness(&self, edge: usize, vertex: usize) -> f64 {
         let sharpness = self.sharp.edges[edge];
         if sharpness > 0.0 {
@@ -261,10 +265,10 @@ impl RefinementStep<'_> {
         let size = if is_loop { 3 } else { 4 };
         let mut corners = Vec::with_capacity(4 * self.cage.corners.len());
         let mut first = 0;
-        for (f, of) in self.cage.faces().enumerate() {
-            let n = of.len();
+        for (f, vertices) in self.cage.faces().enumerate() {
+            let n = vertices.len();
             let edge = |k: usize| n_vertices + self.edges.of_corner[first + k % n];
-            for (k, vertex) in of.iter().enumerate() {
+            for (k, vertex) in vertices.iter().enumerate() {
                 let (next, last) = (edge(k), edge(k + n - 1));
                 if is_loop {
                     corners.extend([*vertex, next, last]);
@@ -290,7 +294,7 @@ impl RefinementStep<'_> {
             holes: self.holes(),
             creases: self.creases(),
             sharp_vertices: self.sharp_vertices(),
-            // The faces without surface are holes now.
+            // Faces without surface are listed as holes from now on.
             boundary: if cage.boundary == Boundary::None { Boundary::EdgeOnly } else { cage.boundary },
             is_refined: true,
             texcoords: None,
@@ -302,8 +306,8 @@ impl RefinementStep<'_> {
     fn holes(&self) -> Vec<u32> {
         let mut holes = Vec::new();
         let mut first = 0;
-        for (f, of) in self.cage.faces().enumerate() {
-            let n = if self.cage.scheme == Scheme::Loop { 4 } else { of.len() as u32 };
+        for (f, vertices) in self.cage.faces().enumerate() {
+            let n = if self.cage.scheme == Scheme::Loop { 4 } else { vertices.len() as u32 };
             if is_hole(self.cage, self.edges, self.incidence, f) {
                 holes.extend(first..first + n);
             }
@@ -330,9 +334,9 @@ impl RefinementStep<'_> {
     }
 
     fn sharp_vertices(&self) -> Vec<(u32, f64)> {
-        let all =
+        let vertices =
             self.sharp.vertices.iter().enumerate().map(|(v, sharp)| (v as u32, decrement_sharpness(*sharp)));
-        all.filter(|(_, sharp)| *sharp > 0.0).collect()
+        vertices.filter(|(_, sharp)| *sharp > 0.0).collect()
     }
 }
 

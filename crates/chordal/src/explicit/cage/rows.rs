@@ -1,5 +1,5 @@
-//! Rows of grids: loops without branches over contiguous memory. The cubic B-spline's rules are applied along
-//! columns and then along rows, which is the same surface for a quarter of the sums.
+//! Rows of grids: loops without branches over contiguous memory. The rules of the cubic B-spline are applied
+//! along columns and then along rows, which gives the same surface for a quarter of the sums.
 use super::values::{Real, mid};
 
 /// The weights of a point itself and of each of its two neighbours along a line.
@@ -18,14 +18,14 @@ pub(super) fn middles<T: Real, const K: usize>(a: &[[T; K]], b: &[[T; K]], out: 
 /// A row after a round, from itself and its two neighbours.
 #[inline(always)]
 pub(super) fn between<T: Real, const K: usize>(
-    [own, side]: LineStencil<T>,
+    [centre, side]: LineStencil<T>,
     row: &[[T; K]],
     others: [&[[T; K]]; 2],
     out: &mut [[T; K]],
 ) {
     let (row, a, b) = (row.as_flattened(), others[0].as_flattened(), others[1].as_flattened());
     for (((out, row), a), b) in out.as_flattened_mut().iter_mut().zip(row).zip(a).zip(b) {
-        *out = own * *row + side * (*a + *b);
+        *out = centre * *row + side * (*a + *b);
     }
 }
 
@@ -43,11 +43,11 @@ pub(super) fn spread<T: Real, const K: usize>(weights: LineStencil<T>, row: &[[T
 /// A point after a round, from itself and its two neighbours.
 #[inline(always)]
 pub(super) fn moved<T: Real, const K: usize>(
-    [own, side]: LineStencil<T>,
+    [centre, side]: LineStencil<T>,
     p: [T; K],
     [a, b]: [[T; K]; 2],
 ) -> [T; K] {
-    std::array::from_fn(|k| own * p[k] + side * (a[k] + b[k]))
+    std::array::from_fn(|k| centre * p[k] + side * (a[k] + b[k]))
 }
 
 /// The borders of a grid without its corners: row 0, the last column, the last row, column 0; and the corners
@@ -57,7 +57,8 @@ pub(super) struct GridBorders<'a, T, const K: usize> {
     pub corners: [[T; K]; 4],
 }
 
-/// The points inside a grid after a round, row by row, from those before and the borders before.
+/// The points inside a grid after a round, row by row, from the points inside and the borders before the
+/// round.
 #[inline(always)]
 pub(super) fn divide<T: Real, const K: usize>(
     weights: LineStencil<T>,

@@ -7,7 +7,7 @@ use super::vertex_rule::{RuleBlend, VertexRule, crease_weight};
 use super::{Cage, FaceSizes, Scheme};
 use crate::budget::{Job, par_map_owned};
 
-/// Vertices, edges or faces per task: enough to outweigh its start. Chosen.
+/// Vertices, edges or faces per task. Chosen: enough to outweigh the start of a task.
 const TASK: usize = 4096;
 
 /// The weights of the three rules in the new point of a vertex.
@@ -69,7 +69,7 @@ pub(super) struct RefinementStencils {
     /// The vertex of each corner, and the size of each face.
     corners: Vec<u32>,
     sizes: FaceSizes,
-    /// Vertices that do not follow the smooth rule alone, in ascending order.
+    /// Vertices that do not follow only the smooth rule, in ascending order.
     special: Vec<(u32, StencilWeights)>,
     /// Edges that do not, with the weight of their midpoint.
     creased: Vec<(u32, f64)>,
@@ -80,11 +80,12 @@ impl RefinementStencils {
         let is_bilinear = cage.scheme == Scheme::Bilinear;
         let mut special = Vec::new();
         for v in 0..cage.positions.len() {
-            let of = around.edges(v).iter().map(|e| (*e, sharp.edges[*e as usize]));
-            if of.len() == 0 || is_bilinear {
+            let sharp_edges = around.edges(v).iter().map(|e| (*e, sharp.edges[*e as usize]));
+            if sharp_edges.len() == 0 || is_bilinear {
                 special.push((v as u32, StencilWeights::CORNER));
-            } else if sharp.vertices[v] > 0.0 || of.clone().any(|(_, sharp)| sharp > 0.0) {
-                let shares = StencilWeights::from_blend(RuleBlend::new(cage.creasing, sharp.vertices[v], of));
+            } else if sharp.vertices[v] > 0.0 || sharp_edges.clone().any(|(_, sharp)| sharp > 0.0) {
+                let shares =
+                    StencilWeights::from_blend(RuleBlend::new(cage.creasing, sharp.vertices[v], sharp_edges));
                 if shares.smooth < 1.0 {
                     special.push((v as u32, shares));
                 }
@@ -119,8 +120,8 @@ impl RefinementStencils {
 
     /// The values after the round: for vertices, edges and faces.
     pub fn apply<T: Real, const K: usize>(&self, values: &[[T; K]], job: &Job, out: &mut [[T; K]]) {
-        let (vertices, rest) = out.split_at_mut(self.n_vertices);
-        let (edges, middles) = rest.split_at_mut(self.edges.ends.len());
+        let (vertices, edges_and_middles) = out.split_at_mut(self.n_vertices);
+        let (edges, middles) = edges_and_middles.split_at_mut(self.edges.ends.len());
         par_map_owned(job, chunks(middles, TASK), |(first, out)| {
             out.iter_mut().enumerate().for_each(|(k, out)| *out = self.middle(values, first + k));
         });
@@ -136,9 +137,9 @@ impl RefinementStencils {
     }
 
     fn middle<T: Real, const K: usize>(&self, values: &[[T; K]], face: usize) -> [T; K] {
-        let of = self.face(face);
-        let share = 1.0 / of.len() as f64;
-        of.iter().fold(WideSum::ZERO, |sum, v| sum.plus(share, values[*v as usize])).value()
+        let vertices = self.face(face);
+        let share = 1.0 / vertices.len() as f64;
+        vertices.iter().fold(WideSum::ZERO, |sum, v| sum.plus(share, values[*v as usize])).value()
     }
 
     fn edges<T: Real, const K: usize>(
@@ -199,9 +200,9 @@ impl RefinementStencils {
     ) -> [T; K] {
         let edges = self.incidence.edges(vertex);
         let n = edges.len() as f64;
-        let (own, share) = ((n - 2.0) / n, 1.0 / (n * n));
+        let (vertex_share, share) = ((n - 2.0) / n, 1.0 / (n * n));
         let ends = edges.iter().map(|e| self.other_end(values, *e, vertex));
-        let sum = ends.fold(WideSum::ZERO.plus(own, values[vertex]), |sum, p| sum.plus(share, p));
+        let sum = ends.fold(WideSum::ZERO.plus(vertex_share, values[vertex]), |sum, p| sum.plus(share, p));
         let faces = self.incidence.faces(vertex).iter();
         faces.fold(sum, |sum, face| sum.plus(share, middles[*face as usize])).value()
     }

@@ -1,11 +1,11 @@
 //! `CornerTexcoords`: texture coordinates at the corners of a cage's faces, and `Chart`: the same as a
 //! separate cage.
 //!
-//! They have their own topology: two faces are connected across an edge where their corners refer to the same
-//! rows at both ends of it, and are separated by a seam elsewhere. So they form a second, flat cage with the
-//! same faces over other vertices: one for each pair of a vertex and a row that a corner there refers to. Its
-//! border is the border of the first and the seams. Sharpness carries over to the second cage where the two
-//! agree, and a rule determines which vertices of the second's border are fixed.
+//! They have their own topology: two faces are connected across an edge if their corners refer to the same
+//! rows at both ends of it; otherwise a seam separates them. So they form a second, flat cage with the same
+//! faces over other vertices: one for each pair of a vertex and a row that a corner at that vertex refers to.
+//! Its border consists of the border of the first cage and the seams. Sharpness carries over to the second
+//! cage where the two agree, and a rule determines which vertices of the second cage's border are fixed.
 //!
 //! Source: the rules are those of OpenSubdiv for face-varying data (its
 //! `Sdc::Options::FVarLinearInterpolation`, and `vtr/fvarLevel.cpp` for their meaning).
@@ -38,7 +38,7 @@ pub struct CornerTexcoords {
     pub values: Vec<[f64; 2]>,
     /// One row of `values`, or [`CornerTexcoords::NONE`], for each corner of the cage, face by face.
     pub corners: Vec<u32>,
-    /// Where refinement interpolates linearly.
+    /// The places where refinement interpolates linearly.
     pub linear: LinearTexcoords,
 }
 
@@ -61,8 +61,8 @@ impl CornerTexcoords {
     }
 }
 
-/// Where refinement interpolates texture coordinates linearly, so that they are fixed: the rules of
-/// OpenSubdiv's `Sdc::Options::FVarLinearInterpolation`, numbered as in the tag
+/// The places where refinement interpolates texture coordinates linearly, so that they are fixed: the rules
+/// of OpenSubdiv's `Sdc::Options::FVarLinearInterpolation`, numbered as in the tag
 /// `facevaryinginterpolateboundary`.
 ///
 /// The *border* is that of the texture coordinates: seams and the border of the cage.
@@ -91,8 +91,8 @@ impl LinearTexcoords {
 
 /// The texture coordinates of a cage as a separate cage in the plane z = 0, with the same faces.
 ///
-/// Its limit surface has a sheet for each of the cage's, in the same order, whose points are the texture
-/// coordinates there.
+/// Its limit surface has one sheet for each sheet of the cage, in the same order, whose points are the
+/// texture coordinates.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -116,7 +116,7 @@ pub struct Chart {
 }
 
 impl Cage {
-    /// The same cage with these texture coordinates at its corners, which replace any others.
+    /// The same cage with these texture coordinates at its corners, which replace existing ones.
     ///
     /// # Errors
     /// [`InvalidCage::WrongCorners`], [`InvalidCage::NoSuchTexcoord`] and [`InvalidCage::TexcoordNotFinite`].
@@ -137,7 +137,7 @@ impl Cage {
     /// Edges and vertices of the chart are as sharp as those of the cage where the two coincide. Seams and
     /// the border are sharp forever, as borders are. A vertex that the cage fixes is fixed in the chart; the
     /// rule determines the others. This follows OpenSubdiv, except where its treatment would not persist
-    /// beyond a round (of two pieces that fix each other, where both are creased) and where there is no
+    /// beyond a round (for two pieces that fix each other, if both are creased) and where there is no
     /// surface: where edges of more than two faces are cut, or one piece meets a vertex twice, the chart
     /// decides. With [`CreasingMethod::Chaikin`](super::CreasingMethod::Chaikin) sharpness evens out within
     /// the chart.
@@ -177,9 +177,9 @@ impl Chart {
         let mut rows = texcoords.corners.clone();
         let mut bare = Vec::new();
         for face in 0..cage.n_faces() {
-            let of = &mut rows[cage.sizes.range(face)];
-            if of.contains(&CornerTexcoords::NONE) {
-                of.fill(CornerTexcoords::NONE);
+            let face_rows = &mut rows[cage.sizes.range(face)];
+            if face_rows.contains(&CornerTexcoords::NONE) {
+                face_rows.fill(CornerTexcoords::NONE);
                 bare.push(face as u32);
             }
         }
@@ -213,20 +213,20 @@ impl Chart {
             (LinearTexcoords::All, Scheme::CatmullClark) => flat.scheme = Scheme::Bilinear,
             (_, Scheme::Bilinear) => {}
             _ => {
-                let own = CageEdges::new(&flat);
-                let around_own = VertexIncidence::new(&flat, &own);
-                let both = ChartSharpness {
+                let flat_edges = CageEdges::new(&flat);
+                let flat_incidence = VertexIncidence::new(&flat, &flat_edges);
+                let sharpness = ChartSharpness {
                     cage,
                     edges,
                     incidence: around,
                     sharp,
                     flat: &flat,
-                    own: &own,
-                    own_incidence: &around_own,
+                    flat_edges: &flat_edges,
+                    flat_incidence: &flat_incidence,
                 };
-                let sharp_edges = both.edges();
-                let sharp_vertices = both.vertices(linear, &sharp_edges);
-                flat.creases = own.sharp_edges(&both.creases(linear, sharp_edges));
+                let sharp_edges = sharpness.edges();
+                let sharp_vertices = sharpness.vertices(linear, &sharp_edges);
+                flat.creases = flat_edges.sharp_edges(&sharpness.creases(linear, sharp_edges));
                 flat.sharp_vertices = sharp_vertices;
             }
         }
@@ -245,8 +245,8 @@ impl Chart {
             // Each corner becomes four in each round, and those of a face are consecutive.
             let grown = |corner: usize| corner << (2 * rounds);
             for face in &self.bare {
-                let of = self.cage.sizes.range(*face as usize);
-                corners[grown(of.start)..grown(of.end)].fill(CornerTexcoords::NONE);
+                let range = self.cage.sizes.range(*face as usize);
+                corners[grown(range.start)..grown(range.end)].fill(CornerTexcoords::NONE);
             }
             drop_unused_rows(&mut values, &mut corners);
         }
@@ -283,11 +283,11 @@ struct ChartSharpness<'a> {
     incidence: &'a VertexIncidence,
     sharp: &'a CageSharpness,
     flat: &'a Cage,
-    own: &'a CageEdges,
-    own_incidence: &'a VertexIncidence,
+    flat_edges: &'a CageEdges,
+    flat_incidence: &'a VertexIncidence,
 }
 
-/// The surroundings of a vertex of the chart.
+/// The faces at a vertex of the chart.
 struct ChartSpan {
     vertex: u32,
     n_faces: usize,
@@ -300,66 +300,66 @@ struct ChartSpan {
 }
 
 impl ChartSharpness<'_> {
-    /// The sharpness of the chart's edges that are not on its border: that of the cage's edges.
+    /// The sharpness of the chart's inner edges: that of the cage's edges.
     fn edges(&self) -> Vec<f64> {
-        let mut sharp = vec![0.0; self.own.ends.len()];
-        for (edge, own) in self.edges.of_corner.iter().zip(&self.own.of_corner) {
-            if self.own.faces(*own as usize).len() > 1 {
-                sharp[*own as usize] = self.sharp.edges[*edge as usize];
+        let mut sharp = vec![0.0; self.flat_edges.ends.len()];
+        for (edge, flat_edge) in self.edges.of_corner.iter().zip(&self.flat_edges.of_corner) {
+            if self.flat_edges.faces(*flat_edge as usize).len() > 1 {
+                sharp[*flat_edge as usize] = self.sharp.edges[*edge as usize];
             }
         }
         sharp
     }
 
     fn creases(&self, linear: LinearTexcoords, sharp: Vec<f64>) -> Vec<f64> {
-        // In triangles with linear interpolation nothing moves.
+        // With linear interpolation everywhere, no point of a triangle moves.
         if linear == LinearTexcoords::All { vec![INFINITELY_SHARP; sharp.len()] } else { sharp }
     }
 
-    /// Edges of the cage that are seams at one end or both.
+    /// Edges of the cage that are seams at one end or at both.
     fn seams(&self) -> Vec<bool> {
         let mut first = vec![u32::MAX; self.edges.ends.len()];
         let mut is_seam = vec![false; first.len()];
-        for (edge, own) in self.edges.of_corner.iter().zip(&self.own.of_corner) {
+        for (edge, flat_edge) in self.edges.of_corner.iter().zip(&self.flat_edges.of_corner) {
             let first = &mut first[*edge as usize];
             if *first == u32::MAX {
-                *first = *own;
+                *first = *flat_edge;
             }
-            is_seam[*edge as usize] |= *first != *own;
+            is_seam[*edge as usize] |= *first != *flat_edge;
         }
         is_seam
     }
 
-    /// Vertices of the chart with their sharpness, where it is above 0.
+    /// Vertices of the chart with a sharpness above 0.
     fn vertices(&self, linear: LinearTexcoords, sharp_edges: &[f64]) -> Vec<(u32, f64)> {
         if linear == LinearTexcoords::All {
             return (0..self.flat.positions.len() as u32).map(|v| (v, INFINITELY_SHARP)).collect();
         }
         let is_seam = self.seams();
         let pairs = self.cage.corners.iter().copied().zip(self.flat.corners.iter().copied());
-        let (ends, all) = csr_lists(self.cage.positions.len(), pairs);
-        let mut found = Vec::new();
-        let (mut here, mut spans): (Vec<u32>, Vec<ChartSpan>) = (Vec::new(), Vec::new());
+        let (ends, chart_vertices) = csr_lists(self.cage.positions.len(), pairs);
+        let mut sharp_vertices = Vec::new();
+        let (mut vertices_here, mut spans): (Vec<u32>, Vec<ChartSpan>) = (Vec::new(), Vec::new());
         for vertex in 0..self.cage.positions.len() {
-            here.clear();
-            here.extend_from_slice(csr_row(&ends, &all, vertex));
-            here.sort_unstable();
-            here.dedup();
+            vertices_here.clear();
+            vertices_here.extend_from_slice(csr_row(&ends, &chart_vertices, vertex));
+            vertices_here.sort_unstable();
+            vertices_here.dedup();
             spans.clear();
-            spans.extend(here.iter().map(|own| self.span(*own, sharp_edges)));
-            self.add_sharp_vertices(vertex, linear, &is_seam, &spans, &mut found);
+            spans.extend(vertices_here.iter().map(|flat_vertex| self.span(*flat_vertex, sharp_edges)));
+            self.add_sharp_vertices(vertex, linear, &is_seam, &spans, &mut sharp_vertices);
         }
-        found.sort_unstable_by_key(|(vertex, _)| *vertex);
-        found
+        sharp_vertices.sort_unstable_by_key(|(vertex, _)| *vertex);
+        sharp_vertices
     }
 
     fn span(&self, vertex: u32, sharp_edges: &[f64]) -> ChartSpan {
-        let of_edges = self.own_incidence.edges(vertex as usize);
+        let of_edges = self.flat_incidence.edges(vertex as usize);
         let sharp = of_edges.iter().map(|edge| sharp_edges[*edge as usize]);
-        let is_many = n_fans(self.own, self.own_incidence, vertex as usize) > 1;
+        let is_many = n_fans(self.flat_edges, self.flat_incidence, vertex as usize) > 1;
         ChartSpan {
             vertex,
-            n_faces: self.own_incidence.faces(vertex as usize).len(),
+            n_faces: self.flat_incidence.faces(vertex as usize).len(),
             is_parted: is_many || sharp.clone().any(|sharp| sharp >= INFINITELY_SHARP),
             is_many,
             rounds: lasting_sharpness(sharp),
@@ -373,7 +373,7 @@ impl ChartSharpness<'_> {
         linear: LinearTexcoords,
         is_seam: &[bool],
         spans: &[ChartSpan],
-        found: &mut Vec<(u32, f64)>,
+        sharp_vertices: &mut Vec<(u32, f64)>,
     ) {
         let of_edges = self.incidence.edges(vertex);
         let has_seam = of_edges.iter().any(|edge| is_seam[*edge as usize]);
@@ -383,7 +383,7 @@ impl ChartSharpness<'_> {
         let is_tied = plus2 || linear == LinearTexcoords::CornersPlus1;
         let stays = match (linear, spans) {
             (LinearTexcoords::Boundaries, _) => on_border,
-            (_, [one]) => plus2 && has_seam && !is_border && one.n_faces > 0,
+            (_, [span]) => plus2 && has_seam && !is_border && span.n_faces > 0,
             (_, [a, b]) if is_tied => {
                 a.is_parted || b.is_parted || plus2 && (a.n_faces == 1 || b.n_faces == 1)
             }
@@ -392,33 +392,33 @@ impl ChartSharpness<'_> {
         for span in spans {
             let is_corner = on_border && span.n_faces == 1 && linear != LinearTexcoords::None;
             if stays || is_corner || has_seam && span.is_many {
-                found.push((span.vertex, INFINITELY_SHARP));
+                sharp_vertices.push((span.vertex, INFINITELY_SHARP));
                 continue;
             }
-            // Of two pieces, as long as creases fix one of them, the other is fixed as well.
+            // If there are two pieces, then as long as creases fix one of them, the other is fixed as well.
             let longest = match spans {
                 [a, b] if is_tied => greater(a.rounds, b.rounds),
                 _ => 0.0,
             };
-            let other = if longest > span.rounds { longest } else { 0.0 };
-            let own = self.sharp.vertices[vertex];
-            let sharpness = greater(own, other);
+            let borrowed = if longest > span.rounds { longest } else { 0.0 };
+            let vertex_sharpness = self.sharp.vertices[vertex];
+            let sharpness = greater(vertex_sharpness, borrowed);
             if sharpness > 0.0 {
-                found.push((span.vertex, sharpness));
+                sharp_vertices.push((span.vertex, sharpness));
             }
         }
     }
 }
 
 /// The sharpness of a vertex that is fixed as long as any edge with these sharpnesses is sharp: the number of
-/// rounds before the last, plus the mean of what is left for that one.
+/// rounds before the last one, plus the mean of the fractions that remain for the last one.
 fn lasting_sharpness(sharp: impl Iterator<Item = f64> + Clone) -> f64 {
     let ends = sharp.filter(|sharp| *sharp > 0.0 && *sharp < INFINITELY_SHARP);
-    let most = ends.clone().fold(0.0, |most, sharp| greater(sharp, most));
-    if most <= 0.0 {
+    let largest = ends.clone().fold(0.0, |largest, sharp| greater(sharp, largest));
+    if largest <= 0.0 {
         return 0.0;
     }
-    let before = most.ceil() - 1.0;
+    let before = largest.ceil() - 1.0;
     let (mut sum, mut count) = (0.0, 0);
     for sharp in ends.filter(|sharp| *sharp > before) {
         sum += sharp - before;

@@ -1,4 +1,4 @@
-//! Rounds of Loop's scheme over triangles as grids: all that is sharp or irregular lies on their borders, as
+//! Rounds of Loop's scheme over triangles as grids: all sharp or irregular points lie on their borders, as
 //! for quads.
 use super::creases::{EdgeStencil, StencilTable};
 use super::edges::{CageEdges, VertexIncidence};
@@ -6,7 +6,8 @@ use super::refinement_step::loop_weight;
 use super::values::{Real, WideSum, add, chunks, mid, scaled};
 use crate::budget::{Job, par_map_owned};
 
-/// Points per task, about: enough to outweigh its start, few enough for an even load. Chosen.
+/// Points per task, approximately. Chosen: enough to outweigh the start of a task, few enough for an even
+/// load.
 const TASK: usize = 1 << 14;
 
 /// Marks a missing face.
@@ -32,13 +33,13 @@ impl TriangleTopology {
     pub fn new(corners: &[u32], n_vertices: usize, edges: CageEdges, around: VertexIncidence) -> Self {
         let mut sides = vec![[NONE; 2]; edges.ends.len()];
         for (side, edge) in edges.of_corner.iter().enumerate() {
-            let of = &mut sides[*edge as usize];
-            let place = usize::from(of[0] != NONE);
-            if of[place] == NONE {
-                of[place] = side as u32;
+            let edge_sides = &mut sides[*edge as usize];
+            let slot = usize::from(edge_sides[0] != NONE);
+            if edge_sides[slot] == NONE {
+                edge_sides[slot] = side as u32;
             }
         }
-        let most = (0..n_vertices).map(|v| around.edges(v).len()).max().unwrap_or(0);
+        let max_valence = (0..n_vertices).map(|v| around.edges(v).len()).max().unwrap_or(0);
         Self {
             n_vertices,
             corners: corners.as_chunks().0.to_vec(),
@@ -46,8 +47,8 @@ impl TriangleTopology {
             ends: edges.ends,
             sides,
             incidence: around,
-            // A single edge never follows the smooth rule; without edges there is no weight.
-            loop_weights: (0..=most).map(|n| if n == 0 { 0.0 } else { loop_weight(n) }).collect(),
+            // A single edge never follows the smooth rule; without edges no weight is needed.
+            loop_weights: (0..=max_valence).map(|n| if n == 0 { 0.0 } else { loop_weight(n) }).collect(),
         }
     }
 
@@ -108,14 +109,14 @@ impl TriangleTopology {
             fill(0, &mut low);
             for row in 0..n {
                 fill(row + 1, &mut high);
-                let (of_row, rest) = out.split_at_mut(3 * (2 * (n - row) - 1));
-                for (c, out) in of_row.chunks_mut(6).enumerate() {
+                let (row_corners, remaining) = out.split_at_mut(3 * (2 * (n - row) - 1));
+                for (c, out) in row_corners.chunks_mut(6).enumerate() {
                     out[..3].copy_from_slice(&[low[c], low[c + 1], high[c]]);
                     if out.len() == 6 {
                         out[3..].copy_from_slice(&[low[c + 1], high[c + 1], high[c]]);
                     }
                 }
-                out = rest;
+                out = remaining;
                 std::mem::swap(&mut low, &mut high);
             }
         }
@@ -127,7 +128,8 @@ fn n_inside(n: usize) -> usize {
     (n - 1) * n.saturating_sub(2) / 2
 }
 
-/// The values at the points: vertices, n − 1 along each edge, and those inside each triangle, row by row.
+/// The values at the points: vertices, n − 1 along each edge, and the points inside each triangle, row by
+/// row.
 pub(super) struct TriangleGridLevel<'a, T, const K: usize> {
     pub triangles: &'a TriangleTopology,
     pub n: usize,
@@ -137,9 +139,9 @@ pub(super) struct TriangleGridLevel<'a, T, const K: usize> {
 impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
     /// The points after a round, with twice as many parts along each edge.
     pub fn divide(&self, rules: &StencilTable, job: &Job, out: &mut [[T; K]]) {
-        let (vertices, rest) = out.split_at_mut(self.triangles.n_vertices);
+        let (vertices, edges_and_faces) = out.split_at_mut(self.triangles.n_vertices);
         let wide = 2 * self.n - 1;
-        let (along, inside) = rest.split_at_mut(self.triangles.ends.len() * wide);
+        let (along, inside) = edges_and_faces.split_at_mut(self.triangles.ends.len() * wide);
         par_map_owned(job, chunks(vertices, TASK / 4), |(first, out)| self.vertices(rules, first, out));
         par_map_owned(job, chunks(along, TASK.div_ceil(wide) * wide), |(first, out)| {
             self.edges(rules, first / wide, out);
@@ -162,8 +164,8 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
     }
 
     fn vertices(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
-        let all = &rules.vertices;
-        let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
+        let listed = &rules.vertices;
+        let mut special = listed[listed.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let vertex = first + k;
             let here = self.values[vertex];
@@ -186,8 +188,8 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
     /// The points along a range of edges.
     fn edges(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
         let (n, triangles) = (self.n, self.triangles);
-        let all = &rules.edges;
-        let mut special = all[all.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
+        let listed = &rules.edges;
+        let mut special = listed[listed.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
         let mut line = Vec::new();
         let mut beside = [Vec::new(), Vec::new()];
         for (k, out) in out.chunks_exact_mut(2 * n - 1).enumerate() {
@@ -204,17 +206,17 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
                 sides.into_iter().zip(&mut beside).for_each(|(side, row)| self.beside(side, row));
             }
             let [a, b] = &beside;
-            for (place, out) in out.iter_mut().enumerate() {
-                let i = place / 2 + place % 2;
-                // An edge without two sides is sharp throughout.
+            for (index, out) in out.iter_mut().enumerate() {
+                let i = index / 2 + index % 2;
+                // An edge without two sides is sharp along its entire length.
                 let share = match along {
                     None => 0.0,
                     Some(_) if is_alone => 1.0,
-                    Some(EdgeStencil::Even { middles, .. }) if place % 2 == 0 => *middles,
+                    Some(EdgeStencil::Even { middles, .. }) if index % 2 == 0 => *middles,
                     Some(EdgeStencil::Even { points, .. }) => *points,
-                    Some(EdgeStencil::Each(shares)) => shares[place],
+                    Some(EdgeStencil::Each(shares)) => shares[index],
                 };
-                let crease = || match place % 2 {
+                let crease = || match index % 2 {
                     0 => mid(line[i], line[i + 1]),
                     _ => add(
                         scaled(T::from_f64(0.75), line[i]),
@@ -226,7 +228,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
                     *out = crease();
                     continue;
                 }
-                let smooth = match place % 2 {
+                let smooth = match index % 2 {
                     0 => edge_point([line[i], line[i + 1]], [a[i], b[i]]),
                     _ => vertex_point(line[i], [line[i - 1], line[i + 1], a[i - 1], a[i], b[i - 1], b[i]]),
                 };
@@ -280,14 +282,14 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
             fill(0, low);
             fill(1, high);
             for y in 1..2 * n - 1 {
-                let (of_row, rest) = out.split_at_mut(2 * n - 1 - y);
-                out = rest;
+                let (row_points, remaining) = out.split_at_mut(2 * n - 1 - y);
+                out = remaining;
                 if y % 2 == 0 {
                     std::mem::swap(below, low);
                     std::mem::swap(low, high);
                     fill(y / 2 + 1, high);
                     // Along the row `low`, midpoints first.
-                    for (k, out) in of_row.iter_mut().enumerate() {
+                    for (k, out) in row_points.iter_mut().enumerate() {
                         let c = k / 2 + k % 2;
                         *out = match k % 2 {
                             0 => edge_point([low[c], low[c + 1]], [high[c], below[c + 1]]),
@@ -299,7 +301,7 @@ impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
                     }
                 } else {
                     // Between `low` and `high`.
-                    for (k, out) in of_row.iter_mut().enumerate() {
+                    for (k, out) in row_points.iter_mut().enumerate() {
                         let c = k / 2 + k % 2;
                         *out = match k % 2 {
                             0 => edge_point([low[c + 1], high[c]], [low[c], high[c + 1]]),

@@ -1,4 +1,4 @@
-//! `Real`: the numbers that may be values at the vertices of a cage, in single or double precision.
+//! `Real`: the types of values at the vertices of a cage, in single or double precision.
 use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
@@ -12,7 +12,7 @@ pub trait Real:
     /// The same number.
     #[doc(hidden)]
     fn to_f64(self) -> f64;
-    /// Whether neither it nor sums of as many as possible can overflow.
+    /// Whether neither it nor a sum of the largest possible number of such values can overflow.
     #[doc(hidden)]
     fn is_safe_to_sum(self) -> bool;
     /// Whether it is neither NaN nor infinite.
@@ -26,8 +26,7 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
-/// A fraction of the largest number: there are fewer than 2^31 vertices, and so no more around one. A margin
-/// is left.
+/// A fraction of the largest number. Derived: a vertex has fewer than 2^31 neighbours; with a margin.
 const CALM: f64 = 1.0 / (1_u64 << 40) as f64;
 
 macro_rules! real {
@@ -68,7 +67,7 @@ pub(super) fn scaled<T: Real, const K: usize>(share: T, p: [T; K]) -> [T; K] {
     p.map(|x| share * x)
 }
 
-/// A sum of any number of terms, in f64 also for f32: around a pole of hundreds of faces roundings of f32
+/// A sum of any number of terms, in f64 also for f32: around a pole of hundreds of faces, roundings in f32
 /// would add up to 2e-5.
 #[derive(Clone, Copy)]
 pub(super) struct WideSum<const K: usize>(pub [f64; K]);
@@ -81,7 +80,7 @@ impl<const K: usize> WideSum<K> {
         Self(std::array::from_fn(|k| self.0[k] + share * p[k].to_f64()))
     }
 
-    /// Rounded.
+    /// The sum, rounded.
     #[inline(always)]
     pub fn value<T: Real>(self) -> [T; K] {
         self.0.map(T::from_f64)
@@ -96,6 +95,6 @@ pub(super) fn mid<T: Real, const K: usize>(a: [T; K], b: [T; K]) -> [T; K] {
 }
 
 /// Chunks of `size` items each (the last may be shorter), with the index of the first.
-pub(super) fn chunks<T>(all: &mut [T], size: usize) -> Vec<(usize, &mut [T])> {
-    all.chunks_mut(size).enumerate().map(|(k, part)| (k * size, part)).collect()
+pub(super) fn chunks<T>(items: &mut [T], size: usize) -> Vec<(usize, &mut [T])> {
+    items.chunks_mut(size).enumerate().map(|(k, part)| (k * size, part)).collect()
 }

@@ -1,8 +1,8 @@
-//! Sharpness: the rule of a vertex, and the sharpness left after a round.
+//! Sharpness: the rule of a vertex, and the sharpness after a round.
 //!
-//! Source: T. DeRose, M. Kass, T. Truong, *Subdivision surfaces in character animation*, 1998; where that
-//! leaves a choice (several sharpnesses that end in one round, Chaikin's rule) it is that of OpenSubdiv's
-//! `sdc/crease.cpp`.
+//! Source: T. DeRose, M. Kass, T. Truong, *Subdivision surfaces in character animation*, 1998; where it
+//! leaves a choice (several sharpnesses that end in one round, Chaikin's rule) the choice is that of
+//! OpenSubdiv's `sdc/crease.cpp`.
 use super::{CreasingMethod, INFINITELY_SHARP};
 use crate::math::{greater, lesser};
 
@@ -39,7 +39,7 @@ fn rule(sharpness: f64, sharp_edges: impl Iterator<Item = u32>) -> VertexRule {
     }
 }
 
-/// The sharpness left after a round, without the influence of other edges.
+/// The sharpness after a round, without the influence of other edges.
 pub(super) fn decrement_sharpness(sharpness: f64) -> f64 {
     if sharpness >= INFINITELY_SHARP {
         sharpness
@@ -50,8 +50,8 @@ pub(super) fn decrement_sharpness(sharpness: f64) -> f64 {
     }
 }
 
-/// The sharpness of an edge left at one of its ends. `around` is the sharpness of all edges there, including
-/// itself.
+/// The sharpness of an edge at one of its ends after a round. `around` is the sharpness of all edges at that
+/// end, including the edge itself.
 pub(super) fn subdivide_sharpness(
     creasing: CreasingMethod,
     sharpness: f64,
@@ -68,15 +68,15 @@ pub(super) fn subdivide_sharpness(
     if count < 2 {
         return decrement_sharpness(sharpness);
     }
-    let left = 0.75 * sharpness + 0.25 * ((sum - sharpness) / f64::from(count - 1)) - 1.0;
-    greater(left, 0.0)
+    let remaining = 0.75 * sharpness + 0.25 * ((sum - sharpness) / f64::from(count - 1)) - 1.0;
+    greater(remaining, 0.0)
 }
 
-/// The weight of the first rule where a vertex changes from one rule to another: the mean of the sharpnesses
+/// The weight of the first rule if a vertex changes from one rule to another: the mean of the sharpnesses
 /// that end, at most 1.
-fn fractional_weight(of: impl Iterator<Item = (f64, f64)>) -> f64 {
+fn fractional_weight(sharpness: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
-    for (before, after) in of {
+    for (before, after) in sharpness {
         if before > 0.0 && after <= 0.0 {
             sum += before;
             count += 1;
@@ -86,7 +86,7 @@ fn fractional_weight(of: impl Iterator<Item = (f64, f64)>) -> f64 {
     lesser(share, 1.0)
 }
 
-/// The rule of a vertex in a round: a fraction of the rule before it and the rest of the rule after it.
+/// The rule of a vertex in a round: a mix of the rule before it and the rule after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RuleBlend {
     pub share: f64,
@@ -95,19 +95,26 @@ pub(super) struct RuleBlend {
 
 impl RuleBlend {
     /// For a vertex with this sharpness, and edges with theirs.
-    pub fn new(creasing: CreasingMethod, own: f64, edges: impl Iterator<Item = (u32, f64)> + Clone) -> Self {
-        let left = |sharp: f64| subdivide_sharpness(creasing, sharp, edges.clone().map(|(_, sharp)| sharp));
-        let before = rule(own, edges.clone().filter_map(|(edge, sharp)| (sharp > 0.0).then_some(edge)));
+    pub fn new(
+        creasing: CreasingMethod,
+        sharpness: f64,
+        edges: impl Iterator<Item = (u32, f64)> + Clone,
+    ) -> Self {
+        let remaining =
+            |sharp: f64| subdivide_sharpness(creasing, sharp, edges.clone().map(|(_, sharp)| sharp));
+        let before = rule(sharpness, edges.clone().filter_map(|(edge, sharp)| (sharp > 0.0).then_some(edge)));
         if before == VertexRule::Smooth {
             return Self { share: 1.0, rules: [before; 2] };
         }
-        let remains = |(edge, sharp): (u32, f64)| (left(sharp) > 0.0).then_some(edge);
-        let after = rule(decrement_sharpness(own), edges.clone().filter_map(remains));
+        let remains = |(edge, sharp): (u32, f64)| (remaining(sharp) > 0.0).then_some(edge);
+        let after = rule(decrement_sharpness(sharpness), edges.clone().filter_map(remains));
         if after == before {
             return Self { share: 1.0, rules: [before; 2] };
         }
-        let ends =
-            edges.clone().map(|(_, sharp)| (sharp, left(sharp))).chain([(own, decrement_sharpness(own))]);
+        let ends = edges
+            .clone()
+            .map(|(_, sharp)| (sharp, remaining(sharp)))
+            .chain([(sharpness, decrement_sharpness(sharpness))]);
         Self { share: fractional_weight(ends), rules: [before, after] }
     }
 }
@@ -127,7 +134,7 @@ pub(super) trait SubdivisionVertex {
     /// The rule by which sharpness decreases.
     fn creasing(&self) -> CreasingMethod;
 
-    /// The sharpness left on the half of an edge here.
+    /// The sharpness of the half of an edge at this vertex after a round.
     fn subdivided_sharpness(&self, sharpness: f64) -> f64 {
         subdivide_sharpness(self.creasing(), sharpness, self.edges().map(|(_, sharp)| sharp))
     }
@@ -154,14 +161,14 @@ pub(super) trait SubdivisionVertex {
     }
 }
 
-/// The weight of the midpoint in the new point of an edge with this sharpness; `halves` is the sharpness left
-/// on its halves.
+/// The weight of the midpoint in the new point of an edge with this sharpness; `halves` is the sharpness of
+/// its halves after the round.
 pub(super) fn crease_weight(sharpness: f64, halves: [f64; 2]) -> f64 {
     if sharpness >= 1.0 || sharpness > 0.0 && halves.iter().all(|half| *half > 0.0) { 1.0 } else { sharpness }
 }
 
-/// The new point of an edge between `a` and `b` with this sharpness; `halves` is the sharpness left on its
-/// halves.
+/// The new point of an edge between `a` and `b` with this sharpness; `halves` is the sharpness of its halves
+/// after the round.
 pub(super) fn edge_point(
     [a, b]: [CagePoint; 2],
     sharpness: f64,
@@ -180,7 +187,7 @@ pub(super) fn plus(sum: CagePoint, share: f64, p: CagePoint) -> CagePoint {
     [0, 1, 2].map(|k| sum[k] + share * p[k])
 }
 
-/// The weighted mean: `share` of the first and the rest of the second.
+/// The weighted mean: `share` of the first point, and the remainder of the second.
 fn blend(share: f64, first: CagePoint, second: CagePoint) -> CagePoint {
     [0, 1, 2].map(|k| share * first[k] + (1.0 - share) * second[k])
 }

@@ -27,7 +27,7 @@ impl BoxTree {
         tree
     }
 
-    /// The box of everything, and the child to start from.
+    /// The box of all items, and the child to start from.
     pub fn root(&self) -> Option<(Box3, u32)> {
         self.root
     }
@@ -41,13 +41,13 @@ impl BoxTree {
     }
 
     fn build(&mut self, items: &[Box3], order: &mut [u32]) -> (Box3, u32) {
-        let bounds = order.iter().fold(Box3::EMPTY, |all, k| all.union(items[*k as usize]));
+        let bounds = order.iter().fold(Box3::EMPTY, |bounds, k| bounds.union(items[*k as usize]));
         if let [only] = order {
             return (bounds, *only | ITEM);
         }
-        let centres = order.iter().fold(Box3::EMPTY, |all, k| all.with(items[*k as usize].centre()));
+        let centres = order.iter().fold(Box3::EMPTY, |bounds, k| bounds.with(items[*k as usize].centre()));
         let wide: [f64; 3] = std::array::from_fn(|k| centres.max[k] - centres.min[k]);
-        let axis = (1..3).fold(0, |most, k| if wide[k] > wide[most] { k } else { most });
+        let axis = (1..3).fold(0, |widest, k| if wide[k] > wide[widest] { k } else { widest });
         let key = |k: &u32| items[*k as usize].centre()[axis];
         let middle = order.len() / 2;
         order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
@@ -67,8 +67,8 @@ pub(super) fn gaps_down(p: [f64; 3], bounds: &Box3) -> [f64; 3] {
     })
 }
 
-/// A lower bound for the distance of a point to a box: a sum of squares and a root, of four roundings at most
-/// after the differences.
+/// A lower bound for the distance of a point to a box: a sum of squares and a root, with at most four
+/// roundings after the differences.
 pub(super) fn distance_down(p: [f64; 3], bounds: &Box3) -> f64 {
     let square = gaps_down(p, bounds).iter().fold(0.0, |sum, gap| sum + gap * gap);
     let down = mul_down(square.sqrt(), 1.0 - 4.0 * f64::EPSILON);

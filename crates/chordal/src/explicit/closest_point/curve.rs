@@ -1,12 +1,13 @@
 //! Closest points of paths and splines, with proved distances.
 //!
-//! Seen from the query, a piece is `V(t)/W(t)`. The coefficients of `|V|²` and of `W²` in Bernstein form bound the squared
-//! distance: if `|V|²ᵢ ≥ λ·(W²)ᵢ` for all of them, then `|V|² ≥ λ·W²` along the piece. Pieces are halved, best first; the bound
-//! approaches the distance with the square of the length of a part. Ends of parts are points of the curve and bound the
-//! distance from above. All of it runs in intervals, so that rounding is covered.
+//! Relative to the query, a piece is `V(t)/W(t)`. The coefficients of `|V|²` and of `W²` in Bernstein form
+//! bound the squared distance: if `|V|²ᵢ ≥ λ·(W²)ᵢ` for all of them, then `|V|² ≥ λ·W²` along the piece.
+//! Pieces are halved, best first; the bound converges to the distance with the square of the length of a
+//! part. Ends of parts are points of the curve and bound the distance from above. All arithmetic is on
+//! intervals, so that rounding is covered.
 //!
-//! Source: X.-D. Chen et al., *Computing the minimum distance between a point and a NURBS curve*, 2008 (the squared distance in
-//! Bernstein form).
+//! Source: X.-D. Chen et al., *Computing the minimum distance between a point and a NURBS curve*, 2008 (the
+//! squared distance in Bernstein form).
 use crate::budget::Tolerance;
 use crate::explicit::nurbs::{BernsteinFactors, EnclosedPiece, NurbsCurve};
 use crate::explicit::{Curve, CurveSegment};
@@ -18,34 +19,37 @@ use std::collections::BinaryHeap;
 /// The closest point of a path or a spline to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveClosestPoint<const D: usize> {
-    /// The closest point that was found, rounded.
+    /// The closest point found, rounded.
     pub point: [f64; D],
-    /// Its place on the path ([`Curve::at`]), or its parameter on the spline, rounded.
+    /// Its position on the path ([`Curve::at`]), or its parameter on the spline, rounded.
     pub place: f64,
-    /// Lower bound for the distance of the whole curve; proved, rounding included.
+    /// Lower bound for the distance of the entire curve; proved, rounding included.
     pub at_least: f64,
     /// Upper bound for the distance of the curve; proved, rounding included.
     pub at_most: f64,
 }
 
-/// So many parts are halved at most: enough for some dozen equally close places; chosen.
+/// The most parts that are halved. Chosen: enough for some dozen equally close points.
 const MOST_PARTS: usize = 1 << 14;
 
-/// The bounds are as near as rounding lets them when they differ by less, for each coefficient of a piece and in units of the
-/// largest coordinate as seen from the query. Measured on curves of degree 5: 20 without weights and 28 with them.
+/// The bounds are as close as rounding permits when they differ by less than this, for each coefficient of a
+/// piece and in units of the largest coordinate relative to the query. Measured on curves of degree 5: 20
+/// without weights and 28 with them.
 const NEAR: f64 = 32.0 * f64::EPSILON;
 
 impl<const D: usize> Curve<D> {
-    /// The closest point of the path to `p`; `None` where `p` is not finite.
+    /// The closest point of the path to `p`; `None` if `p` is not finite.
     ///
-    /// Two bounds enclose the distance of the exact path, [`Curve::slack`] included. They are within `tolerance` of each
-    /// other, or, without one, as close as rounding permits: `32(p + 1)·ε` times the largest coordinate of a control point as
-    /// seen from the query, for pieces of degree `p`. Where very many points are nearly equally close, they may stay farther apart but still hold. Of
-    /// equally close points it is any, but always the same. Where subnormal numbers are flushed to zero, the bounds are 0
-    /// and ∞.
+    /// Two bounds enclose the distance of the exact path, [`Curve::slack`] included. They are within
+    /// `tolerance` of each other, or, without one, as close as rounding permits: `32(p + 1)·ε` times the
+    /// largest coordinate of a control point relative to the query, for pieces of degree `p`. If very many
+    /// points are nearly equally close, they may stay farther apart but still hold. Among equally close
+    /// points any may be returned, but always the same one. If subnormal numbers are flushed to zero, the
+    /// bounds are 0 and ∞.
     ///
-    /// *Cost.* All pieces are looked at, some microseconds each, and some hundred parts of those in question: measured 0.5 to
-    /// 2 ms for five pieces of degree 5, and up to 100 ms where weights differ by orders of magnitude.
+    /// *Cost.* All pieces are evaluated, some microseconds each, and some hundred parts of the closest ones:
+    /// measured 0.5 to 2 ms for five pieces of degree 5, and up to 100 ms if weights differ by orders of
+    /// magnitude.
     ///
     /// ```
     /// use chordal::{Bezier, explicit::Curve};
@@ -69,17 +73,17 @@ impl<const D: usize> Curve<D> {
             let start = self.start();
             pieces.extend(EnclosedPiece::of_segment(&CurveSegment::Line([start; 2]), p));
         }
-        let found = search(pieces, p, tolerance)?;
-        let place = self.place_of(found.piece, found.at);
+        let closest = search(pieces, p, tolerance)?;
+        let place = self.place_of(closest.piece, closest.at);
         let (at_least, at_most) = if slack == 0.0 {
-            (found.at_least, found.at_most)
+            (closest.at_least, closest.at_most)
         } else {
-            (greater(sub_down(found.at_least, slack), 0.0), add_up(found.at_most, slack))
+            (greater(sub_down(closest.at_least, slack), 0.0), add_up(closest.at_most, slack))
         };
         Some(CurveClosestPoint { point: self.at(place), place, at_least, at_most })
     }
 
-    /// The place on the path of a parameter of one of its pieces, of which arcs have several.
+    /// The position on the path of a parameter on one of its pieces; an arc has several pieces.
     fn place_of(&self, piece: usize, at: f64) -> f64 {
         let mut before = 0;
         for (index, segment) in self.segments().iter().enumerate() {
@@ -90,7 +94,8 @@ impl<const D: usize> Curve<D> {
             if piece < before + n {
                 let t = match segment {
                     CurveSegment::Arc(arc) => {
-                        // The angle of a point of a rational quadratic: the tangent of its half is linear in the parameter.
+                        // The angle of a point of a rational quadratic: the tangent of half the angle is
+                        // linear in the parameter.
                         let half = 0.5 * arc.sweep_rad() / n as f64;
                         let angle = half + 2.0 * libm::atan(libm::tan(0.5 * half) * (2.0 * at - 1.0));
                         let share = if half == 0.0 { at } else { angle / (2.0 * half) };
@@ -107,8 +112,8 @@ impl<const D: usize> Curve<D> {
 }
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The closest point of the curve to `p`; `None` where `p` is not finite. The bounds and their limits are those of
-    /// [`Curve::closest_point`]; they are about this curve itself and not about its pieces as they are rounded.
+    /// The closest point of the curve to `p`; `None` if `p` is not finite. The bounds and their limits are
+    /// those of [`Curve::closest_point`]; they hold for this curve itself, not for its rounded pieces.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -120,14 +125,14 @@ impl<const D: usize> NurbsCurve<D> {
     #[must_use]
     pub fn closest_point(&self, p: [f64; D], tolerance: Option<Tolerance>) -> Option<CurveClosestPoint<D>> {
         let pieces = (0..self.knots().n_pieces()).map(|k| EnclosedPiece::of_nurbs(self, k, p)).collect();
-        let found = search(pieces, p, tolerance)?;
-        let place = self.knots().parameter(found.piece, found.at);
-        let CurvePlace { at_least, at_most, .. } = found;
+        let closest = search(pieces, p, tolerance)?;
+        let place = self.knots().parameter(closest.piece, closest.at);
+        let CurvePlace { at_least, at_most, .. } = closest;
         Some(CurveClosestPoint { point: self.at(place), place, at_least, at_most })
     }
 }
 
-/// Where the search ended.
+/// The result of a search.
 struct CurvePlace {
     piece: usize,
     at: f64,
@@ -151,23 +156,24 @@ fn search<const D: usize>(
     if !p.iter().all(|x| x.is_finite()) {
         return None;
     }
-    // A power of two, so that squares neither over- nor underflow where they matter.
+    // A power of two, so that squares neither overflow nor underflow in relevant places.
     let reach = |piece: &EnclosedPiece<D>| {
         let weights = piece.weights.as_ref();
-        let far = |(i, x): (usize, &[Interval; D])| {
-            let most = x.iter().fold(0.0, |most: f64, x| greater(x.magnitude(), most));
-            most / weights.map_or(1.0, |w| w.0[i][0].hi())
+        let distance = |(i, x): (usize, &[Interval; D])| {
+            let largest = x.iter().fold(0.0, |largest: f64, x| greater(x.magnitude(), largest));
+            largest / weights.map_or(1.0, |w| w.0[i][0].hi())
         };
-        piece.points.0.iter().enumerate().map(far).fold(0.0, |most: f64, x| greater(x, most))
+        piece.points.0.iter().enumerate().map(distance).fold(0.0, |largest: f64, x| greater(x, largest))
     };
-    let far = pieces.iter().fold(0.0, |most: f64, piece| greater(reach(piece), most));
+    let farthest = pieces.iter().fold(0.0, |largest: f64, piece| greater(reach(piece), largest));
     let mut best = CurvePlace { piece: 0, at: 0.0, at_least: 0.0, at_most: f64::INFINITY };
-    if flushes_subnormals() || !far.is_finite() {
+    if flushes_subnormals() || !farthest.is_finite() {
         return Some(best);
     }
-    let scale = Interval::point(power_of_two(-exponent(far)));
-    let most = pieces.iter().fold(0, |most, piece| piece.points.0.len().max(most));
-    let enough = greater(tolerance.map_or(0.0, |t| t.get()), NEAR * most as f64 * far);
+    let scale = Interval::point(power_of_two(-exponent(farthest)));
+    let n_coefficients =
+        pieces.iter().fold(0, |n_coefficients, piece| piece.points.0.len().max(n_coefficients));
+    let close_enough = greater(tolerance.map_or(0.0, |t| t.get()), NEAR * n_coefficients as f64 * farthest);
     let mut factors: Vec<Option<BernsteinFactors>> = Vec::new();
     let mut open: BinaryHeap<PriorityItem<CurvePart<D>>> = BinaryHeap::new();
     let mut parts: Vec<CurvePart<D>> = Vec::new();
@@ -183,9 +189,9 @@ fn search<const D: usize>(
     let nearer = |part: &CurvePart<D>, best: &mut CurvePlace| {
         let last = part.rows.points.degree();
         for (i, at) in [(0, part.from), (last, part.to)] {
-            let off = end_distance(&part.rows, i, scale).hi();
-            if off < best.at_most {
-                *best = CurvePlace { piece: part.piece, at, at_most: off, ..*best };
+            let distance = end_distance(&part.rows, i, scale).hi();
+            if distance < best.at_most {
+                *best = CurvePlace { piece: part.piece, at, at_most: distance, ..*best };
             }
         }
     };
@@ -203,25 +209,25 @@ fn search<const D: usize>(
         let Some(PriorityItem { bound: negative, item: part }) = open.pop() else { break };
         best.at_least = -negative;
         let middle = 0.5 * (part.from + part.to);
-        // Between neighbouring numbers there is none.
+        // There is no number between neighbouring numbers.
         let is_shortest = middle <= part.from || middle >= part.to;
-        if best.at_most - best.at_least <= enough || is_shortest {
+        if best.at_most - best.at_least <= close_enough || is_shortest {
             best.at_least = lesser(best.at_least, best.at_most);
             return Some(best);
         }
         for [from, to] in [[part.from, middle], [middle, part.to]] {
-            // Of the whole piece: halves of halves would add up their roundings.
+            // Computed from the entire piece: halves of halves would add up their roundings.
             let half = CurvePart { piece: part.piece, from, to, rows: pieces[part.piece].part(from, to) };
             nearer(&half, &mut best);
             let down = bound(&half);
-            // The part it came from was no nearer.
+            // A part is no nearer than the part it came from.
             let down = greater(down, -negative);
             if down <= best.at_most {
                 open.push(PriorityItem { bound: -down, item: half });
             }
         }
     }
-    // Every part left is at least so far; those that were dropped are farther than a point that was found.
+    // Every remaining part is at least this far; the dropped ones are farther than a point that was found.
     best.at_least = lesser(open.pop().map_or(best.at_most, |part| -part.bound), best.at_most);
     Some(best)
 }
@@ -229,8 +235,8 @@ fn search<const D: usize>(
 /// The distance of the end with coefficient `i`.
 fn end_distance<const D: usize>(rows: &EnclosedPiece<D>, i: usize, scale: Interval) -> Interval {
     let square = rows.points.0[i].iter().fold(Interval::point(0.0), |sum, x| sum + x.square());
-    let off = square.sqrt() / scale;
-    rows.weights.as_ref().map_or(off, |w| off / w.0[i][0])
+    let distance = square.sqrt() / scale;
+    rows.weights.as_ref().map_or(distance, |w| distance / w.0[i][0])
 }
 
 /// A lower bound for the distance of all points of a part.
@@ -241,7 +247,7 @@ fn distance_down<const D: usize>(
 ) -> f64 {
     let x = &rows.points.0;
     let dot = |i: usize, j: usize| {
-        // A square is at least 0, which a product of two intervals does not know.
+        // Use that a square is at least 0, which a product of two intervals does not imply.
         let product = |k: usize| if i == j { x[i][k].square() } else { x[i][k] * x[j][k] };
         (1..D).fold(product(0), |sum, k| sum + product(k))
     };
@@ -250,11 +256,11 @@ fn distance_down<const D: usize>(
         None => squares,
         Some(weights) => {
             let w = &weights.0;
-            let both = factors.products(|i, j| Some(w[i][0] * w[j][0]));
-            squares.iter().zip(&both).map(|(square, weight)| *square / *weight).collect()
+            let weight_products = factors.products(|i, j| Some(w[i][0] * w[j][0]));
+            squares.iter().zip(&weight_products).map(|(square, weight)| *square / *weight).collect()
         }
     };
-    let least = shares.iter().fold(f64::INFINITY, |least, share| lesser(share.lo(), least));
-    let root = Interval::point(greater(least, 0.0)).sqrt() / scale;
+    let smallest = shares.iter().fold(f64::INFINITY, |smallest, share| lesser(share.lo(), smallest));
+    let root = Interval::point(greater(smallest, 0.0)).sqrt() / scale;
     greater(root.lo(), 0.0)
 }

@@ -17,10 +17,10 @@ use glam::DVec3;
 use offset_patch::SheetRectangle;
 use search::SurfaceSearch;
 
-/// The closest point of a smooth surface to a query: the closest of a perpendicular, or a point on a boundary.
+/// The closest point of a smooth surface to a query: the foot of a perpendicular, or a point on a boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceClosestPoint {
-    /// The closest point that was found, rounded.
+    /// The closest point found, rounded.
     pub point: [f64; 3],
     /// The patch, or the sheet of a limit surface, that contains it.
     pub sheet: u32,
@@ -28,7 +28,7 @@ pub struct SurfaceClosestPoint {
     pub u: f64,
     /// The second parameter on the sheet.
     pub v: f64,
-    /// Lower bound for the distance of the whole surface; proved, rounding included.
+    /// Lower bound for the distance of the entire surface; proved, rounding included.
     pub at_least: f64,
     /// Upper bound for the distance of the surface; proved, rounding included.
     pub at_most: f64,
@@ -62,7 +62,7 @@ pub struct SurfaceTree {
     scale: f64,
     /// The largest local coordinate.
     size: f64,
-    /// The box of everything, in world coordinates.
+    /// The box of the entire surface, in world coordinates.
     bounds: Box3,
     boxes: BoxTree,
     items: Vec<SurfaceItem>,
@@ -74,8 +74,8 @@ pub struct SurfaceTree {
 #[derive(Clone, Debug)]
 enum SurfaceItem {
     /// A patch in local coordinates.
-    Patch { control: Box<[[[f64; 3]; 4]; 4]>, off: f64, place: SheetRectangle },
-    /// A sheet that does not consist of patches alone.
+    Patch { control: Box<[[[f64; 3]; 4]; 4]>, error: f64, place: SheetRectangle },
+    /// A sheet that does not consist only of patches.
     Sheet(u32),
 }
 
@@ -83,19 +83,21 @@ enum SurfaceItem {
 struct SurfaceLeaf {
     item: SurfaceItem,
     hull: Vec<[f64; 3]>,
-    off: f64,
+    error: f64,
 }
 
-/// Bytes per patch, 384 for its points and two boxes with their containers, derived; and per sheet with some
+/// Bytes per patch. Derived: 384 for its points and two boxes with their containers; and per sheet with some
 /// subdivisions, chosen.
 const BYTES_A_PATCH: u64 = 700;
 const BYTES_A_SHEET: u64 = 8000;
-/// Beyond it, means of coordinates of cages may overflow; chosen, as for their meshes.
+/// Beyond this, means of coordinates of cages may overflow. Chosen, as for their meshes.
 const LARGEST: f64 = 1e150;
-/// Local coordinates up to which a query is used as it is; from farther away the whole surface is within a
+/// Local coordinates up to which a query is used unchanged; from farther away the entire surface is within a
 /// rounding.
 const FAR: f64 = (1_u64 << 60) as f64;
-/// The surface's local coordinates are at most 1; beyond this one, a sum with them loses digits; chosen.
+/// The surface's local coordinates are at most 1. For a query beyond this value, the point is evaluated
+/// again, since a sum with the query loses digits. Chosen: a larger value saves evaluations and loses more
+/// digits.
 const OUTSIDE: f64 = 2.0;
 /// The error of a length by squares that underflow, in local units, where 1 is the size of the surface: the
 /// root of the smallest normal number is 1.5e-154.
@@ -107,24 +109,24 @@ impl SurfaceTree {
     /// *Cost.* Some microseconds and 700 bytes per patch.
     ///
     /// # Errors
-    /// [`JobError::Refused`] with [`RefusalCode::NotFinite`], [`RefusalCode::TooMuchMemory`], and where
+    /// [`JobError::Refused`] with [`RefusalCode::NotFinite`], [`RefusalCode::TooMuchMemory`], and if
     /// subnormals are flushed.
     pub fn from_patches(patches: &[Patch], job: &Job) -> Result<Self, JobError> {
         check_memory(patches.len(), BYTES_A_PATCH, job)?;
-        if let Some(which) = patches.iter().position(|patch| !patch.is_finite()) {
+        if let Some(sheet) = patches.iter().position(|patch| !patch.is_finite()) {
             return refused(
                 RefusalCode::NotFinite,
-                format!("patch {which} has a coordinate that is not finite"),
+                format!("patch {sheet} has a coordinate that is not finite"),
             );
         }
         let part = |(sheet, patch): (usize, &Patch)| SurfaceLeaf {
             hull: patch.control.as_flattened().to_vec(),
             item: SurfaceItem::Patch {
                 control: Box::new(patch.control),
-                off: 0.0,
+                error: 0.0,
                 place: SheetRectangle { sheet: sheet as u32, u: [0.0, 1.0], v: [0.0, 1.0] },
             },
-            off: 0.0,
+            error: 0.0,
         };
         Self::over(patches.iter().enumerate().map(part).collect(), Vec::new())
     }
@@ -132,12 +134,12 @@ impl SurfaceTree {
     /// The tree over the sheets of a limit surface.
     ///
     /// *Cost.* Some ten microseconds and some thousand bytes per sheet. For each extraordinary vertex up to
-    /// some milliseconds and 100 kB when queries first come near it.
+    /// some milliseconds and 100 kB when the first query comes near it.
     ///
     /// # Errors
-    /// [`JobError::Refused`] with [`RefusalCode::NotFinite`] where a coordinate is beyond 1e150,
-    /// [`RefusalCode::Unsupported`] for Loop's scheme, [`RefusalCode::TooMuchMemory`], and where subnormals
-    /// are flushed; [`JobError::Cancelled`].
+    /// [`JobError::Refused`] with [`RefusalCode::NotFinite`] if a coordinate is beyond 1e150,
+    /// [`RefusalCode::Unsupported`] for Loop's scheme, [`RefusalCode::TooMuchMemory`], and if subnormals are
+    /// flushed; [`JobError::Cancelled`].
     pub fn from_limit(limit: &LimitSurface<'_>, job: &Job) -> Result<Self, JobError> {
         check_memory(limit.n_sheets(), BYTES_A_SHEET, job)?;
         if limit.cage().scheme() == Scheme::Loop {
@@ -154,15 +156,16 @@ impl SurfaceTree {
             );
         }
         let numbers: Vec<usize> = (0..limit.n_sheets()).collect();
-        let made = par_map(
-            job,
-            &numbers,
-            |_, sheet| {
-                if job.is_cancelled() { None } else { Some(limit.sheet(*sheet)) }
-            },
-        );
-        let mut sheets = Vec::with_capacity(made.len());
-        for sheet in made {
+        let sheet_results =
+            par_map(
+                job,
+                &numbers,
+                |_, sheet| {
+                    if job.is_cancelled() { None } else { Some(limit.sheet(*sheet)) }
+                },
+            );
+        let mut sheets = Vec::with_capacity(sheet_results.len());
+        for sheet in sheet_results {
             match sheet {
                 None => return Err(JobError::Cancelled),
                 Some(Err(error)) => return refused(RefusalCode::NotFinite, error.to_string()),
@@ -177,16 +180,16 @@ impl SurfaceTree {
                         hull: piece.patch.control.as_flattened().to_vec(),
                         item: SurfaceItem::Patch {
                             control: Box::new(piece.patch.control),
-                            off: patches.off,
+                            error: patches.off,
                             place: SheetRectangle { sheet: number as u32, u: piece.u, v: piece.v },
                         },
-                        off: patches.off,
+                        error: patches.off,
                     }))
                 }
                 Some(QuadPatchTree::Extraordinary(extraordinary)) => parts.push(SurfaceLeaf {
                     hull: extraordinary.ring().hull().to_vec(),
                     item: SurfaceItem::Sheet(number as u32),
-                    off: 2.0 * extraordinary.ring().rounding(),
+                    error: 2.0 * extraordinary.ring().rounding(),
                 }),
                 None => {}
             }
@@ -201,12 +204,12 @@ impl SurfaceTree {
         }
         let in_world = |part: &SurfaceLeaf| {
             let hull = Box3::from_points(&part.hull);
-            let off = part.off;
-            Box3 { min: hull.min.map(|x| sub_down(x, off)), max: hull.max.map(|x| add_up(x, off)) }
+            let error = part.error;
+            Box3 { min: hull.min.map(|x| sub_down(x, error)), max: hull.max.map(|x| add_up(x, error)) }
         };
         let worlds: Vec<Box3> = parts.iter().map(in_world).collect();
-        let bounds = worlds.iter().fold(Box3::EMPTY, |all, own| all.union(*own));
-        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| greater(most, x.abs()));
+        let bounds = worlds.iter().fold(Box3::EMPTY, |bounds, world| bounds.union(*world));
+        let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |largest, x| greater(largest, x.abs()));
         let scale = if parts.is_empty() { 1.0 } else { power_of_two(-exponent(reach)) };
         let mut tree =
             Self { scale, size: reach * scale, bounds, boxes: BoxTree::over(&[]), items: Vec::new(), sheets };
@@ -217,9 +220,9 @@ impl SurfaceTree {
         };
         tree.boxes = BoxTree::over(&worlds.iter().map(local).collect::<Vec<_>>());
         let local = |item: SurfaceItem| match item {
-            SurfaceItem::Patch { mut control, off, place } => {
+            SurfaceItem::Patch { mut control, error, place } => {
                 control.as_flattened_mut().iter_mut().for_each(|p| *p = tree.local(*p));
-                SurfaceItem::Patch { control, off: tree.local_off(off), place }
+                SurfaceItem::Patch { control, error: tree.local_error(error), place }
             }
             sheet @ SurfaceItem::Sheet(_) => sheet,
         };
@@ -227,13 +230,13 @@ impl SurfaceTree {
         Ok(tree)
     }
 
-    /// The closest point to `p`; `None` without a sheet or where `p` is not finite.
+    /// The closest point to `p`; `None` without a sheet or if `p` is not finite.
     ///
     /// Two bounds enclose the distance. They are within `tolerance` of each other, or, without one, as close
     /// as rounding permits: some dozen units in the last place of the largest coordinate for patches, some
-    /// thousand for limit surfaces. Where too many points are nearly equally close, as from the centre of a
-    /// ball, the bounds stay farther apart but still hold. Of equally close points it is any, but always the
-    /// same.
+    /// thousand for limit surfaces. If too many points are nearly equally close, as from the centre of a
+    /// ball, the bounds stay farther apart but still hold. Among equally close points any may be returned,
+    /// but always the same one.
     ///
     /// *Cost.* Measured on one core: 2 µs for points on the teapot's 32 patches, 18 µs for points around it;
     /// for limit surfaces 2 to 15 µs on them and 5 to 40 µs around them, up to 1600 sheets. The first query
@@ -245,17 +248,17 @@ impl SurfaceTree {
             return None;
         }
         let largest = p.iter().fold(0.0, |most, x| greater(most, x.abs()));
-        let (mut about, mut enough) =
+        let (mut about, mut close_enough) =
             (p.map(|x| x * self.scale), tolerance.map_or(0.0, |t| t.get() * self.scale));
         let is_far = about.iter().any(|x| x.abs() > FAR);
         if is_far {
-            // A point in the same direction.
+            // A point in the same direction at a representable distance.
             let (first, second) = (power_of_two(-exponent(largest)), FAR);
-            (about, enough) = (p.map(|x| x * first * second), 0.0);
+            (about, close_enough) = (p.map(|x| x * first * second), 0.0);
         }
-        let (best, down) = SurfaceSearch::new(self, DVec3::from(about), enough).run()?;
+        let (best, down) = SurfaceSearch::new(self, DVec3::from(about), close_enough).run()?;
         let [u, v] = best.at;
-        // From far away, the sum with the query keeps few digits of the surface.
+        // From far away, the sum with the query keeps few digits of the surface point.
         let is_outside = about.iter().any(|x| x.abs() > OUTSIDE);
         let evaluated =
             if is_outside || best.is_extraordinary { self.evaluated(best.sheet, best.at) } else { None };
@@ -310,26 +313,26 @@ impl SurfaceTree {
     }
 
     /// An error of points, in local units and rounded up.
-    fn local_off(&self, off: f64) -> f64 {
-        if off == 0.0 { 0.0 } else { add_up(mul_up(off, self.scale), f64::MIN_POSITIVE) }
+    fn local_error(&self, error: f64) -> f64 {
+        if error == 0.0 { 0.0 } else { add_up(mul_up(error, self.scale), f64::MIN_POSITIVE) }
     }
 }
 
 /// Queries per task: at some microseconds each, they outweigh its start.
 const TASK: usize = 128;
 
-/// A lower bound for the distance of a point to a box, also where squares overflow.
+/// A lower bound for the distance of a point to a box, even if squares overflow.
 fn box_down(p: [f64; 3], bounds: &Box3) -> f64 {
     let gaps = gaps_down(p, bounds);
-    let most = gaps.iter().fold(0.0, |most, x| greater(most, *x));
-    if most == 0.0 {
+    let largest = gaps.iter().fold(0.0, |most, x| greater(most, *x));
+    if largest == 0.0 {
         return 0.0;
     }
     let square = gaps.iter().fold(0.0, |sum, x| {
-        let share = greater(div_down(*x, most), 0.0);
+        let share = greater(div_down(*x, largest), 0.0);
         add_down(sum, mul_down(share, share))
     });
-    mul_down(sqrt_down(greater(square, 0.0)), most)
+    mul_down(sqrt_down(greater(square, 0.0)), largest)
 }
 
 /// An upper bound for the distance of a point to the farthest point of a box.

@@ -1,25 +1,25 @@
 //! `OffsetPatch`: a rectangle of a bicubic sheet relative to a query, with proved bounds of its distance.
 //!
-//! With `Q` the sheet minus the query, `D = |Q|²/2`, and everything over the unit square:
+//! With `Q` the sheet minus the query, `D = |Q|²/2`, and all parameters in the unit square:
 //!
-//! **By a plane.** For any direction `n` of length 1 no point of `Q` is nearer than the least `n·c` of its
+//! **By a plane.** For any direction `n` of length 1 no point of `Q` is nearer than the smallest `n·c` of its
 //! control points `c`. With `n` from the query to the nearest known point, the error is of the order of the
 //! square of the piece's size.
 //!
 //! **By convexity.** Let `H` be the second derivative of `D`: `H_uu = |Q_u|² + Q·Q_uu`, `H_vv` alike,
-//! `H_uv = Q_u·Q_v + Q·Q_uv`. Where `H_uu ≥ a > 0`, `H_vv ≥ c > 0` and `|H_uv| ≤ b` all over the square,
-//! `2b|xy| ≤ b·(x²√(a/c) + y²√(c/a))` gives, with `κ = 1 − b/√(ac)` where that is above 0, for any two
-//! parameter points that are `(x, y)` apart
+//! `H_uv = Q_u·Q_v + Q·Q_uv`. If `H_uu ≥ a > 0`, `H_vv ≥ c > 0` and `|H_uv| ≤ b` on the entire square,
+//! `2b|xy| ≤ b·(x²√(a/c) + y²√(c/a))` gives, with `κ = 1 − b/√(ac)` if that is above 0, for any two parameter
+//! points whose difference is `(x, y)`
 //!
 //! `D ≥ D₀ + (g_u·x + κ·a·x²/2) + (g_v·y + κ·c·y²/2)`,
 //!
-//! `D₀` and `g` at the first. Each bracket is at least `−g²/(2κa)`, and at least the lesser of `g·x` at the
-//! two ends of the square. At the closest point both are 0 but for rounding. The ranges come from control
-//! points: `|Q_u|` is at least the smallest component of its control points along their mean. `Q·Q_uu` is at
-//! least the least `w·d − r·|d|` over the control points `d` of `Q_uu`, where all of `Q` is within `r` of
-//! `w`.
+//! `D₀` and `g` at the first point. Each bracket is at least `−g²/(2κa)`, and at least the smaller of `g·x`
+//! at the two ends of the square. At the closest point both are 0 up to rounding. The ranges come from
+//! control points: `|Q_u|` is at least the smallest component of its control points along their mean.
+//! `Q·Q_uu` is at least the smallest `w·d − r·|d|` over the control points `d` of `Q_uu`, if all of `Q` is
+//! within `r` of `w`.
 //!
-//! **Rounding**, with `ρ` the largest coordinate of the control points and `u = ε/2`. A point by Bernstein's
+//! **Rounding**, with `ρ` the largest coordinate of the control points and `u = ε/2`. A point by Bernstein
 //! weights has at most 16 roundings of terms that add up to `ρ`: `8ε·ρ` along each axis, `14ε·ρ` in all. A
 //! halving rounds three times, `1.5ε·ρ` along each axis. Differences are rounded by `u` of themselves, so
 //! that a tangent is off by `20ε` of the longest one, `T`; `g` by `16ε·ρ·T + 24ε·|w|·T ≤ 58ε·ρ·T`. The second
@@ -62,13 +62,13 @@ pub(super) struct OffsetPatch {
     /// Their largest coordinate.
     size: f64,
     /// The largest error of a point by rounding.
-    pub off: f64,
+    pub error: f64,
     pub place: SheetRectangle,
     /// Parameters that may be near those of the closest point.
     guess: Option<[f64; 2]>,
 }
 
-/// The closest point of a piece that was found, and bounds for the whole piece.
+/// The closest point found on a piece, and bounds for the entire piece.
 pub(super) struct PatchDistance {
     pub at: [f64; 2],
     /// The point there.
@@ -85,22 +85,23 @@ const OF_HALVES: f64 = 3.0 * f64::EPSILON;
 const OF_SLOPE: f64 = 64.0 * f64::EPSILON;
 const OF_LENGTH: f64 = 8.0 * f64::EPSILON;
 
-/// A convexity certificate with a smaller margin proves little; chosen.
+/// Convexity certificates with a smaller margin are dropped. Chosen: they prove little.
 const LEAST_KAPPA: f64 = 1.0 / 64.0;
-/// Newton's method takes four or five steps from a good start; chosen.
+/// The most steps of Newton's method. Chosen: from a good start it takes four or five.
 const MOST_STEPS: u32 = 12;
 
 impl OffsetPatch {
     /// A piece from control points in the same coordinates as the query, `about`.
-    pub fn new(control: &[[[f64; 3]; 4]; 4], about: DVec3, off: f64, place: SheetRectangle) -> Self {
+    pub fn new(control: &[[[f64; 3]; 4]; 4], about: DVec3, error: f64, place: SheetRectangle) -> Self {
         let control = control.map(|row| row.map(|point| DVec3::from(point) - about));
-        Self::from_control(control, off, place)
+        Self::from_control(control, error, place)
     }
 
-    fn from_control(control: [[DVec3; 4]; 4], off: f64, place: SheetRectangle) -> Self {
-        let size = control.as_flattened().iter().fold(0.0, |most, c| greater(most, c.abs().max_element()));
-        // Its own rounding is that of the differences, or of the halves; the query has no error.
-        Self { control, size, off: off + OF_HALVES * size, place, guess: None }
+    fn from_control(control: [[DVec3; 4]; 4], error: f64, place: SheetRectangle) -> Self {
+        let size =
+            control.as_flattened().iter().fold(0.0, |largest, c| greater(largest, c.abs().max_element()));
+        // Its own rounding is that of the differences, or of the halvings; the query has no error.
+        Self { control, size, error: error + OF_HALVES * size, place, guess: None }
     }
 
     /// Searches for the closest point and proves bounds.
@@ -108,16 +109,15 @@ impl OffsetPatch {
         let net = ControlNet::new(&self.control);
         let (at, jet) = self.descend(&net);
         let length = jet.point.length();
-        let up = length * (1.0 + OF_LENGTH) + OF_POINT * self.size + self.off;
+        let up = length * (1.0 + OF_LENGTH) + OF_POINT * self.size + self.error;
         let plane = self.plane_bound(jet.point);
         let convex = self.convexity_bound(&net, at, &jet).unwrap_or(0.0);
         PatchDistance { at, point: jet.point, up, down: greater(plane, convex) }
     }
 
-    /// The distance of the whole piece beyond the plane perpendicular to a direction; 0 where it is not
-    /// beyond.
+    /// The distance of the entire piece beyond the plane perpendicular to a direction; 0 if it is not beyond.
     pub fn plane_bound(&self, direction: DVec3) -> f64 {
-        hull_plane_bound(self.control.as_flattened(), direction, self.size) - self.off
+        hull_plane_bound(self.control.as_flattened(), direction, self.size) - self.error
     }
 
     /// A point near the middle of the piece.
@@ -126,12 +126,12 @@ impl OffsetPatch {
     }
 
     /// The halves, split across the longer direction.
-    pub fn halves(&self, seen: &PatchDistance) -> [Self; 2] {
+    pub fn halves(&self, closest: &PatchDistance) -> [Self; 2] {
         let c = &self.control;
         let longest = |along: &dyn Fn(usize, usize) -> DVec3| {
-            (0..4).flat_map(|i| (0..3).map(move |j| (i, j))).fold(0.0, |most, (i, j)| {
+            (0..4).flat_map(|i| (0..3).map(move |j| (i, j))).fold(0.0, |largest, (i, j)| {
                 let square = along(i, j).length_squared();
-                greater(most, square)
+                greater(largest, square)
             })
         };
         let wide = longest(&|i, j| c[i][j + 1] - c[i][j]);
@@ -139,41 +139,43 @@ impl OffsetPatch {
         let axis = usize::from(high > wide);
         let turned = |c: &[[DVec3; 4]; 4]| std::array::from_fn(|i| std::array::from_fn(|j| c[j][i]));
         let rows = if axis == 0 { *c } else { turned(c) }.map(split);
-        let places = self.place.halves(axis);
+        let rectangles = self.place.halves(axis);
         [0, 1].map(|half| {
             let control: [[DVec3; 4]; 4] = rows.map(|row| row[half]);
             let control = if axis == 0 { control } else { turned(&control) };
-            let mut at = seen.at;
+            let mut at = closest.at;
             at[axis] = 2.0 * at[axis] - half as f64;
             let guess = (at[axis] >= 0.0 && at[axis] <= 1.0).then_some(at);
-            Self { guess, ..Self::from_control(control, self.off, places[half]) }
+            Self { guess, ..Self::from_control(control, self.error, rectangles[half]) }
         })
     }
 
     /// Newton's method for the closest point, from the guess or the nearest control point, clamped to the
     /// square.
     fn descend(&self, net: &ControlNet) -> ([f64; 2], OffsetJet) {
-        let mut at = self.guess.unwrap_or_else(|| {
-            let squares = self.control.as_flattened().iter().map(|c| c.length_squared()).enumerate();
-            let (nearest, _) =
-                squares.fold((0, f64::INFINITY), |least, now| if now.1 < least.1 { now } else { least });
-            [(nearest % 4) as f64 / 3.0, (nearest / 4) as f64 / 3.0]
-        });
+        let mut at =
+            self.guess.unwrap_or_else(|| {
+                let squares = self.control.as_flattened().iter().map(|c| c.length_squared()).enumerate();
+                let (nearest, _) = squares.fold((0, f64::INFINITY), |nearest, candidate| {
+                    if candidate.1 < nearest.1 { candidate } else { nearest }
+                });
+                [(nearest % 4) as f64 / 3.0, (nearest / 4) as f64 / 3.0]
+            });
         let mut jet = net.jet(at);
         for _ in 0..MOST_STEPS {
             let Some(step) = jet.step(at) else { break };
             let square = jet.point.length_squared();
             let mut share = 1.0;
-            // The step is halved where it leads away.
+            // The step is halved if it leads away.
             let better = (0..4).find_map(|_| {
                 let next = [0, 1].map(|k| clamp(at[k] + share * step[k]));
                 share *= 0.5;
                 let jet = net.jet(next);
                 (jet.point.length_squared() < square).then_some((next, jet))
             });
-            let Some((next, there)) = better else { break };
+            let Some((next, next_jet)) = better else { break };
             let moved = greater((next[0] - at[0]).abs(), (next[1] - at[1]).abs());
-            (at, jet) = (next, there);
+            (at, jet) = (next, next_jet);
             // Two digits above rounding: a smaller step has no visible effect.
             if moved < 64.0 * f64::EPSILON {
                 break;
@@ -182,7 +184,7 @@ impl OffsetPatch {
         (at, jet)
     }
 
-    /// The lower bound for the distance where it is convex.
+    /// The lower bound for the distance if the squared distance is convex.
     fn convexity_bound(&self, net: &ControlNet, at: [f64; 2], jet: &OffsetJet) -> Option<f64> {
         let (a, c, kappa) = net.convexity(jet.point)?;
         let tangents = [longest(net.by_u.as_flattened()), longest(net.by_v.as_flattened())];
@@ -190,33 +192,33 @@ impl OffsetPatch {
         let mut square = if length > 0.0 { length * length } else { return None };
         for (k, curvature) in [a, c].into_iter().enumerate() {
             let slope = jet.point.dot(jet.first[k]);
-            let off = OF_SLOPE * tangents[k] * self.size;
-            let steep = slope.abs() + off;
+            let error = OF_SLOPE * tangents[k] * self.size;
+            let steep = slope.abs() + error;
             let inside = steep * steep / (2.0 * kappa * curvature);
-            let ends = greater((slope + off) * at[k], (off - slope) * (1.0 - at[k]));
+            let ends = greater((slope + error) * at[k], (error - slope) * (1.0 - at[k]));
             let ends = greater(ends, 0.0);
             let loss = lesser(inside, ends);
             square -= 2.0 * loss * (1.0 + OF_LENGTH);
         }
-        (square > 0.0).then(|| square.sqrt() * (1.0 - OF_LENGTH) - self.off)
+        (square > 0.0).then(|| square.sqrt() * (1.0 - OF_LENGTH) - self.error)
     }
 }
 
 /// The distance of the hull of points beyond the plane perpendicular to a direction, as seen from the origin;
-/// 0 where the hull is not beyond it. Three products and two sums of at most `size`, and the quotient, round
-/// by less than 4ε of it each.
+/// 0 if the hull is not beyond it. Three products and two sums of at most `size`, and the quotient, round by
+/// less than 4ε of it each.
 pub(super) fn hull_plane_bound(hull: &[DVec3], direction: DVec3, size: f64) -> f64 {
     let length = direction.length();
     if !(length > 0.0 && length.is_finite()) {
         return 0.0;
     }
     let unit = direction / length;
-    let least = hull.iter().fold(f64::INFINITY, |least, point| {
+    let lowest = hull.iter().fold(f64::INFINITY, |lowest, point| {
         let along = unit.dot(*point);
-        lesser(along, least)
+        lesser(along, lowest)
     });
-    let least = least - OF_LENGTH * size;
-    if least > 0.0 { least * (1.0 - OF_LENGTH) } else { 0.0 }
+    let lowest = lowest - OF_LENGTH * size;
+    if lowest > 0.0 { lowest * (1.0 - OF_LENGTH) } else { 0.0 }
 }
 
 /// The control points of a piece and of its derivatives.
@@ -261,18 +263,21 @@ impl<'a> ControlNet<'a> {
         }
     }
 
-    /// `a`, `c` and `κ` of the module's notes, where the squared distance to the query is convex over the
-    /// whole piece.
+    /// `a`, `c` and `κ` of the module's notes, if the squared distance to the query is convex on the entire
+    /// piece.
     fn convexity(&self, middle: DVec3) -> Option<(f64, f64, f64)> {
-        let radius =
-            self.points.as_flattened().iter().fold(0.0, |most, c| greater(most, (*c - middle).length()));
+        let radius = self
+            .points
+            .as_flattened()
+            .iter()
+            .fold(0.0, |largest, c| greater(largest, (*c - middle).length()));
         let reach = middle.length() + radius;
         let (wide, high) = (longest(self.by_u.as_flattened()), longest(self.by_v.as_flattened()));
         let bent = |net: &[DVec3]| {
-            net.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), d| {
+            net.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lowest, highest), d| {
                 let (along, spread) = (middle.dot(*d), radius * d.length());
                 let (low, high) = (along - spread, along + spread);
-                (lesser(low, least), greater(most, high))
+                (lesser(low, lowest), greater(highest, high))
             })
         };
         let slack =
@@ -280,16 +285,16 @@ impl<'a> ControlNet<'a> {
         let (uu, uv, vv) = (self.uu.as_flattened(), self.uv.as_flattened(), self.vv.as_flattened());
         let (by_u, by_v) =
             (VectorCone::new(self.by_u.as_flattened()), VectorCone::new(self.by_v.as_flattened()));
-        let a = by_u.least * by_u.least + bent(uu).0 - slack(wide * wide, uu, wide);
-        let c = by_v.least * by_v.least + bent(vv).0 - slack(high * high, vv, high);
+        let a = by_u.shortest * by_u.shortest + bent(uu).0 - slack(wide * wide, uu, wide);
+        let c = by_v.shortest * by_v.shortest + bent(vv).0 - slack(high * high, vv, high);
         if !(a > 0.0 && c > 0.0) {
             return None;
         }
-        let (low, most) = bent(uv);
+        let (bent_low, bent_high) = bent(uv);
         let across = by_u.mean.dot(by_v.mean);
         let spread =
             by_u.mean.length() * by_v.spread + by_v.mean.length() * by_u.spread + by_u.spread * by_v.spread;
-        let b = greater((across - spread + low).abs(), (across + spread + most).abs())
+        let b = greater((across - spread + bent_low).abs(), (across + spread + bent_high).abs())
             + slack(wide * high, uv, wide + high);
         let kappa = 1.0 - b / (a * c).sqrt() * (1.0 + OF_LENGTH);
         (kappa > LEAST_KAPPA).then_some((a, c, kappa - OF_LENGTH))
@@ -299,22 +304,22 @@ impl<'a> ControlNet<'a> {
 /// The mean of vectors, and bounds for their hull.
 struct VectorCone {
     mean: DVec3,
-    /// No vector of the hull is farther from the mean.
+    /// No vector of the hull is farther from the mean than this.
     spread: f64,
-    /// No vector of the hull is shorter.
-    least: f64,
+    /// No vector of the hull is shorter than this.
+    shortest: f64,
 }
 
 impl VectorCone {
     fn new(vectors: &[DVec3]) -> Self {
         let mean = vectors.iter().fold(DVec3::ZERO, |sum, v| sum + *v) / vectors.len() as f64;
         let unit = mean / mean.length();
-        let (least, spread) = vectors.iter().fold((f64::INFINITY, 0.0), |(least, spread), v| {
+        let (shortest, spread) = vectors.iter().fold((f64::INFINITY, 0.0), |(shortest, spread), v| {
             let along = unit.dot(*v);
-            (lesser(along, least), greater(spread, (*v - mean).length()))
+            (lesser(along, shortest), greater(spread, (*v - mean).length()))
         });
         // A mean of zero has no direction, and proves no length above 0.
-        Self { mean, spread, least: if least > 0.0 && least.is_finite() { least } else { 0.0 } }
+        Self { mean, spread, shortest: if shortest > 0.0 && shortest.is_finite() { shortest } else { 0.0 } }
     }
 }
 
@@ -326,7 +331,7 @@ struct OffsetJet {
 }
 
 impl OffsetJet {
-    /// Newton's step in the square; none where no step decreases the distance.
+    /// Newton's step in the square; None if no step decreases the distance.
     fn step(&self, at: [f64; 2]) -> Option<[f64; 2]> {
         let [a, b] = self.first;
         let slope = [self.point.dot(a), self.point.dot(b)];
@@ -346,7 +351,7 @@ impl OffsetJet {
             (true, true) => {
                 let solved = |[uu, uv, vv]: [f64; 3]| {
                     let determinant = uu * vv - uv * uv;
-                    // Far above the rounding error of a determinant of 0.
+                    // Far above the rounding error of a determinant that is 0.
                     let is_sound = uu > 0.0 && vv > 0.0 && determinant > 1e-12 * uu * vv; // chosen
                     is_sound.then(|| {
                         [
@@ -384,12 +389,12 @@ fn split([a, b, c, d]: [DVec3; 4]) -> [[DVec3; 4]; 2] {
     let middle = |p: DVec3, q: DVec3| 0.5 * (p + q);
     let (ab, bc, cd) = (middle(a, b), middle(b, c), middle(c, d));
     let (abc, bcd) = (middle(ab, bc), middle(bc, cd));
-    let all = middle(abc, bcd);
-    [[a, ab, abc, all], [all, bcd, cd, d]]
+    let middle_point = middle(abc, bcd);
+    [[a, ab, abc, middle_point], [middle_point, bcd, cd, d]]
 }
 
 fn longest(vectors: &[DVec3]) -> f64 {
-    vectors.iter().fold(0.0, |most, v| greater(most, v.length_squared())).sqrt()
+    vectors.iter().fold(0.0, |largest, v| greater(largest, v.length_squared())).sqrt()
 }
 
 fn clamp(x: f64) -> f64 {

@@ -25,8 +25,8 @@ pub(super) struct ClosestSoFar {
     pub point: DVec3,
     pub sheet: u32,
     pub at: [f64; 2],
-    /// The part of `up` that is rounding.
-    off: f64,
+    /// The rounding error included in `up`.
+    error: f64,
     /// Whether the point is only approximate, in the hull of an extraordinary square.
     pub is_extraordinary: bool,
 }
@@ -36,7 +36,7 @@ pub(super) struct SurfaceSearch<'t> {
     tree: &'t SurfaceTree,
     about: DVec3,
     /// Bounds this close to each other end the search.
-    enough: f64,
+    close_enough: f64,
     best: ClosestSoFar,
     open: BinaryHeap<PriorityItem<SurfaceCandidate<'t>>>,
     patches: Vec<OffsetPatch>,
@@ -45,12 +45,13 @@ pub(super) struct SurfaceSearch<'t> {
 /// The gap that rounding leaves between the bounds, as a multiple of the largest coordinate; 32 ε for a point
 /// and 6 for each halving. Derived in `offset_patch.rs`.
 const FLOOR: f64 = 64.0 * f64::EPSILON;
-/// The bounds of a piece get hardly closer than this multiple of its rounding; chosen.
-const OFFS: f64 = 4.0;
-/// The most pieces that one query bounds; then it returns the bounds it has. It matters where many points are
-/// equally close, as from the centre of a ball. Chosen: some milliseconds.
+/// The bounds of a piece hardly get closer than this multiple of its rounding. Chosen: a smaller value
+/// subdivides pieces in vain, a larger one leaves a wider gap between the bounds.
+const ROUNDINGS: f64 = 4.0;
+/// The most pieces that one query bounds; after that it returns its current bounds. This matters if many
+/// points are equally close, as from the centre of a ball. Chosen: some milliseconds.
 pub(super) const MOST_PIECES: usize = 4096;
-/// Points of a ring that count as a piece, each time it is subdivided; chosen, so that the search makes
+/// Points of a ring that count as a piece, each time it is subdivided. Chosen so that the search makes
 /// progress at vertices of hundreds of faces.
 const RING: usize = 64;
 
@@ -58,26 +59,26 @@ impl<'t> SurfaceSearch<'t> {
     /// A search for a point in the tree's local coordinates.
     pub fn new(tree: &'t SurfaceTree, about: DVec3, tolerance: f64) -> Self {
         let size = greater(tree.size, about.abs().max_element());
-        let enough = greater(tolerance, FLOOR * size);
+        let close_enough = greater(tolerance, FLOOR * size);
         let best = ClosestSoFar {
             up: f64::INFINITY,
             point: DVec3::ZERO,
             sheet: 0,
             at: [0.0; 2],
-            off: 0.0,
+            error: 0.0,
             is_extraordinary: false,
         };
-        Self { tree, about, enough, best, open: BinaryHeap::new(), patches: Vec::new() }
+        Self { tree, about, close_enough, best, open: BinaryHeap::new(), patches: Vec::new() }
     }
 
-    /// The closest point found and a lower bound for the distance; none without sheets.
+    /// The closest point found and a lower bound for the distance; None without sheets.
     pub fn run(mut self) -> Option<(ClosestSoFar, f64)> {
         let (bounds, root) = self.tree.boxes.root()?;
         self.push(distance_down(self.about.into(), &bounds), SurfaceCandidate::Node(root));
         let mut looked = 0;
         while let Some(PriorityItem { bound, item }) = self.open.pop() {
             let down = -bound;
-            let is_near = self.best.up - down <= greater(self.enough, OFFS * self.best.off);
+            let is_near = self.best.up - down <= greater(self.close_enough, ROUNDINGS * self.best.error);
             if is_near || looked > MOST_PIECES {
                 return Some((self.best, lesser(down, self.best.up)));
             }
@@ -96,13 +97,13 @@ impl<'t> SurfaceSearch<'t> {
                 }
             };
         }
-        // Everything else is farther.
+        // All other parts are farther.
         Some((self.best, self.best.up))
     }
 
-    fn push(&mut self, down: f64, what: SurfaceCandidate<'t>) {
+    fn push(&mut self, down: f64, candidate: SurfaceCandidate<'t>) {
         if down <= self.best.up {
-            self.open.push(PriorityItem { bound: -down, item: what });
+            self.open.push(PriorityItem { bound: -down, item: candidate });
         }
     }
 
@@ -114,8 +115,8 @@ impl<'t> SurfaceSearch<'t> {
                 }
             }
             BoxTreeNode::Leaf(item) => match &self.tree.items[item] {
-                SurfaceItem::Patch { control, off, place } => {
-                    self.patches.push(OffsetPatch::new(control, self.about, *off, *place));
+                SurfaceItem::Patch { control, error, place } => {
+                    self.patches.push(OffsetPatch::new(control, self.about, *error, *place));
                     self.push(down, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
                 }
                 SurfaceItem::Sheet(sheet) => {
@@ -130,30 +131,30 @@ impl<'t> SurfaceSearch<'t> {
 
     fn bound_patch(&mut self, number: u32, down: f64) {
         let piece = self.patches[number as usize];
-        let seen = piece.bound_distance();
-        if seen.up < self.best.up {
-            let (sheet, at) = (piece.place.sheet, piece.place.at(seen.at));
+        let closest = piece.bound_distance();
+        if closest.up < self.best.up {
+            let (sheet, at) = (piece.place.sheet, piece.place.at(closest.at));
             self.best = ClosestSoFar {
-                up: seen.up,
-                point: seen.point,
+                up: closest.up,
+                point: closest.point,
                 sheet,
                 at,
-                off: piece.off,
+                error: piece.error,
                 is_extraordinary: false,
             };
         }
-        let known = greater(down, seen.down);
-        if seen.up - known <= greater(self.enough, OFFS * piece.off) {
-            self.push(known, SurfaceCandidate::Settled);
+        let lower = greater(down, closest.down);
+        if closest.up - lower <= greater(self.close_enough, ROUNDINGS * piece.error) {
+            self.push(lower, SurfaceCandidate::Settled);
             return;
         }
-        if known > self.best.up {
+        if lower > self.best.up {
             return;
         }
-        for half in piece.halves(&seen) {
-            let known = greater(known, half.plane_bound(seen.point));
+        for half in piece.halves(&closest) {
+            let lower = greater(lower, half.plane_bound(closest.point));
             self.patches.push(half);
-            self.push(known, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
+            self.push(lower, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
         }
     }
 
@@ -175,41 +176,41 @@ impl<'t> SurfaceSearch<'t> {
     fn add_square(&mut self, square: &'t QuadPatchTree, place: SheetRectangle, down: f64) {
         match square {
             QuadPatchTree::Regular(patches) => {
-                let off = self.tree.local_off(patches.off);
+                let error = self.tree.local_error(patches.off);
                 for piece in &patches.patches {
                     let control = piece.patch.control.map(|row| row.map(|p| self.tree.local(p)));
                     let inner = |[from, to]: [f64; 2], part: [f64; 2]| part.map(|x| from + (to - from) * x);
                     let place =
                         SheetRectangle { u: inner(place.u, piece.u), v: inner(place.v, piece.v), ..place };
-                    let piece = OffsetPatch::new(&control, self.about, off, place);
-                    let known = greater(down, piece.plane_bound(piece.middle()));
+                    let piece = OffsetPatch::new(&control, self.about, error, place);
+                    let lower = greater(down, piece.plane_bound(piece.middle()));
                     self.patches.push(piece);
-                    self.push(known, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
+                    self.push(lower, SurfaceCandidate::Patch(self.patches.len() as u32 - 1));
                 }
             }
             QuadPatchTree::Extraordinary(extraordinary) => {
                 let hull = extraordinary.ring().hull().iter();
                 let hull: Vec<DVec3> = hull.map(|p| DVec3::from(self.tree.local(*p)) - self.about).collect();
-                let size = hull.iter().fold(0.0, |most, p| greater(most, p.abs().max_element()));
+                let size = hull.iter().fold(0.0, |largest, p| greater(largest, p.abs().max_element()));
                 // The differences are rounded once.
-                let off =
-                    self.tree.local_off(2.0 * extraordinary.ring().rounding()) + 2.0 * f64::EPSILON * size;
+                let error =
+                    self.tree.local_error(2.0 * extraordinary.ring().rounding()) + 2.0 * f64::EPSILON * size;
                 let middle = hull.iter().fold(DVec3::ZERO, |sum, p| sum + *p) / hull.len() as f64;
                 let by_plane = greater(
                     hull_plane_bound(&hull, middle, size),
                     hull_plane_bound(&hull, self.best.point, size),
                 );
-                let known = greater(down, by_plane - off);
+                let lower = greater(down, by_plane - error);
                 // The surface of the square lies within the hull.
-                let farthest = hull.iter().fold(0.0, |most, p| greater(most, p.length()));
-                let up = farthest * (1.0 + 8.0 * f64::EPSILON) + off;
+                let farthest = hull.iter().fold(0.0, |farthest, p| greater(farthest, p.length()));
+                let up = farthest * (1.0 + 8.0 * f64::EPSILON) + error;
                 if up < self.best.up {
                     let (sheet, at) = (place.sheet, place.at([0.5, 0.5]));
-                    self.best = ClosestSoFar { up, point: middle, sheet, at, off, is_extraordinary: true };
+                    self.best = ClosestSoFar { up, point: middle, sheet, at, error, is_extraordinary: true };
                 }
-                let is_point = up - known <= greater(self.enough, OFFS * off);
+                let is_point = up - lower <= greater(self.close_enough, ROUNDINGS * error);
                 self.push(
-                    known,
+                    lower,
                     if is_point {
                         SurfaceCandidate::Settled
                     } else {

@@ -1,8 +1,8 @@
 //! `arrange`: snap rounding of contours, which reroutes them to meet only at grid points.
 //!
-//! A cell is hot when a corner lies in it or two segments cross in it. Each segment becomes the chain of the
+//! A cell is hot if a corner lies in it or two segments cross in it. Each segment becomes the chain of the
 //! centres of the hot cells that it passes, in order. Then no two segments cross any more, and each contour
-//! can be deformed into its chain without any point of it leaving its cell.
+//! can be deformed into its chain without any of its points leaving its cell.
 //!
 //! Source: J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
 use super::grid_box_tree::{GridBox, GridBoxTree};
@@ -35,14 +35,14 @@ pub(crate) enum ArrangeError {
     Cancelled,
 }
 
-/// The most pairs of close segments that are tested: per segment, and the least total limit. Outlines of
-/// glyphs and maps have fewer than 10 per segment; at 20 ns a pair the total is about a second.
+/// The most pairs of close segments that are tested: per segment, and the smallest total limit. Chosen:
+/// outlines of glyphs and maps have fewer than 10 per segment; at 20 ns a pair the total is about a second.
 const PAIRS_EACH: u64 = 2_000;
 const PAIRS_ALL: u64 = 50_000_000;
 
 /// The edges of closed contours, in order, which meet only at their ends.
 pub(crate) fn arrange(contours: &[GridContour], job: &Job) -> Result<Vec<GridEdge>, ArrangeError> {
-    // Overlapping equal sides are merged, however many there are.
+    // Equal overlapping sides are merged, however many there are.
     let sides = summed(sides_of(contours));
     let segments: Vec<[GridPoint; 2]> = sides.iter().map(|side| [side.from, side.to]).collect();
     let mut hot = crossings(&segments, job)?;
@@ -94,23 +94,23 @@ fn around(cell: GridPoint) -> GridBox {
 /// The cells in which the interiors of two segments cross.
 fn crossings(segments: &[[GridPoint; 2]], job: &Job) -> Result<Vec<GridPoint>, ArrangeError> {
     let tree = GridBoxTree::new(segments.iter().map(|[a, b]| GridBox::around(*a, *b)).collect());
-    let most = PAIRS_ALL.max(PAIRS_EACH.saturating_mul(segments.len() as u64));
-    let (mut looked, mut stop) = (0_u64, None);
-    let mut found = Vec::new();
+    let limit = PAIRS_ALL.max(PAIRS_EACH.saturating_mul(segments.len() as u64));
+    let (mut n_pairs, mut stop) = (0_u64, None);
+    let mut cells = Vec::new();
     tree.pairs(|one, other| {
-        looked += 1;
-        if looked.is_multiple_of(1 << 16) && job.is_cancelled() {
+        n_pairs += 1;
+        if n_pairs.is_multiple_of(1 << 16) && job.is_cancelled() {
             stop = Some(ArrangeError::Cancelled);
-        } else if looked > most {
+        } else if n_pairs > limit {
             stop = Some(ArrangeError::TooManyPairs);
         }
-        found.extend(crossing(segments[one as usize], segments[other as usize]));
+        cells.extend(crossing(segments[one as usize], segments[other as usize]));
         stop.is_none()
     });
-    stop.map_or(Ok(found), Err)
+    stop.map_or(Ok(cells), Err)
 }
 
-/// The cell in which two segments cross, where each strictly separates the other's ends.
+/// The cell in which two segments cross, if each strictly separates the other's ends.
 fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint> {
     let parts = |[a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]| {
         let sides = (side(a, b, c), side(a, b, d));
@@ -130,15 +130,15 @@ fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint>
     Some([rounded(0), rounded(1)])
 }
 
-/// Whether a segment, in half steps, passes a cell, which includes its left and lower border and not the
-/// others.
+/// Whether a segment, in half steps, passes a cell, which includes its left and lower borders but not the
+/// other two.
 fn passes([a, b]: [GridPoint; 2], cell: GridPoint) -> bool {
     let square = around(cell);
     let GridBox { min, max } = square;
     if !square.meets(&GridBox::around(a, b)) {
         return false;
     }
-    // Ends lie on even numbers and borders on odd ones, so that where boxes meet their interiors do. Then the
+    // Ends lie on even numbers and borders on odd ones, so if boxes meet, their interiors do. Then the
     // segment passes the interior unless all corners are on one side; on the border it can only touch a
     // corner.
     let at_lower = side(a, b, min);
@@ -147,8 +147,8 @@ fn passes([a, b]: [GridPoint; 2], cell: GridPoint) -> bool {
     left && right || at_lower.is_eq()
 }
 
-/// The position of a cell along a segment, without a unit. Along each axis, cells that a segment passes lie
-/// in its direction.
+/// The position of a cell along a segment, without a unit. Along each axis, cells that a segment passes are
+/// in the order of its direction.
 fn along([a, b]: [GridPoint; 2], cell: GridPoint) -> i128 {
     (0..2).map(|k| i128::from(b[k] - a[k]) * i128::from(cell[k] - a[k])).sum()
 }
@@ -165,10 +165,10 @@ fn directed([a, b]: [GridPoint; 2], winding: WindingPair) -> GridEdge {
 /// Merges edges between the same points, and removes those that cancel.
 fn summed(mut edges: Vec<GridEdge>) -> Vec<GridEdge> {
     edges.sort_unstable();
-    edges.dedup_by(|next, kept| {
-        let same = (next.from, next.to) == (kept.from, kept.to);
+    edges.dedup_by(|next, merged| {
+        let same = (next.from, next.to) == (merged.from, merged.to);
         if same {
-            (0..2).for_each(|k| kept.winding[k] += next.winding[k]);
+            (0..2).for_each(|k| merged.winding[k] += next.winding[k]);
         }
         same
     });

@@ -1,4 +1,5 @@
-//! `MonotoneChains`: sequences of points from low to high that are joined and split anywhere without copying.
+//! `MonotoneChains`: sequences of points from low to high that can be joined and split anywhere without
+//! copying.
 
 /// Marks a missing link.
 const NONE: u32 = u32::MAX;
@@ -98,7 +99,7 @@ impl MonotoneChains {
         (MonotoneChain { lowest, highest: rightmost, rightmost }, upper)
     }
 
-    /// Joins two chains at their common point, which is the rightmost.
+    /// Joins two chains at their common point, which is the rightmost of both.
     pub fn merge(&mut self, lower: MonotoneChain, upper: MonotoneChain) -> MonotoneChain {
         let above = self.links[upper.lowest as usize].above;
         self.free.push(upper.lowest);

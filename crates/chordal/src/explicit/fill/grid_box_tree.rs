@@ -82,13 +82,13 @@ impl GridBoxTree {
         let is_leaf = self.is_leaf(part);
         let boxes = &self.boxes;
         let items = &mut self.items[part.low..part.high];
-        let all = items.iter().fold(GridBox::EMPTY, |all, item| all.union(boxes[*item as usize]));
-        self.nodes[part.node] = all;
+        let bounds = items.iter().fold(GridBox::EMPTY, |bounds, item| bounds.union(boxes[*item as usize]));
+        self.nodes[part.node] = bounds;
         if is_leaf {
             return;
         }
         if !items.is_empty() {
-            let axis = usize::from(all.max[1] - all.min[1] > all.max[0] - all.min[0]);
+            let axis = usize::from(bounds.max[1] - bounds.min[1] > bounds.max[0] - bounds.min[0]);
             let key = |item: &u32| {
                 let GridBox { min, max } = boxes[*item as usize];
                 (min[axis] + max[axis], *item)
@@ -116,11 +116,11 @@ impl GridBoxTree {
                 }
                 (_, false) => open.extend(Self::halves(b).map(|half| (a, half))),
                 _ => {
-                    for (i, one) in self.items[a.low..a.high].iter().enumerate() {
-                        let first = if a.node == b.node { a.low + i + 1 } else { b.low };
-                        for other in &self.items[first..b.high] {
-                            if self.boxes[*one as usize].meets(&self.boxes[*other as usize])
-                                && !each(*one, *other)
+                    for (i, first) in self.items[a.low..a.high].iter().enumerate() {
+                        let start = if a.node == b.node { a.low + i + 1 } else { b.low };
+                        for second in &self.items[start..b.high] {
+                            if self.boxes[*first as usize].meets(&self.boxes[*second as usize])
+                                && !each(*first, *second)
                             {
                                 return;
                             }
@@ -131,7 +131,8 @@ impl GridBoxTree {
         }
     }
 
-    /// Calls `each` with all items whose boxes meet that of a segment, except in nodes beside its line.
+    /// Calls `each` with all items whose boxes meet that of a segment, except in nodes entirely beside its
+    /// line.
     pub fn along(&self, segment: [GridPoint; 2], mut each: impl FnMut(u32)) {
         let around = GridBox::around(segment[0], segment[1]);
         let mut open = vec![self.root()];

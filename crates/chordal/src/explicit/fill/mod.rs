@@ -31,7 +31,7 @@ impl SweepPoint for GridPoint {
 /// Triangulates the region that edges enclose by a rule. Edges are in order and meet only at their ends.
 ///
 /// None if edges cross or the triangles' area is not exactly that of the enclosed region, which would be a
-/// fault of this folder.
+/// bug in this module.
 pub(crate) fn fill(edges: &[GridEdge], rule: InsideRule) -> Option<FillTriangles> {
     let mut points: Vec<GridPoint> = edges.iter().flat_map(|edge| [edge.from, edge.to]).collect();
     points.sort_unstable();
@@ -115,8 +115,8 @@ mod tests {
                 [(r * libm::cos(angle)) as i64, (r * libm::sin(angle)) as i64]
             })
             .collect();
-        let made = filled(&[star], FillRule::NonZero);
-        assert_eq!((made.points.len(), made.triangles.len()), (24, 22));
+        let triangles = filled(&[star], FillRule::NonZero);
+        assert_eq!((triangles.points.len(), triangles.triangles.len()), (24, 22));
         assert_eq!(filled(&[vec![[0, 0], [1, 0]]], FillRule::NonZero), FillTriangles::default());
     }
 
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn points_far_from_random_contours_are_covered_once_where_the_rule_says_and_nowhere_else() {
+    fn points_far_from_random_contours_are_covered_once_if_inside_and_never_if_outside() {
         let seed = 77_u64;
         println!("seed {seed}");
         let mut state = seed;
@@ -151,7 +151,7 @@ mod tests {
                 contours.push((0..n).map(|_| [below(size), below(size)]).collect::<Vec<GridPoint>>());
             }
             for rule in [FillRule::NonZero, FillRule::EvenOdd] {
-                let made = filled(&contours, rule);
+                let triangles = filled(&contours, rule);
                 for _ in 0..50 {
                     // Odd coordinates of a grid twice as fine lie on no point of it.
                     let p = [2 * below(size) + 1, 2 * below(size) + 1];
@@ -164,13 +164,13 @@ mod tests {
                         continue;
                     }
                     let covers = |t: &&[u32; 3]| {
-                        let [a, b, c] = t.map(|i| double(made.points[i as usize]));
+                        let [a, b, c] = t.map(|i| double(triangles.points[i as usize]));
                         turn(a, b, p) > 0 && turn(b, c, p) > 0 && turn(c, a, p) > 0
                             || (turn(a, b, p) == 0 && turn(b, c, p) > 0 && turn(c, a, p) > 0 && a < b)
                             || (turn(b, c, p) == 0 && turn(c, a, p) > 0 && turn(a, b, p) > 0 && b < c)
                             || (turn(c, a, p) == 0 && turn(a, b, p) > 0 && turn(b, c, p) > 0 && c < a)
                     };
-                    let times = made.triangles.iter().filter(covers).count();
+                    let times = triangles.triangles.iter().filter(covers).count();
                     let expected = usize::from(rule.holds(winding(&doubled, p)));
                     assert_eq!(times, expected, "{rule:?} {contours:?} {p:?}");
                 }

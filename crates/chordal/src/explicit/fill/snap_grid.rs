@@ -1,12 +1,12 @@
-//! `SnapGrid`: integer coordinates for the plane, so fine that rounding to them is far below any budget.
+//! `SnapGrid`: integer coordinates for the plane, fine enough that rounding to them is far below any budget.
 use crate::math::{greater, mul_up};
 use std::cmp::Ordering;
 
 /// A point of the grid, relative to its origin.
 pub(crate) type GridPoint = [i64; 2];
 
-/// Bits of a coordinate relative to the origin. With 36, products of three differences and a half stay below
-/// 2^127.
+/// Bits of a coordinate relative to the origin. Chosen: with 36, products of three differences and a half
+/// stay below 2^127.
 const BITS: i32 = 36;
 
 /// A square grid whose points are exact in f64.
@@ -22,7 +22,7 @@ impl SnapGrid {
     /// The finest grid for a box of finite numbers below 1e150.
     pub fn new([low, high]: [[f64; 2]; 2]) -> Self {
         let extent = greater(high[0] - low[0], high[1] - low[1]);
-        let reach = low.iter().chain(&high).fold(0.0, |most, x| greater(most, x.abs()));
+        let reach = low.iter().chain(&high).fold(0.0, |largest, x| greater(largest, x.abs()));
         // Coordinates are below 2^53 steps, so that they are exact in f64, and the box is at most 2^BITS
         // wide.
         let exponent = (exponent(extent) + 1 - BITS).max(exponent(reach) + 1 - 52).max(-1022);
@@ -49,7 +49,8 @@ impl SnapGrid {
     }
 }
 
-/// The exponent of the power of two below a number, at least that of the smallest normal one.
+/// The exponent of the largest power of two that is at most a number, and at least that of the smallest
+/// normal one.
 fn exponent(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }

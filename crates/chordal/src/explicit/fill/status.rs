@@ -1,12 +1,12 @@
 //! `SweepStatus`: the edges that a sweep line crosses, from the lowest to the highest.
 use std::cmp::Ordering;
 
-/// The most edges of one block. Measured: values from 64 to 512 make no difference; one memory page moves at
-/// once.
+/// The most edges of one block. Measured: values from 64 to 512 make no difference; a block of this size
+/// moves as one memory page.
 const MOST: usize = 256;
 
 /// An ordered list in non-empty blocks. A search takes O(log n) steps. A change moves one block, and the list
-/// of blocks when one is split or removed, which is n / 256² moves per change on average.
+/// of blocks if one is split or removed, which is n / 256² moves per change on average.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SweepStatus {
     blocks: Vec<Vec<u32>>,
@@ -26,49 +26,49 @@ impl SweepStatus {
     pub fn take(&mut self, side: impl Fn(u32) -> Ordering, taken: &mut Vec<u32>) -> StatusPosition {
         taken.clear();
         let is_below = |edge: &u32| side(*edge) == Ordering::Greater;
-        // The block before the first one that starts at the point or above.
+        // The last block that starts below the point.
         let block = self.blocks.partition_point(|block| is_below(&block[0])).saturating_sub(1);
         let row = self.blocks.get(block).map_or(0, |rows| rows.partition_point(is_below));
-        let mut place = StatusPosition { block, row };
+        let mut position = StatusPosition { block, row };
         loop {
-            place = self.settled(place);
-            let Some(rows) = self.blocks.get_mut(place.block) else { break };
-            let n = rows[place.row..].iter().take_while(|edge| side(**edge) == Ordering::Equal).count();
+            position = self.settled(position);
+            let Some(rows) = self.blocks.get_mut(position.block) else { break };
+            let n = rows[position.row..].iter().take_while(|edge| side(**edge) == Ordering::Equal).count();
             if n == 0 {
                 break;
             }
-            taken.extend(rows.drain(place.row..place.row + n));
+            taken.extend(rows.drain(position.row..position.row + n));
             if rows.is_empty() {
-                self.spare.push(self.blocks.remove(place.block));
+                self.spare.push(self.blocks.remove(position.block));
             }
         }
-        place
+        position
     }
 
-    /// The same position, given by the edge after it if there is one.
-    fn settled(&self, place: StatusPosition) -> StatusPosition {
-        match self.blocks.get(place.block) {
-            Some(rows) if place.row == rows.len() => StatusPosition { block: place.block + 1, row: 0 },
-            _ => place,
+    /// The same position, given by the following edge if there is one.
+    fn settled(&self, position: StatusPosition) -> StatusPosition {
+        match self.blocks.get(position.block) {
+            Some(rows) if position.row == rows.len() => StatusPosition { block: position.block + 1, row: 0 },
+            _ => position,
         }
     }
 
     /// The edge below a position.
-    pub fn before(&self, place: StatusPosition) -> Option<u32> {
-        if place.row > 0 {
-            return Some(self.blocks[place.block][place.row - 1]);
+    pub fn before(&self, position: StatusPosition) -> Option<u32> {
+        if position.row > 0 {
+            return Some(self.blocks[position.block][position.row - 1]);
         }
-        self.blocks[..place.block].last().and_then(|rows| rows.last()).copied()
+        self.blocks[..position.block].last().and_then(|rows| rows.last()).copied()
     }
 
     /// The edge above a position.
-    pub fn at(&self, place: StatusPosition) -> Option<u32> {
-        self.blocks.get(place.block).map(|rows| rows[place.row])
+    pub fn at(&self, position: StatusPosition) -> Option<u32> {
+        self.blocks.get(position.block).map(|rows| rows[position.row])
     }
 
     /// Inserts edges at a position, in order.
-    pub fn insert(&mut self, place: StatusPosition, edges: &[u32]) {
-        let StatusPosition { mut block, mut row } = place;
+    pub fn insert(&mut self, position: StatusPosition, edges: &[u32]) {
+        let StatusPosition { mut block, mut row } = position;
         if row == 0 && block > 0 {
             // At the end of the previous block: the position after the last edge is in no block.
             block -= 1;
@@ -80,10 +80,10 @@ impl SweepStatus {
         let rows = &mut self.blocks[block];
         rows.splice(row..row, edges.iter().copied());
         while self.blocks[block].len() > MOST {
-            let mut rest = self.spare.pop().unwrap_or_default();
+            let mut upper = self.spare.pop().unwrap_or_default();
             let from = self.blocks[block].len() - MOST / 2;
-            rest.extend(self.blocks[block].drain(from..));
-            self.blocks.insert(block + 1, rest);
+            upper.extend(self.blocks[block].drain(from..));
+            self.blocks.insert(block + 1, upper);
         }
     }
 }
@@ -102,18 +102,18 @@ mod tests {
         for round in 0..40_000 {
             let value = random.below(50_000) as u32;
             let side = |edge: u32| value.cmp(&edge);
-            let place = status.take(side, &mut taken);
+            let position = status.take(side, &mut taken);
             let low = plain.partition_point(|v| *v < value);
             let n = plain[low..].iter().take_while(|v| **v == value).count();
             let expected: Vec<u32> = plain.splice(low..low + n, []).collect();
             assert_eq!(taken, expected);
-            assert_eq!(status.before(place), low.checked_sub(1).map(|k| plain[k]));
-            assert_eq!(status.at(place), plain.get(low).copied());
+            assert_eq!(status.before(position), low.checked_sub(1).map(|k| plain[k]));
+            assert_eq!(status.at(position), plain.get(low).copied());
             // The list first grows, then shrinks.
             let copies =
                 if round < 20_000 { [1, 2, 700][round % 100 / 98 + usize::from(round == 77)] } else { 0 };
             let edges = vec![value; copies];
-            status.insert(place, &edges);
+            status.insert(position, &edges);
             plain.splice(low..low, edges);
             assert!(
                 round % 100 > 0 || status.blocks.iter().all(|rows| !rows.is_empty() && rows.len() <= MOST)

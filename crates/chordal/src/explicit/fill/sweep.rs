@@ -5,9 +5,9 @@
 //! keeps the monotone chain of points that bounds its triangulated part on the left. A new point is joined to
 //! all visible points of its chains.
 //!
-//! Edges are given as pairs of points. Where a point lies on an edge that does not end there, or edges
-//! overlap, they are split at that point, which moves nothing. Edges are tested for crossing whenever they
-//! become neighbours (Shamos and Hoey): so a result without an error comes from edges that do not cross.
+//! Edges are given as pairs of points. If a point lies on an edge that does not end there, or edges overlap,
+//! they are split at that point, which moves no point. Edges are tested for crossing whenever they become
+//! neighbours (Shamos and Hoey): so a result without an error proves that no edges cross.
 //!
 //! Sources: S. Hertel, K. Mehlhorn, *Fast triangulation of simple polygons*, 1983; M. Shamos, D. Hoey,
 //! *Geometric intersection problems*, 1976.
@@ -35,7 +35,7 @@ pub(crate) struct SweepEdge {
 /// Winding numbers of contours of two kinds.
 pub(crate) type WindingPair = [i32; 2];
 
-/// The rule for what is inside.
+/// The rule that decides what is inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum InsideRule {
     /// By a fill rule, for contours of the first kind.
@@ -62,10 +62,10 @@ pub(crate) struct EdgeCrossing;
 pub(crate) struct SweepResult {
     /// Indices of points; counter-clockwise, all with area.
     pub triangles: Vec<[u32; 3]>,
-    /// The edges between inside and outside. The winding of the first kind is 1 where the inside is on their
-    /// left, −1 where it is on their right.
+    /// The edges between inside and outside. The winding of the first kind is 1 if the inside is on their
+    /// left, −1 if it is on their right.
     pub border: Vec<SweepEdge>,
-    /// The number of points where more than two edges meet, or that lie inside an edge.
+    /// The number of points at which more than two edges meet, or that lie inside an edge.
     pub touching: usize,
     /// The number of edges, or parts, that overlap others.
     pub overlapping: usize,
@@ -91,10 +91,10 @@ pub(crate) fn sweep<P: SweepPoint>(
     let triangles = if useless == 0 {
         first.triangles
     } else {
-        // Edges with the same on both sides would only add triangles.
-        let mut again = Sweep::new(points, border.clone(), InsideRule::Fill(FillRule::NonZero));
-        again.run()?;
-        again.triangles
+        // Edges with the inside, or the outside, on both sides would only add triangles.
+        let mut border_sweep = Sweep::new(points, border.clone(), InsideRule::Fill(FillRule::NonZero));
+        border_sweep.run()?;
+        border_sweep.triangles
     };
     let (touching, overlapping) = (first.touching, first.overlapping);
     let is_backwards = |sides: &&[WindingPair; 2]| sides.as_flattened().iter().any(|winding| *winding < 0);
@@ -116,7 +116,7 @@ struct Sweep<'a, P> {
     active: SweepStatus,
     /// For each edge the winding numbers below and above it; `None` until the line reaches it.
     sides: Vec<Option<[WindingPair; 2]>>,
-    /// For each active edge the chain of the interval above it, where that is inside.
+    /// For each active edge the chain of the interval above it, if that is inside.
     above: Vec<Option<MonotoneChain>>,
     chains: MonotoneChains,
     left: Vec<u32>,
@@ -178,12 +178,16 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
     fn process_point(&mut self, at: u32) -> Result<(), EdgeCrossing> {
         // 1. Find the edges that end here, and split those that pass.
         let (points, edges) = (self.points, &self.edges);
-        let here = points[at as usize];
+        let point = points[at as usize];
         let side = |edge: u32| {
             let SweepEdge { from, to, .. } = edges[edge as usize];
-            if to == at { Ordering::Equal } else { P::turn(points[from as usize], points[to as usize], here) }
+            if to == at {
+                Ordering::Equal
+            } else {
+                P::turn(points[from as usize], points[to as usize], point)
+            }
         };
-        let place = self.active.take(side, &mut self.left);
+        let position = self.active.take(side, &mut self.left);
         self.gather_starting(at);
         let mut is_passed = false;
         for k in 0..self.left.len() {
@@ -195,12 +199,12 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         }
         self.sort_right(at);
         if self.left.is_empty() && self.right.is_empty() {
-            // No edge has this point, or all that start here cancelled out.
+            // No edge has this point, or all edges that start here cancelled out.
             return Ok(());
         }
         self.touching += usize::from(is_passed || self.left.len() + self.right.len() > 2);
         // 2. Close the intervals on the left.
-        let low = self.active.before(place);
+        let low = self.active.before(position);
         let below = low.and_then(|low| self.above[low as usize].take());
         let outermost = self.left.pop();
         for k in 0..self.left.len() {
@@ -219,13 +223,13 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
             }
             None => self.split(below, at),
         };
-        // 3. Open those on the right.
+        // 3. Open the intervals on the right.
         if self.right.is_empty() {
             if let Some(low) = low {
                 self.above[low as usize] =
                     below.zip(above).map(|(below, above)| self.chains.merge(below, above));
             }
-            let high = self.active.at(place);
+            let high = self.active.at(position);
             return low.zip(high).map_or(Ok(()), |(low, high)| self.expect_apart(low, high));
         }
         if let Some(low) = low {
@@ -233,8 +237,8 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         }
         self.begin(at, low, above);
         let (lowest, highest) = (self.right[0], self.right[self.right.len() - 1]);
-        let high = self.active.at(place);
-        self.active.insert(place, &self.right);
+        let high = self.active.at(position);
+        self.active.insert(position, &self.right);
         if let Some(low) = low {
             self.expect_apart(low, lowest)?;
         }
@@ -251,12 +255,12 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         }
     }
 
-    /// Ends an edge at a point on it; the rest of it starts there.
+    /// Ends an edge at a point on it; the remaining part starts there.
     fn cut_edge(&mut self, edge: u32, at: u32) {
-        let whole = self.edges[edge as usize];
+        let edge_before = self.edges[edge as usize];
         self.edges[edge as usize].to = at;
-        let rest = self.add(SweepEdge { from: at, ..whole });
-        self.right.push(rest);
+        let remainder = self.add(SweepEdge { from: at, ..edge_before });
+        self.right.push(remainder);
     }
 
     fn add(&mut self, edge: SweepEdge) -> u32 {
@@ -276,9 +280,9 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         let mut right = std::mem::take(&mut self.right);
         let (points, edges) = (self.points, &self.edges);
         let to = |edge: u32| edges[edge as usize].to;
-        let place = |edge: u32| points[to(edge) as usize];
-        let turn = |a: u32, b: u32| P::turn(points[at as usize], place(a), place(b));
-        // Each edge is to the left of the one before; of overlapping ones the shortest comes first.
+        let end = |edge: u32| points[to(edge) as usize];
+        let turn = |a: u32, b: u32| P::turn(points[at as usize], end(a), end(b));
+        // Each edge is to the left of the previous one; of overlapping ones the shortest comes first.
         right.sort_unstable_by(|a, b| turn(*a, *b).reverse().then(to(*a).cmp(&to(*b))));
         let is_tied = |pair: &[u32]| turn(pair[0], pair[1]) == Ordering::Equal;
         if right.windows(2).any(is_tied) {
@@ -288,30 +292,31 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
     }
 
     fn merge_ties(&mut self, at: u32, right: &mut Vec<u32>) {
-        let mut kept: Vec<u32> = Vec::with_capacity(right.len());
+        let mut merged: Vec<u32> = Vec::with_capacity(right.len());
         for &edge in right.iter() {
             let SweepEdge { to, winding, .. } = self.edges[edge as usize];
-            let known = kept.last().copied().map(|known| (known, self.edges[known as usize].to));
-            match known {
-                Some((known, end)) if self.turn(at, end, to) == Ordering::Equal => {
+            let previous =
+                merged.last().copied().map(|previous| (previous, self.edges[previous as usize].to));
+            match previous {
+                Some((previous, end)) if self.turn(at, end, to) == Ordering::Equal => {
                     self.overlapping += 1;
-                    (0..2).for_each(|k| self.edges[known as usize].winding[k] += winding[k]);
+                    (0..2).for_each(|k| self.edges[previous as usize].winding[k] += winding[k]);
                     if to != end {
-                        let rest = self.add(SweepEdge { from: end, to, winding });
-                        self.start(rest);
+                        let remainder = self.add(SweepEdge { from: end, to, winding });
+                        self.start(remainder);
                     }
                 }
-                _ => kept.push(edge),
+                _ => merged.push(edge),
             }
         }
-        kept.retain(|edge| self.edges[*edge as usize].winding != [0; 2]);
-        *right = kept;
+        merged.retain(|edge| self.edges[*edge as usize].winding != [0; 2]);
+        *right = merged;
     }
 
     /// Sets the winding numbers and chains of the edges that start at a point.
     fn begin(&mut self, at: u32, low: Option<u32>, above: Option<MonotoneChain>) {
-        let known = low.and_then(|low| self.sides[low as usize]);
-        let mut winding = known.map_or([0; 2], |[_, above]| above);
+        let sides_below = low.and_then(|low| self.sides[low as usize]);
+        let mut winding = sides_below.map_or([0; 2], |[_, above]| above);
         let last = self.right.len() - 1;
         self.n_edges += self.right.len();
         for k in 0..=last {
@@ -347,7 +352,7 @@ impl<'a, P: SweepPoint> Sweep<'a, P> {
         has_area
     }
 
-    /// The lower edge of an interval ends at a point. Where the upper one ends there too, the whole chain is
+    /// The lower edge of an interval ends at a point. If the upper one ends there too, the entire chain is
     /// visible.
     fn join_at_bottom(&mut self, mut chain: MonotoneChain, at: u32) -> MonotoneChain {
         while let Some([a, b]) = self.chains.lowest(&chain) {

@@ -1,9 +1,9 @@
-//! The angle of a direction without a call of `atan2`: as precise as a weight needs it, and without a branch.
+//! The angle of a direction without a call of `atan2`: as precise as a weight needs, and without a branch.
 use crate::math::{greater, lesser};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// The minimax polynomial in r² for atan(r)/r with 0 ≤ r ≤ 1, derived by the Remez exchange, with a relative
-/// error of 3.4e-10 at most.
+/// error of at most 3.4e-10.
 const ATAN: [f64; 11] = [
     0.999_999_999_667_198_7,
     -0.333_333_247_188_107_9,
@@ -21,28 +21,28 @@ const ATAN: [f64; 11] = [
 /// The angles between the x axis and (x, y) for several x and one y ≥ 0, in [0, π], to 3.4e-10; π/2 for (0,
 /// 0).
 ///
-/// Each step is done for all of them, so that the compiler can vectorise it.
+/// Each step is done for all x together, so that the compiler can vectorize it.
 #[inline(always)]
 pub(super) fn angles_of<const N: usize>(x: [f64; N], y: f64) -> [f64; N] {
-    let of = |f: &dyn Fn(usize) -> f64| -> [f64; N] { std::array::from_fn(f) };
+    let lanes = |f: &dyn Fn(usize) -> f64| -> [f64; N] { std::array::from_fn(f) };
     let width = x.map(f64::abs);
-    let long = of(&|k| greater(y, width[k]));
-    let short = of(&|k| lesser(width[k], y));
-    // Adding the smallest normal number changes no number whose square does not underflow.
-    let r = of(&|k| short[k] / (long[k] + f64::MIN_POSITIVE));
-    let q = of(&|k| r[k] * r[k]);
-    let q2 = of(&|k| q[k] * q[k]);
-    let q4 = of(&|k| q2[k] * q2[k]);
+    let long = lanes(&|k| greater(y, width[k]));
+    let short = lanes(&|k| lesser(width[k], y));
+    // Avoids 0/0: adding the smallest normal number changes no number whose square does not underflow.
+    let r = lanes(&|k| short[k] / (long[k] + f64::MIN_POSITIVE));
+    let q = lanes(&|k| r[k] * r[k]);
+    let q2 = lanes(&|k| q[k] * q[k]);
+    let q4 = lanes(&|k| q2[k] * q2[k]);
     let pair = |k: usize, i: usize| ATAN[i] + q[k] * ATAN[i + 1];
-    let low = of(&|k| (pair(k, 0) + q2[k] * pair(k, 2)) + q4[k] * (pair(k, 4) + q2[k] * pair(k, 6)));
-    let steep = of(&|k| r[k] * (low[k] + (q4[k] * q4[k]) * (pair(k, 8) + q2[k] * ATAN[10])));
+    let low = lanes(&|k| (pair(k, 0) + q2[k] * pair(k, 2)) + q4[k] * (pair(k, 4) + q2[k] * pair(k, 6)));
+    let steep = lanes(&|k| r[k] * (low[k] + (q4[k] * q4[k]) * (pair(k, 8) + q2[k] * ATAN[10])));
     // Past 45° and past 90° the angle is mirrored; written with signs, since branches would be unpredictable.
-    let upright = of(&|k| FRAC_PI_4 + (FRAC_PI_4 - steep[k]).copysign(y - width[k]));
-    of(&|k| FRAC_PI_2 - (FRAC_PI_2 - upright[k]).copysign(x[k]))
+    let upright = lanes(&|k| FRAC_PI_4 + (FRAC_PI_4 - steep[k]).copysign(y - width[k]));
+    lanes(&|k| FRAC_PI_2 - (FRAC_PI_2 - upright[k]).copysign(x[k]))
 }
 
-/// The same angle by the same operations, as straight code without closures: in a loop over many it is vectorised with
-/// the loop.
+/// The same angle by the same operations, as straight code without closures, so that a loop over many angles
+/// is vectorized.
 #[inline(always)]
 pub(super) fn angle_in_lane(x: f64, y: f64) -> f64 {
     let width = x.abs();
@@ -82,12 +82,13 @@ mod tests {
         }
         assert!(worst < 3.4e-10, "{worst:e}");
         for tiny in [1e-3, 1e-9, 1e-15] {
-            // Mirroring it back and forth costs roundings of a quarter turn.
-            let off = (angle_of(1.0, tiny) - libm::atan2(tiny, 1.0)).abs();
-            assert!(off < 3.4e-10 * tiny + 4.0 * f64::EPSILON, "{tiny:e}");
+            // Mirroring forth and back costs roundings of a quarter turn.
+            let error = (angle_of(1.0, tiny) - libm::atan2(tiny, 1.0)).abs();
+            assert!(error < 3.4e-10 * tiny + 4.0 * f64::EPSILON, "{tiny:e}");
         }
-        let known = [((0.0, 0.0), FRAC_PI_2), ((1.0, 0.0), 0.0), ((-1.0, 0.0), PI), ((0.0, 1.0), FRAC_PI_2)];
-        for ((x, y), angle) in known {
+        let expected =
+            [((0.0, 0.0), FRAC_PI_2), ((1.0, 0.0), 0.0), ((-1.0, 0.0), PI), ((0.0, 1.0), FRAC_PI_2)];
+        for ((x, y), angle) in expected {
             assert_eq!((angle_of(x, y), angle_in_lane(x, y)), (angle, angle));
         }
     }

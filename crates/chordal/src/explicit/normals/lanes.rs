@@ -1,4 +1,5 @@
-//! The normals and angles of a block of faces at once, bit-identical to [`corner_terms`](super::smooth::corner_terms).
+//! The normals and angles of a block of faces at once, bit-identical to
+//! [`corner_terms`](super::smooth::corner_terms).
 use super::angle::angle_in_lane;
 use super::smooth::{NormalWeight, corner_terms};
 use crate::explicit::{BLOCK, CornerBlock, Lanes, Mesh};
@@ -7,11 +8,12 @@ use crate::math::simd::Kernel;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Adds the normals of some faces, in their order, to the sums of their positions, each times its angle there.
+/// Adds the normals of some faces, in their order, to the sums of their positions, each times its angle
+/// there.
 pub(super) struct AngleSumKernel<'a> {
     pub mesh: &'a Mesh,
     pub faces: Range<usize>,
-    /// That of the mesh, [`scale_of`](super::smooth::scale_of).
+    /// The scale of the mesh, [`scale_of`](super::smooth::scale_of).
     pub scale: f64,
     pub sums: &'a mut [[f64; 3]],
 }
@@ -51,7 +53,7 @@ impl Kernel for AngleSumKernel<'_> {
 struct AngleTerms {
     normal: [Lanes; 3],
     angle: [Lanes; 3],
-    /// Whether rounding and the range of f64 leave the two above right; else another method decides.
+    /// Whether rounding and the range of f64 permit the two values above; otherwise another method decides.
     is_clear: [bool; BLOCK],
 }
 
@@ -60,7 +62,7 @@ impl AngleTerms {
         Self { normal: [[0.0; BLOCK]; 3], angle: [[0.0; BLOCK]; 3], is_clear: [false; BLOCK] }
     }
 
-    /// The steps of `corner_terms`, as straight code without closures, which is vectorised as a whole.
+    /// The steps of `corner_terms`, as straight code without closures, which is vectorized completely.
     #[inline(always)]
     fn fill(&mut self, block: &CornerBlock) {
         let [a, b, c] = &block.corners;
@@ -79,13 +81,13 @@ impl AngleTerms {
             self.normal[0][i] = nx * factor;
             self.normal[1][i] = ny * factor;
             self.normal[2][i] = nz * factor;
-            let both = ((0.0 + vx * ux) + vy * uy) + vz * uz;
-            let at_a = angle_in_lane(-both, area);
-            let at_b = angle_in_lane(u_square + both, area);
-            let rest = PI - (at_a + at_b);
+            let cosine_term = ((0.0 + vx * ux) + vy * uy) + vz * uz;
+            let at_a = angle_in_lane(-cosine_term, area);
+            let at_b = angle_in_lane(u_square + cosine_term, area);
+            let at_c = PI - (at_a + at_b);
             self.angle[0][i] = at_a;
             self.angle[1][i] = at_b;
-            self.angle[2][i] = greater(rest, 0.0);
+            self.angle[2][i] = greater(at_c, 0.0);
         }
     }
 }

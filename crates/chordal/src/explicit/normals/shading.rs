@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 pub enum Shading {
     /// None: each face has its own normal.
     Flat,
-    /// All.
+    /// The entire surface.
     Smooth(NormalWeight),
-    /// Across edges where the angle between the normals of both faces is at most this.
+    /// Across edges at which the angle between the normals of the two faces is at most this.
     Crease {
         /// From 0 to π.
         angle_rad: f64,
@@ -27,17 +27,18 @@ pub enum Shading {
     Groups(NormalWeight),
 }
 
-/// The mesh with normals of this kind, which replace any others. Tangents depend on normals and are removed.
+/// The mesh with normals of this kind, which replace existing ones. Tangents depend on normals and are
+/// removed.
 ///
-/// - *Flat*: one row per face, zero where a face has no area.
+/// - *Flat*: one row per face, zero if a face has no area.
 /// - *Smooth*: one row per vertex, [`smooth_normals`].
 /// - *Crease* and *groups*: one row per vertex. Vertices are duplicated along hard edges only and linked by
 ///   [`Mesh::position_id`], so that a closed mesh stays closed. The first fan at a row keeps it, copies come
 ///   after all old rows, and the order of faces stays.
 ///
-/// An edge is hard where it is too sharp or separates two groups. It is also hard unless it has exactly two
+/// An edge is hard if it is too sharp or separates two groups. It is also hard unless it has exactly two
 /// faces with the same orientation and nonzero areas. `topology` decides which rows are one position. A fan
-/// whose normals cancel gets the mean of all faces at its position, zero where those cancel too; nothing
+/// whose normals cancel gets the mean of all faces at its position, or zero if those cancel too; no normal
 /// becomes NaN.
 ///
 /// Linear time: 1,000,000 triangles in about 0.2 s with creases.
@@ -140,7 +141,7 @@ fn creased(
         }
     }
     let fans: Vec<u32> = (0..twins.len() as u32).map(|h| sets.find(h)).collect();
-    // 2. Their normals.
+    // 2. The normal of each set.
     let scale = scale_of(mesh);
     let mut sums = vec![[0.0; 3]; fans.len()];
     for face in 0..mesh.faces().len() {
@@ -149,13 +150,13 @@ fn creased(
     }
     // 3. Rows with their normals.
     let rows = SplitVertices::from_fans(mesh, &fans);
-    let mut whole: Option<Vec<[f64; 3]>> = None;
+    let mut position_normals: Option<Vec<[f64; 3]>> = None;
     let mut normals = Vec::with_capacity(3 * rows.source.len());
     for (&source, &fan) in rows.source.iter().zip(&rows.fan) {
         let mut normal = if fan == NO_FAN { [0.0; 3] } else { unit_or_zero(sums[fan as usize]) };
         if normal == [0.0; 3] {
-            let whole = whole.get_or_insert_with(|| position_sums(mesh, &id, weight));
-            normal = unit_or_zero(whole[id(source) as usize]);
+            let position_normals = position_normals.get_or_insert_with(|| position_sums(mesh, &id, weight));
+            normal = unit_or_zero(position_normals[id(source) as usize]);
         }
         normals.extend(normal);
     }
@@ -175,7 +176,7 @@ struct SplitVertices {
 }
 
 impl SplitVertices {
-    /// All rows as they are.
+    /// All rows unchanged.
     fn unsplit(mesh: &Mesh) -> Self {
         Self {
             source: (0..mesh.positions().len() as u32).collect(),
@@ -184,21 +185,21 @@ impl SplitVertices {
         }
     }
 
-    /// One row for each old row and fan there.
+    /// One row for each old row and fan at it.
     fn from_fans(mesh: &Mesh, fans: &[u32]) -> Self {
         let mut rows = Self::unsplit(mesh);
         rows.fan = vec![NO_FAN; rows.source.len()];
         let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         for (corner, row) in rows.faces.as_flattened_mut().iter_mut().enumerate() {
             let fan = fans[corner];
-            let known = &mut rows.fan[*row as usize];
-            *known = if *known == NO_FAN { fan } else { *known };
-            if *known != fan {
+            let row_fan = &mut rows.fan[*row as usize];
+            *row_fan = if *row_fan == NO_FAN { fan } else { *row_fan };
+            if *row_fan != fan {
                 let source = *row;
                 *row = *copies.entry((source, fan)).or_insert_with(|| {
                     rows.source.push(source);
                     rows.fan.push(fan);
-                    // A wrapped index cannot go unnoticed: `Mesh::new` refuses that many positions.
+                    // A wrapped index is not missed: `Mesh::new` refuses that many positions.
                     (rows.source.len() - 1) as u32
                 });
             }
@@ -207,7 +208,7 @@ impl SplitVertices {
     }
 }
 
-/// The mesh with these normals, one per vertex, which replace any others. Tangents are removed.
+/// The mesh with these normals, one per vertex, which replace existing ones. Tangents are removed.
 ///
 /// # Errors
 /// [`InvalidMesh`] when their number differs from that of the vertices, or one is not finite.
@@ -219,9 +220,10 @@ pub(crate) fn with_vertex_normals(mesh: &Mesh, normals: Vec<[f64; 3]>) -> Result
 fn rebuilt(mesh: &Mesh, rows: &SplitVertices, domain: Domain, values: Vec<f64>) -> Result<Mesh, InvalidMesh> {
     let has_copies = rows.source.len() > mesh.positions().len();
     let positions = rows.source.iter().map(|&row| mesh.positions()[row as usize]).collect();
-    let mut made = Mesh::new(positions, rows.faces.clone())?;
+    let mut rebuilt_mesh = Mesh::new(positions, rows.faces.clone())?;
     if has_copies || mesh.position_id().is_some() {
-        made = made.with_position_id(rows.source.iter().map(|&row| mesh.position_of(row)).collect())?;
+        rebuilt_mesh =
+            rebuilt_mesh.with_position_id(rows.source.iter().map(|&row| mesh.position_of(row)).collect())?;
     }
     for attribute in mesh.attributes() {
         if matches!(attribute.semantic, Semantic::Normal | Semantic::Tangent) {
@@ -230,11 +232,11 @@ fn rebuilt(mesh: &Mesh, rows: &SplitVertices, domain: Domain, values: Vec<f64>) 
         let mut attribute = attribute.clone();
         if has_copies && attribute.domain == Domain::Vertex {
             let copies = &rows.source[mesh.positions().len()..];
-            let more: Vec<f64> =
+            let copied: Vec<f64> =
                 copies.iter().flat_map(|&row| attribute.row(row as usize).to_vec()).collect();
-            attribute.values.extend(more);
+            attribute.values.extend(copied);
         }
-        made = made.with_attribute(attribute)?;
+        rebuilt_mesh = rebuilt_mesh.with_attribute(attribute)?;
     }
-    made.with_attribute(Attribute { semantic: Semantic::Normal, domain, width: 3, values })
+    rebuilt_mesh.with_attribute(Attribute { semantic: Semantic::Normal, domain, width: 3, values })
 }

@@ -10,19 +10,19 @@ use std::f64::consts::PI;
 /// The weight of each face in the normal of a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalWeight {
-    /// Its angle there: the result does not depend on the triangulation of the surface.
+    /// Its angle at the vertex: the result does not depend on the triangulation of the surface.
     #[default]
     Angle,
-    /// Its area: large faces dominate, as beside the small ones of a rounded edge.
+    /// Its area: large faces dominate, for example those beside the small faces of a rounded edge.
     Area,
     /// The same for all.
     Uniform,
 }
 
 /// One unit normal per vertex: the mean of the normals of all faces that share its position, by `weight`.
-/// Vertices without a face of positive area, or whose faces cancel, get `[0, 0, 0]`; nothing becomes NaN.
+/// Vertices without a face of positive area, or whose faces cancel, get `[0, 0, 0]`; no normal becomes NaN.
 ///
-/// Angles are right to 3.4e-10, without a call of a library's atan2. Coordinates may have any size. As
+/// Angles are accurate to 3.4e-10, without a call of a library's atan2. Coordinates may have any size. As
 /// weights, areas below 1e-100 of the square of the mesh's extent count as zero.
 ///
 /// 1,000,000 triangles in about 15 ms on one core, weighted by angles.
@@ -66,11 +66,11 @@ fn add_one_by_one(mesh: &Mesh, scale: f64, weight: NormalWeight, sums: &mut [[f6
     }
 }
 
-/// The vector scaled to length 1; zero where it has no direction.
+/// The vector scaled to length 1; zero if it has no direction.
 #[inline]
 pub(super) fn unit_or_zero(v: [f64; 3]) -> [f64; 3] {
     let square = dot(v, v);
-    // Squares of numbers between 1e-100 and 1e100 and their sums of three are far inside the range of f64,
+    // Squares of numbers between 1e-100 and 1e100 and sums of three of them are far inside the range of f64,
     // where exponents are exact; other vectors are scaled first.
     if square > 1e-200 && square < 1e200 {
         let factor = 1.0 / square.sqrt();
@@ -85,12 +85,12 @@ pub(super) fn unit_or_zero(v: [f64; 3]) -> [f64; 3] {
     scaled.map(|x| x / length)
 }
 
-/// A power of two that brings the mesh's extent near 1 where its squares and their squares could leave the
-/// range of f64; 1 elsewhere.
+/// A power of two that brings the mesh's extent near 1 if its squares and their squares could leave the range
+/// of f64; otherwise 1.
 pub(super) fn scale_of(mesh: &Mesh) -> f64 {
     let bounds = mesh.bounds();
     let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
-    let extent = half.fold(0.0, |most: f64, x| greater(x, most));
+    let extent = half.fold(0.0, |largest: f64, x| greater(x, largest));
     let exponent = ((extent.to_bits() >> 52) & 0x7ff) as i64 - 1023;
     // 2^±120 to the fourth power is 2^±480, which leaves a margin for sums and for triangles 2^30 times
     // smaller.
@@ -114,8 +114,8 @@ pub(super) fn corner_terms(
     let cross = [ca[1] * ab[2] - ca[2] * ab[1], ca[2] * ab[0] - ca[0] * ab[2], ca[0] * ab[1] - ca[1] * ab[0]];
     let square = dot(cross, cross);
     let (ab_square, ca_square) = (dot(ab, ab), dot(ca, ca));
-    // Rounding of the cross product is below 8 steps of the edges' product. Where it could dominate, as for
-    // needles, and where squares are near the ends of the range of f64, a slower method decides.
+    // Rounding of the cross product is below 8 steps of the edges' product. If it could dominate, as for
+    // needles, or if squares are near the ends of the range of f64, a slower method decides.
     if !(square > 1e-200 && square < 1e200 && square > 1e-24 * (ab_square * ca_square) && scale == 1.0) {
         return corner_terms_rescaled(corners, scale, weight);
     }
@@ -125,11 +125,11 @@ pub(super) fn corner_terms(
             let factor = 1.0 / area;
             let normal = cross.map(|x| x * factor);
             // The sum of two sides is the third, reversed: bc = −(ab + ca).
-            let both = dot(ca, ab);
-            let [at_a, at_b] = angles_of([-both, ab_square + both], area);
-            // The rest of half a turn, if positive.
-            let rest = PI - (at_a + at_b);
-            let at_c = greater(rest, 0.0);
+            let dot_ca_ab = dot(ca, ab);
+            let [at_a, at_b] = angles_of([-dot_ca_ab, ab_square + dot_ca_ab], area);
+            // The remainder of half a turn, if positive.
+            let remainder = PI - (at_a + at_b);
+            let at_c = greater(remainder, 0.0);
             [at_a, at_b, at_c].map(|angle| normal.map(|x| x * angle))
         }
         NormalWeight::Area => [cross; 3],

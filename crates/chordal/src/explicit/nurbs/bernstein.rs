@@ -8,55 +8,55 @@ impl<const N: usize> BernsteinRow<N> {
     pub fn jet(&self, t: f64) -> [[f64; N]; 3] {
         let degree = self.0.len() - 1;
         let (mut first, mut second) = ([0.0; N], [0.0; N]);
-        let value = with_copy(&self.0, |left| {
+        let value = with_copy(&self.0, |row| {
             for n in (1..=degree).rev() {
-                // `left` has the n + 1 coefficients of a polynomial of degree n.
+                // `row` has the n + 1 coefficients of a polynomial of degree n.
                 if n == 2 {
                     let scale = (degree * (degree - 1)) as f64;
-                    second = std::array::from_fn(|k| {
-                        scale * ((left[2][k] - left[1][k]) - (left[1][k] - left[0][k]))
-                    });
+                    second =
+                        std::array::from_fn(|k| scale * ((row[2][k] - row[1][k]) - (row[1][k] - row[0][k])));
                 }
                 if n == 1 {
-                    first = std::array::from_fn(|k| degree as f64 * (left[1][k] - left[0][k]));
+                    first = std::array::from_fn(|k| degree as f64 * (row[1][k] - row[0][k]));
                 }
-                step(&mut left[..=n], t);
+                step(&mut row[..=n], t);
             }
-            left[0]
+            row[0]
         });
         [value, first, second]
     }
 
     /// The value at `t`.
     pub fn at(&self, t: f64) -> [f64; N] {
-        with_copy(&self.0, |left| to_value(left, t))
+        with_copy(&self.0, |row| to_value(row, t))
     }
 
     /// The coefficients over the part from `a` to `b`, which lie in `[0, 1]`.
     pub fn part(&self, a: f64, b: f64) -> Self {
-        let mut made = self.0.clone();
-        with_copy(&self.0, |rest| part_of(&mut made, rest, [a, b]));
-        Self(made)
+        let mut part = self.0.clone();
+        with_copy(&self.0, |scratch| part_of(&mut part, scratch, [a, b]));
+        Self(part)
     }
 }
 
-/// Turns coefficients into those over the part from `a` to `b`; there must be as much room beside them.
+/// Turns coefficients into those over the part from `a` to `b`; `scratch` must have the same length.
 #[inline(always)]
-fn part_of<const N: usize>(row: &mut [[f64; N]], room: &mut [[f64; N]], [a, b]: [f64; 2]) {
-    // The blossom with some arguments `a` and the others `b`: after n - k steps at a, from the right end on at b.
+fn part_of<const N: usize>(row: &mut [[f64; N]], scratch: &mut [[f64; N]], [a, b]: [f64; 2]) {
+    // The blossom with some arguments `a` and the others `b`: after n − k steps at a, the remaining ones at
+    // b, from the right end on.
     let degree = row.len() - 1;
     for k in (0..=degree).rev() {
-        let rest = &mut room[..=k];
-        rest.copy_from_slice(&row[..=k]);
-        let made = to_value(rest, b);
+        let copy = &mut scratch[..=k];
+        copy.copy_from_slice(&row[..=k]);
+        let value = to_value(copy, b);
         if k > 0 {
             step(&mut row[..=k], a);
         }
-        row[k] = made;
+        row[k] = value;
     }
 }
 
-/// The value at `t` of coefficients, which are lost.
+/// The value at `t` of coefficients, which are overwritten.
 #[inline(always)]
 fn to_value<const N: usize>(row: &mut [[f64; N]], t: f64) -> [f64; N] {
     for n in (1..row.len()).rev() {
@@ -65,10 +65,10 @@ fn to_value<const N: usize>(row: &mut [[f64; N]], t: f64) -> [f64; N] {
     row[0]
 }
 
-/// Rows up to this length are copied without memory of their own: of degree 7, beyond what files have.
+/// Rows up to this length are copied without an allocation. Chosen: of degree 7, higher than files have.
 const SHORT: usize = 8;
 
-/// Runs with a copy of a row.
+/// Runs `run` with a copy of a row.
 #[inline(always)]
 fn with_copy<const N: usize, R>(row: &[[f64; N]], run: impl FnOnce(&mut [[f64; N]]) -> R) -> R {
     if row.len() > SHORT {
@@ -82,7 +82,7 @@ fn with_copy<const N: usize, R>(row: &[[f64; N]], run: impl FnOnce(&mut [[f64; N
 /// One step of de Casteljau's algorithm: one coefficient fewer.
 #[inline(always)]
 fn step<const N: usize>(row: &mut [[f64; N]], t: f64) {
-    // As `lerp`, in loops that every level of optimisation unrolls.
+    // Like `lerp`, in loops that every optimization level unrolls.
     let s = 1.0 - t;
     for i in 0..row.len() - 1 {
         let next = row[i + 1];

@@ -4,7 +4,8 @@ use super::knots::{InvalidNurbs, KnotVector};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The Bézier curve with these control points, over the domain from 0 to 1: its degree is one less than their number.
+    /// The Bézier curve with these control points, over the domain from 0 to 1: its degree is one less than
+    /// their number.
     ///
     /// # Errors
     /// When there are fewer than 2 points or more than 31, or a number is not finite.
@@ -23,8 +24,9 @@ impl<const D: usize> NurbsCurve<D> {
         Self::new(KnotVector::clamped(n - 1, n)?, control, vec![1.0; n])
     }
 
-    /// An arc of a conic section from `points[0]` to `points[2]`, where its tangents meet in `points[1]`, by its weight there:
-    /// a part of an ellipse below 1, of a parabola at 1, of a hyperbola above.
+    /// An arc of a conic section from `points[0]` to `points[2]`, whose end tangents meet in `points[1]`,
+    /// given by its weight at that point: part of an ellipse below 1, of a parabola at 1, of a hyperbola
+    /// above.
     ///
     /// # Errors
     /// When the weight is not above 0 or a number not finite.
@@ -40,12 +42,14 @@ impl<const D: usize> NurbsCurve<D> {
         Self::new(KnotVector::clamped(2, 3)?, points.to_vec(), vec![1.0, weight, 1.0])
     }
 
-    /// The arc `centre + cos(a)·axes[0] + sin(a)·axes[1]`, where `a` runs from `start_rad` over `sweep_rad`: of an ellipse by
-    /// two conjugate half-axes, or of a circle. The domain is from 0 to the number of its pieces.
+    /// The arc `centre + cos(a)·axes[0] + sin(a)·axes[1]`, where `a` runs from `start_rad` over `sweep_rad`:
+    /// of an ellipse by two conjugate half-axes, or of a circle. The domain is from 0 to the number of its
+    /// pieces.
     ///
-    /// It takes one piece for each quarter of a turn, four at most, so that weights stay above 0.7. A sweep of 2π, as f64 has
-    /// it, or of −2π is closed to the bit. Where the angles are multiples of a quarter turn, so are those of the points;
-    /// otherwise sines and cosines are rounded, and the arc is off by a few units in the last place of the largest coordinate.
+    /// It has one piece for each quarter of a turn, at most four, so that weights stay above 0.7. A sweep of
+    /// 2π or −2π, in f64, is closed to the bit. If the angles are multiples of a quarter turn, the points are
+    /// exact; otherwise sines and cosines are rounded, and the arc is off by a few units in the last place of
+    /// the largest coordinate.
     ///
     /// # Errors
     /// When a number is not finite, the sweep is 0, or it exceeds a full turn.
@@ -68,7 +72,7 @@ impl<const D: usize> NurbsCurve<D> {
         if sweep_rad == 0.0 || sweep_rad.abs() > TAU {
             return Err(InvalidNurbs::Sweep(sweep_rad));
         }
-        // A quarter turn that was computed may be a few roundings longer.
+        // A computed quarter turn may be a few roundings longer.
         let quarters = sweep_rad.abs() / FRAC_PI_2;
         let n = (quarters - 4.0 * f64::EPSILON * quarters).ceil();
         let half = 0.5 * sweep_rad / n;
@@ -93,13 +97,13 @@ impl<const D: usize> NurbsCurve<D> {
     }
 }
 
-/// The sine and cosine; of the numbers next to multiples of a quarter turn those of the multiple.
+/// The sine and cosine; next to a multiple of a quarter turn, those of the multiple.
 fn sin_cos(angle_rad: f64) -> (f64, f64) {
     let quarters = angle_rad / FRAC_PI_2;
-    // Where an angle is meant to be a multiple it is off by the rounding of two sums.
-    let whole = quarters.round();
-    if (quarters - whole).abs() <= 2.0 * f64::EPSILON * quarters.abs() && whole.abs() <= 64.0 {
-        return match (whole as i64).rem_euclid(4) {
+    // An angle that is meant to be a multiple is off by the rounding of two sums.
+    let nearest = quarters.round();
+    if (quarters - nearest).abs() <= 2.0 * f64::EPSILON * quarters.abs() && nearest.abs() <= 64.0 {
+        return match (nearest as i64).rem_euclid(4) {
             0 => (0.0, 1.0),
             1 => (1.0, 0.0),
             2 => (0.0, -1.0),

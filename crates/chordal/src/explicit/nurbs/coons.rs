@@ -1,53 +1,55 @@
 //! Coons patches: the surface between four boundary curves, bilinearly blended.
 //!
-//! With `c₀, c₁` along `u` and `d₀, d₁` along `v`, and `s`, `t` the parts of the two domains that lie behind, it is
-//! `(1−t)·c₀ + t·c₁ + (1−s)·d₀ + s·d₁` without the bilinear surface through the corners. `s` and `t` are splines over any
-//! knots, with the means of `p` of them as coefficients (Greville), so that polynomial curves make a polynomial spline of
-//! their own degrees and knots.
+//! With `c₀, c₁` along `u` and `d₀, d₁` along `v`, and `s`, `t` the fractions of the two domains, it is
+//! `(1−t)·c₀ + t·c₁ + (1−s)·d₀ + s·d₁` minus the bilinear surface through the corners. `s` and `t` are
+//! splines over any knots, with the means of `p` of them as coefficients (Greville), so that polynomial
+//! curves give a polynomial spline of their own degrees and knots.
 //!
-//! Where curves have weights, let `W(u)` be the common denominator of `c₀` and `c₁` (their own where these are equal up to a
-//! factor, their product otherwise) and `V(v)` that of `d₀` and `d₁`. Times `W·V` each term is a polynomial in `u` times
-//! one in `v`, so that the surface is rational, exactly, with one degree more than the denominators. Its weights are those of
-//! `W·V`, products and means of weights above 0.
+//! If curves have weights, let `W(u)` be the common denominator of `c₀` and `c₁` (their own if these are
+//! equal up to a factor, otherwise their product) and `V(v)` that of `d₀` and `d₁`. Times `W·V` each term is
+//! a polynomial in `u` times one in `v`, so the surface is rational, exactly, with one degree more than the
+//! denominators. Its weights are those of `W·V`, products and means of weights above 0.
 //!
-//! *Slack.* The surface is linear in its curves, with factors from 0 to 1: where those along `u` are off by `a` and those
-//! along `v` by `b`, it is by `2(a + b)` at most, the corners included. Every coefficient of the numerator is a sum of
-//! products of three terms with factors that add up to 1, each below `R` times the coefficient of the denominator, `R` the
-//! largest coordinate; rounding of pieces, products and sums takes less than `64(p + q + 4)·ε` of each.
+//! *Slack.* The surface is linear in its curves, with factors from 0 to 1: if the curves along `u` are off by
+//! `a` and those along `v` by `b`, the surface is off by at most `2(a + b)`, the corners included. Every
+//! coefficient of the numerator is a sum of products of three terms with factors that add up to 1, each below
+//! `R` times the coefficient of the denominator, with `R` the largest coordinate; rounding of pieces,
+//! products and sums takes less than `64(p + q + 4)·ε` of each.
 //!
-//! Source: S. A. Coons, *Surfaces for computer-aided design of space forms*, 1967; L. Piegl, W. Tiller, *The NURBS Book*,
-//! 2nd ed., 1997, 10.5; G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, 22.
+//! Source: S. A. Coons, *Surfaces for computer-aided design of space forms*, 1967; L. Piegl, W. Tiller, *The
+//! NURBS Book*, 2nd ed., 1997, 10.5; G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, 22.
 use super::compatible::compatible_slack;
 use super::curve::scaled_weights;
 use super::knots::{InvalidNurbs, KnotVector};
 use super::{NurbsCurve, NurbsSurface, binomials, compatible};
 use crate::math::{difference, greater, length};
 
-/// Ends of curves that are this near, relative to the largest coordinate, meet. Chosen: what files with ten digits round.
+/// Ends of curves meet if they are this close, relative to the largest coordinate. Chosen: the rounding of
+/// files with ten digits.
 const MEET: f64 = 1e-9;
 
-/// Polynomials in one parameter in Bernstein form, over one piece, all of one degree.
+/// Polynomials in one parameter in Bernstein form, over one piece, all of the same degree.
 struct BlendFactors {
     /// The numerators of the two curves along this parameter.
     curves: [Vec<[f64; 3]>; 2],
     /// The denominator.
     weights: Vec<f64>,
-    /// The denominator times the part that is left, and times the part that lies behind.
+    /// The denominator times `1 − s`, and times `s`, for the fraction `s` of this domain.
     shares: [Vec<f64>; 2],
 }
 
 impl NurbsSurface {
-    /// The Coons patch between four curves: two along `u`, where `v` starts and where it ends, and two along `v`, where `u`
-    /// starts and where it ends.
+    /// The Coons patch between four curves: two along `u`, at the start and at the end of `v`, and two along
+    /// `v`, at the start and at the end of `u`.
     ///
-    /// Curves may have any degrees, knots and weights; those that face each other are made [`compatible`]. The patch is exact,
-    /// a polynomial spline where all curves are, rational otherwise, and [`NurbsSurface::slack`] bounds what rounding cost.
-    /// Ends that are up to a billionth of the largest coordinate apart meet: those of the curves along `v` are moved, and the
-    /// gap is part of the slack.
+    /// Curves may have any degrees, knots and weights; opposite ones are made [`compatible`]. The patch is
+    /// exact, a polynomial spline if all curves are, otherwise rational, and [`NurbsSurface::slack`] bounds
+    /// the rounding. Ends that are up to a billionth of the largest coordinate apart count as meeting: those
+    /// of the curves along `v` are moved, and the gap is part of the slack.
     ///
     /// # Errors
-    /// When curves do not meet in a corner, or weights that differ make a degree beyond 30: `2p + 1` for the two along one
-    /// direction.
+    /// When curves do not meet in a corner, or different weights lead to a degree beyond 30: `2p + 1` for the
+    /// two along one direction.
     ///
     /// ```
     /// use chordal::explicit::nurbs::{NurbsCurve, NurbsSurface};
@@ -62,8 +64,8 @@ impl NurbsSurface {
     pub fn coons(along_u: [&NurbsCurve<3>; 2], along_v: [&NurbsCurve<3>; 2]) -> Result<Self, InvalidNurbs> {
         let (c, of_u) = facing(along_u)?;
         let (mut d, of_v) = facing(along_v)?;
-        let all = c.iter().chain(&d).flat_map(|curve| curve.control().as_flattened());
-        let reach = all.fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let coordinates = c.iter().chain(&d).flat_map(|curve| curve.control().as_flattened());
+        let reach = coordinates.fold(0.0, |largest: f64, x| greater(x.abs(), largest));
         let corners = [0, 1].map(|j| [0, 1].map(|i| end(&c[j], i)));
         let mut gap = 0.0;
         for (j, row) in corners.iter().enumerate() {
@@ -89,23 +91,23 @@ impl NurbsSurface {
     }
 }
 
-/// Two curves made to fit each other, clamped, and how far they may be from those.
+/// Two opposite curves made compatible and clamped, and a bound of the change.
 fn facing(curves: [&NurbsCurve<3>; 2]) -> Result<([NurbsCurve<3>; 2], f64), InvalidNurbs> {
-    let given = curves.map(Clone::clone);
-    let made = compatible(&given)?;
-    let slack = given.iter().zip(&made).map(|(a, b)| compatible_slack(a, b)).fold(0.0, greater);
-    let [Ok(a), Ok(b)] = [0, 1].map(|k| made.get(k).cloned().ok_or(InvalidNurbs::Knots)) else {
+    let originals = curves.map(Clone::clone);
+    let fitted = compatible(&originals)?;
+    let slack = originals.iter().zip(&fitted).map(|(a, b)| compatible_slack(a, b)).fold(0.0, greater);
+    let [Ok(a), Ok(b)] = [0, 1].map(|k| fitted.get(k).cloned().ok_or(InvalidNurbs::Knots)) else {
         return Err(InvalidNurbs::Knots);
     };
     Ok(([a, b], slack))
 }
 
 /// The first or the last point of a clamped curve.
-fn end(curve: &NurbsCurve<3>, which: usize) -> [f64; 3] {
-    curve.control()[which * (curve.control().len() - 1)]
+fn end(curve: &NurbsCurve<3>, side: usize) -> [f64; 3] {
+    curve.control()[side * (curve.control().len() - 1)]
 }
 
-/// The part of the domain that lies behind, as a spline over the knots: 0 at the first control point, 1 at the last.
+/// The fraction of the domain, as a spline over the knots: 0 at the first control point, 1 at the last.
 fn parts(knots: &KnotVector) -> Vec<f64> {
     let (p, [from, to]) = (knots.degree(), knots.domain());
     let part = |t: &f64| (t - from) / (to - from);
@@ -126,7 +128,7 @@ fn polynomial(
     for (j, t) in along_v.iter().enumerate() {
         for (i, s) in along_u.iter().enumerate() {
             control.push(match (i, j) {
-                // The boundary as it is given.
+                // The boundary exactly as given.
                 (i, 0) => c[0].control()[i],
                 (i, j) if j + 1 == m => c[1].control()[i],
                 (0, j) => d[0].control()[j],
@@ -178,34 +180,34 @@ fn rational(
     NurbsSurface::new(knots, control, weights)
 }
 
-/// The pieces of the knots, with a degree: each knot within the domain is there as often as that.
+/// The knots of the pieces with a degree: each knot inside the domain is repeated as often as the degree.
 fn full_knots(knots: &KnotVector, degree: usize) -> Result<KnotVector, InvalidNurbs> {
     let [from, to] = knots.domain();
-    let mut all = vec![from; degree + 1];
-    (1..knots.n_pieces()).for_each(|k| all.extend(vec![knots.piece(k)[0]; degree]));
-    all.extend(vec![to; degree + 1]);
-    KnotVector::new(degree, all)
+    let mut repeated = vec![from; degree + 1];
+    (1..knots.n_pieces()).for_each(|k| repeated.extend(vec![knots.piece(k)[0]; degree]));
+    repeated.extend(vec![to; degree + 1]);
+    KnotVector::new(degree, repeated)
 }
 
 impl BlendFactors {
-    /// Of two curves with the same knots, piece by piece.
+    /// The factors for two curves with the same knots, piece by piece.
     fn pieces(curves: &[NurbsCurve<3>; 2]) -> Vec<Self> {
         let (knots, [from, to]) = (curves[0].knots(), curves[0].knots().domain());
         let p = knots.degree();
         let scaled = curves.each_ref().map(|curve| scaled_weights(curve.weights()));
         let is_polynomial = curves.iter().all(NurbsCurve::is_polynomial);
-        // Equal up to the rounding of a factor: exactly here, as a product is always right.
+        // Equal up to a factor: compared exactly, since taking the product instead is always correct.
         let is_equal = scaled[0] == scaled[1];
         let rows: [Vec<[f64; 4]>; 2] = [0, 1].map(|k| {
-            let of = |(x, w): (&[f64; 3], &f64)| [x[0] * w, x[1] * w, x[2] * w, *w];
+            let homogeneous = |(x, w): (&[f64; 3], &f64)| [x[0] * w, x[1] * w, x[2] * w, *w];
             let ones = vec![1.0; scaled[k].len()];
             let weights = if is_polynomial { &ones } else { &scaled[k] };
-            knots.to_bezier(&curves[k].control().iter().zip(weights).map(of).collect::<Vec<_>>())
+            knots.to_bezier(&curves[k].control().iter().zip(weights).map(homogeneous).collect::<Vec<_>>())
         });
         let piece = |index: usize| {
             let [x, y] = rows.each_ref().map(|row| &row[index * p..=(index + 1) * p]);
-            let points = |of: &[[f64; 4]]| of.iter().map(|x| [x[0], x[1], x[2]]).collect::<Vec<_>>();
-            let weights = |of: &[[f64; 4]]| of.iter().map(|x| [x[3]]).collect::<Vec<_>>();
+            let points = |row: &[[f64; 4]]| row.iter().map(|x| [x[0], x[1], x[2]]).collect::<Vec<_>>();
+            let weights = |row: &[[f64; 4]]| row.iter().map(|x| [x[3]]).collect::<Vec<_>>();
             let (curves, denominator) = if is_polynomial {
                 ([points(x), points(y)], vec![[1.0]])
             } else if is_equal {
@@ -235,14 +237,14 @@ fn flat(row: &[[f64; 1]]) -> Vec<f64> {
 fn product<const N: usize>(a: &[[f64; N]], b: &[[f64; 1]]) -> Vec<[f64; N]> {
     let (n, m) = (a.len() - 1, b.len() - 1);
     let [of_a, of_b, of_both] = [n, m, n + m].map(binomials);
-    let mut made = vec![[0.0; N]; n + m + 1];
+    let mut product = vec![[0.0; N]; n + m + 1];
     for (i, x) in a.iter().enumerate() {
         for (j, [y]) in b.iter().enumerate() {
             let factor = of_a[i] * of_b[j] / of_both[i + j] * y;
-            (0..N).for_each(|k| made[i + j][k] += factor * x[k]);
+            (0..N).for_each(|k| product[i + j][k] += factor * x[k]);
         }
     }
-    made
+    product
 }
 
 /// The same polynomial with a higher degree.
@@ -256,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_quarter_of_a_disc_has_its_four_arcs_as_boundary() {
-        // Four arcs of one circle, two of them with other weights: denominators that differ.
+        // Four arcs of one circle, two of them with other weights: the denominators differ.
         let s = 0.5_f64.sqrt();
         let arc = |from: f64, sweep: f64| {
             let quarter = std::f64::consts::FRAC_PI_2;

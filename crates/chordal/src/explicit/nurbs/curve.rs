@@ -22,18 +22,18 @@ pub struct NurbsCurve<const D: usize> {
     weights: Vec<f64>,
 }
 
-/// Weights lie between this and its inverse where something is proved, so that products with coordinates keep their
-/// digits. Chosen.
+/// In proofs, weights must lie between this and its inverse, so that products with coordinates keep their
+/// digits. Chosen: far beyond the weights of files.
 pub(crate) const HEAVIEST: f64 = 1e30;
 
 /// The weights times a power of two, so that the largest is from 1/2 to 1: squares of products stay in range.
 pub(super) fn scaled_weights(weights: &[f64]) -> Vec<f64> {
-    let most = weights.iter().fold(0.0, |most: f64, w| greater(*w, most));
-    let scale = power_of_two(-exponent(most));
+    let heaviest = weights.iter().fold(0.0, |heaviest: f64, w| greater(*w, heaviest));
+    let scale = power_of_two(-exponent(heaviest));
     weights.iter().map(|w| w * scale).collect()
 }
 
-/// Whether control points and weights are as many as needed, finite, and the weights above 0.
+/// Checks that there are as many control points and weights as needed, all finite, and the weights above 0.
 pub(super) fn check<const D: usize>(
     control: &[[f64; D]],
     weights: &[f64],
@@ -58,7 +58,7 @@ pub(super) fn check<const D: usize>(
 
 impl<const D: usize> NurbsCurve<D> {
     /// # Errors
-    /// When the numbers of control points or weights are not those that the knots need, a number is not finite, or a
+    /// When the number of control points or weights is not what the knots need, a number is not finite, or a
     /// weight is not above 0.
     pub fn new(knots: KnotVector, control: Vec<[f64; D]>, weights: Vec<f64>) -> Result<Self, InvalidNurbs> {
         check(&control, &weights, knots.n_control())?;
@@ -83,7 +83,7 @@ impl<const D: usize> NurbsCurve<D> {
         &self.weights
     }
 
-    /// The point at a parameter; outside of the knots' range that of the nearer end.
+    /// The point at a parameter; outside the domain, the point of the nearer end.
     #[must_use]
     pub fn at(&self, t: f64) -> [f64; D] {
         self.derivatives(t, 0)[0]
@@ -92,25 +92,25 @@ impl<const D: usize> NurbsCurve<D> {
     /// The point and the derivatives up to an order. At a knot they are those to its right.
     #[must_use]
     pub fn derivatives(&self, t: f64, order: usize) -> Vec<[f64; D]> {
-        let (piece, place) = self.knots.locate(t);
+        let (piece, at) = self.knots.locate(t);
         let [a, b] = self.knots.piece(piece);
         let (points, weights) = self.bezier_rows(piece);
-        let mut made = quotient_derivatives(&points, &weights, place, order);
-        // By the parameter of the whole curve.
+        let mut derivatives = quotient_derivatives(&points, &weights, at, order);
+        // Convert derivatives by the piece's parameter to those by the curve's.
         let mut scale = 1.0;
-        for derivative in &mut made {
+        for derivative in &mut derivatives {
             *derivative = derivative.map(|x| x * scale);
             scale /= b - a;
         }
-        made
+        derivatives
     }
 
-    /// The curve as a path of Bézier pieces between its knots: lines and cubics where all weights are equal and the
-    /// degree is 1 to 3, rational pieces otherwise. It is closed where it ends where it starts. The rounding of the pieces
-    /// is in [`Curve::slack`].
+    /// The curve as a path of Bézier pieces between its knots: lines and cubics if all weights are equal and
+    /// the degree is 1 to 3, otherwise rational pieces. It is closed if it ends where it starts. The rounding
+    /// of the pieces is included in [`Curve::slack`].
     ///
     /// # Errors
-    /// When a number overflows on the way.
+    /// When an intermediate number overflows.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -120,7 +120,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// ```
     pub fn to_curve(&self) -> Result<Curve<D>, InvalidCurve> {
         let p = self.knots.degree();
-        // Equal weights make no difference, and their means would have roundings.
+        // Equal weights have no effect, but their means would have roundings.
         let is_polynomial = self.is_polynomial();
         let (x, w) = if is_polynomial {
             let x = self.knots.to_bezier(&self.control);
@@ -131,7 +131,7 @@ impl<const D: usize> NurbsCurve<D> {
             (self.knots.to_bezier(&weighted), self.knots.to_bezier(&weights))
         };
         let [first, last] = [self.control[0], self.control[self.control.len() - 1]];
-        // A clamped curve ends at control points; weights that come and go would move them.
+        // A clamped curve ends at control points; multiplying by weights and dividing again would move them.
         let [from, to] = self.knots.clamped_ends();
         let joint_of = |k: usize| -> [f64; D] {
             let at = k * p;
@@ -141,11 +141,12 @@ impl<const D: usize> NurbsCurve<D> {
                 _ => x[at].map(|x| x / w[at][0]),
             }
         };
-        let reach = self.control.as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        // Derived: a coefficient is a weighted mean in p steps of three roundings, of products with a weight, and divided by
-        // one; a quadratic as a cubic takes three more. Each coordinate of a point is off by less than 4p + 8 steps.
+        let reach = self.control.as_flattened().iter().fold(0.0, |largest: f64, x| greater(x.abs(), largest));
+        // Derived: a coefficient is a weighted mean in p steps of three roundings, of products with a weight,
+        // and divided by one; a quadratic raised to a cubic takes three more. Each coordinate of a point is
+        // off by less than 4p + 8 steps.
         let rounding = (4 * p + 8) as f64 * f64::EPSILON * D as f64 * reach;
-        // Knots that go around may miss the start by rounding.
+        // A curve with periodic knots may miss its start by rounding.
         let n = self.knots.n_pieces();
         let missed = length(difference(joint_of(n), joint_of(0)));
         let is_closed = missed <= rounding;
@@ -166,7 +167,7 @@ impl<const D: usize> NurbsCurve<D> {
         Ok(Curve::new(pieces, CurveEnds::from(is_closed))?.with_slack(slack))
     }
 
-    /// Whether all weights are equal, so that they make no difference.
+    /// Whether all weights are equal, so that they have no effect.
     pub(crate) fn is_polynomial(&self) -> bool {
         self.weights.iter().all(|w| *w == self.weights[0])
     }
@@ -194,21 +195,21 @@ pub(super) fn quotient_derivatives<const N: usize>(
 ) -> Vec<[f64; N]> {
     let weights: Vec<f64> = (0..=order).map(|k| derivative(weights, k, t)[0]).collect();
     // Leibniz' rule for the product of the curve with its denominator.
-    let mut made: Vec<[f64; N]> = Vec::with_capacity(order + 1);
+    let mut derivatives: Vec<[f64; N]> = Vec::with_capacity(order + 1);
     for k in 0..=order {
         let binomial = binomials(k);
         let mut sum = derivative(points, k, t);
         for i in 1..=k {
-            for (x, lower) in sum.iter_mut().zip(made[k - i]) {
+            for (x, lower) in sum.iter_mut().zip(derivatives[k - i]) {
                 *x -= binomial[i] * weights[i] * lower;
             }
         }
-        made.push(sum.map(|x| x / weights[0]));
+        derivatives.push(sum.map(|x| x / weights[0]));
     }
-    made
+    derivatives
 }
 
-/// The derivative of an order of a polynomial in Bernstein form.
+/// The derivative of some order of a polynomial in Bernstein form.
 fn derivative<const N: usize>(row: &BernsteinRow<N>, order: usize, t: f64) -> [f64; N] {
     let mut coefficients = row.0.clone();
     for _ in 0..order {

@@ -1,17 +1,17 @@
-//! Parts of a curve, the curve in reverse, over another domain, and under an affine map.
+//! Parts of a curve, the reversed curve, the curve over another domain, and under an affine map.
 use super::NurbsCurve;
 use super::insert::SplineRows;
 use super::knots::{InvalidNurbs, KnotVector};
 use crate::explicit::AffineMap;
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The parts before and after a parameter, which keep their parameters. They share the point there bit for bit, and each
-    /// is clamped there.
+    /// The parts before and after a parameter, which keep their parameters. They share the point at that
+    /// parameter bit for bit, and both are clamped at it.
     ///
-    /// Rounding as of [`NurbsCurve::with_knot`] for each of up to `p` knots.
+    /// Rounding is that of [`NurbsCurve::with_knot`] for each of up to `p` knots.
     ///
     /// # Errors
-    /// When the parameter is not inside of the domain, or a number overflows on the way.
+    /// When the parameter is not inside the domain, or an intermediate number overflows.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -26,15 +26,15 @@ impl<const D: usize> NurbsCurve<D> {
         if !(from < t && t < to) {
             return Err(InvalidNurbs::Outside { t, domain });
         }
-        let whole = self.with_knots(&vec![t; p - self.knots().multiplicity(t)])?;
-        let knots = whole.knots().knots();
-        // The first and the last of the p knots at `t`; the control point before the first is the point there.
+        let refined = self.with_knots(&vec![t; p - self.knots().multiplicity(t)])?;
+        let knots = refined.knots().knots();
+        // The first of the p knots at `t`; the control point before its index is the point at `t`.
         let first = knots.partition_point(|knot| *knot < t);
         let mut left = knots[..first + p].to_vec();
         left.push(t);
         let mut right = vec![t];
         right.extend(&knots[first..]);
-        let (control, weights) = (whole.control(), whole.weights());
+        let (control, weights) = (refined.control(), refined.weights());
         Ok([
             Self::new(KnotVector::new(p, left)?, control[..first].to_vec(), weights[..first].to_vec())?,
             Self::new(
@@ -48,7 +48,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// The part between two parameters of the domain, clamped where it was cut.
     ///
     /// # Errors
-    /// When a parameter is outside of the domain, or the second is not after the first.
+    /// When a parameter is outside the domain, or the second is not after the first.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -75,8 +75,9 @@ impl<const D: usize> NurbsCurve<D> {
         Ok(part)
     }
 
-    /// The same curve from its end to its start: at `−t` it is where this one is at `t`. Knots are negated, so that nothing
-    /// is rounded and the reverse of the reverse is this curve; [`NurbsCurve::with_domain`] takes it back to another range.
+    /// The same curve from its end to its start: its point at `−t` is that of this curve at `t`. Knots are
+    /// negated, so that no number is rounded and the reverse of the reverse is this curve;
+    /// [`NurbsCurve::with_domain`] maps it to another range.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -91,7 +92,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// Never: negated knots in reverse are as valid as before.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        // 0 − 0 is +0.
+        // 0 − 0 is +0, so that no knot is −0.
         let knots = self.knots().knots().iter().rev().map(|t| 0.0 - t).collect();
         let knots = KnotVector::new(self.knots().degree(), knots).expect("valid knots, negated");
         let control = self.control().iter().rev().copied().collect();
@@ -99,10 +100,10 @@ impl<const D: usize> NurbsCurve<D> {
         Self::new(knots, control, weights).expect("as many points as before")
     }
 
-    /// The same points at other parameters: the domain is stretched and moved to that from `from` to `to`.
+    /// The same points at other parameters: the domain is mapped linearly to that from `from` to `to`.
     ///
-    /// Knots are rounded, equal ones alike, by three units in the last place of the larger of the two ends. That moves a point
-    /// along the curve by as much as the curve is fast.
+    /// Knots are rounded, equal ones alike, by three units in the last place of the larger of the two ends.
+    /// That moves a point along the curve by that error times the curve's speed.
     ///
     /// # Errors
     /// When the range has no length, is not finite, or is too short for the knots to stay apart.
@@ -111,13 +112,15 @@ impl<const D: usize> NurbsCurve<D> {
             return Err(InvalidNurbs::Backwards { from, to });
         }
         let [a, b] = self.knots().domain();
-        // The ends exactly; both shares for themselves, so that places near either end keep their digits.
+        // The ends exactly; both shares are computed separately, so that parameters near either end keep
+        // their digits.
         let moved = |t: &f64| ((b - t) / (b - a)) * from + ((t - a) / (b - a)) * to;
         let knots = KnotVector::new(self.knots().degree(), self.knots().knots().iter().map(moved).collect())?;
         Self::new(knots, self.control().to_vec(), self.weights().to_vec())
     }
 
-    /// The curve under `x ↦ columns·x + offset`: that of its control points, with the same knots and weights.
+    /// The curve under `x ↦ columns·x + offset`: the map is applied to its control points; knots and weights
+    /// stay.
     ///
     /// Rounding moves it by less than `D + 2` units in the last place of the largest intermediate value.
     ///

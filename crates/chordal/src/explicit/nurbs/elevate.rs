@@ -1,13 +1,14 @@
-//! Degrees raised: the same curve as a spline of a higher degree.
+//! Degree elevation: the same curve as a spline of a higher degree.
 //!
-//! The blossom of degree `q = p + 1` at `q` arguments is the mean of the blossom of degree `p` over all choices of `p` of
-//! them. A control point of the raised spline takes `q` neighbours of its knots, of which exactly one has an index that is
-//! `c` modulo `q`, for each `c`. So all first choices, all second ones and so on are the control points of the curve itself
-//! with finer knots: those of the raised spline without every `q`th. The raised control points are means of `q` such
-//! refinements (H. Prautzsch's algorithm), and all steps on the way are weighted means; no difference, no extrapolation.
+//! The blossom of degree `q = p + 1` at `q` arguments is the mean of the blossom of degree `p` over all
+//! choices of `p` of them. A control point of the raised spline takes `q` neighbouring knots, of which
+//! exactly one has an index that is `c` modulo `q`, for each `c`. Leave out that one: for fixed `c`, these
+//! choices are the control points of the curve itself with finer knots, namely those of the raised spline
+//! without every `q`th. The raised control points are means of `q` such refinements (H. Prautzsch's
+//! algorithm), and all intermediate steps are weighted means, without differences or extrapolation.
 //!
-//! *Rounding.* The refinements cost what [`NurbsCurve::with_knot`] costs, `16ε` of the largest coordinate, for each of up to
-//! `p + 1` knots that meet at a point, and the mean less than `q` more.
+//! *Rounding.* The refinements round like [`NurbsCurve::with_knot`], by `16ε` of the largest coordinate, for
+//! each of up to `p + 1` knots that affect a point, and the mean adds less than `q` more.
 //!
 //! Source: H. Prautzsch, *Degree elevation of B-spline curves*, 1984; H. Prautzsch, B. Piper, 1991.
 use super::NurbsCurve;
@@ -16,14 +17,16 @@ use super::insert::SplineRows;
 use super::knots::InvalidNurbs;
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The same curve, its degree higher by `by`: each knot is there so many times more, so that as many derivatives stay
-    /// continuous. A curve that starts or ends beside its control points is clamped first ([`NurbsCurve::clamped`]).
+    /// The same curve, its degree raised by `by`: the multiplicity of each knot grows by `by`, so that as
+    /// many derivatives stay continuous. A curve that does not start and end at control points is clamped
+    /// first ([`NurbsCurve::clamped`]).
     ///
-    /// Rounding moves the curve by less than `20(p + 2)·ε` times the largest coordinate for each degree, `p` the one before.
-    /// Cost: for each degree `p + 1` copies of the curve with each of its knots inserted about once.
+    /// Rounding moves the curve by less than `20(p + 2)·ε` times the largest coordinate for each raise, from
+    /// degree `p`.
+    /// Cost: for each raise, `p + 1` copies of the curve with each of its knots inserted about once.
     ///
     /// # Errors
-    /// When the degree would be beyond 30.
+    /// When the degree would exceed 30.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -33,7 +36,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
     /// ```
     pub fn elevated(&self, by: usize) -> Result<Self, InvalidNurbs> {
-        // Refused before the work; far beyond what is allowed, too.
+        // Refuse the degree before the work, even if the sum overflows.
         let p = self.knots().degree().saturating_add(by);
         super::KnotVector::clamped(p, p.saturating_add(1).min(64))?;
         if by == 0 {
@@ -44,7 +47,7 @@ impl<const D: usize> NurbsCurve<D> {
             rows = raised(&rows);
         }
         let (last, is_clamped) = (rows.points.len() - 1, self.knots().clamped_ends());
-        // Weights that come and go would move them.
+        // Multiplying by weights and dividing again would move them.
         rows.curve(|i| match i {
             0 if is_clamped[0] => self.control().first().copied(),
             i if i == last && is_clamped[1] => self.control().last().copied(),
@@ -53,7 +56,7 @@ impl<const D: usize> NurbsCurve<D> {
     }
 }
 
-/// One degree higher; the rows are clamped by `p + 1` knots.
+/// The rows with a degree raised by one; they must be clamped by `p + 1` knots.
 fn raised<const D: usize>(rows: &SplineRows<D>) -> SplineRows<D> {
     let q = rows.degree + 1;
     let mut knots = Vec::new();
@@ -66,16 +69,16 @@ fn raised<const D: usize>(rows: &SplineRows<D>) -> SplineRows<D> {
     let mut weights = rows.weights.as_ref().map(|_| vec![[0.0]; n]);
     for c in 0..q {
         let finer = without_each(rows, &knots, c);
-        // The first argument of control point i that is not dropped, by its place among those that are kept.
-        let place = |i: usize| {
+        // The first knot of control point i that is not dropped, as an index among the kept knots.
+        let row = |i: usize| {
             let first = if (i + 1) % q == c { i + 2 } else { i + 1 };
             let dropped = if c == 0 { first / q } else { (first + q - c) / q };
             first - dropped - 1
         };
         for i in 0..n {
-            add(&mut points[i], finer.points[place(i)]);
-            if let (Some(sums), Some(own)) = (&mut weights, &finer.weights) {
-                add(&mut sums[i], own[place(i)]);
+            add(&mut points[i], finer.points[row(i)]);
+            if let (Some(sums), Some(finer_weights)) = (&mut weights, &finer.weights) {
+                add(&mut sums[i], finer_weights[row(i)]);
             }
         }
     }
@@ -91,7 +94,8 @@ fn add<const N: usize>(sum: &mut [f64; N], x: [f64; N]) {
     (0..N).for_each(|k| sum[k] += x[k]);
 }
 
-/// The rows with the knots of the raised spline except its first and last and those with index `c` modulo `q`.
+/// The rows with the knots of the raised spline except its first and last and those with index `c` modulo
+/// `q`.
 fn without_each<const D: usize>(rows: &SplineRows<D>, knots: &[f64], c: usize) -> SplineRows<D> {
     let q = rows.degree + 1;
     let mut finer = rows.clone();
@@ -100,8 +104,8 @@ fn without_each<const D: usize>(rows: &SplineRows<D>, knots: &[f64], c: usize) -
     let kept: Vec<f64> =
         inner.filter(|k| k % q != c).map(|k| knots[k]).filter(|t| *t > from && *t < to).collect();
     for same in kept.chunk_by(|a, b| a == b) {
-        let there = rows.knots.iter().filter(|knot| **knot == same[0]).count();
-        for _ in there..same.len() {
+        let present = rows.knots.iter().filter(|knot| **knot == same[0]).count();
+        for _ in present..same.len() {
             finer.insert(same[0]);
         }
     }

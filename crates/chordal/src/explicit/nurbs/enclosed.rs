@@ -1,18 +1,19 @@
-//! `EnclosedPiece`: a piece of a curve in Bernstein form with intervals as coefficients, which contain the exact ones.
+//! `EnclosedPiece`: a piece of a curve in Bernstein form, with intervals that contain the exact coefficients.
 //!
-//! All proofs about curves start here: lengths (`check/curve_length`) and closest points (`explicit/closest_point`).
+//! All proofs about curves start here: lengths (`check/curve_length`) and closest points
+//! (`explicit/closest_point`).
 use super::NurbsCurve;
 use super::knots::KnotVector;
 use crate::explicit::{Arc, CurveSegment};
 use crate::math::{DoubleDouble, Interval, exponent, greater, power_of_two};
 
-/// A polynomial over `[0, 1]` in Bernstein form; the exact coefficients are somewhere in these intervals.
+/// A polynomial over `[0, 1]` in Bernstein form; these intervals contain its exact coefficients.
 #[derive(Clone, Debug)]
 pub(crate) struct IntervalRow<const N: usize>(pub Vec<[Interval; N]>);
 
 /// Half of every number.
 fn half(x: Interval) -> Interval {
-    // Exact, except that of subnormal numbers.
+    // Halving is exact, except for subnormal numbers.
     let is_exact = |x: f64| x == 0.0 || x.abs() >= 4.0 * f64::MIN_POSITIVE;
     if is_exact(x.lo()) && is_exact(x.hi()) {
         Interval::from_bare(crate::math::BareInterval { lo: 0.5 * x.lo(), hi: 0.5 * x.hi() }, x.is_defined())
@@ -32,15 +33,15 @@ impl<const N: usize> IntervalRow<N> {
         let mut row = self.0.clone();
         if b < 1.0 {
             // The left ends of de Casteljau's levels.
-            let rest = one - to;
+            let complement = one - to;
             for first in 1..row.len() {
                 for i in (first..row.len()).rev() {
-                    row[i] = mean(&row[i - 1], &row[i], [rest, to]);
+                    row[i] = mean(&row[i - 1], &row[i], [complement, to]);
                 }
             }
         }
         if a > 0.0 {
-            // The right ends; `a` is at a/b of what is left.
+            // The right ends; `a` is at a/b of the part to `b`.
             let shares = [(to - from) / to, from / to];
             for last in (1..row.len()).rev() {
                 for i in 0..last {
@@ -62,25 +63,29 @@ impl<const N: usize> IntervalRow<N> {
         row[0]
     }
 
-    /// The derivative; `None` of a constant.
+    /// The derivative; `None` for a constant.
     pub fn derivative(&self) -> Option<Self> {
         let n = Interval::point(self.degree() as f64);
         let step = |pair: &[[Interval; N]]| std::array::from_fn(|c| n * (pair[1][c] - pair[0][c]));
         (self.degree() > 0).then(|| Self(self.0.windows(2).map(step).collect()))
     }
 
-    /// An interval around all values, for each coordinate: the hull of the coefficients.
+    /// An interval around all values of each coordinate: the hull of the coefficients.
     pub fn range(&self) -> [Interval; N] {
-        self.0[1..].iter().fold(self.0[0], |all, x| std::array::from_fn(|c| all[c].hull(x[c])))
+        self.0[1..].iter().fold(self.0[0], |hull, x| std::array::from_fn(|c| hull[c].hull(x[c])))
     }
 }
 
-fn mean<const N: usize>(a: &[Interval; N], b: &[Interval; N], [rest, part]: [Interval; 2]) -> [Interval; N] {
-    std::array::from_fn(|c| rest * a[c] + part * b[c])
+fn mean<const N: usize>(
+    a: &[Interval; N],
+    b: &[Interval; N],
+    [complement, part]: [Interval; 2],
+) -> [Interval; N] {
+    std::array::from_fn(|c| complement * a[c] + part * b[c])
 }
 
-/// The factors `C(n, i)·C(m, j)/C(n + m, i + j)` of coefficients `i` and `j` in the product of two polynomials of degrees `n`
-/// and `m` in Bernstein form.
+/// The factors `C(n, i)·C(m, j)/C(n + m, i + j)` of coefficients `i` and `j` in the product of two
+/// polynomials of degrees `n` and `m` in Bernstein form.
 #[derive(Clone, Debug)]
 pub(crate) struct BernsteinFactors(Vec<Vec<Interval>>);
 
@@ -91,13 +96,14 @@ impl BernsteinFactors {
         Self((0..=n).map(row).collect())
     }
 
-    /// The coefficients of a sum of products, given the product of coefficients `i` and `j`; `None` adds nothing.
-    pub fn products(&self, of: impl Fn(usize, usize) -> Option<Interval>) -> Vec<Interval> {
+    /// The coefficients of a sum of products; `product` gives the product of coefficients `i` and `j`, and
+    /// `None` adds nothing.
+    pub fn products(&self, product: impl Fn(usize, usize) -> Option<Interval>) -> Vec<Interval> {
         let (n, m) = (self.0.len() - 1, self.0[0].len() - 1);
         let mut sums = vec![Interval::point(0.0); n + m + 1];
         for (i, row) in self.0.iter().enumerate() {
             for (j, factor) in row.iter().enumerate() {
-                if let Some(x) = of(i, j) {
+                if let Some(x) = product(i, j) {
                     sums[i + j] = sums[i + j] + *factor * x;
                 }
             }
@@ -123,7 +129,7 @@ pub(crate) fn binomials(n: usize) -> Vec<Interval> {
     row
 }
 
-/// A piece `X(t)/W(t)`, or `X(t)` without weights, for `0 ≤ t ≤ 1`, seen from an origin, which is `(0, …, 0)` in it.
+/// A piece `X(t)/W(t)`, or `X(t)` without weights, for `0 ≤ t ≤ 1`, relative to an origin.
 #[derive(Clone, Debug)]
 pub(crate) struct EnclosedPiece<const D: usize> {
     pub points: IntervalRow<D>,
@@ -135,7 +141,7 @@ impl<const D: usize> EnclosedPiece<D> {
         Self { points: IntervalRow(control.iter().map(|p| seen_from(origin, *p)).collect()), weights: None }
     }
 
-    /// The pieces of a segment of a path, its numbers taken exactly: one, or up to four of an arc.
+    /// The pieces of a segment of a path, with its numbers taken as exact: one, or up to four for an arc.
     pub fn of_segment(segment: &CurveSegment<D>, origin: [f64; D]) -> Vec<Self> {
         match segment {
             CurveSegment::Line(ends) => vec![Self::polynomial(ends, origin)],
@@ -156,13 +162,13 @@ impl<const D: usize> EnclosedPiece<D> {
         }
     }
 
-    /// Part `k` of `n` equal ones of an arc as a rational quadratic.
+    /// Part `k` of `n` equal parts of an arc, as a rational quadratic.
     fn of_arc(arc: &Arc<D>, origin: [f64; D], [k, n]: [u32; 2]) -> Self {
         // Multiples of an eighth are exact.
         let angle = |part: f64| {
             Interval::point(arc.start_rad()) + Interval::point(arc.sweep_rad()) * Interval::point(part)
         };
-        let part = |of: f64| (f64::from(k) + of) / f64::from(n);
+        let part = |share: f64| (f64::from(k) + share) / f64::from(n);
         let [u, v] = arc.axes();
         let towards = |angle: Interval| -> [Interval; D] {
             let (sin, cos) = (Interval::sin(angle), Interval::cos(angle));
@@ -171,8 +177,8 @@ impl<const D: usize> EnclosedPiece<D> {
         let centre: [Interval; D] = seen_from(origin, arc.centre());
         let one = Interval::point(1.0);
         let corner = Interval::cos(Interval::point(arc.sweep_rad()) * Interval::point(0.5 / f64::from(n)));
-        let point = |of: f64, weight: Interval| -> [Interval; D] {
-            let out = towards(angle(part(of)));
+        let point = |share: f64, weight: Interval| -> [Interval; D] {
+            let out = towards(angle(part(share)));
             std::array::from_fn(|c| weight * centre[c] + out[c])
         };
         let points = vec![point(0.0, one), point(0.5, corner), point(1.0, one)];
@@ -184,14 +190,15 @@ impl<const D: usize> EnclosedPiece<D> {
         Self { points: self.points.part(a, b), weights: self.weights.as_ref().map(|w| w.part(a, b)) }
     }
 
-    /// The piece under a change of the unit of length, and its weights in a unit of which the largest is at most 1.
+    /// Changes the unit of length, and divides the weights by a power of two so that the largest is at most
+    /// 1.
     pub fn scale(&mut self, unit: Interval) {
         let mut points = unit;
         if let Some(weights) = &mut self.weights {
-            let most = weights.0.iter().fold(0.0, |most: f64, [w]| greater(w.hi(), most));
-            let of_weights = Interval::point(power_of_two(-exponent(most)));
-            weights.0.iter_mut().for_each(|[w]| *w = *w * of_weights);
-            points = points * of_weights;
+            let heaviest = weights.0.iter().fold(0.0, |heaviest: f64, [w]| greater(w.hi(), heaviest));
+            let weight_unit = Interval::point(power_of_two(-exponent(heaviest)));
+            weights.0.iter_mut().for_each(|[w]| *w = *w * weight_unit);
+            points = points * weight_unit;
         }
         self.points.0.iter_mut().for_each(|x| *x = x.map(|x| x * points));
     }
@@ -213,7 +220,8 @@ impl<const D: usize> EnclosedPiece<D> {
     }
 }
 
-/// So many parts of an arc have at most about a quarter turn each, and ends at multiples of a power of two.
+/// The number of parts of an arc with at most about a quarter turn each, and ends at multiples of a power of
+/// two.
 pub(crate) fn arc_pieces<const D: usize>(arc: &Arc<D>) -> u32 {
     match arc.sweep_rad().abs() {
         // A little more than one and two quarter turns, so that rounding does not matter.
@@ -230,8 +238,8 @@ fn seen_from<const D: usize>(origin: [f64; D], p: [f64; D]) -> [Interval; D] {
 /// `x − a·b`, with the digits that a rounded product would lose.
 fn difference_of_product(x: f64, a: f64, b: f64) -> Interval {
     let plain = Interval::point(x) - Interval::point(a) * Interval::point(b);
-    // Where the parts of the product neither under- nor overflow its error is a number. Derived: 2⁻¹⁰²² / 2⁻¹⁰⁶ and
-    // 2¹⁰²³ / 2²⁸, with room.
+    // If the parts of the product neither underflow nor overflow, its error is a number. Derived: 2⁻¹⁰²² /
+    // 2⁻¹⁰⁶ and 2¹⁰²³ / 2²⁸, with a margin.
     let is_safe = |x: f64| (1e-250..1e250).contains(&x.abs());
     if !(is_safe(a) && is_safe(b) && is_safe(a * b)) {
         return plain;
@@ -278,10 +286,10 @@ mod tests {
                 let [middle] = part.middle();
                 let value = exact.at(0.5 * (from + to))[0];
                 assert!((middle.midpoint().unwrap() - value).abs() < 1e-14 && middle.width() < 1e-14);
-                let [all] = part.range();
+                let [range] = part.range();
                 (0..=8).for_each(|k| {
                     let [value] = exact.at(from + (to - from) * f64::from(k) / 8.0);
-                    assert!(all.lo() - 1e-15 <= value && value <= all.hi() + 1e-15);
+                    assert!(range.lo() - 1e-15 <= value && value <= range.hi() + 1e-15);
                 });
             }
         }
@@ -292,9 +300,9 @@ mod tests {
         // t·(1 − t) = 0·B₀ + ½·B₁ + 0·B₂.
         let factors = BernsteinFactors::new(1, 1);
         let (a, b) = ([0.0, 1.0], [1.0, 0.0]);
-        let made = factors.products(|i, j| Some(Interval::point(a[i] * b[j])));
-        assert!(made[0].contains(0.0) && made[1].contains(0.5) && made[2].contains(0.0));
-        // 60 over 30, which f64 does not hold.
+        let products = factors.products(|i, j| Some(Interval::point(a[i] * b[j])));
+        assert!(products[0].contains(0.0) && products[1].contains(0.5) && products[2].contains(0.0));
+        // 60 over 30, which f64 cannot represent.
         let middle = binomials(60)[30];
         assert!(middle.lo() <= 118_264_581_564_861_424.0 && middle.hi() >= 118_264_581_564_861_424.0);
         assert!(middle.width() < 1e4);

@@ -1,13 +1,14 @@
-//! Knots inserted into a curve, which stays the same; and curves whose ends are control points.
+//! Knot insertion, which keeps the curve; and clamping, after which its ends are control points.
 //!
 //! Boehm's step: with knot `t` in the span `k`, the new control point `i` from `k − p + 1` to `k` is
-//! `(1 − α)·Pᵢ₋₁ + α·Pᵢ` with `α = (t − tᵢ)/(tᵢ₊ₚ − tᵢ)`: the blossom at the p neighbours of the new knot vector, and a
-//! weighted mean, so that errors of control points never grow.
+//! `(1 − α)·Pᵢ₋₁ + α·Pᵢ` with `α = (t − tᵢ)/(tᵢ₊ₚ − tᵢ)`: the blossom at the p neighbours of the new knot
+//! vector, and a weighted mean, so that errors of control points never grow.
 //!
-//! *Rounding.* Each of the two shares takes three roundings, the products and their sum two more: less than `4ε` of the
-//! larger point. So a knot moves coordinates by up to `4ε` of the largest; weights are sums of positive terms and
-//! off by `4ε` of themselves, which moves points by that of the distance of two control points. The product with the weight
-//! and the division by it take another two. Together less than `16ε` times the largest coordinate for each knot.
+//! *Rounding.* Each of the two shares takes three roundings, the products and their sum two more: less than
+//! `4ε` of the larger point. So a knot moves coordinates by up to `4ε` of the largest; weights are sums of
+//! positive terms and off by `4ε` of themselves, which moves points by that share of the distance of two
+//! control points. The product with the weight and the division by it take another two. Together less than
+//! `16ε` times the largest coordinate for each knot.
 //!
 //! Source: W. Boehm, *Inserting new knots into B-spline curves*, 1980.
 use super::NurbsCurve;
@@ -15,15 +16,16 @@ use super::curve::scaled_weights;
 use super::knots::{InvalidNurbs, KnotVector};
 use crate::math::{exponent, greater, power_of_two};
 
-/// The control points of a spline with its knots, in the course of changes: weighted ones and weights, or points alone.
+/// The control points of a spline with its knots, while it is changed: weighted points and weights, or points
+/// alone.
 #[derive(Clone)]
 pub(super) struct SplineRows<const D: usize> {
     pub degree: usize,
     pub knots: Vec<f64>,
     pub points: Vec<[f64; D]>,
-    /// None where all weights are equal.
+    /// None if all weights are equal.
     pub weights: Option<Vec<[f64; 1]>>,
-    /// The weight of all, or that the others are multiples of: a power of two.
+    /// The common weight, or the unit of the weights: a power of two.
     unit: f64,
 }
 
@@ -36,15 +38,15 @@ impl<const D: usize> SplineRows<D> {
         }
         let scaled = scaled_weights(curve.weights());
         let points = curve.control().iter().zip(&scaled).map(|(p, w)| p.map(|x| x * w)).collect();
-        let most = curve.weights().iter().fold(0.0, |most: f64, w| greater(*w, most));
-        let unit = power_of_two(exponent(most));
+        let heaviest = curve.weights().iter().fold(0.0, |heaviest: f64, w| greater(*w, heaviest));
+        let unit = power_of_two(exponent(heaviest));
         Self { degree, knots, points, weights: Some(scaled.into_iter().map(|w| [w]).collect()), unit }
     }
 
-    /// The curve of the rows. `known` are control points that have not changed, in order, with their index.
-    pub fn curve(self, known: impl Fn(usize) -> Option<[f64; D]>) -> Result<NurbsCurve<D>, InvalidNurbs> {
+    /// The curve of the rows. `unchanged` returns the control points that have not changed, by their index.
+    pub fn curve(self, unchanged: impl Fn(usize) -> Option<[f64; D]>) -> Result<NurbsCurve<D>, InvalidNurbs> {
         let knots = KnotVector::new(self.degree, self.knots)?;
-        let point = |i: usize, x: [f64; D]| known(i).unwrap_or(x);
+        let point = |i: usize, x: [f64; D]| unchanged(i).unwrap_or(x);
         match self.weights {
             None => {
                 let weights = vec![self.unit; self.points.len()];
@@ -70,7 +72,7 @@ impl<const D: usize> SplineRows<D> {
         Self { degree, knots, points, weights, unit: self.unit }
     }
 
-    /// The last knot that is not beyond `t`.
+    /// The index of the last knot that is not beyond `t`.
     fn span(&self, t: f64) -> usize {
         self.knots.partition_point(|knot| *knot <= t) - 1
     }
@@ -85,21 +87,22 @@ impl<const D: usize> SplineRows<D> {
         self.knots.insert(k + 1, t);
     }
 
-    /// Drops control points and as many knots from both ends.
+    /// Drops control points, and as many knots, from both ends.
     pub fn drop_ends(&mut self, [first, last]: [usize; 2]) {
-        let kept = first..self.points.len() - last;
+        let range = first..self.points.len() - last;
         self.knots = self.knots[first..self.knots.len() - last].to_vec();
-        self.points = self.points[kept.clone()].to_vec();
+        self.points = self.points[range.clone()].to_vec();
         if let Some(weights) = &mut self.weights {
-            *weights = weights[kept].to_vec();
+            *weights = weights[range].to_vec();
         }
     }
 
-    /// Starts and ends at control points: its first and its last knot are there p + 1 times.
+    /// Makes the spline start and end at control points: its first and its last knot are then repeated p + 1
+    /// times.
     pub fn clamp(&mut self) {
         let p = self.degree;
         let [from, to] = [self.knots[p], self.knots[self.points.len()]];
-        // So many are in the domain already; those beyond are dropped.
+        // Count the knots at each end; those beyond the domain are dropped below.
         let times = |knots: &[f64], t: f64| knots.iter().filter(|knot| **knot == t).count();
         while times(&self.knots, to) < p {
             self.insert(to);
@@ -109,7 +112,7 @@ impl<const D: usize> SplineRows<D> {
             self.insert(from);
         }
         let first = self.knots.iter().filter(|knot| **knot < from).count();
-        // One knot stays beyond p equal ones, and becomes equal to them: it has no influence.
+        // One knot remains beyond p equal ones, and is made equal to them: it has no influence.
         let beyond = |times: usize, others: usize| (times + others).saturating_sub(p + 1);
         let [many, few] = [times(&self.knots, from), times(&self.knots, to)];
         self.drop_ends([beyond(many, first), beyond(few, last)]);
@@ -120,37 +123,38 @@ impl<const D: usize> SplineRows<D> {
     }
 }
 
-/// One step of insertion for one row of control points; `k` is the last knot that is not beyond `t`.
+/// One step of insertion for one row of control points; `k` is the index of the last knot that is not beyond
+/// `t`.
 fn insert_point<const N: usize>(knots: &[f64], p: usize, k: usize, t: f64, row: &mut Vec<[f64; N]>) {
     let n = row.len();
     let last = k.min(n - 1);
     let first = (k + 1).saturating_sub(p).max(1);
     let mean = |i: usize| -> [f64; N] {
         let (low, high) = (knots[i], knots[i + p]);
-        // At a knot that is there already the control point is one of the old ones.
+        // At an existing knot the control point is one of the old ones.
         if t <= low {
             return row[i - 1];
         }
         if t >= high {
             return row[i];
         }
-        let (part, rest) = ((t - low) / (high - low), (high - t) / (high - low));
-        std::array::from_fn(|c| rest * row[i - 1][c] + part * row[i][c])
+        let (second_share, first_share) = ((t - low) / (high - low), (high - t) / (high - low));
+        std::array::from_fn(|c| first_share * row[i - 1][c] + second_share * row[i][c])
     };
     let new: Vec<[f64; N]> = (first..=last).map(mean).collect();
-    // The points first .. last−1 give way to first .. last.
+    // The points first .. last−1 are replaced by the points first .. last.
     row.splice(first..last, new);
 }
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The same curve with a knot more, so many times.
+    /// The same curve with a knot inserted `times` times.
     ///
-    /// Every control point of the new curve is a weighted mean of old ones. Rounding moves the curve by less than `16ε` times
-    /// the largest coordinate for each knot. One knot costs as much as it changes, `p` points, and the
-    /// copy of the rest.
+    /// Every control point of the new curve is a weighted mean of old ones. Rounding moves the curve by less
+    /// than `16ε` times the largest coordinate for each knot. Cost for one knot: the `p` points that it
+    /// changes, and the copy of the others.
     ///
     /// # Errors
-    /// When the parameter is not inside of the domain, or the knot is there more often than the degree then.
+    /// When the parameter is not inside the domain, or the knot would be repeated more often than the degree.
     ///
     /// ```
     /// use chordal::explicit::nurbs::NurbsCurve;
@@ -161,16 +165,16 @@ impl<const D: usize> NurbsCurve<D> {
     /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
     /// ```
     pub fn with_knot(&self, t: f64, times: usize) -> Result<Self, InvalidNurbs> {
-        // More than fit are refused below, whatever their number.
+        // More repetitions than fit are refused below, however many there are.
         self.with_knots(&vec![t; times.min(self.knots().degree() + 1)])
     }
 
     /// The same curve with more knots, in any order, repeated or not.
     ///
-    /// As [`NurbsCurve::with_knot`] for each of them.
+    /// Like [`NurbsCurve::with_knot`] for each of them.
     ///
     /// # Errors
-    /// When a parameter is not inside of the domain, or a knot is there more often than the degree then.
+    /// When a parameter is not inside the domain, or a knot would be repeated more often than the degree.
     pub fn with_knots(&self, knots: &[f64]) -> Result<Self, InvalidNurbs> {
         let domain @ [from, to] = self.knots().domain();
         if let Some(t) = knots.iter().find(|t| !(from < **t && **t < to)) {
@@ -186,31 +190,32 @@ impl<const D: usize> NurbsCurve<D> {
             }
         }
         let Some(first) = sorted.first() else { return Ok(self.clone()) };
-        let (n, kept) = (self.control().len(), self.unchanged(*first, sorted[sorted.len() - 1]));
+        let (n, unchanged) = (self.control().len(), self.unchanged(*first, sorted[sorted.len() - 1]));
         let mut rows = SplineRows::new(self);
         sorted.iter().for_each(|t| rows.insert(*t));
-        let all = rows.points.len();
-        rows.curve(|i| match kept {
+        let n_points = rows.points.len();
+        rows.curve(|i| match unchanged {
             [before, _] if i < before => Some(self.control()[i]),
-            [_, after] if all - i <= after => Some(self.control()[n - (all - i)]),
+            [_, after] if n_points - i <= after => Some(self.control()[n - (n_points - i)]),
             _ => None,
         })
     }
 
-    /// So many control points at the start and at the end that no knot from `first` to `last` concerns.
+    /// The numbers of control points at the start and at the end that are not affected by knots from `first`
+    /// to `last`.
     fn unchanged(&self, first: f64, last: f64) -> [usize; 2] {
         let (p, n, knots) = (self.knots().degree(), self.control().len(), self.knots().knots());
         let span = |t: f64| knots.partition_point(|knot| *knot <= t) - 1;
         [span(first) + 1 - p, n.saturating_sub(span(last))]
     }
 
-    /// The same curve with its first and last knot repeated, so that it starts and ends at its first and last control
-    /// point. A curve that does already stays as it is, to the bit.
+    /// The same curve with its first and last knot repeated, so that it starts and ends at its first and last
+    /// control point. A curve that is clamped already stays the same, to the bit.
     ///
-    /// It costs what the knots cost that it inserts ([`NurbsCurve::with_knot`]), up to twice the degree.
+    /// Cost: that of the inserted knots ([`NurbsCurve::with_knot`]), up to twice the degree.
     ///
     /// # Errors
-    /// When a number overflows on the way.
+    /// When an intermediate number overflows.
     ///
     /// ```
     /// use chordal::explicit::nurbs::{KnotVector, NurbsCurve};

@@ -1,26 +1,29 @@
 //! Splines of any degree through points.
 //!
-//! The knots are averages of `p` neighbouring parameters, so that every parameter lies in the support of its own control
-//! point (the condition of Schoenberg and Whitney) and the banded system has one solution. Its matrix is totally positive:
-//! elimination without exchanging rows loses no digits (C. de Boor, A. Pinkus, 1977).
+//! The knots are averages of `p` neighbouring parameters, so that every parameter lies in the support of its
+//! own control point (the condition of Schoenberg and Whitney) and the banded system has one solution. Its
+//! matrix is totally positive: elimination without exchanging rows loses no digits (C. de Boor, A. Pinkus,
+//! 1977).
 //!
-//! Source: C. de Boor, *A Practical Guide to Splines*, 1978, ch. XIII; L. Piegl, W. Tiller, *The NURBS Book*, 2nd ed., 1997,
-//! 9.2.1.
+//! Source: C. de Boor, *A Practical Guide to Splines*, 1978, ch. XIII; L. Piegl, W. Tiller, *The NURBS Book*,
+//! 2nd ed., 1997, 9.2.1.
 use super::NurbsCurve;
 use super::knots::{InvalidNurbs, KnotVector};
 use crate::explicit::spline::{InvalidSpline, Knots, widths};
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The spline of a degree through points, with `p − 1` continuous derivatives. The parameter of a point is the sum of
-    /// the knot intervals before it, of length 1 or as far as points are apart ([`Knots`]).
+    /// The spline of a degree through points, with `p − 1` continuous derivatives. The parameter of a point
+    /// is the sum of the knot intervals before it, of length 1 or given by the distances of the points
+    /// ([`Knots`]).
     ///
-    /// It starts at the first and ends at the last point exactly, and misses the others by rounding, a few units in the last
-    /// place of the largest control coordinate. High degrees and uneven parameters swing between points, as polynomials do.
+    /// It starts at the first and ends at the last point exactly, and misses the others by rounding, a few
+    /// units in the last place of the largest control coordinate. High degrees and uneven parameters
+    /// oscillate between points, as polynomials do.
     /// Cost: `n·p²` operations for `n` points.
     ///
     /// # Errors
-    /// When there are not more points than the degree, a number is not finite, two points in a row are equal and the knots
-    /// depend on distances, or distances are so uneven that rounding leaves no solution.
+    /// When there are not more points than the degree, a number is not finite, two successive points are
+    /// equal and the knots depend on distances, or distances are so uneven that rounding leaves no solution.
     ///
     /// ```
     /// use chordal::explicit::{nurbs::NurbsCurve, spline::Knots};
@@ -31,7 +34,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// # Ok::<(), chordal::explicit::nurbs::InvalidNurbs>(())
     /// ```
     pub fn through(points: &[[f64; D]], degree: usize, knots: Knots) -> Result<Self, InvalidNurbs> {
-        // Refuses degrees and counts that do not fit.
+        // Refuses unsuitable degrees and counts.
         KnotVector::clamped(degree, points.len())?;
         if let Some(index) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(InvalidNurbs::NotFinite { what: "point", index });
@@ -44,15 +47,16 @@ impl<const D: usize> NurbsCurve<D> {
     }
 }
 
-/// Clamped knots of a spline with these parameters: each within the domain is the mean of `degree` of them.
+/// Clamped knots of a spline with these parameters: each knot inside the domain is the mean of `degree` of
+/// them.
 pub(super) fn averaged_knots(parameters: &[f64], degree: usize) -> Result<KnotVector, InvalidNurbs> {
     let n = parameters.len();
-    let mut all = vec![parameters[0]; degree + 1];
-    // Differences to the first keep the mean between the least and the largest.
-    let mean = |of: &[f64]| of[0] + of.iter().map(|t| t - of[0]).sum::<f64>() / degree as f64;
-    all.extend((1..n - degree).map(|j| mean(&parameters[j..j + degree])));
-    all.extend(vec![parameters[n - 1]; degree + 1]);
-    KnotVector::new(degree, all)
+    let mut knots = vec![parameters[0]; degree + 1];
+    // Differences from the first keep the mean between the smallest and the largest.
+    let mean = |run: &[f64]| run[0] + run.iter().map(|t| t - run[0]).sum::<f64>() / degree as f64;
+    knots.extend((1..n - degree).map(|j| mean(&parameters[j..j + degree])));
+    knots.extend(vec![parameters[n - 1]; degree + 1]);
+    KnotVector::new(degree, knots)
 }
 
 fn parameters<const D: usize>(points: &[[f64; D]], knots: Knots) -> Result<Vec<f64>, InvalidNurbs> {
@@ -63,7 +67,7 @@ fn parameters<const D: usize>(points: &[[f64; D]], knots: Knots) -> Result<Vec<f
     let mut parameters = vec![0.0];
     for (index, width) in widths.iter().enumerate() {
         let next = parameters[index] + width;
-        // A distance that vanishes beside the others.
+        // The distance vanishes beside the others.
         if next <= parameters[index] {
             return Err(InvalidNurbs::Coincident(index));
         }
@@ -72,25 +76,25 @@ fn parameters<const D: usize>(points: &[[f64; D]], knots: Knots) -> Result<Vec<f
     Ok(parameters)
 }
 
-/// The control points with which the spline is at each point at its parameter.
+/// The control points with which the spline passes through each point at its parameter.
 pub(super) fn solved<const D: usize>(
     knots: &KnotVector,
     parameters: &[f64],
     points: &[[f64; D]],
 ) -> Result<Vec<[f64; D]>, InvalidNurbs> {
     let (p, n) = (knots.degree(), points.len());
-    // Row i has the columns from i − p to i + p, of which p + 1 in a row are not 0.
+    // Row i has the columns from i − p to i + p, of which p + 1 consecutive ones are not 0.
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(n);
     let mut right = points.to_vec();
     for (i, t) in parameters.iter().enumerate() {
         let (first, values) = knots.basis(*t);
         let mut row = vec![0.0; 2 * p + 1];
         for (k, value) in values.iter().enumerate() {
-            // Beyond the band they are 0: no parameter leaves the support of its control point.
-            if let Some(place) = (first + k + p).checked_sub(i)
-                && place <= 2 * p
+            // Entries beyond the band are 0: no parameter leaves the support of its control point.
+            if let Some(column) = (first + k + p).checked_sub(i)
+                && column <= 2 * p
             {
-                row[place] = *value;
+                row[column] = *value;
             }
         }
         for j in i.saturating_sub(p)..i {
@@ -102,7 +106,7 @@ pub(super) fn solved<const D: usize>(
                 right[i] = std::array::from_fn(|c| right[i][c] - factor * right[j][c]);
             }
         }
-        // Not above 0 only by rounding.
+        // In exact arithmetic the pivot is above 0; otherwise rounding has destroyed it.
         if row[p] <= 0.0 || !row[p].is_finite() {
             return Err(InvalidNurbs::Uneven(i));
         }
@@ -115,14 +119,14 @@ pub(super) fn solved<const D: usize>(
         }
         right[i] = right[i].map(|x| x / rows[i][p]);
     }
-    // The ends are control points.
+    // The end control points equal the end points exactly.
     (right[0], right[n - 1]) = (points[0], points[n - 1]);
     Ok(right)
 }
 
 impl KnotVector {
-    /// The basis functions that are not 0 at a parameter of the domain: the index of the first, and `p + 1` values, each at
-    /// least 0, whose sum is 1 up to rounding.
+    /// The basis functions that are not 0 at a parameter of the domain: the index of the first, and `p + 1`
+    /// values, each at least 0, whose sum is 1 up to rounding.
     ///
     /// ```
     /// use chordal::explicit::nurbs::KnotVector;

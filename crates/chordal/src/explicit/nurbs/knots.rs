@@ -4,8 +4,8 @@ use std::fmt;
 
 /// The knots of a B-spline and its degree.
 ///
-/// `n` control points of degree `p` have `n + p + 1` knots, which do not decrease. The curve runs from knot `p` to knot
-/// `n`. A knot that occurs `m` times leaves `p − m` continuous derivatives there.
+/// `n` control points of degree `p` have `n + p + 1` knots, which do not decrease. The curve runs from knot
+/// `p` to knot `n`. A knot that occurs `m` times leaves `p − m` continuous derivatives there.
 ///
 /// ```
 /// use chordal::explicit::nurbs::KnotVector;
@@ -18,21 +18,21 @@ use std::fmt;
 pub struct KnotVector {
     degree: usize,
     knots: Vec<f64>,
-    /// The first of the knots between which each piece lies: pieces of length 0 are none.
+    /// For each piece, the index of the knot at its start; pieces of length 0 are left out.
     spans: Vec<usize>,
 }
 
-/// The highest degree: control points of higher ones say little about a curve, and their binomial coefficients lose
-/// digits. Chosen: CAD systems stop at 25 or before.
+/// The highest degree. Chosen: CAD systems stop at 25 or earlier; control points of higher degrees tell
+/// little about a curve, and their binomial coefficients lose digits.
 const MOST: usize = 30;
-
-/// Knots beyond this have differences that are not finite, or quotients without digits. Chosen.
+/// The largest knot. Chosen: far beyond any use; differences of knots near the largest number overflow, and
+/// quotients by them lose all digits.
 const FARTHEST: f64 = 1e150;
 
 impl KnotVector {
     /// # Errors
-    /// When the degree is 0 or beyond 30, a number is not finite, knots decrease or repeat more often than the degree
-    /// (once more at the ends), or are too few.
+    /// When the degree is 0 or beyond 30, a number is not finite, knots decrease or repeat more often than
+    /// the degree (once more at the ends), or there are too few.
     pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, InvalidNurbs> {
         if degree == 0 || degree > MOST {
             return Err(InvalidNurbs::Degree(degree));
@@ -55,11 +55,11 @@ impl KnotVector {
             return Err(InvalidNurbs::NoLength);
         }
         let [from, to] = [knots[degree], knots[n_control]];
-        // Twice more than the degree: a control point too many.
+        // Two more than the degree: a control point would have no influence.
         if let Some(index) = (0..n_control).find(|k| knots[*k] == knots[k + degree + 1]) {
             return Err(InvalidNurbs::RepeatedEnd { index, degree });
         }
-        // Once more than the degree: the curve would jump.
+        // One more than the degree: the curve would jump.
         let too_often = |k: usize| knots[k] == knots[k + degree] && knots[k] > from && knots[k] < to;
         if let Some(index) = (0..knots.len() - degree).find(|k| too_often(*k)) {
             return Err(InvalidNurbs::Repeated { index, degree });
@@ -67,7 +67,8 @@ impl KnotVector {
         Ok(Self { degree, knots, spans })
     }
 
-    /// Uniform knots for so many control points, clamped: the curve starts and ends at the first and the last point.
+    /// Clamped uniform knots for this many control points: the curve starts and ends at the first and the
+    /// last point.
     ///
     /// # Errors
     /// When there are not more control points than the degree, or the degree is 0 or beyond 30.
@@ -80,8 +81,8 @@ impl KnotVector {
         Self::new(degree, (0..n_control + degree + 1).map(knot).collect())
     }
 
-    /// Knots at whole numbers for so many control points, as far outside as inside: the curve runs from 0 to the number of
-    /// its pieces, and starts and ends beside its first and last point.
+    /// Integer knots for this many control points, continued outside the domain: the curve runs from 0 to the
+    /// number of its pieces, and does not start and end at its first and last point.
     ///
     /// # Errors
     /// When there are not more control points than the degree, or the degree is 0 or beyond 30.
@@ -93,7 +94,7 @@ impl KnotVector {
         Self::new(degree, (0..n_control + degree + 1).map(|k| k as f64 - before).collect())
     }
 
-    /// How often a number occurs among the knots.
+    /// The number of times that a number occurs among the knots.
     #[must_use]
     pub fn multiplicity(&self, t: f64) -> usize {
         self.knots.partition_point(|knot| *knot <= t) - self.knots.partition_point(|knot| *knot < t)
@@ -105,7 +106,7 @@ impl KnotVector {
         self.degree
     }
 
-    /// All knots, repeated ones too.
+    /// All knots, with repetitions.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
         &self.knots
@@ -123,13 +124,13 @@ impl KnotVector {
         self.spans.len()
     }
 
-    /// The parameters where the spline starts and ends.
+    /// The parameters at the start and at the end of the spline.
     #[must_use]
     pub fn domain(&self) -> [f64; 2] {
         [self.knots[self.degree], self.knots[self.n_control()]]
     }
 
-    /// The parameters where a piece starts and ends.
+    /// The parameters at the start and at the end of a piece.
     #[must_use]
     pub fn piece(&self, piece: usize) -> [f64; 2] {
         let k = self.spans[piece];
@@ -139,7 +140,8 @@ impl KnotVector {
     /// Whether the spline starts at its first control point, and ends at its last.
     pub(super) fn clamped_ends(&self) -> [bool; 2] {
         let (p, n) = (self.degree, self.n_control());
-        // Where the end is there once more than that, a later control point is the first, or an earlier one the last.
+        // If the end knot has more repetitions, a later control point is the first one, or an earlier one the
+        // last.
         let [first, last] = [self.spans[0], self.spans[self.spans.len() - 1]];
         [
             self.knots[1] == self.knots[p] && first == p,
@@ -147,30 +149,32 @@ impl KnotVector {
         ]
     }
 
-    /// The piece at a parameter, and the place in it from 0 to 1; outside of the domain that of its nearer end.
+    /// The piece at a parameter, and the position in it from 0 to 1; outside the domain, those of the nearer
+    /// end.
     #[must_use]
     pub fn locate(&self, t: f64) -> (usize, f64) {
         let after = self.spans.partition_point(|k| self.knots[*k] <= t);
         let piece = after.saturating_sub(1);
         let [a, b] = self.piece(piece);
-        let place = (t - a) / (b - a);
-        (piece, if place > 0.0 { crate::math::lesser(place, 1.0) } else { 0.0 })
+        let at = (t - a) / (b - a);
+        (piece, if at > 0.0 { crate::math::lesser(at, 1.0) } else { 0.0 })
     }
 
-    /// The parameter at a place from 0 to 1 of a piece.
+    /// The parameter at a position from 0 to 1 in a piece.
     #[must_use]
-    pub(crate) fn parameter(&self, piece: usize, place: f64) -> f64 {
+    pub(crate) fn parameter(&self, piece: usize, at: f64) -> f64 {
         let [a, b] = self.piece(piece);
-        // Both ends exactly, and never beyond them.
-        crate::math::lesser(crate::math::greater((1.0 - place) * a + place * b, a), b)
+        // Exact at both ends, and never beyond them.
+        crate::math::lesser(crate::math::greater((1.0 - at) * a + at * b, a), b)
     }
 
-    /// The index of the knot before a piece, and of the control points that it depends on the last.
+    /// The index of the knot before a piece, which is also that of the last control point that the piece
+    /// depends on.
     pub(super) fn span(&self, piece: usize) -> usize {
         self.spans[piece]
     }
 
-    /// The blossom of a piece: de Boor's algorithm with a parameter of its own in each step, all of them within the
+    /// The blossom of a piece: de Boor's algorithm with a separate parameter in each step, all within the
     /// piece. All steps are weighted means.
     pub(super) fn blossom<const N: usize>(
         &self,
@@ -184,25 +188,26 @@ impl KnotVector {
             let t = at(r - 1);
             for i in (r..=p).rev() {
                 let (low, high) = (self.knots[span - p + i], self.knots[span + 1 + i - r]);
-                // Both accurate for themselves: 1 − part would lose digits where weights balance a small share.
-                let (part, rest) = ((t - low) / (high - low), (high - t) / (high - low));
-                row[i] = std::array::from_fn(|k| rest * row[i - 1][k] + part * row[i][k]);
+                // Both are computed separately: 1 − share would lose digits if weights balance a small share.
+                let (second_share, first_share) = ((t - low) / (high - low), (high - t) / (high - low));
+                row[i] = std::array::from_fn(|k| first_share * row[i - 1][k] + second_share * row[i][k]);
             }
         }
         row[p]
     }
 
-    /// The control points of all pieces in Bernstein form; each begins with the last one of the piece before.
+    /// The control points of all pieces in Bernstein form; each piece begins with the last point of the
+    /// previous one.
     pub(crate) fn to_bezier<const N: usize>(&self, control: &[[f64; N]]) -> Vec<[f64; N]> {
         let p = self.degree;
-        let mut made = Vec::with_capacity(self.spans.len() * p + 1);
+        let mut points = Vec::with_capacity(self.spans.len() * p + 1);
         for (piece, span) in self.spans.iter().enumerate() {
             let [a, b] = self.piece(piece);
             for j in usize::from(piece > 0)..=p {
-                made.push(self.blossom(*span, control, |k| if k < j { b } else { a }));
+                points.push(self.blossom(*span, control, |k| if k < j { b } else { a }));
             }
         }
-        made
+        points
     }
 
     /// The coefficients of one piece in Bernstein form.
@@ -213,14 +218,14 @@ impl KnotVector {
     }
 }
 
-/// Why numbers do not describe a spline.
+/// The reason why numbers do not describe a spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InvalidNurbs {
     /// The degree is 0 or beyond 30.
     Degree(usize),
     /// A knot, a control point or a weight is NaN or infinite.
     NotFinite {
-        /// What it is.
+        /// The kind of number.
         what: &'static str,
         /// Its index.
         index: usize,
@@ -259,22 +264,22 @@ pub enum InvalidNurbs {
     },
     /// The first and the last parameter are equal.
     NoLength,
-    /// The number of control points or weights is another one than the knots need.
+    /// The number of control points or weights is not what the knots need.
     Count {
-        /// What there is.
+        /// The kind of items.
         what: &'static str,
-        /// So many there are.
+        /// The actual number.
         found: usize,
-        /// So many there must be.
+        /// The required number.
         needed: usize,
     },
     /// The weight with this index is 0 or less.
     Weight(usize),
-    /// Two curves that have to have the same knots have different ones.
+    /// Two curves that must have the same knots have different ones.
     Knots,
     /// The radius of this control point of a profile is negative.
     Radius(usize),
-    /// A parameter is not inside of the domain.
+    /// A parameter is not inside the domain.
     Outside {
         /// The parameter.
         t: f64,
@@ -283,12 +288,12 @@ pub enum InvalidNurbs {
     },
     /// A part or a domain does not start before it ends.
     Backwards {
-        /// Where it starts.
+        /// The start.
         from: f64,
-        /// Where it ends.
+        /// The end.
         to: f64,
     },
-    /// No knot is at this parameter inside of the domain.
+    /// There is no knot at this parameter inside the domain.
     NoKnot(f64),
     /// Without the knot the curve would be too far away.
     Moved {
@@ -303,17 +308,17 @@ pub enum InvalidNurbs {
     SinglePoint,
     /// An arc has no sweep, or more than a full turn.
     Sweep(f64),
-    /// The parameters around this point are too uneven: rounding leaves nothing of its control point.
+    /// The parameters around this point are too uneven: rounding destroys its control point.
     Uneven(usize),
     /// This section of a loft and the next are equal, and so would be their parameters.
     SameSections(usize),
     /// A closed loft has an even degree, which leaves the spline through its sections undefined.
     EvenDegree(usize),
-    /// More sections than a closed loft takes.
+    /// More sections than a closed loft may have.
     ManySections {
-        /// So many there are.
+        /// The actual number.
         found: usize,
-        /// The most.
+        /// The largest allowed number.
         most: usize,
     },
     /// The weights of sections differ so much that one between them would not be above 0.
@@ -327,9 +332,9 @@ pub enum InvalidNurbs {
     Corner {
         /// The corner: 0 where both parameters start, 1 where `u` ends, 2 where `v` ends, 3 where both end.
         corner: usize,
-        /// How far the ends of the two curves are apart.
+        /// The distance between the ends of the two curves.
         gap: f64,
-        /// How far they may be.
+        /// The largest allowed distance.
         limit: f64,
     },
 }

@@ -1,15 +1,18 @@
-//! Lofts: surfaces through curves, one after the other.
+//! Lofts: surfaces through a sequence of curves.
 //!
-//! The sections are made [`compatible`], and a spline across goes through their weighted control points and weights, column by
-//! column, at parameters that are the same for all columns. So the surface is each section at its parameter.
+//! The sections are made [`compatible`], and a spline in the other direction interpolates their weighted
+//! control points and weights, column by column, at the same parameters for all columns. So the surface
+//! contains each section at its parameter.
 //!
-//! *Slack.* With the matrix `A` of the basis functions at the parameters, the exact control points solve `A·c = b`, and those
-//! that are found miss it by a residual; they are off by `|A⁻¹|` times that, and so is every mean of them. For an open loft
-//! `A` is totally positive, so that the signs of its inverse alternate and `|A⁻¹|` is the largest entry of the solution for
-//! `b = (1, −1, 1, …)`; for a closed one the inverse is computed. Either is known up to its own residual `ρ < 1`, which takes
-//! `1/(1 − ρ)`. The roundings of the sections come in as parts of `b`.
+//! *Slack.* With the matrix `A` of the basis functions at the parameters, the exact control points solve
+//! `A·c = b`. The computed ones leave a residual; they are off by `|A⁻¹|` times that, and so is every mean of
+//! them. For an open loft `A` is totally positive, so that the signs of its inverse alternate and `|A⁻¹|` is
+//! the largest entry of the solution for `b = (1, −1, 1, …)`; for a closed loft the inverse is computed.
+//! Either is known up to its own residual `ρ < 1`, which adds a factor of `1/(1 − ρ)`. The roundings of the
+//! sections enter as parts of `b`.
 //!
-//! Source: L. Piegl, W. Tiller, *The NURBS Book*, 2nd ed., 1997, 10.3; C. de Boor, A. Pinkus, 1977 (total positivity).
+//! Source: L. Piegl, W. Tiller, *The NURBS Book*, 2nd ed., 1997, 10.3; C. de Boor, A. Pinkus, 1977 (total
+//! positivity).
 use super::compatible::compatible_slack;
 use super::interpolate::{averaged_knots, solved};
 use super::knots::{InvalidNurbs, KnotVector};
@@ -17,32 +20,33 @@ use super::{NurbsCurve, NurbsSurface, compatible};
 use crate::explicit::CurveEnds;
 use crate::math::{difference, greater, length, lesser};
 
-/// The most sections of a closed loft, whose matrix has no band. Chosen: a second of one slow core.
+/// The most sections of a closed loft, whose matrix is not banded. Chosen: a second of one slow core.
 const MOST_AROUND: usize = 1000;
 
-/// The spline across: its knots, where the sections are on it, and how it is solved.
+/// The spline across the sections: its knots, the parameters of the sections, and the data for solving.
 struct AcrossSections {
     knots: KnotVector,
     parameters: Vec<f64>,
-    /// Of a closed loft: the inverse of its matrix, and for both kinds a bound of its norm.
+    /// For a closed loft: the inverse of its matrix. For both kinds: a bound of the norm of the inverse.
     inverse: Option<Vec<Vec<f64>>>,
     norm: f64,
 }
 
 impl NurbsSurface {
-    /// The surface through sections, which are its curves of constant `v`: `u` runs along them, and `v` from one to the next,
-    /// by a spline of `degree` that is as smooth as knots permit. A closed loft goes on from the last section to the first.
+    /// The surface through sections, which are its curves of constant `v`: `u` runs along them, and `v` from
+    /// one to the next, by a spline of `degree` with the highest smoothness that the knots permit. A closed
+    /// loft continues from the last section to the first. The parameter of a section, from 0 to 1, is the sum
+    /// of the chords before it, averaged over all control points. Weights of a section matter only up to a
+    /// factor, which is chosen so that the largest is 1. The surface equals the first and the last section of
+    /// an open loft, to the bit of their [`compatible`] form, and the others up to rounding;
+    /// [`NurbsSurface::slack`] bounds its distance from the exact surface.
     ///
-    /// The parameter of a section is the mean, over all control points, of the lengths of the chords before it, from 0 to 1.
-    /// Weights of a section are known up to a factor, and taken such that the largest is 1. The surface is the first and the
-    /// last section of an open loft exactly, to the bit of their [`compatible`] form, and the others up to rounding;
-    /// [`NurbsSurface::slack`] bounds how far all of it is from the exact one.
-    ///
-    /// Cost: `n·p²` operations a control point for `n` sections, and `n³` once for a closed loft.
+    /// Cost: `n·p²` operations per control point for `n` sections, and `n³` once for a closed loft.
     ///
     /// # Errors
-    /// When there are not more sections than the degree, two in a row are equal, parameters are too uneven, a weight between
-    /// sections would not be above 0, or a closed loft has an even degree or more than 1000 sections.
+    /// When there are not more sections than the degree, two successive ones are equal, parameters are too
+    /// uneven, a weight between sections would not be above 0, or a closed loft has an even degree or more
+    /// than 1000 sections.
     ///
     /// ```
     /// use chordal::explicit::{CurveEnds, nurbs::{NurbsCurve, NurbsSurface}};
@@ -54,10 +58,10 @@ impl NurbsSurface {
     /// ```
     pub fn lofted(sections: &[NurbsCurve<3>], degree: usize, ends: CurveEnds) -> Result<Self, InvalidNurbs> {
         KnotVector::clamped(degree, sections.len())?;
-        let made = compatible(sections)?;
-        let slack = sections.iter().zip(&made).map(|(a, b)| compatible_slack(a, b)).fold(0.0, greater);
-        let across = AcrossSections::new(&made, degree, ends)?;
-        let rows: Vec<Vec<[f64; 4]>> = made.iter().map(weighted_row).collect();
+        let fitted = compatible(sections)?;
+        let slack = sections.iter().zip(&fitted).map(|(a, b)| compatible_slack(a, b)).fold(0.0, greater);
+        let across = AcrossSections::new(&fitted, degree, ends)?;
+        let rows: Vec<Vec<[f64; 4]>> = fitted.iter().map(weighted_row).collect();
         let (width, n) = (rows[0].len(), rows.len());
         let (mut columns, mut missed) = (Vec::with_capacity(width), [0.0; 2]);
         for i in 0..width {
@@ -77,10 +81,10 @@ impl NurbsSurface {
                 if w <= 0.0 {
                     return Err(InvalidNurbs::SwungWeight { column: i, weight: w });
                 }
-                // Weights that come and go would move the ends.
+                // Multiplying by weights and dividing again would move the end curves.
                 control.push(match (ends, j) {
-                    (CurveEnds::Open, 0) => made[0].control()[i],
-                    (CurveEnds::Open, j) if j + 1 == height => made[n - 1].control()[i],
+                    (CurveEnds::Open, 0) => fitted[0].control()[i],
+                    (CurveEnds::Open, j) if j + 1 == height => fitted[n - 1].control()[i],
                     _ => [x / w, y / w, z / w],
                 });
                 weights.push(w);
@@ -90,30 +94,30 @@ impl NurbsSurface {
             CurveEnds::Open => across.knots.clone(),
             CurveEnds::Closed => clamped_knots(&across.knots)?,
         };
-        let surface = Self::new([made[0].knots().clone(), knots], control, weights)?;
+        let surface = Self::new([fitted[0].knots().clone(), knots], control, weights)?;
         let slack = across.slack(&surface, missed, slack);
         Ok(surface.with_slack(slack))
     }
 }
 
-/// The points times their weights, of which the largest is 1, and the weights.
+/// The points times their weights, scaled so that the largest weight is 1, and the weights.
 fn weighted_row(curve: &NurbsCurve<3>) -> Vec<[f64; 4]> {
-    let most = curve.weights().iter().fold(0.0, |most: f64, w| greater(*w, most));
+    let heaviest = curve.weights().iter().fold(0.0, |heaviest: f64, w| greater(*w, heaviest));
     let pairs = curve.control().iter().zip(curve.weights());
-    pairs.map(|([x, y, z], w)| (x, y, z, w / most)).map(|(x, y, z, w)| [x * w, y * w, z * w, w]).collect()
+    pairs.map(|([x, y, z], w)| (x, y, z, w / heaviest)).map(|(x, y, z, w)| [x * w, y * w, z * w, w]).collect()
 }
 
-/// Knots whose ends are there `p + 1` times, over the same domain.
+/// The knots over the same domain, with both ends repeated `p + 1` times.
 fn clamped_knots(knots: &KnotVector) -> Result<KnotVector, InvalidNurbs> {
     let (p, [from, to]) = (knots.degree(), knots.domain());
-    let mut all = vec![from; p + 1];
-    all.extend(knots.knots().iter().filter(|t| from < **t && **t < to));
-    all.extend(vec![to; p + 1]);
-    KnotVector::new(p, all)
+    let mut clamped = vec![from; p + 1];
+    clamped.extend(knots.knots().iter().filter(|t| from < **t && **t < to));
+    clamped.extend(vec![to; p + 1]);
+    KnotVector::new(p, clamped)
 }
 
-/// The means over the control points of the shares of the chords from section to section; with that back to the first where
-/// the loft is closed.
+/// For each section, the share of the chord to the next section, averaged over the control points; including
+/// the chord back to the first section if the loft is closed.
 fn mean_chords(sections: &[NurbsCurve<3>], ends: CurveEnds) -> Vec<f64> {
     let n = sections.len();
     let n_chords = if ends == CurveEnds::Closed { n } else { n - 1 };
@@ -123,13 +127,13 @@ fn mean_chords(sections: &[NurbsCurve<3>], ends: CurveEnds) -> Vec<f64> {
     for i in 0..sections[0].control().len() {
         let chords: Vec<f64> = (0..n_chords).map(|k| chord(i, k)).collect();
         let total: f64 = chords.iter().sum();
-        // A control point that all sections share says nothing.
+        // A control point that all sections share has no chords.
         if total > 0.0 {
             sums.iter_mut().zip(chords).for_each(|(sum, chord)| *sum += chord / total);
         }
     }
-    let all: f64 = sums.iter().sum();
-    sums.iter().map(|sum| if all > 0.0 { sum / all } else { 0.0 }).collect()
+    let total: f64 = sums.iter().sum();
+    sums.iter().map(|sum| if total > 0.0 { sum / total } else { 0.0 }).collect()
 }
 
 impl AcrossSections {
@@ -138,13 +142,13 @@ impl AcrossSections {
         let mut parameters = vec![0.0];
         for (index, chord) in mean_chords(sections, ends).into_iter().enumerate() {
             let next = parameters[index] + chord;
-            // A chord that vanishes beside the others.
+            // The chord vanishes beside the others.
             if next <= parameters[index] {
                 return Err(InvalidNurbs::SameSections(index));
             }
             parameters.push(next);
         }
-        // Sums of chords end beside 1 by rounding.
+        // The sum of the chords is 1 only up to rounding.
         if let Some(last) = parameters.last_mut() {
             *last = 1.0;
         }
@@ -153,13 +157,13 @@ impl AcrossSections {
         }
         if ends == CurveEnds::Open {
             let knots = averaged_knots(&parameters, degree)?;
-            let mut made = Self { knots, parameters, inverse: None, norm: f64::INFINITY };
+            let mut across = Self { knots, parameters, inverse: None, norm: f64::INFINITY };
             let signs: Vec<[f64; 4]> = (0..n).map(|k| [if k % 2 == 0 { 1.0 } else { -1.0 }; 4]).collect();
-            let found = solved(&made.knots, &made.parameters, &signs)?;
-            let [off, _] = made.largest_residual(&found, &signs, [0.0; 2]);
-            let most = found.iter().fold(0.0, |most: f64, x| greater(x[0].abs(), most));
-            made.norm = norm_within(most, off).ok_or(InvalidNurbs::Uneven(0))?;
-            return Ok(made);
+            let solution = solved(&across.knots, &across.parameters, &signs)?;
+            let [residual, _] = across.largest_residual(&solution, &signs, [0.0; 2]);
+            let largest = solution.iter().fold(0.0, |largest: f64, x| greater(x[0].abs(), largest));
+            across.norm = norm_within(largest, residual).ok_or(InvalidNurbs::Uneven(0))?;
+            return Ok(across);
         }
         if degree.is_multiple_of(2) {
             return Err(InvalidNurbs::EvenDegree(degree));
@@ -168,20 +172,21 @@ impl AcrossSections {
             return Err(InvalidNurbs::ManySections { found: n, most: MOST_AROUND });
         }
         parameters.pop();
-        // From `degree` knots before 0 on: whole turns more keep indices positive.
+        // Starts `degree` knots before 0; adding entire turns keeps indices positive.
         let around = |k: usize| {
             let at = k + n * degree - degree;
             parameters[at % n] + ((at / n) as f64 - degree as f64)
         };
         let knots = KnotVector::new(degree, (0..n + 2 * degree + 1).map(around).collect())?;
-        let mut made = Self { knots, parameters, inverse: None, norm: f64::INFINITY };
-        let matrix: Vec<Vec<f64>> = (0..n).map(|k| made.row(k)).collect();
+        let mut across = Self { knots, parameters, inverse: None, norm: f64::INFINITY };
+        let matrix: Vec<Vec<f64>> = (0..n).map(|k| across.row(k)).collect();
         let inverse = inverted(&matrix).ok_or(InvalidNurbs::Uneven(0))?;
         let largest_sum =
             |rows: &[Vec<f64>]| rows.iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, greater);
-        let most = largest_sum(&inverse);
-        // A⁻¹ = Z·(A·Z)⁻¹: how far A·Z is from the identity, with the rounding of its sums of up to p + 1 terms.
-        let off: Vec<Vec<f64>> = matrix
+        let inverse_norm = largest_sum(&inverse);
+        // A⁻¹ = Z·(A·Z)⁻¹: the difference of A·Z from the identity, with the rounding of its sums of up to p
+        // + 1 terms.
+        let difference: Vec<Vec<f64>> = matrix
             .iter()
             .enumerate()
             .map(|(i, row)| {
@@ -189,23 +194,23 @@ impl AcrossSections {
                     let terms = row.iter().zip(&inverse).filter(|(a, _)| **a != 0.0);
                     let sum: f64 = terms.clone().map(|(a, z)| a * z[j]).sum();
                     let size: f64 = terms.map(|(a, z)| (a * z[j]).abs()).sum();
-                    (sum - f64::from(u8::from(i == j))).abs() + made.rounding() * size
+                    (sum - f64::from(u8::from(i == j))).abs() + across.rounding() * size
                 };
                 (0..n).map(entry).collect()
             })
             .collect();
-        made.norm = norm_within(most, largest_sum(&off)).ok_or(InvalidNurbs::Uneven(0))?;
-        made.inverse = Some(inverse);
-        Ok(made)
+        across.norm = norm_within(inverse_norm, largest_sum(&difference)).ok_or(InvalidNurbs::Uneven(0))?;
+        across.inverse = Some(inverse);
+        Ok(across)
     }
 
-    /// What rounding does to a value of the spline, relative to the sum of the sizes of its terms: each basis function takes
-    /// three roundings a degree and the sum one a term, with room for as much again.
+    /// The rounding of a value of the spline, relative to the sum of the sizes of its terms. Derived: each
+    /// basis function takes three roundings per degree and the sum one per term; doubled as a margin.
     fn rounding(&self) -> f64 {
         (8 * self.knots.degree() + 16) as f64 * f64::EPSILON
     }
 
-    /// The basis functions at the parameter of a section, by the control point of a closed loft.
+    /// The basis functions at the parameter of a section, by control point of a closed loft.
     fn row(&self, section: usize) -> Vec<f64> {
         let n = self.parameters.len();
         let (first, values) = self.knots.basis(self.parameters[section]);
@@ -223,10 +228,11 @@ impl AcrossSections {
         Ok(inverse.iter().map(times).collect())
     }
 
-    /// The larger of what was missed before and what these control points miss: of weighted points, and of weights.
+    /// The larger of the residuals so far and those of these control points: for weighted points, and for
+    /// weights.
     fn largest_residual(&self, control: &[[f64; 4]], right: &[[f64; 4]], before: [f64; 2]) -> [f64; 2] {
         let n = control.len();
-        let mut most = before;
+        let mut largest = before;
         for (t, b) in self.parameters.iter().zip(right) {
             let (first, values) = self.knots.basis(*t);
             let (mut sum, mut size) = ([0.0; 4], [0.0; 4]);
@@ -235,13 +241,17 @@ impl AcrossSections {
                 (0..4).for_each(|c| sum[c] += value * x[c]);
                 (0..4).for_each(|c| size[c] += value * x[c].abs());
             }
-            let off: [f64; 4] = std::array::from_fn(|c| (sum[c] - b[c]).abs() + self.rounding() * size[c]);
-            most = [greater(length([off[0], off[1], off[2]]), most[0]), greater(off[3], most[1])];
+            let residual: [f64; 4] =
+                std::array::from_fn(|c| (sum[c] - b[c]).abs() + self.rounding() * size[c]);
+            largest = [
+                greater(length([residual[0], residual[1], residual[2]]), largest[0]),
+                greater(residual[3], largest[1]),
+            ];
         }
-        most
+        largest
     }
 
-    /// The control points of a clamped spline; those of a closed loft end where they start.
+    /// The control points of a clamped spline; those of a closed loft end with the first one.
     fn clamped(&self, column: Vec<[f64; 4]>) -> Result<Vec<[f64; 4]>, InvalidNurbs> {
         if self.inverse.is_none() {
             return Ok(column);
@@ -250,40 +260,42 @@ impl AcrossSections {
         let around: Vec<[f64; 4]> = (0..self.knots.n_control()).map(|k| column[k % n]).collect();
         let ones = vec![1.0; around.len()];
         let curve = NurbsCurve::new(self.knots.clone(), around, ones)?.clamped()?;
-        let mut made = curve.control().to_vec();
-        if let Some(last) = made.len().checked_sub(1) {
-            made[last] = made[0];
+        let mut control = curve.control().to_vec();
+        if let Some(last) = control.len().checked_sub(1) {
+            control[last] = control[0];
         }
-        Ok(made)
+        Ok(control)
     }
 
-    /// How far the surface may be from the exact one, by what its control points miss and how far the sections may be off.
+    /// A bound of the distance of the surface from the exact one, from the residuals of its control points
+    /// and the slack of the sections.
     fn slack(&self, surface: &NurbsSurface, [points, weights]: [f64; 2], sections: f64) -> f64 {
         let reach = surface.control().as_flattened().iter().fold(0.0, |most: f64, x| greater(x.abs(), most));
-        let least = surface.weights().iter().fold(f64::INFINITY, |least: f64, w| lesser(*w, least));
-        // A weight of a section is off by two roundings of its quotient, a product by another one.
-        let of_weights = if reach > 0.0 { sections / reach } else { 0.0 } + 4.0 * f64::EPSILON;
-        let of_points = sections + 8.0 * f64::EPSILON * reach;
-        // A closed one was clamped: 2p knots at each end, of 16 roundings.
+        let lightest = surface.weights().iter().fold(f64::INFINITY, |least: f64, w| lesser(*w, least));
+        // A weight of a section has two roundings of its quotient, a product another one.
+        let weight_error = if reach > 0.0 { sections / reach } else { 0.0 } + 4.0 * f64::EPSILON;
+        let point_error = sections + 8.0 * f64::EPSILON * reach;
+        // A closed loft was clamped: 2p knots at each end, of 16 roundings each.
         let clamping = match self.inverse {
             Some(_) => 64.0 * self.knots.degree() as f64 * f64::EPSILON,
             None => 0.0,
         };
-        let moved = self.norm * (points + of_points) + clamping * reach;
-        let turned = self.norm * (weights + of_weights) + clamping;
-        // |X/W − x/w| ≤ (|X − x| + |x/w|·|W − w|)/W, and the quotients that control points are; doubled for the roundings
-        // of this sum.
-        2.0 * ((moved + 2.0 * reach * turned) / least + 8.0 * f64::EPSILON * reach)
+        let numerator_error = self.norm * (points + point_error) + clamping * reach;
+        let denominator_error = self.norm * (weights + weight_error) + clamping;
+        // |X/W − x/w| ≤ (|X − x| + |x/w|·|W − w|)/W, plus the rounding of the quotients; doubled for the
+        // roundings of this sum.
+        2.0 * ((numerator_error + 2.0 * reach * denominator_error) / lightest + 8.0 * f64::EPSILON * reach)
     }
 }
 
-/// The norm of an inverse that was found with this norm and is off by this much; `None` where that says nothing.
-fn norm_within(found: f64, off: f64) -> Option<f64> {
-    // Chosen: beyond it the matrix is all but singular.
-    (off <= 0.5 && found.is_finite()).then(|| found / (1.0 - off) * (1.0 + 1e-9))
+/// A bound of the norm of the exact inverse, from the computed norm and its relative residual; `None` if
+/// there is none.
+fn norm_within(computed: f64, residual: f64) -> Option<f64> {
+    // Chosen: beyond it the matrix is nearly singular.
+    (residual <= 0.5 && computed.is_finite()).then(|| computed / (1.0 - residual) * (1.0 + 1e-9))
 }
 
-/// The inverse of a matrix by elimination with the largest pivots.
+/// The inverse of a matrix by Gauss–Jordan elimination with the largest pivots.
 fn inverted(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let n = matrix.len();
     let mut left = matrix.to_vec();
@@ -293,19 +305,19 @@ fn inverted(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
         let pivot = (k..n).fold(k, |best, i| if left[i][k].abs() > left[best][k].abs() { i } else { best });
         left.swap(k, pivot);
         right.swap(k, pivot);
-        let by = left[k][k];
-        if by == 0.0 || !by.is_finite() {
+        let pivot_value = left[k][k];
+        if pivot_value == 0.0 || !pivot_value.is_finite() {
             return None;
         }
         for row in [&mut left[k], &mut right[k]] {
-            row.iter_mut().for_each(|x| *x /= by);
+            row.iter_mut().for_each(|x| *x /= pivot_value);
         }
-        let (of_left, of_right) = (left[k].clone(), right[k].clone());
+        let (pivot_left, pivot_right) = (left[k].clone(), right[k].clone());
         for i in (0..n).filter(|i| *i != k) {
             let factor = left[i][k];
             if factor != 0.0 {
-                left[i].iter_mut().zip(&of_left).for_each(|(x, y)| *x -= factor * y);
-                right[i].iter_mut().zip(&of_right).for_each(|(x, y)| *x -= factor * y);
+                left[i].iter_mut().zip(&pivot_left).for_each(|(x, y)| *x -= factor * y);
+                right[i].iter_mut().zip(&pivot_right).for_each(|(x, y)| *x -= factor * y);
             }
         }
     }
@@ -321,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn lofts_that_cannot_be_are_refused() {
+    fn impossible_lofts_are_refused() {
         let [a, b] = [ring(1.0, 0.0), ring(2.0, 1.0)];
         let refused = |sections: &[NurbsCurve<3>], degree, ends| {
             NurbsSurface::lofted(sections, degree, ends).unwrap_err()
@@ -331,7 +343,8 @@ mod tests {
         assert_eq!(refused(&[a.clone(), a.clone(), b.clone()], 1, open), InvalidNurbs::SameSections(0));
         let three = [a.clone(), b.clone(), ring(1.0, 2.0)];
         assert_eq!(refused(&three, 2, CurveEnds::Closed), InvalidNurbs::EvenDegree(2));
-        // One corner far heavier than its neighbours: a parabola through 1, 1e-3, 1 dips below 0 in control points.
+        // One corner far heavier than its neighbours: a parabola through 1, 1e-3, 1 dips below 0 in control
+        // points.
         let heavy = |weight: f64, z: f64| {
             let knots = KnotVector::clamped(2, 3).unwrap();
             NurbsCurve::new(knots, vec![[0.0, 0.0, z], [1.0, 1.0, z], [2.0, 0.0, z]], vec![1.0, weight, 1.0])

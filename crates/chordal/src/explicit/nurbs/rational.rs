@@ -5,8 +5,8 @@ use crate::explicit::AffineMap;
 use crate::math::{greater, lesser};
 use std::sync::Arc;
 
-/// A curve `Σ Bᵢ(t) wᵢ Pᵢ / Σ Bᵢ(t) wᵢ` over a parameter from 0 to 1, by its weighted control points and their weights,
-/// which are above 0.
+/// A curve `Σ Bᵢ(t) wᵢ Pᵢ / Σ Bᵢ(t) wᵢ` over a parameter from 0 to 1, given by its weighted control points
+/// and their weights, which are above 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RationalBezier<const D: usize> {
     rows: Arc<RationalRows<D>>,
@@ -20,7 +20,8 @@ struct RationalRows<const D: usize> {
 }
 
 impl<const D: usize> RationalBezier<D> {
-    /// The curve with these control points and weights, of which there must be as many, two at least; weights above 0.
+    /// The curve with these control points and weights; both must have the same length, at least two, and
+    /// weights above 0.
     pub(super) fn new(weighted: Vec<[f64; D]>, weights: Vec<[f64; 1]>, ends: [[f64; D]; 2]) -> Self {
         let rows = RationalRows { weighted: BernsteinRow(weighted), weights: BernsteinRow(weights) };
         Self { rows: Arc::new(rows), ends }
@@ -95,12 +96,12 @@ impl<const D: usize> RationalBezier<D> {
         Self::new(weighted, weights, [self.ends[1], self.ends[0]])
     }
 
-    /// The lowest and highest coordinates of a box that contains the piece: that of its control points.
+    /// The lowest and highest coordinates of a box that contains the piece: the box of its control points.
     #[must_use]
     pub fn bounds(&self) -> [[f64; D]; 2] {
-        let mut all = self.control();
-        all.extend(self.ends);
-        all.iter().fold([all[0]; 2], |[low, high], p| {
+        let mut points = self.control();
+        points.extend(self.ends);
+        points.iter().fold([points[0]; 2], |[low, high], p| {
             [std::array::from_fn(|k| lesser(p[k], low[k])), std::array::from_fn(|k| greater(p[k], high[k]))]
         })
     }

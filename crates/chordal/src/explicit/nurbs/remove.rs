@@ -1,14 +1,14 @@
-//! Knots removed where the curve hardly needs them, with a proved bound on what that moves.
+//! Removal of knots that the curve hardly needs, with a proved bound on the change.
 //!
-//! Knot `t` can go without loss if the control points around it are those that its insertion makes (`insert.rs`). These are
-//! `p − m + 1` equations for `p − m` new points, `m` the multiplicity. One of the equations is dropped, the others are
-//! solved from both sides; whichever of them loses least is dropped.
+//! Knot `t` can be removed without loss if the control points around it are those that its insertion creates
+//! (`insert.rs`). These are `p − m + 1` equations for `p − m` new points, with `m` the multiplicity. One
+//! equation is dropped and the others are solved from both sides; the choice that loses least is taken.
 //!
-//! *Bound.* The knot is inserted into the new curve again, in intervals, which gives the new curve `C′` by control points
-//! `Q` with weights `v` on the knots of the old one, `C` with `P` and `w`. Then
+//! *Bound.* The knot is inserted into the new curve again, in intervals, which gives the new curve `C′` by
+//! control points `Q` with weights `v` on the knots of the old curve `C` with `P` and `w`. Then
 //! `C − C′ = Σ Nᵢ (wᵢ(Pᵢ − Qᵢ) + (wᵢ − vᵢ)(Qᵢ − C′)) / Σ Nᵢ wᵢ`, a weighted mean of
-//! `|Pᵢ − Qᵢ| + |wᵢ − vᵢ|/wᵢ·|Qᵢ − C′|`, where `|Qᵢ − C′|` is less than the diagonal of the box of the `Q`. The largest of
-//! these bounds the distance of points with the same parameter.
+//! `|Pᵢ − Qᵢ| + |wᵢ − vᵢ|/wᵢ·|Qᵢ − C′|`, where `|Qᵢ − C′|` is less than the diagonal of the box of the `Q`.
+//! The largest of these bounds the distance of points with the same parameter.
 //!
 //! Source: W. Tiller, *Knot-removal algorithms for NURBS curves and surfaces*, 1992 (the equations).
 use super::NurbsCurve;
@@ -18,14 +18,14 @@ use crate::budget::Tolerance;
 use crate::math::{Interval, add_up, div_up, greater, length_up, lesser, mul_up, sub_down, sub_up};
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The curve with one knot less at a parameter, and an upper bound of the distance of points with the same parameter. The
-    /// bound is proved: it covers all rounding.
+    /// The curve with one knot fewer at a parameter, and an upper bound of the distance of points with the
+    /// same parameter. The bound is proved: it covers all rounding.
     ///
     /// Cost: `p²` operations and `p` copies of the curve.
     ///
     /// # Errors
-    /// When there is no such knot inside of the domain, or the curve would be farther away than the tolerance: the bound is
-    /// in the error.
+    /// When there is no such knot inside the domain, or the curve would be farther away than the tolerance:
+    /// the bound is in the error.
     ///
     /// ```
     /// use chordal::{Tolerance, explicit::nurbs::NurbsCurve};
@@ -42,10 +42,10 @@ impl<const D: usize> NurbsCurve<D> {
         let removal = KnotRemoval::new(self, t);
         let mut best: Option<(Self, f64)> = None;
         for dropped in removal.first..=removal.last {
-            // Weights may come out as 0 or less: then there is no such curve.
+            // Weights may come out as 0 or less: then this choice gives no curve.
             let Ok(candidate) = removal.solved(dropped) else { continue };
             let moved = removal.distance_up(&candidate);
-            if best.as_ref().is_none_or(|(_, least)| moved < *least) {
+            if best.as_ref().is_none_or(|(_, smallest)| moved < *smallest) {
                 best = Some((candidate, moved));
             }
         }
@@ -58,8 +58,8 @@ impl<const D: usize> NurbsCurve<D> {
         }
     }
 
-    /// The curve without the knots that it can spare, from its start to its end, and an upper bound of the distance of points
-    /// with the same parameter, which is proved and within the tolerance.
+    /// The curve without the knots that it can spare, removed from its start to its end, and a proved upper
+    /// bound, within the tolerance, of the distance of points with the same parameter.
     ///
     /// ```
     /// use chordal::{Tolerance, explicit::nurbs::NurbsCurve};
@@ -75,8 +75,8 @@ impl<const D: usize> NurbsCurve<D> {
         let inner: Vec<f64> = self.knots().knots().iter().copied().filter(|t| from < *t && *t < to).collect();
         let (mut curve, mut moved) = (self.clone(), 0.0);
         for t in inner {
-            let Ok(rest) = Tolerance::new(sub_down(tolerance.get(), moved)) else { break };
-            if let Ok((simpler, by)) = curve.without_knot(t, rest) {
+            let Ok(remaining) = Tolerance::new(sub_down(tolerance.get(), moved)) else { break };
+            if let Ok((simpler, by)) = curve.without_knot(t, remaining) {
                 (curve, moved) = (simpler, if by == 0.0 { moved } else { add_up(moved, by) });
             }
         }
@@ -89,9 +89,9 @@ struct KnotRemoval<'a, const D: usize> {
     curve: &'a NurbsCurve<D>,
     rows: SplineRows<D>,
     t: f64,
-    /// The knots without it.
+    /// The knots without the removed one.
     knots: Vec<f64>,
-    /// The control points that its insertion makes as means, by the equations with the same indices.
+    /// The control points that its insertion creates as means, by the equations with the same indices.
     first: usize,
     last: usize,
 }
@@ -128,12 +128,12 @@ impl<'a, const D: usize> KnotRemoval<'a, D> {
             [(high - self.t) / (high - low), (self.t - low) / (high - low)]
         };
         for i in self.first..dropped {
-            let [rest, part] = shares(i);
-            new[i] = std::array::from_fn(|k| (old[i][k] - rest * new[i - 1][k]) / part);
+            let [first_share, second_share] = shares(i);
+            new[i] = std::array::from_fn(|k| (old[i][k] - first_share * new[i - 1][k]) / second_share);
         }
         for i in (dropped + 1..=self.last).rev() {
-            let [rest, part] = shares(i);
-            new[i - 1] = std::array::from_fn(|k| (old[i][k] - part * new[i][k]) / rest);
+            let [first_share, second_share] = shares(i);
+            new[i - 1] = std::array::from_fn(|k| (old[i][k] - second_share * new[i][k]) / first_share);
         }
         new
     }
@@ -143,37 +143,38 @@ impl<'a, const D: usize> KnotRemoval<'a, D> {
         let (control, weights) = (new.control(), new.weights());
         let is_polynomial = self.curve.is_polynomial() && new.is_polynomial();
         let weight = |i: usize| Interval::point(if is_polynomial { 1.0 } else { weights[i] });
-        let mut most: f64 = 0.0;
+        let mut largest: f64 = 0.0;
         let diagonal = diagonal_up(control);
         for i in 0..self.curve.control().len() {
             let old = self.curve.control()[i];
             let same = if i < self.first { i } else { i - 1 };
             let is_mean = self.first <= i && i <= self.last;
-            let (point, own): ([Interval; D], Interval) = if is_mean {
+            let (point, new_weight): ([Interval; D], Interval) = if is_mean {
                 let (low, high) = (Interval::point(self.knots[i]), self.knots[i + self.rows.degree]);
                 let (t, high) = (Interval::point(self.t), Interval::point(high));
                 let shares = [(high - t) / (high - low), (t - low) / (high - low)];
-                let [rest, part] = [shares[0] * weight(i - 1), shares[1] * weight(i)];
-                // Shares that sum to 1 have no weight to be divided by.
-                let whole = if is_polynomial { Interval::point(1.0) } else { rest + part };
+                let [first_share, second_share] = [shares[0] * weight(i - 1), shares[1] * weight(i)];
+                // Shares that sum to 1 need no division.
+                let total = if is_polynomial { Interval::point(1.0) } else { first_share + second_share };
                 let x = |k: usize| {
-                    (rest * Interval::point(control[i - 1][k]) + part * Interval::point(control[i][k]))
-                        / whole
+                    (first_share * Interval::point(control[i - 1][k])
+                        + second_share * Interval::point(control[i][k]))
+                        / total
                 };
-                (std::array::from_fn(x), whole)
+                (std::array::from_fn(x), total)
             } else {
                 (control[same].map(Interval::point), weight(same))
             };
-            let off = std::array::from_fn(|k| (point[k] - Interval::point(old[k])).magnitude());
-            let off = if off == [0.0; D] { 0.0 } else { length_up::<D>(off) };
+            let distance = std::array::from_fn(|k| (point[k] - Interval::point(old[k])).magnitude());
+            let distance = if distance == [0.0; D] { 0.0 } else { length_up::<D>(distance) };
             let before = if is_polynomial { 1.0 } else { self.curve.weights()[i] };
-            let lighter = (own - Interval::point(before)).magnitude();
+            let lighter = (new_weight - Interval::point(before)).magnitude();
             let by_weight = if lighter == 0.0 { 0.0 } else { mul_up(div_up(lighter, before), diagonal) };
-            let sum = if by_weight == 0.0 { off } else { add_up(off, by_weight) };
-            // A bound that is no number is none.
-            most = if sum.is_nan() { f64::INFINITY } else { greater(sum, most) };
+            let sum = if by_weight == 0.0 { distance } else { add_up(distance, by_weight) };
+            // A bound that is NaN is no bound.
+            largest = if sum.is_nan() { f64::INFINITY } else { greater(sum, largest) };
         }
-        most
+        largest
     }
 }
 

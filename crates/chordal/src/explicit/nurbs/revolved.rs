@@ -7,7 +7,8 @@ fn quarters() -> Result<KnotVector, InvalidNurbs> {
     KnotVector::new(2, vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0])
 }
 
-/// By quarter and middle between them, in units of two axes: the corners of a square around the circle.
+/// For each quarter and the middle between quarters, in units of two axes: points and corners of a square
+/// around the circle.
 const AROUND: [[f64; 2]; 9] = [
     [1.0, 0.0],
     [1.0, 1.0],
@@ -28,8 +29,8 @@ fn turn_weight(k: usize) -> f64 {
 }
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The ellipse around a centre with two conjugate half-axes, from the first one towards the second: a circle where
-    /// these are perpendicular and equally long. Its parameter runs from 0 to 1.
+    /// The ellipse around a centre with two conjugate half-axes, from the first one towards the second: a
+    /// circle if these are perpendicular and equally long. Its parameter runs from 0 to 1.
     ///
     /// # Errors
     /// When a number is not finite.
@@ -49,9 +50,9 @@ impl<const D: usize> NurbsCurve<D> {
 }
 
 impl NurbsSurface {
-    /// The surface that a curve in the half-plane of radius and height sweeps around the z axis in a full turn. `u` runs
-    /// around the axis, `v` along the curve; the front is to the right of the curve, seen with the radius to the right and
-    /// the height up, so that a profile drawn upwards encloses the axis.
+    /// The surface that a curve in the half-plane of radius and height sweeps around the z axis in a full
+    /// turn. `u` runs around the axis, `v` along the curve; the front is to the right of the curve, in a view
+    /// with the radius to the right and the height up, so that a profile drawn upwards encloses the axis.
     ///
     /// # Errors
     /// When a radius is negative or a number not finite.
@@ -87,7 +88,8 @@ impl NurbsSurface {
         Self::revolved(&NurbsCurve::new(knots, half, (0..5).map(turn_weight).collect())?)
     }
 
-    /// The side of a cone around the z axis from one radius and height to another; a cylinder where both radii are equal.
+    /// The side of a cone around the z axis from one radius and height to another; a cylinder if both radii
+    /// are equal.
     ///
     /// # Errors
     /// When a radius is negative or a number not finite.

@@ -5,9 +5,10 @@ use crate::math::Box3;
 
 /// A tensor-product surface, `Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
-/// Control points stand row by row: `u` runs along a row and `v` from row to row. The front is where the directions of
-/// `u` and `v` and the normal are right-handed. With weights of 1 it is a polynomial surface; spheres, cylinders, cones
-/// and tori are exact ([`NurbsSurface::sphere`] and beside it).
+/// Control points are stored row by row: `u` runs along a row and `v` from row to row. The front is the side
+/// on which the directions of `u` and `v` and the normal are right-handed. With weights of 1 it is a
+/// polynomial surface; spheres, cylinders, cones and tori are exact ([`NurbsSurface::sphere`] and its
+/// neighbours).
 ///
 /// ```
 /// use chordal::explicit::nurbs::NurbsSurface;
@@ -34,7 +35,8 @@ pub(crate) struct SurfaceJet {
     pub uv: [f64; 3],
 }
 
-/// The surface as rational Bézier pieces: weighted points and their weights, neighbours share what is between them.
+/// The surface as rational Bézier pieces: weighted points and their weights; neighbours share their common
+/// side.
 pub(crate) struct BezierNet<'a> {
     knots: &'a [KnotVector; 2],
     /// Row by row.
@@ -43,7 +45,7 @@ pub(crate) struct BezierNet<'a> {
 
 impl NurbsSurface {
     /// # Errors
-    /// When the numbers of control points or weights are not those that the knots need, a number is not finite, or a
+    /// When the number of control points or weights is not what the knots need, a number is not finite, or a
     /// weight is not above 0.
     pub fn new(
         knots: [KnotVector; 2],
@@ -54,16 +56,16 @@ impl NurbsSurface {
         Ok(Self { knots, control, weights, slack: 0.0 })
     }
 
-    /// The same numbers with a known uncertainty: the exact surface has a point within `slack` (≥ 0) of each of this one, at
-    /// the parameters that correspond, and the other way round, because the numbers were rounded or fitted before. Every
-    /// bound against the surface includes it.
+    /// The same surface with a known uncertainty: at corresponding parameters, the exact surface and this one
+    /// are at most `slack` (≥ 0) apart, because its numbers were rounded or fitted before. Every bound
+    /// against the surface includes it.
     #[must_use]
     pub fn with_slack(mut self, slack: f64) -> Self {
         self.slack = slack;
         self
     }
 
-    /// The largest distance of the exact surface from these numbers, which rounding or fitting has caused.
+    /// The largest distance between the exact surface and this one, caused by rounding or fitting.
     #[must_use]
     pub fn slack(&self) -> f64 {
         self.slack
@@ -87,18 +89,18 @@ impl NurbsSurface {
         &self.weights
     }
 
-    /// The point at two parameters; outside of the knots' range that of the nearer end.
+    /// The point at two parameters; outside the domain, the point of the nearer end.
     #[must_use]
     pub fn at(&self, u: f64, v: f64) -> [f64; 3] {
         self.bezier_net().at(u, v)
     }
 
-    /// Points at so many equal steps along `u` and `v` of each piece, ends included.
+    /// Points at this many equal steps along `u` and `v` of each piece, ends included.
     #[must_use]
     pub fn lattice(&self, steps: usize) -> Vec<[f64; 3]> {
         let net = self.bezier_net();
         let [n, m] = net.n_pieces();
-        let place = |k: usize| k as f64 / steps as f64;
+        let parameter = |k: usize| k as f64 / steps as f64;
         let pieces = (0..m).flat_map(|b| (0..n).map(move |a| [a, b]));
         let steps_of = |piece: [usize; 2]| {
             let at = move |j: usize| (0..=steps).map(move |i| (piece, [i, j]));
@@ -106,7 +108,7 @@ impl NurbsSurface {
         };
         pieces
             .flat_map(steps_of)
-            .map(|(piece, [i, j])| net.jet(piece, [place(i), place(j)]).position)
+            .map(|(piece, [i, j])| net.jet(piece, [parameter(i), parameter(j)]).position)
             .collect()
     }
 
@@ -131,8 +133,8 @@ impl NurbsSurface {
         BezierNet { knots: &self.knots, net }
     }
 
-    /// The surface that a straight line sweeps from each point of one curve to that of the other with the same
-    /// parameter; `v` runs from the first to the second.
+    /// The surface that a straight line sweeps between the points of two curves with the same parameter; `v`
+    /// runs from the first to the second.
     ///
     /// # Errors
     /// When the curves have different degrees or knots.
@@ -175,14 +177,14 @@ impl BezierNet<'_> {
             .collect()
     }
 
-    /// The point at two parameters; outside of the knots' range that of the nearer end.
+    /// The point at two parameters; outside the domain, the point of the nearer end.
     pub fn at(&self, u: f64, v: f64) -> [f64; 3] {
         let [(a, s), (b, t)] = [self.knots[0].locate(u), self.knots[1].locate(v)];
         self.jet([a, b], [s, t]).position
     }
 
-    /// Position and derivatives of a piece at parameters from 0 to 1. At 0 and 1 those along a side depend on that side's
-    /// coefficients alone, so that neighbours agree bit for bit.
+    /// Position and derivatives of a piece at parameters from 0 to 1. At 0 and 1 the derivatives along a side
+    /// depend only on that side's coefficients, so that neighbours agree bit for bit.
     pub fn jet(&self, piece: [usize; 2], [s, t]: [f64; 2]) -> SurfaceJet {
         let jets: Vec<[[f64; 4]; 3]> = self.rows(piece).iter().map(|row| row.jet(s)).collect();
         let column = |k: usize| BernsteinRow(jets.iter().map(|jet| jet[k]).collect()).jet(t);
@@ -196,7 +198,7 @@ impl BezierNet<'_> {
         SurfaceJet { position, u, v, uv }
     }
 
-    /// By direction: the coefficients of the sides where it starts and where it ends.
+    /// By direction: the coefficients of the sides at its start and at its end.
     pub fn sides(&self) -> [[Vec<[f64; 4]>; 2]; 2] {
         let ([n, m], [p, q]) = (self.n_pieces(), self.degrees());
         let (width, height) = (n * p + 1, m * q + 1);

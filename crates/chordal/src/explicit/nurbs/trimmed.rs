@@ -6,8 +6,9 @@ use std::fmt;
 
 /// A part of a NURBS surface, a *face* of a solid in CAD.
 ///
-/// The loops are closed paths in the plane of the parameters `u` and `v`, which need not touch: what is to their left
-/// belongs to the surface, so that outer loops run counter-clockwise and holes clockwise. What they enclose outside of the
+/// The loops are closed paths in the plane of the parameters `u` and `v`, which need not touch. The region to
+/// their left belongs to the surface, so outer loops run counter-clockwise and holes clockwise. Regions
+/// outside the range of the parameters are no part of it. Without a loop it is the entire surface.
 /// range of the parameters is no part of it. Without a loop it is all of the surface.
 ///
 /// ```
@@ -26,10 +27,12 @@ pub struct TrimmedSurface {
     is_flipped: bool,
 }
 
-/// So far, relative to the range of a parameter, may a loop leave it: what is outside is cut off. Chosen: near the pole of a
-/// sphere, where parameters mean little, programs for CAD leave it by a third; a loop of another surface leaves it by more.
+/// The largest distance, relative to the range of a parameter, by which a loop may leave the range: the
+/// region outside is cut off. Chosen: near the pole of a sphere, where parameters mean little, CAD programs
+/// leave it by a third; a loop of another surface leaves it by more.
 const OUTSIDE: f64 = 0.5;
-/// Places along each piece of a loop where that is looked at. Chosen: what leaves the range between two of them is cut off.
+/// Points on each piece of a loop at which that is checked. Chosen: an excursion between two of them is cut
+/// off.
 const SAMPLES: usize = 16;
 
 impl TrimmedSurface {
@@ -40,16 +43,16 @@ impl TrimmedSurface {
             if !path.is_closed() {
                 return Err(InvalidTrim::Open(index));
             }
-            // Control points may be farther out than the path.
+            // Points of the path are checked, since control points may be farther out.
             let is_inside = |at: [f64; 2]| {
                 (0..2).all(|k| {
                     let [from, to] = surface.knots()[k].domain();
-                    let room = OUTSIDE * (to - from);
-                    at[k] >= from - room && at[k] <= to + room
+                    let margin = OUTSIDE * (to - from);
+                    at[k] >= from - margin && at[k] <= to + margin
                 })
             };
-            let places = (0..path.segments().len() * SAMPLES).map(|k| k as f64 / SAMPLES as f64);
-            if !places.map(|s| path.at(s)).all(is_inside) {
+            let parameters = (0..path.segments().len() * SAMPLES).map(|k| k as f64 / SAMPLES as f64);
+            if !parameters.map(|s| path.at(s)).all(is_inside) {
                 return Err(InvalidTrim::Outside(index));
             }
         }
@@ -63,7 +66,7 @@ impl TrimmedSurface {
         self
     }
 
-    /// The same part of the same numbers, with another [`NurbsSurface::slack`].
+    /// The same part with another [`NurbsSurface::slack`].
     #[must_use]
     pub fn with_slack(mut self, slack: f64) -> Self {
         self.surface = self.surface.with_slack(slack);
@@ -76,7 +79,7 @@ impl TrimmedSurface {
         &self.surface
     }
 
-    /// The loops around the part; none where it is all of the surface.
+    /// The loops around the part; none if it is the entire surface.
     #[must_use]
     pub fn loops(&self) -> &[Curve<2>] {
         &self.loops
@@ -100,7 +103,7 @@ impl TrimmedSurface {
             high = std::array::from_fn(|k| greater(high[k], to[k]));
         }
         let net = self.surface.bezier_net();
-        // By direction: the pieces that the loops reach, and which part of each.
+        // By direction: the pieces that the loops reach, and the covered part of each.
         let parts = [0, 1].map(|k| {
             let knots = &self.surface.knots()[k];
             let part = |piece: usize| {
@@ -110,7 +113,7 @@ impl TrimmedSurface {
             };
             (0..knots.n_pieces()).filter_map(part).collect::<Vec<_>>()
         });
-        let mut found = Box3::EMPTY;
+        let mut bounds = Box3::EMPTY;
         for (b, c, d) in &parts[1] {
             for (a, from, to) in &parts[0] {
                 let rows: Vec<BernsteinRow<4>> =
@@ -119,33 +122,37 @@ impl TrimmedSurface {
                     let column = BernsteinRow(rows.iter().map(|row| row.0[i]).collect()).part(*c, *d);
                     let points: Vec<[f64; 3]> =
                         column.0.iter().map(|x| [x[0] / x[3], x[1] / x[3], x[2] / x[3]]).collect();
-                    found = found.union(Box3::from_points(&points));
+                    bounds = bounds.union(Box3::from_points(&points));
                 }
             }
         }
-        let all = self.surface.bounds();
-        let reach = all.min.iter().chain(&all.max).fold(0.0, |most: f64, x| greater(x.abs(), most));
+        let surface_bounds = self.surface.bounds();
+        let reach = surface_bounds
+            .min
+            .iter()
+            .chain(&surface_bounds.max)
+            .fold(0.0, |largest: f64, x| greater(x.abs(), largest));
         // Derived: weighted means in 60 + 60 steps of three roundings at most, and a quotient.
-        let room = 1024.0 * f64::EPSILON * reach;
-        Box3 { min: found.min.map(|x| sub_down(x, room)), max: found.max.map(|x| add_up(x, room)) }
+        let margin = 1024.0 * f64::EPSILON * reach;
+        Box3 { min: bounds.min.map(|x| sub_down(x, margin)), max: bounds.max.map(|x| add_up(x, margin)) }
     }
 
-    /// Points of the part: on the loops, at so many equal steps of each of their pieces; without loops at as many along
-    /// both parameters of each piece of the surface.
+    /// Points of the part: on the loops, at this many equal steps of each of their pieces; without loops, at
+    /// as many along both parameters of each piece of the surface.
     #[must_use]
     pub fn samples(&self, steps: usize) -> Vec<[f64; 3]> {
         if self.loops.is_empty() {
             return self.surface.lattice(steps);
         }
         let net = self.surface.bezier_net();
-        let of = |segment: &CurveSegment<2>| {
+        let points_on = |segment: &CurveSegment<2>| {
             let at = |k: usize| segment.at(k as f64 / steps as f64);
             (0..=steps).map(at).map(|[u, v]| net.at(u, v)).collect::<Vec<_>>()
         };
-        self.loops.iter().flat_map(Curve::segments).flat_map(of).collect()
+        self.loops.iter().flat_map(Curve::segments).flat_map(points_on).collect()
     }
 
-    /// Whether this is all of a surface, as it stands.
+    /// Whether this is an entire surface, not flipped.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.loops.is_empty() && !self.is_flipped
@@ -158,7 +165,7 @@ impl From<NurbsSurface> for TrimmedSurface {
     }
 }
 
-/// Why loops trim no surface.
+/// The reason why loops do not trim a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InvalidTrim {
     /// The loop with this index does not end where it starts.

@@ -1,28 +1,30 @@
 //! C2 splines through points: natural, clamped and periodic, with even or uneven knots.
 //!
-//! With knot intervals `h` and slopes `d` of the chords, second derivatives agree at a point between two pieces if the
-//! tangents `m` solve `2λ·mᵢ₋₁ + 4·mᵢ + 2μ·mᵢ₊₁ = 6·(λ·dᵢ₋₁ + μ·dᵢ)` with `λ = hᵢ/(hᵢ₋₁ + hᵢ)` and `μ = 1 − λ`. The matrix is
-//! diagonally dominant whatever the knots are, so elimination is stable without pivoting (L. H. Thomas, 1949). The corners
-//! of a periodic one are a change of rank one (J. Sherman, W. J. Morrison, 1950).
+//! With knot intervals `h` and slopes `d` of the chords, second derivatives agree at a point between two
+//! pieces if the tangents `m` solve `2λ·mᵢ₋₁ + 4·mᵢ + 2μ·mᵢ₊₁ = 6·(λ·dᵢ₋₁ + μ·dᵢ)` with `λ = hᵢ/(hᵢ₋₁ + hᵢ)`
+//! and `μ = 1 − λ`. The matrix is diagonally dominant for any knots, so elimination is stable without
+//! pivoting (L. H. Thomas, 1949). The corners of a periodic matrix are a change of rank one (J. Sherman, W.
+//! J. Morrison, 1950).
 use super::{InvalidSpline, Knots, at_least, from_ends, widths};
 use crate::explicit::{Curve, CurveEnds, CurveSegment};
 
-/// What a C2 spline does at its ends.
+/// The end conditions of a C2 spline.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SplineEnds<const D: usize> {
-    /// It does not bend there: second derivatives of 0.
+    /// No bending at the ends: second derivatives of 0.
     #[default]
     Natural,
-    /// It has these first derivatives there, by the knots: with uniform ones those of the first and the last piece.
+    /// These first derivatives at the ends, by the knots: with uniform knots those of the first and the last
+    /// piece.
     Clamped([[f64; D]; 2]),
-    /// It goes on to its first point, and is C2 there, too.
+    /// Closed: it continues to its first point, and is C2 there too.
     Periodic,
 }
 
 /// The smoothest path through `points`: C2, with second derivatives of zero at its two ends.
 ///
-/// Among all paths through the points at whole parameters it has the least integral of the squared second
-/// derivative. It solves one tridiagonal system in linear time.
+/// Among all paths through the points at integer parameters it has the smallest integral of the squared
+/// second derivative. It solves one tridiagonal system in linear time.
 ///
 /// # Errors
 /// When there are fewer than two points, or numbers that are not finite.
@@ -38,7 +40,7 @@ pub fn natural<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, InvalidS
     interpolating(points, Knots::Uniform, SplineEnds::Natural)
 }
 
-/// The C2 path through `points` at whole parameters that starts and ends with these first derivatives.
+/// The C2 path through `points` at integer parameters that starts and ends with these first derivatives.
 ///
 /// # Errors
 /// When there are fewer than two points, or numbers that are not finite.
@@ -58,7 +60,7 @@ pub fn clamped<const D: usize>(
     interpolating(points, Knots::Uniform, SplineEnds::Clamped(tangents))
 }
 
-/// The closed C2 path through `points` at whole parameters, from the last one back to the first.
+/// The closed C2 path through `points` at integer parameters, from the last one back to the first.
 ///
 /// # Errors
 /// When there are fewer than three points, or numbers that are not finite.
@@ -76,14 +78,14 @@ pub fn periodic<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, Invalid
     interpolating(points, Knots::Uniform, SplineEnds::Periodic)
 }
 
-/// The C2 path through `points` with these knots and ends. Piece `i` starts at point `i`; it is C2 with respect to the knot
-/// intervals, which are those of [`widths`], and always G2 where it does not stand still.
+/// The C2 path through `points` with these knots and ends. Piece `i` starts at point `i`; it is C2 with
+/// respect to the knot intervals, which are those of [`widths`], and always G2 where its speed is not 0.
 ///
 /// It solves one tridiagonal system in linear time.
 ///
 /// # Errors
-/// When there are fewer than two points (three for a periodic one), equal points in a row with centripetal or chordal
-/// knots, or numbers that are not finite.
+/// When there are fewer than two points (three for a periodic one), equal points in a row with centripetal or
+/// chordal knots, or numbers that are not finite.
 ///
 /// ```
 /// use chordal::{check, explicit::spline::{self, Knots, SplineEnds}};
@@ -147,14 +149,14 @@ impl<const D: usize> TangentSystem<'_, D> {
         TangentRow([2.0 * of_before, 4.0, 2.0 * of_next], right)
     }
 
-    /// The tangents of an open path, with those at its ends where they are given.
+    /// The tangents of an open path, with the given ones at its ends, if any.
     fn open(&self, ends: Option<[[f64; D]; 2]>) -> Vec<[f64; D]> {
         let n = self.points.len();
-        let end = |which: usize| {
-            let slope = self.slope(if which == 0 { 0 } else { n - 2 });
+        let end = |side: usize| {
+            let slope = self.slope(if side == 0 { 0 } else { n - 2 });
             match ends {
-                Some(tangents) => TangentRow([0.0, 1.0, 0.0], tangents[which]),
-                None if which == 0 => TangentRow([0.0, 2.0, 1.0], slope.map(|x| 3.0 * x)),
+                Some(tangents) => TangentRow([0.0, 1.0, 0.0], tangents[side]),
+                None if side == 0 => TangentRow([0.0, 2.0, 1.0], slope.map(|x| 3.0 * x)),
                 None => TangentRow([1.0, 2.0, 0.0], slope.map(|x| 3.0 * x)),
             }
         };
@@ -202,23 +204,23 @@ impl<const D: usize> TangentSystem<'_, D> {
     }
 }
 
-/// Elimination downwards, then upwards; outer factors of the first and the last row count as 0.
+/// Forward elimination, then back substitution; outer factors of the first and the last row count as 0.
 fn solved<const N: usize>(rows: &[TangentRow<N>]) -> Vec<[f64; N]> {
     let mut upper: Vec<f64> = Vec::with_capacity(rows.len());
-    let mut made: Vec<[f64; N]> = Vec::with_capacity(rows.len());
-    for TangentRow([before, own, next], right) in rows {
-        let (pivot, row): (f64, [f64; N]) = match (upper.last(), made.last()) {
+    let mut solution: Vec<[f64; N]> = Vec::with_capacity(rows.len());
+    for TangentRow([before, diagonal, next], right) in rows {
+        let (pivot, row): (f64, [f64; N]) = match (upper.last(), solution.last()) {
             (Some(share), Some(last)) => {
-                (own - before * share, std::array::from_fn(|k| right[k] - before * last[k]))
+                (diagonal - before * share, std::array::from_fn(|k| right[k] - before * last[k]))
             }
-            _ => (*own, *right),
+            _ => (*diagonal, *right),
         };
         upper.push(next / pivot);
-        made.push(row.map(|x| x / pivot));
+        solution.push(row.map(|x| x / pivot));
     }
-    for i in (0..made.len() - 1).rev() {
-        let next = made[i + 1];
-        (0..N).for_each(|k| made[i][k] -= upper[i] * next[k]);
+    for i in (0..solution.len() - 1).rev() {
+        let next = solution[i + 1];
+        (0..N).for_each(|k| solution[i][k] -= upper[i] * next[k]);
     }
-    made
+    solution
 }

@@ -1,12 +1,12 @@
-//! `EarClipper`: cuts ears off one flat polygon until a triangle is left.
+//! `EarClipper`: cuts ears off one flat polygon until a triangle remains.
 use super::blockers::Blockers;
 use super::turn;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// The budget of steps per corner in the search for blocked ears. Real-world outlines take 20 to 60; at 1,024
-/// a hostile polygon still costs only some microseconds per corner. Beyond it, ears are cut untested and the
-/// folds counted.
+/// The budget of steps per corner in the search for blocked ears. Chosen: real-world outlines take 20 to 60;
+/// at 1,024 a hostile polygon still costs only some microseconds per corner. Beyond it, ears are cut untested
+/// and the folds counted.
 const WORK_PER_CORNER: u64 = 1024;
 
 /// The test that an ear has to pass.
@@ -32,12 +32,12 @@ pub(super) struct EarClipper {
     prev: Vec<u32>,
     next: Vec<u32>,
     version: Vec<u32>,
-    /// Corners where the outline reverses. These go first: until they are gone, the corners at the base of a
-    /// spike look like ears and are none.
+    /// Corners where the outline reverses. These are cut first: until then, the corners at the base of a
+    /// spike look like ears but are none.
     spikes: Vec<QueuedEar>,
     strict: VecDeque<QueuedEar>,
     touching: VecDeque<QueuedEar>,
-    /// By area, smallest first: cut when no ear is left.
+    /// By area, smallest first: cut when no ear remains.
     forced: BinaryHeap<Reverse<(u64, QueuedEar)>>,
     stuck: bool,
     /// A corner of the ring.
@@ -51,15 +51,15 @@ impl EarClipper {
     /// backwards.
     pub(super) fn cut(&mut self, points: &[[f64; 2]], out: &mut Vec<[u32; 3]>) -> usize {
         self.start(points);
-        let (mut left, mut folded) = (points.len(), 0);
-        while left > 3 {
+        let (mut n_left, mut folded) = (points.len(), 0);
+        while n_left > 3 {
             let ear = self.pop(points);
             let (a, c) = (self.prev[ear as usize], self.next[ear as usize]);
             folded += usize::from(self.turn_at(points, ear) < 0.0);
             out.push([a, ear, c]);
             self.remove(points, ear);
-            left -= 1;
-            if left == 3 {
+            n_left -= 1;
+            if n_left == 3 {
                 folded += usize::from(self.turn_at(points, c) < 0.0);
                 out.push([a, c, self.next[c as usize]]);
             }
@@ -108,12 +108,12 @@ impl EarClipper {
     fn is_spike(&self, points: &[[f64; 2]], corner: u32) -> bool {
         let [a, b, c] =
             [self.prev[corner as usize], corner, self.next[corner as usize]].map(|i| points[i as usize]);
-        // It goes straight on if each coordinate continues in the same direction.
+        // The outline goes straight on if each coordinate continues in the same direction.
         (0..2).any(|k| (b[k] >= a[k] && c[k] < b[k]) || (b[k] <= a[k] && c[k] > b[k])) || a == b || b == c
     }
 
-    /// The next corner to cut: a spike, else a strict ear, else a touching one, else the smallest triangle
-    /// that does not face backwards.
+    /// The next corner to cut: a spike, otherwise a strict ear, otherwise a touching one, otherwise the
+    /// smallest triangle that does not face backwards.
     fn pop(&mut self, points: &[[f64; 2]]) -> u32 {
         while let Some(entry) = self.spikes.pop() {
             if self.is_current(entry) {
@@ -141,7 +141,7 @@ impl EarClipper {
                 return entry.corner;
             }
         }
-        // Not reached, as `queue_late` ran for every corner of the ring; but if it were, this is one of them.
+        // Unreachable, since `queue_late` ran for every corner of the ring; in any case this is one of them.
         self.anchor
     }
 
@@ -182,8 +182,8 @@ impl EarClipper {
             if rule == EarRule::Strict && p != a && p != b && p != c {
                 return true;
             }
-            // A corner on the boundary of the ear blocks it if one of its own edges enters the ear. A corner
-            // inside has no side to test, and always blocks.
+            // A corner on the boundary of the ear blocks it if one of the corner's edges enters the ear. A
+            // corner inside the ear has no side to test, and always blocks.
             let enters =
                 |q: [f64; 2]| (0..3).all(|k| sides[k] > 0.0 || turn([a, b, c][k], [b, c, a][k], q) > 0.0);
             enters(at(prev[i as usize])) || enters(at(next[i as usize]))

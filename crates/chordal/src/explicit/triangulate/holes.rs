@@ -16,7 +16,7 @@ pub struct PolygonTriangles<P> {
     /// Counter-clockwise about the normal of the outer contour. Indices of corners: first those of the outer
     /// contour, then those of the holes one after the other, then `added`.
     pub triangles: Vec<[u32; 3]>,
-    /// New points, where sides cross.
+    /// New points at crossings of sides.
     pub added: Vec<P>,
     /// The repairs of the contours; none for simple, disjoint contours.
     pub repairs: Vec<ContourRepair>,
@@ -33,8 +33,8 @@ impl<P> PolygonTriangles<P> {
     }
 }
 
-/// A defect of the contours and its repair. All but the last keep every corner in its position. All but the
-/// last three keep the area: that of the outer contour minus those of the holes.
+/// A defect of the contours and its repair. All except the last keep every corner in its position. All except
+/// the last three keep the area: that of the outer contour minus those of the holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContourRepair {
     /// This many contours have fewer than three distinct corners. They enclose nothing and are ignored.
@@ -45,13 +45,13 @@ pub enum ContourRepair {
     /// Contours touch themselves or each other at this many points. Sides are split there.
     Touching(usize),
     /// This many sides, or parts, lie on others: spikes, and contours that share sides. They count as one, or
-    /// as none where they run in opposite directions. A region that a contour winds around twice counts once.
+    /// as none if they run in opposite directions. A region that a contour winds around twice counts once.
     Overlapping(usize),
     /// This many sides, or parts, do not separate inside from outside: those of holes outside or in another
     /// hole, and those that a hole shares with its surroundings. They are ignored.
     Outside(usize),
     /// This many sides, or parts, run backwards around the region they enclose: a contour crosses itself at a
-    /// corner. The region they enclose counts as well.
+    /// corner. The region they enclose counts as inside too.
     Backwards(usize),
     /// Sides cross. They are rerouted through the crossings, rounded to a grid of 2⁻³⁶ of the polygon's size.
     /// The filled region is the one that the outer contour winds around and the holes do not.
@@ -63,7 +63,7 @@ pub enum ContourRepair {
     },
 }
 
-/// Why a polygon cannot be triangulated.
+/// The reason why a polygon cannot be triangulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InvalidPolygon {
     /// A coordinate is NaN or infinite.
@@ -77,7 +77,7 @@ pub enum InvalidPolygon {
     TooManyCorners(usize),
     /// There are too many crossings of sides to compute.
     TooManyCrossings,
-    /// The triangles do not cover the enclosed region: a fault in this library that its check found.
+    /// The triangles do not cover the enclosed region: a bug in this library, found by its check.
     Fault,
 }
 
@@ -119,11 +119,11 @@ mod sealed {
 
         fn is_finite(&self) -> bool;
         /// The frame of all corners, the first `outer` of which belong to the outer contour.
-        fn frame(all: &[Self], outer: usize) -> Self::Frame;
-        /// The projection of all corners along an axis, with coordinates unchanged but for a power of two.
-        fn along_axis<'a>(all: &'a [Self], frame: &Self::Frame) -> Cow<'a, [[f64; 2]]>;
-        /// The projection along the normal, where it differs.
-        fn along_normal(all: &[Self], frame: &Self::Frame) -> Option<Vec<[f64; 2]>>;
+        fn frame(corners: &[Self], outer: usize) -> Self::Frame;
+        /// The projection of all corners along an axis, with coordinates unchanged up to a power of two.
+        fn along_axis<'a>(corners: &'a [Self], frame: &Self::Frame) -> Cow<'a, [[f64; 2]]>;
+        /// The projection along the normal, if it differs.
+        fn along_normal(corners: &[Self], frame: &Self::Frame) -> Option<Vec<[f64; 2]>>;
         /// The point of the polygon's plane that projects exactly to `p`.
         fn lift(p: [f64; 2], frame: &Self::Frame) -> Self;
         /// The power of two, and the largest distance of a corner from the plane.
@@ -140,8 +140,8 @@ impl sealed::Flatten for [f64; 2] {
 
     fn frame(_: &[Self], _: usize) {}
 
-    fn along_axis<'a>(all: &'a [Self], (): &()) -> Cow<'a, [[f64; 2]]> {
-        Cow::Borrowed(all)
+    fn along_axis<'a>(corners: &'a [Self], (): &()) -> Cow<'a, [[f64; 2]]> {
+        Cow::Borrowed(corners)
     }
 
     fn along_normal(_: &[Self], (): &()) -> Option<Vec<[f64; 2]>> {
@@ -164,25 +164,25 @@ impl sealed::Flatten for [f64; 3] {
         self.iter().all(|x| x.is_finite())
     }
 
-    fn frame(all: &[Self], outer: usize) -> FittedPlane {
-        let scale = scale_of(all);
-        let newell = newell(&all[..outer], scale);
-        let mut plane = FittedPlane::fit(&all[..outer], scale, newell);
-        plane.axes = seen_axes(all, newell);
-        let warp = all.iter().map(|p| plane.height(p.map(|x| x * scale)).abs());
-        plane.warp = warp.fold(0.0, |most, h| greater(h, most)) / scale;
+    fn frame(corners: &[Self], outer: usize) -> FittedPlane {
+        let scale = scale_of(corners);
+        let newell = newell(&corners[..outer], scale);
+        let mut plane = FittedPlane::fit(&corners[..outer], scale, newell);
+        plane.axes = seen_axes(corners, newell);
+        let warp = corners.iter().map(|p| plane.height(p.map(|x| x * scale)).abs());
+        plane.warp = warp.fold(0.0, |largest, h| greater(h, largest)) / scale;
         plane
     }
 
-    fn along_axis<'a>(all: &'a [Self], plane: &FittedPlane) -> Cow<'a, [[f64; 2]]> {
-        let mut flat = Vec::with_capacity(all.len());
-        along_axis(all, plane.scale, plane.newell, &mut flat);
+    fn along_axis<'a>(corners: &'a [Self], plane: &FittedPlane) -> Cow<'a, [[f64; 2]]> {
+        let mut flat = Vec::with_capacity(corners.len());
+        along_axis(corners, plane.scale, plane.newell, &mut flat);
         Cow::Owned(flat)
     }
 
-    fn along_normal(all: &[Self], plane: &FittedPlane) -> Option<Vec<[f64; 2]>> {
-        let mut flat = Vec::with_capacity(all.len());
-        along_normal(all, plane.scale, plane.newell, &mut flat).then_some(flat)
+    fn along_normal(corners: &[Self], plane: &FittedPlane) -> Option<Vec<[f64; 2]>> {
+        let mut flat = Vec::with_capacity(corners.len());
+        along_normal(corners, plane.scale, plane.newell, &mut flat).then_some(flat)
     }
 
     fn lift(p: [f64; 2], plane: &FittedPlane) -> Self {
@@ -231,10 +231,10 @@ impl FittedPlane {
         let w = 3 - u - v;
         let mut lifted = self.middle;
         (lifted[u], lifted[v]) = (p[0], p[1]);
-        let off = self.height(lifted) / self.normal[w];
+        let height = self.height(lifted) / self.normal[w];
         // Without a normal there is no plane to lift to.
-        if off.is_finite() {
-            lifted[w] -= off;
+        if height.is_finite() {
+            lifted[w] -= height;
         }
         lifted
     }
@@ -243,8 +243,8 @@ impl FittedPlane {
 impl SweepPoint for [f64; 2] {
     #[inline]
     fn turn(a: Self, b: Self, c: Self) -> Ordering {
-        // Shewchuk's first filter with 4·2⁻⁵³ for his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ the error of underflow
-        // is below that.
+        // Shewchuk's first filter, with 4·2⁻⁵³ instead of his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ the error of
+        // underflow is less.
         const SHARE: f64 = 2.0 * f64::EPSILON;
         const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
         let (left, right) = ((a[0] - c[0]) * (b[1] - c[1]), (a[1] - c[1]) * (b[0] - c[0]));
@@ -269,8 +269,8 @@ impl SweepPoint for [f64; 2] {
 /// and the sum of their areas are checked. All other contours still give triangles that cover the enclosed
 /// region once, and [`PolygonTriangles::repairs`] reports their defects.
 ///
-/// A polygon in space is projected along the largest axis of its normal, which changes no coordinate. Where
-/// its sides cross in that projection, the one along its normal (rounded) is tried too.
+/// A polygon in space is projected along the largest axis of its normal, which changes no coordinate. If its
+/// sides cross in that projection, the one along its normal (rounded) is tried too.
 /// [`PolygonTriangles::warp`] is its deviation from a plane.
 ///
 /// `outer` and `holes`: corners in order, in either direction, the last one joined to the first. A contour
@@ -303,39 +303,39 @@ pub fn polygon_with_holes<P: ContourCorner, H: AsRef<[P]>>(
     outer: &[P],
     holes: &[H],
 ) -> Result<PolygonTriangles<P>, InvalidPolygon> {
-    let mut all = outer.to_vec();
+    let mut corners = outer.to_vec();
     let mut ends = vec![outer.len()];
     for hole in holes {
-        all.extend_from_slice(hole.as_ref());
-        ends.push(all.len());
+        corners.extend_from_slice(hole.as_ref());
+        ends.push(corners.len());
     }
-    if all.len() > MOST {
-        return Err(InvalidPolygon::TooManyCorners(all.len()));
+    if corners.len() > MOST {
+        return Err(InvalidPolygon::TooManyCorners(corners.len()));
     }
-    if let Some(bad) = all.iter().position(|p| !p.is_finite()) {
-        let contour = ends.partition_point(|end| *end <= bad);
+    if let Some(not_finite) = corners.iter().position(|p| !p.is_finite()) {
+        let contour = ends.partition_point(|end| *end <= not_finite);
         let first = if contour == 0 { 0 } else { ends[contour - 1] };
-        return Err(InvalidPolygon::NotFinite { contour, corner: bad - first });
+        return Err(InvalidPolygon::NotFinite { contour, corner: not_finite - first });
     }
-    let frame = P::frame(&all, outer.len());
+    let frame = P::frame(&corners, outer.len());
     let [scale, warp] = P::scale_and_warp(&frame);
-    let done = |flat: PlaneTriangles| PolygonTriangles {
+    let in_polygon = |flat: PlaneTriangles| PolygonTriangles {
         triangles: flat.triangles,
         added: flat.added.into_iter().map(|p| P::lift(p, &frame)).collect(),
         repairs: flat.repairs,
         warp,
     };
-    let seen = P::along_axis(&all, &frame);
-    if let Some(flat) = triangulate_exactly(&seen, &ends)? {
-        return Ok(done(flat));
+    let projected = P::along_axis(&corners, &frame);
+    if let Some(flat) = triangulate_exactly(&projected, &ends)? {
+        return Ok(in_polygon(flat));
     }
-    // A non-planar polygon may intersect itself in one projection and not in the other.
-    if let Some(above) = P::along_normal(&all, &frame)
+    // A non-planar polygon may intersect itself in one projection but not in the other.
+    if let Some(above) = P::along_normal(&corners, &frame)
         && let Some(flat) = triangulate_exactly(&above, &ends)?
     {
-        return Ok(done(flat));
+        return Ok(in_polygon(flat));
     }
-    triangulate_snapped(&seen, &ends, scale).map(done)
+    triangulate_snapped(&projected, &ends, scale).map(in_polygon)
 }
 
 /// The result in the plane.
@@ -354,9 +354,9 @@ fn contour(ends: &[usize], k: usize) -> std::ops::Range<usize> {
 /// Distinct corners in the order of the sweep.
 struct SortedCorners {
     points: Vec<[f64; 2]>,
-    /// For each of them the first corner there.
+    /// For each of them the first corner at this point.
     corner: Vec<u32>,
-    /// For each corner its rank among them.
+    /// For each corner the rank of its point.
     rank: Vec<u32>,
 }
 
@@ -428,11 +428,11 @@ impl SortedCorners {
     }
 }
 
-/// Whether each contour runs clockwise: by its area, or, where that may be all rounding, by its turn at the
+/// Whether each contour runs clockwise: by its area, or, if that may be only rounding, by its turn at the
 /// leftmost corner, which is right for simple contours.
 fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
     let scale = super::unit_scale(corners);
-    let of = |k: usize| {
+    let is_clockwise = |k: usize| {
         let points = &corners[contour(ends, k)];
         let Some(&origin) = points.first() else { return false };
         let from_origin = |p: [f64; 2]| difference(p.map(|x| x * scale), origin.map(|x| x * scale));
@@ -450,14 +450,14 @@ fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
             turns_right(points)
         }
     };
-    (0..ends.len()).map(of).collect()
+    (0..ends.len()).map(is_clockwise).collect()
 }
 
-/// Whether a contour turns right at its leftmost corner, the lowest of several.
+/// Whether a contour turns right at its leftmost corner, and among several leftmost ones the lowest.
 fn turns_right(points: &[[f64; 2]]) -> bool {
     let n = points.len();
     let is_before = |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || a[0] == b[0] && a[1] < b[1];
-    let at = (1..n).fold(0, |least, i| if is_before(points[i], points[least]) { i } else { least });
+    let at = (1..n).fold(0, |lowest, i| if is_before(points[i], points[lowest]) { i } else { lowest });
     let other = |step: usize| (1..n).map(|k| points[(at + k * step) % n]).find(|p| *p != points[at]);
     match (other(n - 1), other(1)) {
         (Some(before), Some(after)) => orient2d(before, points[at], after) == Orientation::Back,
@@ -497,7 +497,7 @@ fn triangulate_exactly(
     Ok(Some(PlaneTriangles { triangles, added: Vec::new(), repairs }))
 }
 
-/// Whether the areas of the triangles add up to the area within the border, but for rounding.
+/// Whether the areas of the triangles add up to the area within the border, up to rounding.
 fn areas_agree(points: &[[f64; 2]], triangles: &[[u32; 3]], border: &[SweepEdge]) -> bool {
     let Some(origin) = border.first().map(|edge| points[edge.from as usize]) else {
         return triangles.is_empty();
@@ -555,15 +555,15 @@ fn triangulate_snapped(
     })?;
     let FillTriangles { points, triangles } =
         fill(&edges, InsideRule::LessHoles).ok_or(InvalidPolygon::Fault)?;
-    // Grid points at corners are named after the first corner there; all others are new.
-    let mut known: Vec<_> = snapped.iter().copied().zip(0_u32..).collect();
-    known.sort_unstable();
-    known.dedup_by_key(|(p, _)| *p);
+    // Grid points at corners get the number of the first corner there; all others are new.
+    let mut corner_points: Vec<_> = snapped.iter().copied().zip(0_u32..).collect();
+    corner_points.sort_unstable();
+    corner_points.dedup_by_key(|(p, _)| *p);
     let mut added = Vec::new();
     let names: Vec<u32> = points
         .iter()
-        .map(|p| match known.binary_search_by_key(p, |(q, _)| *q) {
-            Ok(place) => known[place].1,
+        .map(|p| match corner_points.binary_search_by_key(p, |(q, _)| *q) {
+            Ok(at) => corner_points[at].1,
             Err(_) => {
                 added.push(grid.restore(*p).map(|x| x / shrink));
                 (corners.len() + added.len() - 1) as u32
@@ -571,10 +571,10 @@ fn triangulate_snapped(
         })
         .collect();
     let triangles: Vec<[u32; 3]> = triangles.into_iter().map(|t| t.map(|i| names[i as usize])).collect();
-    let place =
+    let corner_of =
         |i: u32| corners.get(i as usize).copied().unwrap_or_else(|| added[i as usize - corners.len()]);
     let is_folded = |t: &&[u32; 3]| {
-        let [a, b, c] = t.map(place);
+        let [a, b, c] = t.map(corner_of);
         orient2d(a, b, c) == Orientation::Back
     };
     let folded = triangles.iter().filter(is_folded).count();

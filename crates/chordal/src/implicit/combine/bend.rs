@@ -8,15 +8,15 @@ use crate::math::{Box3, add_up, mul_up, sqrt_up};
 impl Field {
     /// The shape twisted about the z axis: turned by `radians` more per unit of height.
     ///
-    /// The value is a bound where the shape's box is finite around the axis. It is divided by the largest
-    /// stretch of the twist as far from the axis as the box reaches; points farther away take the value of
-    /// the nearest point there. Otherwise the value is a sign only.
+    /// The value is a bound if the shape's box is finite around the axis. It is divided by the largest
+    /// stretch of the twist within the box's distance from the axis; points farther away take the value of
+    /// the nearest point at that distance. Otherwise the value is only a sign.
     ///
     /// # Errors
     /// When the number is not finite.
     pub fn twisted(&self, radians: f64) -> Result<Self, InvalidShape> {
         let radians = finite("a twist", radians)?;
-        let construction = self.construction().and_then(|known| known.twisted(radians));
+        let construction = self.construction().and_then(|solids| solids.twisted(radians));
         Ok(self.turning(2, radians).known_construction(construction))
     }
 
@@ -51,10 +51,11 @@ impl Field {
         if !reach.is_finite() || reach == 0.0 || self.bounds().is_empty() {
             return plain.known_distance(Distance::SIGN).known_bounds(bounds);
         }
-        // Just beyond the box, where nothing is inside. A twist keeps the distance of points from the axis.
+        // Just beyond the box, where there is no point of the shape. A twist keeps the distance of points
+        // from the axis.
         let rim = add_up(reach, mul_up(reach, 1.0 / 1024.0));
         // A turn by an angle of slope k stretches, at a distance r from the axis, by at most (kr + √(k²r² +
-        // 4))/2 where the angle grows along the axis itself, and by at most 1 + kr in any direction.
+        // 4))/2 if the angle grows along the axis itself, and by at most 1 + kr in any direction.
         let pull = mul_up(radians.abs(), rim);
         let stretch = if axis == 2 {
             0.5 * add_up(pull, sqrt_up(add_up(mul_up(pull, pull), 4.0)))
@@ -62,13 +63,14 @@ impl Field {
             add_up(1.0, pull)
         };
         let [x, y, z] = axes.clone();
-        let off = (x.square() + y.square()).sqrt();
-        let share = Expr::constant(rim) / off.max(&rim.into());
+        let from_axis = (x.square() + y.square()).sqrt();
+        let share = Expr::constant(rim) / from_axis.max(&rim.into());
         let onto = [x * &share, y * &share, z];
         let angle = &onto[axis] * radians;
-        // The nearest point within the rim is no farther from any other such point.
+        // The projection to the rim brings a point no farther from any point inside it, so the value stays a
+        // bound.
         let near = self.at(&back(onto, angle));
-        let value = (near.expr() / stretch).max(&(off - rim));
+        let value = (near.expr() / stretch).max(&(from_axis - rim));
         Self::from_parts(value, &[self])
             .known_sign(plain.sign().clone())
             .known_distance(bounds_at_most(self.distance()))

@@ -9,7 +9,7 @@ const BLEND: &str = "a blend";
 impl Field {
     /// The union with its seam filled: `min(a, b) − h²/(4·radius)` with `h = max(radius − |a − b|, 0)`. It
     /// contains both shapes, extends at most a quarter of `radius` beyond them, and equals their union where
-    /// they are `radius` apart.
+    /// the values differ by at least `radius`.
     ///
     /// The value is a bound, because its gradient is a weighted mean of both gradients. Both values must be
     /// distances or bounds outside.
@@ -27,21 +27,21 @@ impl Field {
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
         let blend = Self::from_parts(value, &[&first, &second]);
-        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where
-        // these are creases, there are signs without them, and the blend's own surface is kept away from
-        // there: by half of what they are farther apart, with a smooth start. The slope of this term is below
-        // theirs, so the sum grows with both.
+        // Where a and b differ by `radius`, the blend equals one of them, with its kinks on the surface. For
+        // creases there are signs without kinks, and the blend's own surface is moved away from there: by
+        // half of the further difference, with a smooth start. The slope of this term is below theirs, so the
+        // sum grows with both.
         let start = 0.25 * radius;
         let away = |a: &Expr, b: &Expr| {
             let beyond = (a - b).abs() - (radius + start);
             a.smooth_min(b, radius) - (-beyond).smooth_min(&0.0.into(), start) * 0.5
         };
-        let own = match distribute_blend(a, b, &away) {
+        let pieces = match distribute_blend(a, b, &away) {
             None if self.has_creases() || other.has_creases() => Some(away(a, b)),
             pieces_or_none => pieces_or_none,
         };
-        let blend = match own {
-            Some(own) => blend.replace_sign(self.sign().min(other.sign()).min(&own)),
+        let blend = match pieces {
+            Some(pieces) => blend.replace_sign(self.sign().min(other.sign()).min(&pieces)),
             None => blend,
         };
         Ok(blend
@@ -55,13 +55,13 @@ impl Field {
     /// # Errors
     /// As for [`Field::smooth_union`], with the inside.
     pub fn smooth_intersection(&self, other: &Self, radius: f64) -> Result<Self, InvalidShape> {
-        let both = self
+        let blend = self
             .complement()
             .smooth_union(&other.complement(), radius)
             .map_err(complement_error)?
             .complement();
         // It only removes points.
-        Ok(both.known_bounds(self.intersection(other).bounds()))
+        Ok(blend.known_bounds(self.intersection(other).bounds()))
     }
 
     /// The difference with its edge rounded off: the [`Field::smooth_intersection`] with the complement.

@@ -6,7 +6,7 @@ use crate::math::Box3;
 
 impl Field {
     /// The part of the shape within a box, closed by the sides of the box that it may reach. The value
-    /// becomes a sign only. Along infinite sides of the box the shape is not cut.
+    /// becomes only a sign. Along infinite sides of the box the shape is not cut.
     ///
     /// ```
     /// use chordal::implicit::{Expr, Field};
@@ -23,8 +23,8 @@ impl Field {
         self.within(region, 3)
     }
 
-    /// [`Field::clipped`] along x and y alone: for a planar shape, which stays planar. Its bounds end along z
-    /// where the region does.
+    /// [`Field::clipped`] along x and y alone: for a planar shape, which stays planar. Its bounds are still
+    /// clipped along z.
     #[must_use]
     pub fn cropped(&self, region: Box3) -> Self {
         self.within(region, 2)
@@ -32,7 +32,7 @@ impl Field {
 
     /// Clips along the first `axes` axes.
     fn within(&self, region: Box3, axes: usize) -> Self {
-        let known = self.bounds();
+        let bounds = self.bounds();
         let mut sign = self.sign().clone();
         let mut sides = Vec::new();
         let mut side = |axis: usize, direction: f64, offset: f64| {
@@ -41,18 +41,18 @@ impl Field {
         };
         for (k, axis) in Expr::axes().iter().enumerate().take(axes) {
             // The field comes second: where it is undefined, so is the result, which counts as outside.
-            if region.min[k] > known.min[k] {
+            if region.min[k] > bounds.min[k] {
                 sign = (Expr::constant(region.min[k]) - axis).max(&sign);
                 side(k, -1.0, -region.min[k]);
             }
-            if region.max[k] < known.max[k] {
+            if region.max[k] < bounds.max[k] {
                 sign = (axis - region.max[k]).max(&sign);
                 side(k, 1.0, region.max[k]);
             }
         }
-        // The value is worth nothing as a distance any more.
-        let construction = self.construction().and_then(|own| own.clipped(sides));
-        let clipped = Self::from_parts(sign, &[self]).known_bounds(common(known, region));
+        // The value no longer bounds the distance.
+        let construction = self.construction().and_then(|solids| solids.clipped(sides));
+        let clipped = Self::from_parts(sign, &[self]).known_bounds(common(bounds, region));
         clipped.known_construction(construction).known_slack(self.slack())
     }
 }

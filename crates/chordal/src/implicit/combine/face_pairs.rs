@@ -1,5 +1,5 @@
-//! Blends of two expressions, face by face: which pairs of faces meet in a region, and the expression of their
-//! blends.
+//! Blends of two expressions, face by face: finds the pairs of faces that meet in a region, and builds the
+//! expression of their blends.
 use super::distribute_blend::{ExactSign, MOST_LOOKS, find_extremum};
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{Expr, ExprGraph, Tape, Term};
@@ -8,13 +8,13 @@ use std::cell::Cell;
 
 /// The blend of two faces.
 pub(super) enum FaceBlend {
-    /// One that adds nothing to their union.
+    /// A blend that adds nothing to their union.
     Sharp(Expr),
-    /// One with a seam. At most the smaller of both.
+    /// A blend with a seam, at most the smaller of the two.
     Round(Expr),
 }
 
-/// What is left of a blend in a region.
+/// The result of a blend in a region.
 enum RegionBlend {
     /// It is below 0 throughout.
     Below,
@@ -26,8 +26,8 @@ enum RegionBlend {
 }
 
 /// The blends of all pairs of faces of two expressions, as minima and maxima that follow those of the
-/// expressions. Within the region it is below 0 where a seam of this size or either shape is; beyond, it has
-/// no meaning. None if there is no seam.
+/// expressions. In the region it is below 0 where a seam of this size or either shape is; beyond, it has no
+/// meaning. None if there is no seam.
 pub(super) fn distribute_faces(
     a: &Expr,
     b: &Expr,
@@ -35,23 +35,24 @@ pub(super) fn distribute_faces(
     size: f64,
     region: &Box3,
 ) -> Option<Expr> {
-    let (left, steps, groups) = (MOST_FACE_PAIRS, MOST_STEPS.into(), None);
-    let mut pairs = FacePairs { blend, size, region, left, steps, groups };
+    let (n_left, steps, groups) = (MOST_FACE_PAIRS, MOST_STEPS.into(), None);
+    let mut pairs = FacePairs { blend, size, region, left: n_left, steps, groups };
     match pairs.distribute([a, b], false, 0) {
-        RegionBlend::Round(whole) => Some(whole),
-        // Either shape covers all of the region, or the seam does.
+        RegionBlend::Round(blended) => Some(blended),
+        // Either shape covers the entire region, or the seam does.
         RegionBlend::Below => Some(Expr::constant(-size)),
         RegionBlend::Above | RegionBlend::Sharp(_) => None,
     }
 }
 
-/// The most pairs of faces. Chosen: a part of some hundred faces with another of few, of which most pairs are
+/// The most pairs of faces. Chosen: a part of some hundred faces with another of few faces; most pairs are
 /// dropped again because they are nowhere near each other.
 const MOST_FACE_PAIRS: usize = 4096;
 
-/// The most terms that are looked at in search of pairs that are near each other. Chosen: some milliseconds.
+/// The most terms that are evaluated in search of pairs that are near each other. Chosen: some milliseconds.
 const MOST_STEPS: usize = 1 << 20;
-/// The most choices below each other, each of which is a call. Chosen: far less than the smallest stack holds.
+/// The most nested choices, each of which is a recursive call. Chosen: far less than the smallest stack
+/// holds.
 const MOST_DEPTH: u32 = 256;
 
 struct FacePairs<'a> {
@@ -60,7 +61,7 @@ struct FacePairs<'a> {
     region: &'a Box3,
     left: usize,
     steps: Cell<usize>,
-    /// The planes of either side among the operands of the maximum above, if there is one.
+    /// The planes of each operand among the operands of the enclosing maximum, if there is one.
     groups: Option<[Vec<PlaneForm>; 2]>,
 }
 
@@ -72,7 +73,7 @@ impl FacePairs<'_> {
         let (mut range, tape) = ([Interval::UNKNOWN], Tape::new(expr));
         self.steps.set(self.steps.get().saturating_sub(tape.len()));
         let ends = self.region.min.iter().chain(&self.region.max);
-        // Leaves may be functions of a user that know nothing of boxes without end.
+        // Leaves may be user functions that cannot handle unbounded boxes.
         if tape.has_leaves() && !ends.into_iter().all(|x| x.is_finite()) {
             return Interval::UNKNOWN;
         }
@@ -84,18 +85,18 @@ impl FacePairs<'_> {
     }
 
     fn distribute(&mut self, [a, b]: [&Expr; 2], below_max: bool, depth: u32) -> RegionBlend {
-        // A blend is at most the smaller of both.
+        // A blend is at most the smaller of the two.
         if self.range(a).hi() < 0.0 || self.range(b).hi() < 0.0 {
             return RegionBlend::Below;
         }
-        let of = |expr: &Expr| {
+        let extremum = |expr: &Expr| {
             let mut looks = MOST_LOOKS;
             find_extremum(expr, ExactSign::Faces, &mut looks)
         };
-        let is_whole = self.left == 0 || depth == MOST_DEPTH || self.steps.get() == 0;
-        let choice = if is_whole { None } else { of(a).map(|of_a| (of_a, true)) };
+        let is_leaf = self.left == 0 || depth == MOST_DEPTH || self.steps.get() == 0;
+        let choice = if is_leaf { None } else { extremum(a).map(|choice| (choice, true)) };
         let choice = match choice {
-            None if !is_whole => of(b).map(|of_b| (of_b, false)),
+            None if !is_leaf => extremum(b).map(|choice| (choice, false)),
             some => some,
         };
         let Some((choice, is_first)) = choice else { return self.pair(a, b) };
@@ -116,7 +117,8 @@ impl FacePairs<'_> {
     }
 
     fn pair(&self, a: &Expr, b: &Expr) -> RegionBlend {
-        // Of two parallel planes of a maximum, the outer one is the blend of both, and no blend with it is larger.
+        // Of two parallel planes of a maximum, the outer one is the blend of both, and no blend with it is
+        // larger.
         let is_outer = |plane: &Expr, other: usize| {
             let (Some(groups), Some(plane)) = (&self.groups, PlaneForm::from_expr(plane)) else {
                 return false;
@@ -127,7 +129,7 @@ impl FacePairs<'_> {
             _ if is_outer(a, 1) => (a.clone(), true),
             _ if is_outer(b, 0) => (b.clone(), true),
             FaceBlend::Sharp(union) => (union, true),
-            // Nothing is added where they are farther apart than a seam reaches.
+            // Nothing is added if they differ by more than the size of a seam.
             FaceBlend::Round(round) => (round, self.range(&(a - b)).abs().lo() >= self.size),
         };
         let range = self.range(&blended);
@@ -146,7 +148,7 @@ fn least(p: RegionBlend, q: RegionBlend, below_max: bool) -> RegionBlend {
         (Below, _) | (_, Below) => Below,
         (Above, other) | (other, Above) => other,
         (Sharp(p), Sharp(q)) => Sharp(p.min(&q)),
-        // What adds nothing to the union can be left out, unless a maximum asks for more above it.
+        // A blend that adds nothing to the union can be left out, unless a maximum above needs it.
         (Sharp(_), Round(q)) | (Round(q), Sharp(_)) if !below_max => Round(q),
         (Round(p) | Sharp(p), Round(q) | Sharp(q)) => Round(p.min(&q)),
     }
@@ -178,18 +180,18 @@ fn planes_of_maximum(expr: &Expr) -> Vec<PlaneForm> {
     planes
 }
 
-/// Gradients whose cosine is nearer to 1 or −1 count as parallel. Chosen: turned faces are off by some
-/// roundings, and a fillet along an edge of a millionth of a degree is none.
+/// Gradients whose cosine is closer to 1 or −1 count as parallel. Chosen: turned faces are off by some
+/// roundings, and a fillet along an edge of a millionth of a degree is invisible.
 pub(super) const PARALLEL: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
 
-/// A linear expression: its gradient, and its value at the origin. For choices, so rounded.
+/// A linear expression: its gradient, and its value at the origin. Rounded, since it only guides choices.
 pub(super) struct PlaneForm {
     pub slope: [f64; 3],
     offset: f64,
 }
 
 impl PlaneForm {
-    /// None if it is not linear, or large.
+    /// None if the expression is not linear, or too large.
     pub fn from_expr(expr: &Expr) -> Option<Self> {
         /// Chosen: a plane that was moved and turned some times.
         const MOST_TERMS: usize = 256;
@@ -202,7 +204,7 @@ impl PlaneForm {
             let at = |k: &u32| forms[*k as usize];
             let constant = |k: &u32| at(k).filter(|form| form[..3] == [0.0; 3]).map(|form| form[3]);
             let scaled = |k: &u32, by: f64| at(k).map(|form| form.map(|x| x * by));
-            let both = |a: &u32, b: &u32, sign: f64| {
+            let sum_of = |a: &u32, b: &u32, sign: f64| {
                 let (a, b) = (at(a)?, at(b)?);
                 Some(std::array::from_fn(|k| a[k] + sign * b[k]))
             };
@@ -212,8 +214,8 @@ impl PlaneForm {
                     Some(std::array::from_fn(|k| if k == usize::from(*axis) { 1.0 } else { 0.0 }))
                 }
                 Term::Unary(Unary::Neg, a) => scaled(a, -1.0),
-                Term::Binary(Binary::Add, a, b) => both(a, b, 1.0),
-                Term::Binary(Binary::Sub, a, b) => both(a, b, -1.0),
+                Term::Binary(Binary::Add, a, b) => sum_of(a, b, 1.0),
+                Term::Binary(Binary::Sub, a, b) => sum_of(a, b, -1.0),
                 Term::Binary(Binary::Mul, a, b) => match (constant(a), constant(b)) {
                     (_, Some(by)) => scaled(a, by),
                     (Some(by), _) => scaled(b, by),
@@ -235,12 +237,12 @@ impl PlaneForm {
         dot(&self.slope, &other.slope) / squares.sqrt()
     }
 
-    /// Whether it is below the other one everywhere, but for rounding: a plane farther out, or the same one.
+    /// Whether it is below the other one everywhere, up to rounding: a plane farther out, or the same one.
     fn is_outside(&self, other: &Self) -> bool {
         /// Chosen: some dozen roundings.
         const CLOSE: f64 = 1.0 / (1_u64 << 44) as f64;
-        let apart = |k: usize| (self.slope[k] - other.slope[k]).abs();
+        let slope_gap = |k: usize| (self.slope[k] - other.slope[k]).abs();
         let size = 1.0 + self.offset.abs();
-        (0..3).all(|k| apart(k) <= CLOSE) && self.offset <= other.offset + CLOSE * size
+        (0..3).all(|k| slope_gap(k) <= CLOSE) && self.offset <= other.offset + CLOSE * size
     }
 }

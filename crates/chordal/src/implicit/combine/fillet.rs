@@ -1,8 +1,8 @@
 //! Unions, intersections and differences whose seam is a fillet or a chamfer.
 //!
-//! The blend is one of faces: both shapes are taken apart into the primitives of their values, and each pair
-//! of faces gets its own arc or flat. So faces that both shapes share stay as they are, where a blend of the
-//! two values would swell them.
+//! The blend works face by face: both shapes are taken apart into the primitives of their values, and each
+//! pair of faces gets its own arc or flat. So faces that both shapes share stay unchanged, while a blend of
+//! the two values would swell them.
 use super::face_pairs::{FaceBlend, PARALLEL, PlaneForm, distribute_faces};
 use super::{common, grown};
 use crate::implicit::outside::is_empty_outside;
@@ -10,13 +10,13 @@ use crate::implicit::shapes::{InvalidShape, positive};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field, Tape};
 use crate::math::{Box3, add_up, sqrt_up};
 
-/// What takes the place of the edge in which two shapes meet.
+/// The seam that replaces the edge in which two shapes meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seam {
-    /// An arc. Where faces meet at a right angle it is a quarter of a circle of this radius; at other angles
-    /// a part of an ellipse. It touches each face where that is so far from the other.
+    /// An arc. If faces meet at a right angle, it is a quarter of a circle of this radius; at other angles a
+    /// part of an ellipse. It touches each face at this distance from the other.
     Fillet(f64),
-    /// A flat that cuts each face where that is so far from the other: at a right angle, 45° with legs of this
+    /// A flat that cuts each face at this distance from the other: at a right angle, 45° with legs of this
     /// length.
     Chamfer(f64),
 }
@@ -29,16 +29,16 @@ impl Seam {
     }
 }
 
-/// How far a seam reaches beyond a shape's box, in its sizes. Chosen: at an edge of 60° the seams of both
-/// sides meet so far from it; of sharper ones the tip is cut off.
+/// The reach of a seam beyond a shape's box, in sizes of the seam. Chosen: at an edge of 60° the seams of
+/// both sides meet at that distance; at sharper edges the tip is cut off.
 const REACH: f64 = 2.0;
 
 impl Field {
-    /// The union with its inner edges filled. Outer edges and faces stay as they are; edges of one shape run
-    /// on through the fillet.
+    /// The union with its inner edges filled. Outer edges and faces stay unchanged; edges of one shape
+    /// continue through the fillet.
     ///
-    /// The value is a bound: of both values and the blend of each pair of faces, which is 1-Lipschitz. Both
-    /// values must be distances or bounds outside.
+    /// The value is a bound: the smallest of both values and the blend of each pair of faces, which is
+    /// 1-Lipschitz. Both values must be distances or bounds outside.
     ///
     /// # Errors
     /// When the size is not a finite number above 0, or a field has only a sign outside.
@@ -56,26 +56,27 @@ impl Field {
     /// ```
     pub fn union_with(&self, other: &Self, seam: Seam) -> Result<Self, InvalidShape> {
         let size = seam_size(seam)?;
-        let all = self.bounds().union(other.bounds());
+        let joined = self.bounds().union(other.bounds());
         let near = common(grown(self.bounds(), REACH * size), grown(other.bounds(), REACH * size));
-        // A seam is within the hull of both, but for the third of its size by which faces that touch swell.
-        let region = common(near, grown(all, size / 3.0));
-        let both = self.with_seam(other, seam, region)?;
-        let tight = is_finite(&all) && is_empty_outside(&Tape::new(both.sign()), &grown(all, size * ROOM));
-        Ok(both.known_bounds(if tight { grown(all, size * ROOM) } else { all.union(region) }))
+        // A seam is within the hull of both, except for the third of its size by which touching faces swell.
+        let region = common(near, grown(joined, size / 3.0));
+        let union = self.with_seam(other, seam, region)?;
+        let tight =
+            is_finite(&joined) && is_empty_outside(&Tape::new(union.sign()), &grown(joined, size * MARGIN));
+        Ok(union.known_bounds(if tight { grown(joined, size * MARGIN) } else { joined.union(region) }))
     }
 
-    /// The intersection with the edges rounded or cut off in which both shapes meet. Needs distances or bounds
-    /// inside.
+    /// The intersection with the edges rounded or cut off in which both shapes meet. Needs distances or
+    /// bounds inside.
     ///
     /// # Errors
     /// As for [`Field::union_with`], with the inside.
     pub fn intersection_with(&self, other: &Self, seam: Seam) -> Result<Self, InvalidShape> {
-        let kept = common(self.bounds(), other.bounds());
-        let region = grown(kept, seam_size(seam)?);
+        let overlap = common(self.bounds(), other.bounds());
+        let region = grown(overlap, seam_size(seam)?);
         let cut = self.complement().with_seam(&other.complement(), seam, region).map_err(inside)?;
         // It only removes points.
-        Ok(cut.complement().known_bounds(kept))
+        Ok(cut.complement().known_bounds(overlap))
     }
 
     /// The difference with the edges rounded or cut off in which both shapes meet, as the rim of a hole.
@@ -105,19 +106,20 @@ impl Field {
             return Ok(plain);
         }
         let blend = |a: &Expr, b: &Expr| blend_faces(a, b, seam);
-        let Some(own) = distribute_faces(self.expr(), other.expr(), &blend, seam.size(), &region) else {
+        let Some(seams) = distribute_faces(self.expr(), other.expr(), &blend, seam.size(), &region) else {
             return Ok(plain);
         };
-        let own = walls(&region).iter().fold(own, |own, wall| own.max(wall));
-        let value = plain.expr().min(&own);
-        let sign = plain.sign().min(&own);
+        let seams = walls(&region).iter().fold(seams, |seams, wall| seams.max(wall));
+        let value = plain.expr().min(&seams);
+        let sign = plain.sign().min(&seams);
         let seamed = Self::from_parts(value, &[&first, &second]).known_sign(sign);
         Ok(seamed.known_distance(plain.distance()).known_bounds(plain.bounds()))
     }
 }
 
-/// Room for the rounding of intervals at the sides of a box, as a share of a seam's size. Chosen.
-const ROOM: f64 = 1.0 / (1_u64 << 30) as f64;
+/// Margin for the rounding of intervals at the sides of a box, as a share of a seam's size. Chosen: far above
+/// rounding, and too small to be seen; a smaller margin would leave some tight boxes unproved.
+const MARGIN: f64 = 1.0 / (1_u64 << 30) as f64;
 
 fn seam_size(seam: Seam) -> Result<f64, InvalidShape> {
     let name = if matches!(seam, Seam::Fillet(_)) { "a fillet's radius" } else { "a chamfer's length" };
@@ -137,7 +139,7 @@ fn inside(error: InvalidShape) -> InvalidShape {
     }
 }
 
-/// The sides of a box, where they are finite.
+/// The finite sides of a box.
 fn walls(region: &Box3) -> Vec<Expr> {
     let mut walls = Vec::new();
     for (k, axis) in Expr::axes().iter().enumerate() {
@@ -151,15 +153,15 @@ fn walls(region: &Box3) -> Vec<Expr> {
     walls
 }
 
-/// The smaller of both with an arc of this radius in place of its kink; as for a smooth union it is kept away from where
-/// it would be one of both.
+/// The smaller one with an arc of this radius in place of its kink; as for a smooth union, it is moved away
+/// from the places where it would equal an operand.
 pub(super) fn round_blend(a: &Expr, b: &Expr, radius: f64) -> Expr {
     let start = 0.25 * radius;
     let beyond = (a - b).abs() - (radius + start);
     a.round_min(b, radius) - (-beyond).smooth_min(&0.0.into(), start) * 0.5
 }
 
-/// The blend of two faces. It grows with both, is 1-Lipschitz where they are, and has the sign of their union
+/// The blend of two faces. It grows with both, is 1-Lipschitz if they are, and has the sign of their union
 /// except on the seam.
 fn blend_faces(a: &Expr, b: &Expr, seam: Seam) -> FaceBlend {
     let planes = (PlaneForm::from_expr(a), PlaneForm::from_expr(b));
@@ -171,11 +173,11 @@ fn blend_faces(a: &Expr, b: &Expr, seam: Seam) -> FaceBlend {
     match seam {
         Seam::Fillet(radius) => FaceBlend::Round(round_blend(a, b, radius)),
         Seam::Chamfer(length) => {
-            // The slope of the sum: known of planes, at most 2 otherwise.
+            // The slope of the sum: known for planes, at most 2 otherwise.
             let slope = match planes {
                 (Some(p), Some(q)) => {
                     let sum: [f64; 3] = std::array::from_fn(|k| p.slope[k] + q.slope[k]);
-                    let square = sum.iter().fold(0.0, |all, x| add_up(all, add_up(x * x, 0.0)));
+                    let square = sum.iter().fold(0.0, |total, x| add_up(total, add_up(x * x, 0.0)));
                     // Each slope is off by some roundings.
                     sqrt_up(add_up(square, 64.0 * f64::EPSILON))
                 }

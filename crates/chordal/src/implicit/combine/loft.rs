@@ -9,16 +9,17 @@ use crate::math::{Box3, Interval, add_up, div_up, greater, lesser, mul_up, sqrt_
 
 /// The most profiles of a loft. Chosen: its weights are polynomials of one degree less.
 const MOST_PROFILES: usize = 16;
-/// The most blends of faces of a loft; what has more stays as it is. Chosen: two outlines of a dozen sides.
+/// The most blends of faces of a loft; an expression with more is left unchanged. Chosen: two outlines of a
+/// dozen sides.
 const MOST_FACES: usize = 512;
-/// How much farther than a shape its rim is. Chosen: so little that no distance suffers.
+/// The radius of the rim over the reach of the shape. Chosen: so close to 1 that distances hardly suffer.
 const BEYOND: f64 = 1.0 + 1.0 / 1024.0;
 
-/// Room for the roundings of a map. Chosen: far more than the few that there are.
+/// Factor for the roundings of a map. Chosen: far more than its few roundings.
 const ROUNDED: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
 
 impl Field {
-    /// The section of the shape with the plane at a height, as a shape of the plane.
+    /// The section of the shape with the plane at a height, as a planar shape.
     ///
     /// # Errors
     /// When the height is not finite.
@@ -38,11 +39,12 @@ impl Field {
         Ok(cut.known_distance(distance).known_bounds(bounds))
     }
 
-    /// A solid whose cross-section is a shape of the plane that grows or shrinks about the z axis with the height:
-    /// the shape itself at the bottom, half of `height` below 0, and `factor` times as large at the top. Of a solid
-    /// everything within that height is scaled so.
+    /// A solid whose cross-section is a planar shape that is scaled about the z axis with the height: by 1 at
+    /// the bottom, half of `height` below 0, and by `factor` at the top. A solid is scaled in the same way
+    /// between these heights.
     ///
-    /// The value is a bound, divided by the largest stretch; a sign where the shape has no end around the axis.
+    /// The value is a bound, divided by the largest stretch; it is only a sign if the shape is unbounded
+    /// around the axis.
     ///
     /// # Errors
     /// When the factor or the height is not a finite number above 0.
@@ -54,9 +56,9 @@ impl Field {
         let slope = (factor - 1.0) / height;
         let scale = |z: &Expr| (z + half) * slope + 1.0;
         let cap = z.abs() - half;
-        // Beyond its ends the scale stays above 0, and no longer matters.
-        let least = lesser(factor, 1.0);
-        let open = scale(&z).max(&(0.5 * least).into());
+        // Beyond the ends the scale is kept above 0, and no longer matters.
+        let smallest = lesser(factor, 1.0);
+        let open = scale(&z).max(&(0.5 * smallest).into());
         let plain = self.at(&[&x / open.clone(), &y / open, z.clone()]);
         let sign = plain.sign().max(&cap);
         let reach = farthest(&self.bounds());
@@ -71,22 +73,24 @@ impl Field {
         let endless = [f64::NEG_INFINITY, f64::NEG_INFINITY, -half];
         let slab = Box3 { min: endless, max: endless.map(|x| -x) };
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { common(bounds, slab) };
-        let construction = self.construction().and_then(|known| known.tapered(factor, half));
+        let construction = self.construction().and_then(|solids| solids.tapered(factor, half));
         if !reach.is_finite() || self.distance().weakest() == DistanceQuality::Sign {
             let tapered = Self::from_parts(sign, &[self]).known_construction(construction);
             return Ok(tapered.known_bounds(bounds));
         }
-        // Over the slab, and around the axis as far as the shape reaches; from there on the nearest such point.
+        // Clamp to the slab, and to the shape's reach around the axis; points beyond take the value of the
+        // nearest such point.
         let rim = mul_up(reach, BEYOND);
-        let held = z.max(&(-half).into()).min(&half.into());
-        let held_scale = scale(&held);
-        let [u, v] = [&x / held_scale.clone(), &y / held_scale];
-        let off = (u.square() + v.square()).sqrt();
-        let share = Expr::constant(rim) / off.max(&rim.into());
-        let near = self.at(&[u * &share, v * &share, held]);
-        // A step is divided by the scale, and one along z also moves what is off the axis. Rounded by a few units.
-        let narrow = div_up(1.0, least.next_down());
-        let pull = div_up(mul_up(rim, slope.abs().next_up()), least.next_down());
+        let clamped_z = z.max(&(-half).into()).min(&half.into());
+        let clamped_scale = scale(&clamped_z);
+        let [u, v] = [&x / clamped_scale.clone(), &y / clamped_scale];
+        let from_axis = (u.square() + v.square()).sqrt();
+        let share = Expr::constant(rim) / from_axis.max(&rim.into());
+        let near = self.at(&[u * &share, v * &share, clamped_z]);
+        // A step is divided by the scale, and a step along z also moves points off the axis. Rounded by a few
+        // units.
+        let narrow = div_up(1.0, smallest.next_down());
+        let pull = div_up(mul_up(rim, slope.abs().next_up()), smallest.next_down());
         let stretch = mul_up(add_up(greater(1.0, narrow), pull), ROUNDED);
         let value = (near.expr() / stretch).max(&cap);
         let field = Self::from_parts(value, &[&self.as_distance()]).known_sign(sign);
@@ -94,15 +98,15 @@ impl Field {
         Ok(field.known_distance(Distance::BOUND).known_bounds(bounds))
     }
 
-    /// A solid between shapes of the plane: the first at the bottom, half of `height` below 0, the last at the top.
-    /// Between two the surface is ruled where their faces are flat. More than two are blended as a Bézier curve
-    /// blends its control points, so those between draw the solid towards themselves.
+    /// A solid between planar shapes: the first at the bottom, half of `height` below 0, the last at the top.
+    /// Between two shapes the surface is ruled where their faces are flat. More than two are blended as a
+    /// Bézier curve blends its control points, so the inner ones attract the solid.
     ///
     /// The value is a bound, divided by the largest slope.
     ///
     /// # Errors
-    /// When there are fewer than two shapes or more than 16, one has only a sign or no end, or the height is not a
-    /// finite number above 0.
+    /// When there are fewer than two shapes or more than 16, one has only a sign or no end, or the height is
+    /// not a finite number above 0.
     pub fn lofted(profiles: &[Self], height: f64) -> Result<Self, InvalidShape> {
         let height = positive("a height", height)?;
         if !(2..=MOST_PROFILES).contains(&profiles.len()) {
@@ -131,16 +135,16 @@ impl Field {
         let sections: Vec<Expr> = profiles.iter().map(flat).collect();
         let rim = mul_up(reach, BEYOND);
         let mut blend = LoftBlend { left: MOST_FACES, apart: 0.0, rim };
-        let whole = blend.distribute(&sections);
+        let blended = blend.distribute(&sections);
         let cap = z.abs() - half;
-        // Of the nearest point around the axis as far as the shapes reach, where what they are apart is known.
-        let off = (x.square() + y.square()).sqrt();
-        let share = Expr::constant(rim) / off.max(&rim.into());
-        let held = z.max(&(-half).into()).min(&half.into());
-        // The blend's z is the share of the height.
-        let place = |z: &Expr| (z + half) / height;
-        let sign = whole.with_axes([x.clone(), y.clone(), place(&z)]).max(&cap);
-        let near = whole.with_axes([&x * &share, &y * &share, place(&held)]);
+        // The value at the nearest point within the rim, where the difference of the sections is known.
+        let from_axis = (x.square() + y.square()).sqrt();
+        let share = Expr::constant(rim) / from_axis.max(&rim.into());
+        let clamped_z = z.max(&(-half).into()).min(&half.into());
+        // The blend's third coordinate is the share of the height.
+        let share_of_height = |z: &Expr| (z + half) / height;
+        let sign = blended.with_axes([x.clone(), y.clone(), share_of_height(&z)]).max(&cap);
+        let near = blended.with_axes([&x * &share, &y * &share, share_of_height(&clamped_z)]);
         let degree = (profiles.len() - 1) as f64;
         let rise = div_up(mul_up(degree, blend.apart), height);
         let stretch = mul_up(sqrt_up(add_up(1.0, mul_up(rise, rise))), ROUNDED);
@@ -156,13 +160,14 @@ impl Field {
 /// The blend of sections, whose third coordinate is the share of the height.
 struct LoftBlend {
     left: usize,
-    /// The most by which neighbouring sections differ within the rim.
+    /// The largest difference of neighbouring sections within the rim.
     apart: f64,
     rim: f64,
 }
 
 impl LoftBlend {
-    /// The blend grows with each section between the ends, so minima and maxima of sections become those of blends.
+    /// The blend grows with each section between the ends, so minima and maxima of sections become those of
+    /// blends.
     fn distribute(&mut self, sections: &[Expr]) -> Expr {
         if self.left > 0 {
             for (k, section) in sections.iter().enumerate() {
@@ -182,12 +187,12 @@ impl LoftBlend {
             self.apart = greater(self.apart, self.farthest_apart(&(&two[1] - &two[0])));
         }
         let t = Expr::axes()[2].clone();
-        let rest = Expr::constant(1.0) - &t;
+        let complement = Expr::constant(1.0) - &t;
         let power = |base: &Expr, k: usize| (0..k).map(|_| base.clone()).reduce(|a, b| a * b);
         let mut choose = 1.0;
         let terms = sections.iter().enumerate().map(|(k, section)| {
             // Bernstein's polynomials.
-            let weight = [power(&t, k), power(&rest, n - k)].into_iter().flatten().reduce(|a, b| a * b);
+            let weight = [power(&t, k), power(&complement, n - k)].into_iter().flatten().reduce(|a, b| a * b);
             let weight = weight.unwrap_or_else(|| Expr::constant(1.0));
             let term = section * (weight * choose);
             choose = choose * (n - k) as f64 / (k + 1) as f64;
@@ -198,7 +203,7 @@ impl LoftBlend {
 
     /// The largest size of a difference within the rim, as intervals prove it.
     fn farthest_apart(&self, difference: &Expr) -> f64 {
-        /// Chosen: within some percent of the truth, and cheap.
+        /// Boxes along each side. Chosen: within some percent of the truth, and cheap.
         const SIDE: usize = 8;
         let at = |k: usize| self.rim * (2.0 * k as f64 / SIDE as f64 - 1.0);
         let ends = |k: usize| (at(k).next_down(), at(k + 1).next_up());

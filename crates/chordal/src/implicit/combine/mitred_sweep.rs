@@ -1,25 +1,27 @@
 //! A planar shape swept along straight pieces that are mitred where they meet.
 //!
-//! Along each piece the shape is a prism, cut off by the planes that halve the angles at both of its ends. From piece to
-//! piece its frame is reflected in such a plane, and the piece's direction back: that is the least rotation from one
-//! direction to the next, and both prisms have the same section with the plane. So they fit.
+//! Along each piece the shape is a prism, cut off by the planes that halve the angles at both of its ends.
+//! From piece to piece its frame is reflected in such a plane, and the piece's direction is reversed: that is
+//! the smallest rotation from one direction to the next, and both prisms have the same section with the
+//! plane. So they fit.
 //!
-//! With `f` and `g` the prisms of two neighbours and `h` the half-space on the first one's side, their union is
-//! `(f ∧ h) ∨ (g ∧ ¬h)`, which equals `(f ∧ h) ∨ (g ∧ ¬h) ∨ (f ∧ g)`. The last term takes the plane, where both others are
-//! 0, to the inside.
+//! With `f` and `g` the prisms of two neighbours and `h` the half-space on the first one's side, their union
+//! is `(f ∧ h) ∨ (g ∧ ¬h)`, which equals `(f ∧ h) ∨ (g ∧ ¬h) ∨ (f ∧ g)`. The last term makes the plane, where
+//! both others are 0, part of the inside.
 use crate::implicit::shapes::{InvalidShape, finite_point, plane};
 use crate::implicit::{Distance, DistanceQuality, Field};
 use crate::math::{Box3, add_down, add_up, cross, difference, dot, greater, length, lesser};
 
-/// The most straight pieces of a path. Chosen: each holds the whole shape once more.
+/// The most straight pieces of a path. Chosen: each holds another copy of the shape.
 const MOST_PIECES: usize = 1024;
-/// How far a shape that comes back along a closed path may be turned, in radians, times its reach over its own size.
-/// Chosen: rounding of a thousand reflections is less.
+/// The largest turn of a shape between the end and the start of a closed path, in radians. Chosen: above the
+/// rounding of a thousand reflections.
 const TURNED: f64 = 1e-9;
-/// Directions that are nearer to each other's opposite have no plane between them. Chosen.
+/// Directions that are closer to opposite have no mitre plane. Chosen: mitres would reach a million times the
+/// shape's size.
 const BACK: f64 = 1e-6;
-/// Room around a box for the roundings of its corners, as a share of their coordinates. Chosen: far more than the few
-/// dozen that there are.
+/// Margin of a box for the roundings of its corners, as a share of their coordinates. Chosen: far more than
+/// their few dozen roundings.
 const ROUNDED: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// The directions of a shape's x and y axes, and of the piece.
@@ -39,16 +41,18 @@ struct MitredPiece {
 }
 
 impl Field {
-    /// A planar shape swept along the straight lines through `points`, with mitres where they meet. The origin of the shape
-    /// runs along the lines. At the start its y axis points up, along z, as far as it goes; on a vertical line it is the
-    /// y axis. From line to line the shape turns as little as it can.
+    /// A planar shape swept along the straight lines through `points`, with mitres where they meet. The
+    /// origin of the shape runs along the lines. At the start its y axis points up along z as far as
+    /// possible; on a vertical line it is the y axis. From line to line the shape turns as little as
+    /// possible.
     ///
-    /// The value is a bound, for shapes whose value is one.
+    /// The value is a bound if the shape's value is one.
     ///
     /// # Errors
-    /// When there are fewer than two different points (three for closed lines), more than 1,025, or a number is not finite;
-    /// when the shape has no finite box; when the lines turn back at a point, or so sharply that the mitres at both ends of
-    /// one meet within the shape's box; when the shape is turned where closed lines, which then lie in no plane, come back.
+    /// When there are fewer than two different points (three for closed lines), more than 1,025, or a number
+    /// is not finite; when the shape has no finite box; when the lines turn back at a point, or so sharply
+    /// that the mitres at both ends of a line meet within the shape's box; when the end of closed lines,
+    /// which then lie in no plane, meets their start with the shape turned.
     ///
     /// ```
     /// use chordal::implicit::shapes::rectangle;
@@ -63,12 +67,12 @@ impl Field {
         let prisms: Vec<Self> = pieces.iter().map(|piece| self.prism(piece)).collect();
         let mut parts = Vec::with_capacity(2 * pieces.len());
         for (k, piece) in pieces.iter().enumerate() {
-            let own = self.corners(piece);
-            parts.push(cut(&[&prisms[k]], piece.start()?, piece.end()?, own));
+            let bounds = self.corners(piece);
+            parts.push(cut(&[&prisms[k]], piece.start()?, piece.end()?, bounds));
             let next = (k + 1) % pieces.len();
             if next != 0 || is_closed {
-                let both = own.union(self.corners(&pieces[next]));
-                parts.push(cut(&[&prisms[k], &prisms[next]], piece.start()?, pieces[next].end()?, both));
+                let bounds = bounds.union(self.corners(&pieces[next]));
+                parts.push(cut(&[&prisms[k], &prisms[next]], piece.start()?, pieces[next].end()?, bounds));
             }
         }
         let weak = |quality: DistanceQuality| lesser(quality, DistanceQuality::Bound);
@@ -93,10 +97,10 @@ impl Field {
         if is_closed && at.len() > 1 && at.first() == at.last() {
             at.pop();
         }
-        let least = if is_closed { 3 } else { 2 };
-        if at.len() < least {
+        let min_points = if is_closed { 3 } else { 2 };
+        if at.len() < min_points {
             return wrong(format!(
-                "a path has {} different points, and must have at least {least}",
+                "a path has {} different points, and must have at least {min_points}",
                 at.len()
             ));
         }
@@ -110,14 +114,14 @@ impl Field {
         let ends = |k: usize| [at[k], at[(k + 1) % n]];
         let directions: Vec<[f64; 3]> = (0..n_pieces).map(|k| direction(ends(k))).collect();
         let joint = |before: usize, after: usize| -> Result<[f64; 3], InvalidShape> {
-            let both: [f64; 3] = std::array::from_fn(|k| directions[before][k] + directions[after][k]);
-            if length(both) < BACK {
+            let sum: [f64; 3] = std::array::from_fn(|k| directions[before][k] + directions[after][k]);
+            if length(sum) < BACK {
                 let point = at[after];
                 return Err(InvalidShape::Number(format!(
                     "the path turns back at its point {after}, {point:?}"
                 )));
             }
-            Ok(scaled(both, 1.0 / length(both)))
+            Ok(scaled(sum, 1.0 / length(sum)))
         };
         let mut frame = SweepFrame::first(directions[0]);
         let mut pieces = Vec::with_capacity(n_pieces);
@@ -150,7 +154,7 @@ impl Field {
         Ok(pieces)
     }
 
-    /// The shape along a whole line.
+    /// The shape along an entire line.
     fn prism(&self, piece: &MitredPiece) -> Self {
         let SweepFrame { x, y, along } = piece.frame;
         let rows = [x, y, along];
@@ -177,25 +181,25 @@ impl Field {
         let corners = self.corner_rows(piece);
         let Box3 { min, max } = Box3::from_points(corners.as_flattened());
         let largest = min.iter().chain(&max).fold(0.0, |most, x| greater(x.abs(), most));
-        let room = largest * ROUNDED;
-        Box3 { min: min.map(|x| add_down(x, -room)), max: max.map(|x| add_up(x, room)) }
+        let margin = largest * ROUNDED;
+        Box3 { min: min.map(|x| add_down(x, -margin)), max: max.map(|x| add_up(x, margin)) }
     }
 }
 
-/// What prisms have in common between two half-spaces.
+/// The intersection of prisms between two half-spaces.
 fn cut(prisms: &[&Field], start: Field, end: Field, bounds: Box3) -> Field {
     let ends = start.intersection(&end);
-    prisms.iter().fold(ends, |all, prism| all.intersection(prism)).known_bounds(bounds)
+    prisms.iter().fold(ends, |common, prism| common.intersection(prism)).known_bounds(bounds)
 }
 
 impl MitredPiece {
-    /// All that is not before its start.
+    /// The half-space beyond its start.
     fn start(&self) -> Result<Field, InvalidShape> {
         let normal = self.normals[0];
         plane(normal.map(|x| -x), -dot(normal, self.ends[0]))
     }
 
-    /// All that is not beyond its end.
+    /// The half-space before its end.
     fn end(&self) -> Result<Field, InvalidShape> {
         plane(self.normals[1], dot(self.normals[1], self.ends[1]))
     }
@@ -206,7 +210,8 @@ impl SweepFrame {
     fn first(along: [f64; 3]) -> Self {
         let up = [0.0, 0.0, 1.0];
         let across: [f64; 3] = std::array::from_fn(|k| up[k] - along[2] * along[k]);
-        // Vertical up to rounding. Chosen.
+        // Vertical up to rounding. Chosen: a turn by that angle moves the shape by far less than any
+        // tolerance.
         let y = if length(across) > 1e-9 { scaled(across, 1.0 / length(across)) } else { [0.0, 1.0, 0.0] };
         Self { x: cross(y, along), y, along }
     }
@@ -217,7 +222,7 @@ impl SweepFrame {
             let twice = 2.0 * dot(v, normal);
             std::array::from_fn(|k| v[k] - twice * normal[k])
         };
-        // Made perpendicular again: roundings of a thousand pieces do not add up.
+        // Make it perpendicular again, so that roundings of a thousand pieces do not add up.
         let y = reflected(self.y);
         let y: [f64; 3] = std::array::from_fn(|k| y[k] - dot(y, along) * along[k]);
         let y = scaled(y, 1.0 / length(y));

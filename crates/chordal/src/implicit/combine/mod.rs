@@ -1,8 +1,8 @@
 //! Combinations of shapes: union, intersection, difference, blends, transforms, offsets, repetition.
 //!
 //! Every operation computes five things: the value, the sign's expression, the distance quality, the bounding
-//! box, and the promises about its operands. Operations that need a distance refuse a field that has only a
-//! sign ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
+//! box, and the promises about its operands. Operations that need a distance refuse a field whose value is
+//! only a sign ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
 mod bend;
 mod blend;
 mod clip;
@@ -27,7 +27,8 @@ use super::field::Field;
 use crate::math::{Box3, add_up, greater, lesser, sub_down};
 
 impl Field {
-    /// The union: `min(a, b)`. Outside, the value is as good a distance as both are; inside, a bound.
+    /// The union: `min(a, b)`. Outside, the value is as good a distance as those of both operands; inside, a
+    /// bound.
     ///
     /// ```
     /// use chordal::implicit::shapes::{cuboid, cylinder};
@@ -38,38 +39,39 @@ impl Field {
     /// ```
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        let both = Self::from_parts(self.expr().min(other.expr()), &[self, other])
+        let union = Self::from_parts(self.expr().min(other.expr()), &[self, other])
             .known_distance(self.distance().union(other.distance()))
             .known_bounds(self.bounds().union(other.bounds()))
             .known_construction(Construction::union(self, other))
             .known_slack(greater(self.slack(), other.slack()));
         if self.has_sign() || other.has_sign() {
-            // Where one of both is inside, the smaller of their depths is its own.
+            // Where one of the two is inside, the smaller value is its own depth.
             let has_depth = self.depth().is_some() && other.depth().is_some();
-            both.replace_sign(self.sign().min(other.sign())).with_depth(has_depth)
+            union.replace_sign(self.sign().min(other.sign())).with_depth(has_depth)
         } else {
-            both
+            union
         }
     }
 
-    /// The intersection: `max(a, b)`. Inside, the value is as good a distance as both are; outside, a bound.
+    /// The intersection: `max(a, b)`. Inside, the value is as good a distance as those of both operands;
+    /// outside, a bound.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
-        let both = Self::from_parts(self.expr().max(other.expr()), &[self, other])
+        let intersection = Self::from_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
             .known_bounds(common(self.bounds(), other.bounds()))
             .known_construction(Construction::intersection(self, other))
             .known_slack(greater(self.slack(), other.slack()));
-        // Outside the bounds one of both is not inside, whatever the sign of the other.
-        let sign = |field: &Self| field.sign_within(&both.bounds());
+        // Outside the bounds one of the two is not inside, whatever the sign of the other.
+        let sign = |field: &Self| field.sign_within(&intersection.bounds());
         if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
-            // A pattern lists in its sign what its value has steps for.
+            // The sign of a pattern lists the copies that its value reaches by steps.
             let has_depth =
                 [self, other].iter().all(|field| field.depth().is_some() && field.pattern().is_none());
             let sign = sign(self).max(&sign(other));
-            both.replace_sign(sign).with_depth(has_depth)
+            intersection.replace_sign(sign).with_depth(has_depth)
         } else {
-            both
+            intersection
         }
     }
 
@@ -82,17 +84,17 @@ impl Field {
     /// The complement: `−a`. (A point of the surface itself belongs to neither.)
     #[must_use]
     pub fn complement(&self) -> Self {
-        let other = Self::from_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
+        let complement = Self::from_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
         let construction = self.construction().and_then(Construction::complement);
-        let other = other.map_sign(self, |sign| -sign).known_construction(construction);
-        let other = other.known_slack(self.slack());
+        let complement = complement.map_sign(self, |sign| -sign).known_construction(construction);
+        let complement = complement.known_slack(self.slack());
         match self.pattern() {
-            Some(pattern) => other.with_pattern(pattern.complement()),
-            None => other,
+            Some(pattern) => complement.with_pattern(pattern.complement()),
+            None => complement,
         }
     }
 
-    /// The points of exactly one of both: `max(min(a, b), −max(a, b))`.
+    /// The points of exactly one of the two: `max(min(a, b), −max(a, b))`.
     #[must_use]
     pub fn xor(&self, other: &Self) -> Self {
         self.union(other).difference(&self.intersection(other))
@@ -118,7 +120,7 @@ impl Field {
         Self::new(Expr::constant(f64::MAX)).known_distance(super::Distance::BOUND).known_bounds(Box3::EMPTY)
     }
 
-    /// Gives the field the mapped sign of `from`, if that has one.
+    /// Gives the field the mapped sign of `from`, if `from` has its own.
     fn map_sign(self, from: &Self, map: impl FnOnce(&Expr) -> Expr) -> Self {
         if from.has_sign() { self.replace_sign(map(from.sign())) } else { self }
     }
@@ -135,11 +137,11 @@ fn balanced(fields: &[Field], join: fn(&Field, &Field) -> Field) -> Option<Field
 
 /// The intersection of two boxes; the empty box if they are apart.
 fn common(a: Box3, b: Box3) -> Box3 {
-    let both = Box3 {
+    let common = Box3 {
         min: std::array::from_fn(|k| greater(a.min[k], b.min[k])),
         max: std::array::from_fn(|k| lesser(a.max[k], b.max[k])),
     };
-    if both.is_empty() { Box3::EMPTY } else { both }
+    if common.is_empty() { Box3::EMPTY } else { common }
 }
 
 /// The box grown by `by` on every side, rounded outward; an empty box stays empty.

@@ -1,10 +1,9 @@
-//! Profiles of revolution: removes the boundaries that a profile has only at the axis.
+//! Profiles of revolution: removes the boundaries that a profile has only along the axis.
 //!
 //! A rectangle from x = 0 to 2 is `max(x − 2, −x)`, and the polygon of a vase has a side on the axis. In the
 //! plane that side is a boundary. In the solid it would make the axis a surface of its own: an infinitely
-//! thin hole, on which no box of any size is decided. So where one operand of a maximum or minimum changes
-//! its sign at the axis alone, only the other operand is kept, and a polygon is joined with its own mirror
-//! image.
+//! thin hole, on which no box of any size is decided. So if one operand of a maximum or minimum changes its
+//! sign only at the axis, only the other operand is kept, and a polygon is joined with its own mirror image.
 use crate::implicit::material::MaterialMark;
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{Expr, ExprGraph, Term};
@@ -14,8 +13,8 @@ pub(super) fn without_axis(sign: &Expr) -> Expr {
     let graph = ExprGraph::with_materials(sign);
     let mut terms: Vec<ProfileTerm> = Vec::with_capacity(graph.terms().len());
     for term in graph.terms() {
-        let known = ProfileTerm::new(term, &terms);
-        terms.push(known);
+        let profile_term = ProfileTerm::new(term, &terms);
+        terms.push(profile_term);
     }
     match terms.pop() {
         Some(ProfileTerm { sign: Some(changed), .. }) => changed,
@@ -60,13 +59,13 @@ impl LinearFunction {
     }
 }
 
-/// What is known about a term.
+/// The known properties of a term.
 struct ProfileTerm {
     /// The term.
     value: Expr,
-    /// The term as a line in x, if it is one.
+    /// The term as a linear function of x, if it is one.
     line: Option<LinearFunction>,
-    /// Another expression with its sign off the axis, where there is a better one.
+    /// Another expression with its sign off the axis, if there is a better one.
     sign: Option<Expr>,
     /// The operand of an absolute value.
     inside: Option<(Expr, Option<LinearFunction>)>,
@@ -115,13 +114,13 @@ impl ProfileTerm {
                 Self { line: below.line, sign, ..plain(below.value.marked(leaf)) }
             }
             Term::Leaf(leaf, [x, y, z]) => {
-                let place = [x, y, z].map(|part| at(part).value.clone());
-                // The axis in the leaf's own coordinate, if its x runs along with ours.
+                let coordinates = [x, y, z].map(|part| at(part).value.clone());
+                // The axis in the leaf's own coordinate, if its x grows with ours.
                 let axis = at(x).line.filter(|line| line.slope > 0.0).map(|line| line.offset);
                 let sign = axis
                     .and_then(|axis| leaf.without_axis(axis))
-                    .map(|whole| Expr::leaf(whole, place.clone()));
-                Self { sign, ..plain(Expr::leaf(leaf.clone(), place)) }
+                    .map(|joined| Expr::leaf(joined, coordinates.clone()));
+                Self { sign, ..plain(Expr::leaf(leaf.clone(), coordinates)) }
             }
         }
     }
@@ -141,14 +140,14 @@ impl ProfileTerm {
         }
     }
 
-    /// The operand of a maximum or minimum that is left where the other one can `never` decide off the axis.
+    /// The remaining operand of a maximum or minimum, if the other one can `never` decide off the axis.
     fn chosen(op: Binary, a: &Self, b: &Self, never: fn(LinearFunction) -> bool) -> Option<Expr> {
         let has_none = |part: &Self| part.line.is_some_and(never);
-        let own = |part: &Self| part.sign.as_ref().unwrap_or(&part.value).clone();
+        let sign_of = |part: &Self| part.sign.as_ref().unwrap_or(&part.value).clone();
         match (has_none(a), has_none(b)) {
-            (true, false) => Some(own(b)),
-            (false, true) => Some(own(a)),
-            _ if a.sign.is_some() || b.sign.is_some() => Some(Expr::binary(op, &own(a), &own(b))),
+            (true, false) => Some(sign_of(b)),
+            (false, true) => Some(sign_of(a)),
+            _ if a.sign.is_some() || b.sign.is_some() => Some(Expr::binary(op, &sign_of(a), &sign_of(b))),
             _ => None,
         }
     }
@@ -164,12 +163,12 @@ impl ProfileTerm {
         let side = |line: LinearFunction| {
             line.plus(LinearFunction { slope: 0.0, offset: -half }).is_some_and(LinearFunction::is_below)
         };
-        let left = match (side(line), side(line.negated())) {
+        let remaining = match (side(line), side(line.negated())) {
             (true, false) => -u - half,
             (false, true) => u - half,
             _ => return None,
         };
-        Some(if outward { left } else { -left })
+        Some(if outward { remaining } else { -remaining })
     }
 
     /// The sign after scaling by a constant.

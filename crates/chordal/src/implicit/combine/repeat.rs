@@ -6,10 +6,10 @@ use crate::implicit::shapes::InvalidShape;
 use crate::implicit::{Csg, Distance, DistanceQuality, Expr, Field, Tape};
 use crate::math::{Box3, Interval, add_up, lesser, mul_up};
 
-/// The most copies in one cell's neighbourhood: each is an expression of its own.
+/// The most copies in one cell's neighbourhood: each is a separate expression.
 const MOST: u64 = 4096;
 
-/// The most primitives in all copies whose union is the sign, if their number is finite. It has no steps, and
+/// The most primitives of a sign that lists all copies, if their number is finite. It has no steps, and
 /// planes that copies share are one. Chosen: beyond, the steps from cell to cell cost less than the copies.
 const MOST_LISTED: u64 = 8192;
 
@@ -20,21 +20,21 @@ pub enum Repeat {
     Once,
     /// At every integer multiple of a period, without end.
     Every(f64),
-    /// So many times, a period apart; the first copy is the shape itself.
+    /// This many times, a period apart; the first copy is the shape itself.
     Times(u32, f64),
 }
 
 impl Field {
     /// The union of copies of the shape, repeated along x, y and z.
     ///
-    /// Every copy counts: in each cell all copies are evaluated that can be nearest there, however far the
-    /// shape extends beyond its cell. An exact distance stays exact outside and becomes a bound inside. A
-    /// bound becomes a sign only outside, because it may jump from cell to cell.
+    /// In each cell all copies are evaluated that can be nearest there, however far the shape extends beyond
+    /// its cell. An exact distance stays exact outside and becomes a bound inside. A bound becomes only a
+    /// sign outside, because it may jump from cell to cell.
     ///
     /// # Errors
     /// When a period is not a finite number above 0, a count is 0, the shape's box is not finite along a
-    /// repeated axis, or it reaches across so many periods that more than 4,096 copies may be nearest to a
-    /// point.
+    /// repeated axis, or the shape extends over so many periods that more than 4,096 copies may be nearest to
+    /// a point.
     pub fn repeated(&self, along: [Repeat; 3]) -> Result<Self, InvalidShape> {
         if self.bounds().is_empty() {
             return Ok(self.clone());
@@ -51,13 +51,13 @@ impl Field {
             return Err(InvalidShape::Number(format!("{reach}, and must be at most {MOST}")));
         }
         let axes = Expr::axes();
-        let places = |of: &dyn Fn(&RepeatWindow, &Expr) -> Vec<Expr>| -> Vec<[Expr; 3]> {
-            let [xs, ys, zs]: [Vec<Expr>; 3] = std::array::from_fn(|k| of(&windows[k], &axes[k]));
+        let coordinates_of = |per_axis: &dyn Fn(&RepeatWindow, &Expr) -> Vec<Expr>| -> Vec<[Expr; 3]> {
+            let [xs, ys, zs]: [Vec<Expr>; 3] = std::array::from_fn(|k| per_axis(&windows[k], &axes[k]));
             let along_x = |y: &Expr, z: &Expr| xs.iter().map(|x| [x.clone(), y.clone(), z.clone()]).collect();
             let plane = |z: &Expr| ys.iter().flat_map(|y| -> Vec<[Expr; 3]> { along_x(y, z) }).collect();
             zs.iter().flat_map(|z| -> Vec<[Expr; 3]> { plane(z) }).collect()
         };
-        let copies: Vec<Self> = places(&RepeatWindow::places).iter().map(|at| self.at(at)).collect();
+        let copies: Vec<Self> = coordinates_of(&RepeatWindow::nearby).iter().map(|at| self.at(at)).collect();
         let distance = self.distance().union(self.distance());
         let jumps = self.distance().outside != DistanceQuality::Exact && windows.iter().any(|w| w.len() > 1);
         let outside = if jumps { DistanceQuality::Sign } else { distance.outside };
@@ -65,37 +65,38 @@ impl Field {
         for (k, window) in windows.iter().enumerate() {
             (bounds.min[k], bounds.max[k]) = window.bounds(self.bounds().min[k], self.bounds().max[k]);
         }
-        let all = Self::union_of(&copies).known_distance(Distance { outside, ..distance });
+        let union = Self::union_of(&copies).known_distance(Distance { outside, ..distance });
         let n_copies =
             windows.iter().map(|w| w.count.map_or(u64::MAX, u64::from)).fold(1, u64::saturating_mul);
         let n_primitives = Csg::from_expr(self.sign()).primitives().len() as u64;
-        let all = if n < n_copies && n_copies.saturating_mul(n_primitives) <= MOST_LISTED {
-            let listed: Vec<Self> = places(&RepeatWindow::all).iter().map(|at| self.at(at)).collect();
-            all.known_sign(Self::union_of(&listed).sign().clone())
+        let union = if n < n_copies && n_copies.saturating_mul(n_primitives) <= MOST_LISTED {
+            let listed: Vec<Self> =
+                coordinates_of(&RepeatWindow::all_copies).iter().map(|at| self.at(at)).collect();
+            union.known_sign(Self::union_of(&listed).sign().clone())
         } else {
-            all
+            union
         };
-        let all = all.known_bounds(common(bounds, Field::EVERYWHERE));
-        let all =
-            all.known_construction(self.repeated_construction(along, n_copies)).known_slack(self.slack());
+        let union = union.known_bounds(common(bounds, Field::EVERYWHERE));
+        let union =
+            union.known_construction(self.repeated_construction(along, n_copies)).known_slack(self.slack());
         let is_endless = along.iter().any(|repeat| matches!(repeat, Repeat::Every(_)));
         Ok(if is_endless {
-            all.with_pattern(PeriodicPattern {
+            union.with_pattern(PeriodicPattern {
                 copy: self.clone(),
                 along,
                 is_complement: false,
                 at: Vec::new(),
             })
         } else {
-            all
+            union
         })
     }
 }
 
 impl Field {
-    /// How the copies are put together, if their number is finite.
+    /// The construction of all copies, if their number is finite.
     fn repeated_construction(&self, along: [Repeat; 3], n_copies: u64) -> Option<Construction> {
-        let own = self.construction().filter(|_| n_copies <= MOST)?;
+        let solids = self.construction().filter(|_| n_copies <= MOST)?;
         let steps = along.map(|repeat| match repeat {
             Repeat::Times(count, period) => (count, period),
             Repeat::Once | Repeat::Every(_) => (1, 0.0),
@@ -104,21 +105,21 @@ impl Field {
         let [nx, ny] = [0, 1].map(|axis| u64::from(steps[axis].0));
         let copy = |k: u64| {
             let [x, y, z] = [(0, k % nx), (1, k / nx % ny), (2, k / nx / ny)].map(|(axis, k)| shift(axis, k));
-            own.placed([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]])
+            solids.placed([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]])
         };
         let copies: Option<Vec<Construction>> = (0..n_copies).map(copy).collect();
         Construction::new(ConstructionNode::Union(copies?.into()))
     }
 }
 
-/// A pattern of copies without end, to be cut out of.
+/// A pattern of endless copies, from which boxes are cut out.
 #[derive(Clone, Debug)]
 pub(in crate::implicit) struct PeriodicPattern {
     copy: Field,
     along: [Repeat; 3],
     /// Whether it is the complement of the copies.
     is_complement: bool,
-    /// The maps from points of space to points of the pattern, of which the last is applied first.
+    /// The maps from points of space to points of the pattern, the last of which is applied first.
     at: Vec<[Expr; 3]>,
 }
 
@@ -127,7 +128,7 @@ impl PeriodicPattern {
         Self { is_complement: !self.is_complement, ..self.clone() }
     }
 
-    /// The pattern of a copy with its expressions replaced by others of the same values.
+    /// The pattern of a copy whose expressions are replaced by others of the same values.
     pub fn map_expressions(&self, map: impl Fn(&Expr) -> Expr + Copy) -> Self {
         Self { copy: self.copy.map_expressions(map), ..self.clone() }
     }
@@ -138,31 +139,31 @@ impl PeriodicPattern {
         Self { at, ..self.clone() }
     }
 
-    /// An expression with the same sign in a box, as a list of the copies that reach into it, so without
+    /// An expression with the same sign in a box, as a list of the copies that reach into it, and so without
     /// steps. None if there are too many.
     pub fn sign_within(&self, bounds: &Box3) -> Option<Expr> {
-        let own = self.at.iter().rev().try_fold(*bounds, |bounds, at| image(at, &bounds))?;
-        let sign = self.own_sign_within(&own)?;
+        let mapped = self.at.iter().rev().try_fold(*bounds, |bounds, at| image(at, &bounds))?;
+        let sign = self.own_sign_within(&mapped)?;
         Some(self.at.iter().fold(sign, |sign, at| sign.with_axes(at.clone())))
     }
 
     /// The same for the pattern in its own coordinates.
     fn own_sign_within(&self, bounds: &Box3) -> Option<Expr> {
-        let (axes, own) = (Expr::axes(), self.copy.bounds());
-        let mut places: Vec<[Expr; 3]> = vec![axes.clone()];
+        let (axes, copy_bounds) = (Expr::axes(), self.copy.bounds());
+        let mut coordinates: Vec<[Expr; 3]> = vec![axes.clone()];
         let n_primitives = Csg::from_expr(self.copy.sign()).primitives().len() as u64;
         for (k, repeat) in self.along.into_iter().enumerate() {
             let (first, last, period) = match repeat {
                 Repeat::Once => continue,
                 Repeat::Times(count, period) => (0.0, f64::from(count) - 1.0, period),
-                // One more on each side covers any rounding.
+                // One more copy on each side covers any rounding.
                 Repeat::Every(period) => {
-                    let reach = [bounds.min[k] - own.max[k], bounds.max[k] - own.min[k]];
+                    let reach = [bounds.min[k] - copy_bounds.max[k], bounds.max[k] - copy_bounds.min[k]];
                     ((reach[0] / period).floor(), (reach[1] / period).ceil(), period)
                 }
             };
             let n = last - first + 1.0;
-            if !(n >= 1.0 && n * places.len() as f64 * n_primitives as f64 <= MOST_LISTED as f64) {
+            if !(n >= 1.0 && n * coordinates.len() as f64 * n_primitives as f64 <= MOST_LISTED as f64) {
                 return None;
             }
             let moved = |at: &[Expr; 3], number: f64| {
@@ -171,12 +172,12 @@ impl PeriodicPattern {
                 at
             };
             let numbers: Vec<f64> = (0..n as u64).map(|number| first + number as f64).collect();
-            places = places
+            coordinates = coordinates
                 .iter()
                 .flat_map(|at| numbers.iter().map(|n| moved(at, *n)).collect::<Vec<_>>())
                 .collect();
         }
-        let copies: Vec<Field> = places.iter().map(|at| self.copy.at(at)).collect();
+        let copies: Vec<Field> = coordinates.iter().map(|at| self.copy.at(at)).collect();
         let sign = Field::union_of(&copies).sign().clone();
         Some(if self.is_complement { -sign } else { sign })
     }
@@ -194,10 +195,10 @@ fn image(map: &[Expr; 3], bounds: &Box3) -> Option<Box3> {
     Some(Box3 { min: [x.lo(), y.lo(), z.lo()], max: [x.hi(), y.hi(), z.hi()] })
 }
 
-/// The copies along one axis that can be nearest to points of a cell, counted from the cell's own.
+/// The copies along one axis that can be nearest to points of a cell, counted from the cell's own copy.
 struct RepeatWindow {
     period: f64,
-    /// The number of copies, if it is finite.
+    /// The number of copies, if finite.
     count: Option<u32>,
     first: i64,
     last: i64,
@@ -225,8 +226,8 @@ impl RepeatWindow {
         if !(low.is_finite() && high.is_finite()) {
             return refused("a shape without ends cannot be repeated along them".into());
         }
-        // One more on each side than the quotients say would cover any rounding; a thousandth is far more
-        // than their rounding.
+        // One more copy on each side would cover any rounding of the quotients; a thousandth of a period is
+        // already far more than that.
         let (first, last) = ((-1.001 - high / period).ceil(), (1.001 - low / period).floor());
         if last - first >= MOST as f64 {
             return refused(format!(
@@ -241,15 +242,15 @@ impl RepeatWindow {
         self.count.map_or(window, |n| lesser(u64::from(n), window))
     }
 
-    /// The coordinate in the frame of each copy.
-    fn places(&self, axis: &Expr) -> Vec<Expr> {
+    /// The coordinate in the frame of each nearby copy.
+    fn nearby(&self, axis: &Expr) -> Vec<Expr> {
         let copy = |number: Expr| axis - number * self.period;
         if self.count.is_some_and(|n| u64::from(n) <= self.len()) {
-            return self.all(axis);
+            return self.all_copies(axis);
         }
-        let own = Expr::unary(Unary::Round, &(axis / self.period));
+        let cell = Expr::unary(Unary::Round, &(axis / self.period));
         let number = |k: i64| {
-            let number = if k == 0 { own.clone() } else { &own + k as f64 };
+            let number = if k == 0 { cell.clone() } else { &cell + k as f64 };
             match self.count {
                 None => number,
                 Some(n) => number.max(&0.0.into()).min(&f64::from(n - 1).into()),
@@ -258,8 +259,8 @@ impl RepeatWindow {
         (self.first..=self.last).map(|k| copy(number(k))).collect()
     }
 
-    /// The coordinate in the frame of each copy, where their number is finite.
-    fn all(&self, axis: &Expr) -> Vec<Expr> {
+    /// The coordinate in the frame of each copy, if their number is finite.
+    fn all_copies(&self, axis: &Expr) -> Vec<Expr> {
         let moved = |k: u32| if k == 0 { axis.clone() } else { axis - f64::from(k) * self.period };
         (0..self.count.unwrap_or(0)).map(moved).collect()
     }
@@ -283,8 +284,8 @@ mod tests {
         assert_eq!((small.first, small.last), (-1, 1));
         let long = RepeatWindow::new(Repeat::Every(1.0), -0.25, 2.5).expect("fine");
         assert_eq!((long.first, long.last), (-3, 1));
-        let far = RepeatWindow::new(Repeat::Every(1.0), 10.0, 10.5).expect("fine");
-        assert_eq!((far.first, far.last), (-11, -9));
+        let distant = RepeatWindow::new(Repeat::Every(1.0), 10.0, 10.5).expect("fine");
+        assert_eq!((distant.first, distant.last), (-11, -9));
         assert!(RepeatWindow::new(Repeat::Every(0.0), 0.0, 1.0).is_err());
     }
 }

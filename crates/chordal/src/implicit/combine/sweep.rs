@@ -10,7 +10,7 @@ use crate::math::{Box3, Interval, add_up, greater, lesser, mul_up, sqrt_up};
 
 impl Field {
     /// A planar shape (one that does not depend on z) extruded to half of `height` above and below 0. The
-    /// value is as good a distance as it was. Of a solid, the section at z = 0 is extruded.
+    /// distance quality of the value stays the same. For a solid, the section at z = 0 is extruded.
     ///
     /// # Errors
     /// When the height is not a finite number above 0.
@@ -38,24 +38,25 @@ impl Field {
             .with_depth(flat.depth().is_some())
             .known_distance(slice_distance(self))
             .known_bounds(common(endless, slab))
-            .known_construction(self.construction().and_then(|own| own.extruded(half)))
+            .known_construction(self.construction().and_then(|solids| solids.extruded(half)))
             .known_slack(self.slice_slack()))
     }
 
-    /// How far its section is from that of what it stands for: unknown of a solid, whose surface may be flat there.
+    /// The slack of its section at z = 0: unknown for a solid, whose surface may be flat there.
     fn slice_slack(&self) -> f64 {
         if self.slack() > 0.0 && self.tape().axes()[2] { f64::INFINITY } else { self.slack() }
     }
 
-    /// As [`Field::extruded`], with the edges of both ends cut off at 45°, `bevel` wide and high: over a point at a depth of
-    /// less than that in the planar shape, the solid ends as much before the plane of the end as the depth is less.
+    /// Like [`Field::extruded`], with the edges of both ends cut off at 45°, `bevel` wide and high: over a
+    /// point with a depth below `bevel` in the planar shape, the solid ends `bevel − depth` before the plane
+    /// of the end.
     ///
-    /// The depth is the shape's value. Where that is only a bound, the cut is up to as much wider as the bound is less than
-    /// the distance. The result's value is a bound.
+    /// The depth is the shape's value. If that is only a bound, the cut may be wider by the difference
+    /// between the distance and the bound. The result's value is a bound.
     ///
     /// # Errors
-    /// When the height or the bevel is not a finite number above 0, the bevel not less than half of the height, or the value
-    /// only a sign inside.
+    /// When the height or the bevel is not a finite number above 0, the bevel not less than half of the
+    /// height, or the value only a sign inside.
     ///
     /// ```
     /// use chordal::implicit::shapes::rectangle;
@@ -66,20 +67,22 @@ impl Field {
     /// ```
     pub fn extruded_with_bevel(&self, height: f64, bevel: f64) -> Result<Self, InvalidShape> {
         let (plain, [depth, below]) = self.extruded_with_depths(height, ("a bevel", bevel))?;
-        // The shape's value grows by 1 a length at most, and so does |z|, across it: by √2 both.
+        // The shape's value and |z| each grow by at most 1 per unit of length, in perpendicular directions:
+        // the sum by √2.
         let cut = depth + below + bevel;
         let scaled = &cut * std::f64::consts::FRAC_1_SQRT_2.next_down();
-        // At 45° the solid ends as much higher as a depth is more, and as much farther out: √2 of both.
+        // At 45° a larger depth raises and widens the solid by the same amount: √2 in total.
         let slack = plain.slack();
         let slack = if slack == 0.0 { 0.0 } else { mul_up(slack, std::f64::consts::SQRT_2.next_up()) };
         Ok(self.with_edges_cut(&plain, [&scaled, &cut]).known_slack(slack))
     }
 
-    /// As [`Field::extruded`], with the edges of both ends rounded to a radius: over a point at a depth of less than that in
-    /// the planar shape, the solid ends on a quarter of a circle, which touches the side and the plane of the end.
+    /// Like [`Field::extruded`], with the edges of both ends rounded to a radius: over a point with a depth
+    /// below the radius in the planar shape, the solid ends on a quarter of a circle, which touches the side
+    /// and the plane of the end.
     ///
-    /// The depth is the shape's value, as for [`Field::extruded_with_bevel`], and the result's value is a bound. Where the
-    /// shape is narrower than twice the radius, the rounded edges meet in a ridge.
+    /// The depth is the shape's value, as for [`Field::extruded_with_bevel`], and the result's value is a
+    /// bound. If the shape is narrower than twice the radius, the rounded edges meet in a ridge.
     ///
     /// # Errors
     /// As for [`Field::extruded_with_bevel`], with the radius in place of the bevel.
@@ -99,8 +102,8 @@ impl Field {
         Ok(self.with_edges_cut(&plain, [&cut, &cut]))
     }
 
-    /// The plain extrusion, the value of the planar shape and that of the planes of both ends, where a width fits below
-    /// half of the height and the depth is known.
+    /// The plain extrusion, the value of the planar shape, and that of the planes of both ends, if a width is
+    /// below half of the height and the value measures depth.
     fn extruded_with_depths(
         &self,
         height: f64,
@@ -121,7 +124,8 @@ impl Field {
         Ok((self.extruded(height)?, [flat.expr().clone(), z.abs() - half]))
     }
 
-    /// What is left of the plain extrusion by a value and a sign that are above 0 where its edges are cut off.
+    /// The plain extrusion, minus the points where a value, or its sign expression, is above 0: the cut
+    /// edges.
     fn with_edges_cut(&self, plain: &Self, [value, sign]: [&Expr; 2]) -> Self {
         let weak = |quality: DistanceQuality| lesser(quality, DistanceQuality::Bound);
         let Distance { outside, inside } = slice_distance(self);
@@ -134,17 +138,17 @@ impl Field {
     /// A planar shape revolved about its y axis, which becomes the z axis: the point (x, y) becomes the
     /// circle of radius x at the height y. Points at negative x have no effect.
     ///
-    /// Where the profile ends at the axis alone, by a side of a polygon or of a rectangle on it, the solid
-    /// goes on: it contains the axis, which a profile with a side on it does not.
+    /// If the profile ends at the axis only, by a side of a polygon or of a rectangle, that side is no
+    /// boundary of the solid: the solid contains the axis, although the profile does not.
     ///
     /// Exact distances stay exact if the shape's box does not touch the axis. If it touches, the value is
-    /// exact outside only; if it crosses, a bound.
+    /// exact only outside; if it crosses, it is a bound.
     #[must_use]
     pub fn revolved(&self) -> Self {
         let [x, y, z] = Expr::axes();
         let zero = Expr::constant(0.0);
         let profile = without_axis(self.sign());
-        // If the profile has no expression of its own for the sign, its leaf serves for both.
+        // If the profile has no separate sign expression, its leaf serves for both.
         let value = if self.has_own_sign() { self.expr() } else { &profile };
         let value = value.with_axes([(x.square() + y.square()).sqrt(), z.clone(), zero.clone()]);
         let sign = profile.with_axes([axis_distance(), z, zero]);
@@ -174,7 +178,7 @@ impl Field {
     }
 }
 
-/// The distance quality in the plane z = 0: that of a solid is a bound there.
+/// The distance quality in the plane z = 0: a solid's value is only a bound there.
 fn slice_distance(field: &Field) -> Distance {
     if field.tape().axes()[2] { bounds_at_most(field.distance()) } else { field.distance() }
 }

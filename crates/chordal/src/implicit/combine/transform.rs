@@ -37,8 +37,8 @@ impl Field {
         let n = unit("an axis of rotation", axis)?;
         let [angle_deg] = finite_point("an angle", [angle_deg])?;
         let (sin, cos) = sine_cosine_deg(angle_deg);
-        let rest = 1.0 - cos;
-        // The inverse rotation, which takes points back into the shape's own space.
+        let one_minus_cos = 1.0 - cos;
+        // The inverse rotation, which maps points back to the shape's own space.
         let rows = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 let (next, last) = ((i + 1) % 3, (i + 2) % 3);
@@ -49,7 +49,7 @@ impl Field {
                 } else {
                     cos
                 };
-                if i == j { n[i] * n[j] * rest + cos } else { n[i] * n[j] * rest + cross }
+                if i == j { n[i] * n[j] * one_minus_cos + cos } else { n[i] * n[j] * one_minus_cos + cross }
             })
         });
         // Its inverse is its transpose.
@@ -65,17 +65,17 @@ impl Field {
     pub fn scaled(&self, by: [f64; 3]) -> Result<Self, InvalidShape> {
         let by = finite_point("a scale", by)?;
         let sizes = by.map(f64::abs);
-        let least = sizes.iter().fold(f64::INFINITY, |m, s| lesser(*s, m));
-        if least < f64::MIN_POSITIVE {
-            return Err(InvalidShape::Number(format!("a scale is {least}, and must not be 0")));
+        let smallest = sizes.iter().fold(f64::INFINITY, |m, s| lesser(*s, m));
+        if smallest < f64::MIN_POSITIVE {
+            return Err(InvalidShape::Number(format!("a scale is {smallest}, and must not be 0")));
         }
         let axes = Expr::axes();
         let at = std::array::from_fn(|k| &axes[k] / by[k]);
-        let even = sizes.iter().all(|s| *s == least);
+        let even = sizes.iter().all(|s| *s == smallest);
         let distance = if even { self.distance() } else { bounds_at_most(self.distance()) };
         let scaled = self.at(&at);
-        let value = scaled.expr() * least;
-        let field = Self::from_parts(value, &[self]).map_sign(&scaled, |sign| sign * least);
+        let value = scaled.expr() * smallest;
+        let field = Self::from_parts(value, &[self]).map_sign(&scaled, |sign| sign * smallest);
         let field = field.with_depth(self.depth().is_some());
         let (min, max) = (self.bounds().min, self.bounds().max);
         let ends = |k: usize| side(min[k], max[k]) * Interval::point(by[k]);
@@ -83,8 +83,8 @@ impl Field {
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
         let factor = |k: usize| std::array::from_fn(|j| if j == k { by[k] } else { 0.0 });
         let field = field.known_construction(if even { self.placed([0, 1, 2].map(factor)) } else { None });
-        let most = sizes.iter().fold(0.0, |most, size| greater(*size, most));
-        let field = field.known_slack(self.stretched_slack(most));
+        let largest = sizes.iter().fold(0.0, |largest, size| greater(*size, largest));
+        let field = field.known_slack(self.stretched_slack(largest));
         Ok(field.known_distance(distance).known_bounds(bounds).with_pattern_at(self, &at))
     }
 
@@ -119,7 +119,7 @@ impl Field {
         Ok(self.map_linear(inverse, shift))
     }
 
-    /// How the shape is put together under a further map.
+    /// The shape's construction under a further map.
     fn placed(&self, rows: [[f64; 4]; 3]) -> Option<Construction> {
         self.construction()?.placed(rows)
     }
@@ -142,16 +142,16 @@ impl Field {
             field.with_depth(self.depth().is_some())
         };
         let field = field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift));
-        // The rows take points back into the shape.
+        // The rows map points back into the shape.
         let slack = if rigid { self.stretched_slack((1.0 / stretch).next_up()) } else { field.slack() };
         field.known_slack(slack).with_pattern_at(self, &at)
     }
 
-    /// How far it is from what it stands for once both are stretched alike.
+    /// The slack after the shape and its ideal are both stretched by a factor.
     fn stretched_slack(&self, factor: f64) -> f64 {
         /// Derived: matrices of rounded sines and unit vectors are off by some 64 roundings.
-        const ROOM: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
-        if self.slack() == 0.0 { 0.0 } else { mul_up(self.slack(), mul_up(factor, ROOM)) }
+        const MARGIN: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+        if self.slack() == 0.0 { 0.0 } else { mul_up(self.slack(), mul_up(factor, MARGIN)) }
     }
 
     /// Adds the pattern of another field at mapped points, if it has one.
@@ -162,7 +162,7 @@ impl Field {
         }
     }
 
-    /// The value and the sign at other points.
+    /// The field with its value and sign at mapped points.
     pub(super) fn at(&self, at: &[Expr; 3]) -> Self {
         let value = self.expr().with_axes(at.clone());
         let placed = Self::from_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()));
@@ -180,8 +180,8 @@ pub(super) fn bounds_at_most(distance: Distance) -> Distance {
 fn sine_cosine_deg(angle: f64) -> (f64, f64) {
     let turned = angle.rem_euclid(360.0);
     let quarter = (turned / 90.0).round();
-    let rest = (turned - 90.0 * quarter).to_radians();
-    let (sin, cos) = (elementary::sin(rest), elementary::cos(rest));
+    let remainder = (turned - 90.0 * quarter).to_radians();
+    let (sin, cos) = (elementary::sin(remainder), elementary::cos(remainder));
     match quarter as i32 % 4 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -190,13 +190,14 @@ fn sine_cosine_deg(angle: f64) -> (f64, f64) {
     }
 }
 
-/// The largest stretch of a vector, rounded up, and whether all are stretched alike (but for rounding).
+/// The largest stretch of a vector, rounded up, and whether all vectors are stretched equally, up to
+/// rounding.
 fn stretch(rows: [[f64; 3]; 3]) -> (f64, bool) {
     // Mᵀ M, whose largest eigenvalue is at most the largest sum of a row.
     let product =
         |i: usize, j: usize| rows[0][i] * rows[0][j] + rows[1][i] * rows[1][j] + rows[2][i] * rows[2][j];
     let size = (product(0, 0) + product(1, 1) + product(2, 2)) / 3.0;
-    // Derived: matrices made of rounded sines and unit vectors are off by some 20 roundings.
+    // Derived: matrices of rounded sines and unit vectors are off by some 20 roundings.
     let slack = 64.0 * f64::EPSILON * size;
     let rigid =
         (0..3).all(|i| (0..3).all(|j| (product(i, j) - if i == j { size } else { 0.0 }).abs() <= slack));
@@ -211,8 +212,8 @@ fn stretch(rows: [[f64; 3]; 3]) -> (f64, bool) {
             add_up(sum, add_up(product(i, j).abs(), 8.0 * f64::EPSILON * terms))
         })
     };
-    let most = [0, 1, 2].map(row).into_iter().fold(0.0, |m, x| greater(x, m));
-    (sqrt_up(most), false)
+    let largest = [0, 1, 2].map(row).into_iter().fold(0.0, |m, x| greater(x, m));
+    (sqrt_up(largest), false)
 }
 
 fn side(low: f64, high: f64) -> Interval {
@@ -223,7 +224,7 @@ fn middle(range: Interval) -> f64 {
     range.midpoint().unwrap_or(f64::NAN)
 }
 
-/// The inverse, enclosed in intervals; `None` where the determinant may be 0.
+/// The inverse, enclosed in intervals; `None` if the determinant may be 0.
 fn inverse(rows: [[f64; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
     let m = rows.map(|row| row.map(Interval::point));
     let minor = |i: usize, j: usize| {

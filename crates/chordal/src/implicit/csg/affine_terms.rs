@@ -1,4 +1,4 @@
-//! Terms that are linear functions of the coordinates: levels of all that have one gradient are planes of one family.
+//! Terms that are linear functions of the coordinates: all levels with one gradient are planes of one family.
 use crate::implicit::Term;
 use crate::implicit::op::{Binary, Unary};
 use crate::math::{exponent, length, power_of_two};
@@ -10,7 +10,8 @@ pub(super) struct AffineTerm {
     /// Without rounding.
     gradient: [f64; 3],
     offset: f64,
-    /// The sum of the numbers that the offset was made of: it is off by some roundings of that.
+    /// The sum of the absolute values that the offset was computed from: a bound on its rounding is a
+    /// multiple of it.
     size: f64,
 }
 
@@ -25,7 +26,7 @@ impl AffineTerm {
         Self { gradient: self.gradient.map(|x| 0.0 - x), offset: 0.0 - self.offset, size: self.size }
     }
 
-    /// `None` where a component of the gradient would be rounded.
+    /// `None` if a component of the gradient would be rounded.
     fn plus(self, other: Self) -> Option<Self> {
         let mut gradient = [0.0; 3];
         for (k, sum) in gradient.iter_mut().enumerate() {
@@ -77,10 +78,10 @@ pub(super) struct AffineTerms {
 
 impl AffineTerms {
     pub fn new(terms: &[Term]) -> Self {
-        let mut all: Vec<Option<AffineTerm>> = Vec::with_capacity(terms.len());
+        let mut affine: Vec<Option<AffineTerm>> = Vec::with_capacity(terms.len());
         for term in terms {
-            let of = |part: u32| all[part as usize];
-            let made = match *term {
+            let operand = |part: u32| affine[part as usize];
+            let term_value = match *term {
                 Term::Const(value) => {
                     Some(AffineTerm { offset: value, size: value.abs(), ..AffineTerm::ZERO })
                 }
@@ -88,26 +89,28 @@ impl AffineTerms {
                     let gradient = std::array::from_fn(|k| if k == usize::from(axis) { 1.0 } else { 0.0 });
                     Some(AffineTerm { gradient, ..AffineTerm::ZERO })
                 }
-                Term::Unary(Unary::Neg, a) => of(a).map(AffineTerm::negated),
-                Term::Binary(op, a, b) => of(a).zip(of(b)).and_then(|(a, b)| combined(op, a, b)),
+                Term::Unary(Unary::Neg, a) => operand(a).map(AffineTerm::negated),
+                Term::Binary(op, a, b) => operand(a).zip(operand(b)).and_then(|(a, b)| combined(op, a, b)),
                 Term::Unary(..) | Term::Leaf(..) => None,
             };
-            all.push(made.filter(|one| one.offset.is_finite() && length(one.gradient).is_finite()));
+            affine.push(
+                term_value.filter(|value| value.offset.is_finite() && length(value.gradient).is_finite()),
+            );
         }
-        Self { all, families: BTreeMap::new() }
+        Self { all: affine, families: BTreeMap::new() }
     }
 
     /// The planes of a term, if it is linear and not constant.
     pub fn family(&mut self, term: u32) -> Option<PlaneFamily> {
-        let found = self.all[term as usize].filter(|one| !one.is_constant())?;
-        let is_opposite = found.gradient.iter().find(|x| **x != 0.0).is_some_and(|x| *x < 0.0);
-        let plain = if is_opposite { found.negated() } else { found };
+        let affine = self.all[term as usize].filter(|affine| !affine.is_constant())?;
+        let is_opposite = affine.gradient.iter().find(|x| **x != 0.0).is_some_and(|x| *x < 0.0);
+        let normalized = if is_opposite { affine.negated() } else { affine };
         let next = self.families.len() as u32;
         // −0 and 0 are one number.
-        let key = plain.gradient.map(|x| (x + 0.0).to_bits());
+        let key = normalized.gradient.map(|x| (x + 0.0).to_bits());
         let number = *self.families.entry(key).or_insert(next);
-        let steepness = length(plain.gradient);
-        let AffineTerm { offset, size, .. } = plain;
+        let steepness = length(normalized.gradient);
+        let AffineTerm { offset, size, .. } = normalized;
         (steepness > 0.0).then_some(PlaneFamily { number, steepness, is_opposite, offset, size })
     }
 }

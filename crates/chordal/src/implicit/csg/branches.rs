@@ -1,9 +1,10 @@
-//! `ContinuousBranches`: a primitive with steps as several without, one for each combination of step values.
+//! `ContinuousBranches`: a primitive with steps as several functions without, one for each combination of
+//! step values.
 //!
-//! In a box where it jumps once, `round(x)` has two values, k and k + 1, and each makes a function without a
-//! step. The primitive has the values of one or the other, so both intervals together contain all of its
+//! In a box in which it jumps once, `round(x)` has two values, k and k + 1, and each makes a function without
+//! a step. The primitive equals one or the other at each point, so both intervals together contain all of its
 //! values. They are far tighter than one interval for all numbers from k to k + 1: in a repeated shape,
-//! `x − round(x)` would be any number from −1/2 to 1/2. Where each step has one value throughout, the
+//! `x − round(x)` would be any number from −1/2 to 1/2. If each step has one value throughout the box, the
 //! primitive is one of these functions, with its gradient.
 use crate::implicit::graph::{parts, reachable};
 use crate::implicit::op::{Binary, Unary};
@@ -11,11 +12,11 @@ use crate::implicit::{ExprGraph, LeafError, Tape, Term};
 use crate::math::{Box3, Interval};
 use std::collections::HashMap;
 
-/// The most functions that are evaluated for a box in place of one. Chosen: a corner where steps along all
-/// three axes meet.
+/// The most functions that are evaluated for a box instead of the primitive. Chosen: a corner where steps
+/// along all three axes meet.
 const MOST: usize = 8;
-/// The most terms in all functions of a primitive; further boxes are evaluated as a whole. Defined: some
-/// hundred megabytes.
+/// The most terms in all functions of a primitive; beyond, boxes are evaluated with the primitive itself.
+/// Defined: some hundred megabytes.
 const MOST_TERMS: usize = 1 << 20;
 
 /// Integers below this are exact as floats.
@@ -26,7 +27,7 @@ const LEAST_INEXACT: f64 = (1_u64 << 53) as f64;
 pub(super) struct ContinuousBranches {
     terms: Vec<Term>,
     steps: Vec<StepTerm>,
-    /// The functions made so far.
+    /// The functions built so far.
     pub functions: Vec<Tape>,
     /// By the values of the steps.
     numbers: HashMap<Vec<i64>, u32>, // No order depends on it.
@@ -50,7 +51,7 @@ enum RoundingMode {
 }
 
 impl ContinuousBranches {
-    /// None if there are no steps, or others than roundings and remainders that do not depend on each other.
+    /// None if there are no steps, or if some are not roundings or remainders or depend on each other.
     pub fn from_terms(terms: &[Term]) -> Option<Self> {
         let mut steps = Vec::new();
         let mut depends = vec![false; terms.len()];
@@ -85,7 +86,7 @@ impl ContinuousBranches {
     }
 
     /// For each box the indices of functions; at each point of the box the primitive equals one of them. None
-    /// where there are too many.
+    /// if there are too many.
     pub fn over(&mut self, boxes: &[Box3]) -> Result<Vec<Option<Vec<u32>>>, LeafError> {
         let mut values: Vec<Vec<[i64; 2]>> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
@@ -105,12 +106,12 @@ impl ContinuousBranches {
         if count.fold(1, usize::saturating_mul) > MOST {
             return None;
         }
-        let mut all = Vec::new();
+        let mut functions = Vec::new();
         let mut at: Vec<i64> = ends.iter().map(|[a, _]| *a).collect();
         loop {
-            all.push(self.function(&at)?);
+            functions.push(self.function(&at)?);
             // The next combination of values.
-            let Some(step) = (0..at.len()).find(|k| at[*k] < ends[*k][1]) else { return Some(all) };
+            let Some(step) = (0..at.len()).find(|k| at[*k] < ends[*k][1]) else { return Some(functions) };
             at[step] += 1;
             (0..step).for_each(|k| at[k] = ends[k][0]);
         }
@@ -133,26 +134,26 @@ impl ContinuousBranches {
     /// contain the primitive's values.
     fn graph(&self, at: &[i64]) -> ExprGraph {
         let mut terms: Vec<Term> = Vec::with_capacity(self.terms.len());
-        let mut place: Vec<u32> = Vec::with_capacity(self.terms.len());
+        let mut new_index: Vec<u32> = Vec::with_capacity(self.terms.len());
         let mut steps = self.steps.iter().zip(at).peekable();
         for (k, term) in self.terms.iter().enumerate() {
-            let new = |old: &u32| place[*old as usize];
+            let map_term = |old: &u32| new_index[*old as usize];
             let step = steps.next_if(|(step, _)| step.term == k as u32);
-            let made = match (step.map(|(step, value)| (step.how, *value as f64)), term) {
+            let copy = match (step.map(|(step, value)| (step.how, *value as f64)), term) {
                 (Some((RoundingMode::Remainder(period), times)), Term::Binary(_, a, _)) => {
                     let first = terms.len() as u32;
                     terms.extend([Term::Const(times), Term::Const(period)]);
                     terms.push(Term::Binary(Binary::Mul, first, first + 1));
-                    Term::Binary(Binary::Sub, new(a), first + 2)
+                    Term::Binary(Binary::Sub, map_term(a), first + 2)
                 }
                 (Some((_, value)), _) => Term::Const(value),
-                (None, Term::Unary(op, a)) => unary(&terms, *op, new(a)),
-                (None, Term::Binary(op, a, b)) => binary(&terms, *op, new(a), new(b)),
-                (None, Term::Leaf(leaf, at)) => Term::Leaf(leaf.clone(), at.each_ref().map(new)),
+                (None, Term::Unary(op, a)) => unary(&terms, *op, map_term(a)),
+                (None, Term::Binary(op, a, b)) => binary(&terms, *op, map_term(a), map_term(b)),
+                (None, Term::Leaf(leaf, at)) => Term::Leaf(leaf.clone(), at.each_ref().map(map_term)),
                 (None, Term::Const(_) | Term::Axis(_)) => term.clone(),
             };
-            terms.push(made);
-            place.push(terms.len() as u32 - 1);
+            terms.push(copy);
+            new_index.push(terms.len() as u32 - 1);
         }
         let root = terms.len() as u32 - 1;
         ExprGraph::from_terms(reachable(terms, root))
@@ -193,17 +194,17 @@ impl RoundingMode {
         Tape::from_graph(ExprGraph::from_terms(reachable(terms, root)))
     }
 
-    /// The first and last integer over an interval; all integers where that is not known.
+    /// The first and last integer over an interval; all integers if the interval has no known values.
     fn values(self, range: Interval) -> [i64; 2] {
         if !range.is_defined() {
             return [i64::MIN, i64::MAX];
         }
-        let whole = |x: f64| match self {
+        let rounded = |x: f64| match self {
             Self::Down | Self::Remainder(_) => x.floor(),
             Self::Up => x.ceil(),
             Self::Nearest => x.round(),
         };
-        let ends = [range.lo(), range.hi()].map(whole);
+        let ends = [range.lo(), range.hi()].map(rounded);
         let is_exact = ends.iter().all(|x| x.abs() < LEAST_INEXACT);
         if is_exact { ends.map(|x| x as i64) } else { [i64::MIN, i64::MAX] }
     }

@@ -1,20 +1,19 @@
 //! `Curvature`: whether a primitive is convex or concave, by the rules of composition.
 //!
-//! Planes, balls, cylinders, cones, capsules and rounded boxes are convex functions, and so they are at most as large on
-//! a triangle as at its corners, however coarse it is.
+//! Planes, balls, cylinders, cones, capsules and rounded boxes are convex functions, and so they are at most
+//! as large on a triangle as at its corners, however coarse it is. The rules are about the exact function of
+//! real numbers, on all of space: a function that is not defined everywhere is unknown. Sums, maxima and
+//! positive multiples of convex functions are convex. The square of a convex function that is nowhere
+//! negative is convex, since squares grow there. So is the root of a sum of such squares and of squares of
+//! linear functions, since a norm is convex and grows with the size of each of its components.
 //!
-//! The rules are about the exact function of real numbers, on all of space: what is not defined everywhere is
-//! unknown. Sums, maxima and positive multiples of convex functions are convex; the square of one that is not negative
-//! is, since squares grow there; and so is the root of a sum of such squares and of squares of linear functions, since
-//! a norm is convex and grows with the size of each of its components.
-//!
-//! Source: M. Grant, S. Boyd, Y. Ye, *Disciplined convex programming*, 2006; S. Boyd, L. Vandenberghe, *Convex
-//! optimization*, 2004, 3.2.
+//! Source: M. Grant, S. Boyd, Y. Ye, *Disciplined convex programming*, 2006; S. Boyd, L. Vandenberghe,
+//! *Convex optimization*, 2004, 3.2.
 use crate::implicit::Term;
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::shapes::is_axis_distance;
 
-/// What is known of how a function bends.
+/// How a function bends, as far as known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curvature {
     /// It is linear, which is both.
@@ -28,11 +27,11 @@ pub enum Curvature {
 }
 
 impl Curvature {
-    /// Of the function of some terms, the last of which is its value.
+    /// The curvature of the last of some terms.
     pub(super) fn from_terms(terms: &[Term]) -> Self {
-        let mut all: Vec<TermBending> = Vec::with_capacity(terms.len());
-        terms.iter().for_each(|term| all.push(TermBending::new(term, &all)));
-        all.last().map_or(Self::Unknown, |root| root.curvature)
+        let mut bendings: Vec<TermBending> = Vec::with_capacity(terms.len());
+        terms.iter().for_each(|term| bendings.push(TermBending::new(term, &bendings)));
+        bendings.last().map_or(Self::Unknown, |root| root.curvature)
     }
 
     /// Whether it is nowhere above its linear interpolation.
@@ -57,20 +56,21 @@ impl Curvature {
 
     fn plus(self, other: Self) -> Self {
         match (self, other) {
-            (Self::Linear, one) | (one, Self::Linear) => one,
-            (one, same) if one == same => one,
+            (Self::Linear, known) | (known, Self::Linear) => known,
+            (known, same) if known == same => known,
             _ => Self::Unknown,
         }
     }
 }
 
-/// What is known of a term.
+/// The properties of a term, as far as known.
 #[derive(Clone, Copy, Debug)]
 struct TermBending {
     curvature: Curvature,
     /// It is at least 0 everywhere.
     is_positive: bool,
-    /// It is a sum of squares of functions that are linear, or convex and at least 0, and of such numbers.
+    /// It is a sum of squares of functions that are linear, or convex and at least 0, and of numbers that are
+    /// at least 0.
     is_sum_of_squares: bool,
     constant: Option<f64>,
 }
@@ -79,8 +79,8 @@ impl TermBending {
     const UNKNOWN: Self =
         Self { curvature: Curvature::Unknown, is_positive: false, is_sum_of_squares: false, constant: None };
 
-    /// 0.
-    const NOTHING: Self = Self {
+    /// The constant 0.
+    const ZERO: Self = Self {
         curvature: Curvature::Linear,
         is_positive: true,
         is_sum_of_squares: true,
@@ -88,21 +88,21 @@ impl TermBending {
     };
 
     fn new(term: &Term, below: &[Self]) -> Self {
-        let of = |part: u32| below[part as usize];
+        let bending = |part: u32| below[part as usize];
         match *term {
             Term::Const(value) if value.is_finite() => Self {
                 is_positive: value >= 0.0,
                 is_sum_of_squares: value >= 0.0,
                 constant: Some(value),
-                ..Self::NOTHING
+                ..Self::ZERO
             },
             Term::Axis(_) => Self { curvature: Curvature::Linear, ..Self::UNKNOWN },
-            Term::Unary(op, a) => of(a).after(op),
-            Term::Binary(Binary::Mul, a, b) if a == b => of(a).after(Unary::Square),
-            Term::Binary(op, a, b) => of(a).with(op, of(b)),
-            // The length of a vector of two parts.
+            Term::Unary(op, a) => bending(a).after(op),
+            Term::Binary(Binary::Mul, a, b) if a == b => bending(a).after(Unary::Square),
+            Term::Binary(op, a, b) => bending(a).with(op, bending(b)),
+            // The length of a vector of two components.
             Term::Leaf(ref leaf, [x, y, _]) if is_axis_distance(&**leaf) => {
-                let square = |part: u32| of(part).after(Unary::Square);
+                let square = |part: u32| bending(part).after(Unary::Square);
                 square(x).with(Binary::Add, square(y)).after(Unary::Sqrt)
             }
             Term::Const(_) | Term::Leaf(..) => Self::UNKNOWN,
@@ -141,7 +141,7 @@ impl TermBending {
                 (None, None) => Self::UNKNOWN,
             },
             Binary::Div => match other.constant.filter(|divisor| *divisor != 0.0) {
-                // Of the factor the sign alone matters.
+                // Only the sign of the factor matters.
                 Some(divisor) => self.times(divisor),
                 None => Self::UNKNOWN,
             },
@@ -160,13 +160,13 @@ impl TermBending {
         }
     }
 
-    /// A multiple of it, as far as that depends on the sign of the factor.
+    /// The properties of its multiple, which depend only on the sign of the factor.
     fn times(self, factor: f64) -> Self {
         match factor {
             factor if factor > 0.0 => Self { constant: None, ..self },
             factor if factor < 0.0 => self.after(Unary::Neg),
-            // Of a function that is defined everywhere nothing is left.
-            0.0 if self.curvature != Curvature::Unknown => Self::NOTHING,
+            // 0 times a function that is defined everywhere is 0.
+            0.0 if self.curvature != Curvature::Unknown => Self::ZERO,
             _ => Self::UNKNOWN,
         }
     }

@@ -6,11 +6,11 @@ use crate::implicit::op::Binary;
 use crate::implicit::{Dual, LeafError, Tape, Term};
 use crate::math::{Box3, Interval, greater, lesser};
 
-/// What is known about a primitive in a box.
+/// The values and gradients of a primitive in a box, as far as known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DualRange {
-    /// A lower and an upper bound of all values; infinite where nothing is known. Where the primitive is
-    /// undefined at a point, nothing is known.
+    /// A lower and an upper bound of all values; infinite if nothing is known, for example because the
+    /// primitive is undefined at some point.
     pub value: [f64; 2],
     /// If the primitive is Lipschitz in the box: intervals of its generalized gradients (Clarke's), so that
     /// the mean value theorem holds with them.
@@ -35,22 +35,24 @@ fn values(primitive: &Primitive, range: Interval) -> [f64; 2] {
     if holds_all { [range.lo(), range.hi()] } else { DualRange::UNKNOWN.value }
 }
 
-/// Rows per call of a primitive: several blocks of registers, and few enough to distribute among threads.
+/// Rows per call of a primitive. Chosen: several blocks of registers, and small enough to share among
+/// threads.
 const CHUNK: usize = 1024;
-/// Queries evaluated at once: some tens of megabytes. Leaves get everything in one call.
+/// Queries evaluated at once: some tens of megabytes. Leaves get all queries in one call.
 const AT_ONCE: usize = 1 << 17;
 /// Tapes with fewer steps are not pruned by region. Chosen: pruning takes about as long as some hundred
 /// evaluations of a step.
 const LONG: usize = 48;
-/// A region gets its own tape from so many queries on. Measured on 100 blended balls: making a tape costs as
-/// much as some 20 intervals.
+/// A region with at least this many queries gets its own tape. Measured on 100 blended balls: pruning a tape
+/// costs as much as some 20 intervals.
 const WORTH: usize = 32;
-/// The deepest level of regions. Measured on 100 blended balls: tapes get no shorter after 9.
+/// The deepest level of regions. Measured on 100 blended balls: beyond 9, tapes get no shorter.
 const DEEPEST: u32 = 9;
 /// The bytes of a step in a tape, roughly: its term, its step of the program, and overhead.
 const BYTES_A_STEP: u64 = 160;
 
-/// Points that take as long as a box. Measured: intervals with gradients take three to six times as long as values.
+/// The number of points that take as long as a box. Measured: intervals with gradients take three to six
+/// times as long as values.
 const POINTS_A_BOX: u64 = 4;
 
 /// A region of the domain with the tape of a primitive, pruned for the region and its surroundings.
@@ -66,12 +68,12 @@ pub(super) struct TapeRegion {
 /// The primitives of a CSG tree over a domain, evaluated in batches on the threads of a job.
 ///
 /// Long primitives, such as chains of blends, are pruned for each region of the domain with many queries.
-/// Values are those of the whole primitive, bit for bit; intervals contain them, and are tighter.
+/// Values are those of the unpruned primitive, bit for bit; intervals contain its values, and are tighter.
 #[derive(Debug)]
 pub struct PrimitiveEvaluator<'a> {
     csg: &'a Csg,
     job: &'a Job,
-    /// By primitive: its regions, the first of which is the whole domain.
+    /// By primitive: its regions, the first of which is the entire domain.
     pub(super) regions: Vec<Vec<TapeRegion>>,
     /// By primitive: its branches, if it has steps.
     branches: Vec<Option<ContinuousBranches>>,
@@ -83,7 +85,7 @@ pub struct PrimitiveEvaluator<'a> {
 
 /// The answer to a query.
 trait IntervalHull: Copy + Send + Sync {
-    /// The answer that holds where at least one of both does.
+    /// The answer that holds if at least one of the two does.
     fn hull(self, other: Self) -> Self;
 }
 
@@ -94,7 +96,7 @@ impl IntervalHull for [f64; 2] {
 }
 
 impl IntervalHull for DualRange {
-    /// The function may jump between both, so there is no gradient.
+    /// The function may jump between the two, so there is no gradient.
     fn hull(self, other: Self) -> Self {
         Self { value: self.value.hull(other.value), gradient: None }
     }
@@ -122,7 +124,7 @@ struct TapeBatch {
 }
 
 impl TapeBatch {
-    /// Adds a tape's queries in chunks. A leaf gets everything in one call, and makes its own chunks.
+    /// Adds a tape's queries in chunks. A leaf gets all queries in one call, and makes its own chunks.
     fn push_all(primitive: u32, tape: &Tape, rows: &[u32], batches: &mut Vec<Self>) {
         let size = if tape.has_leaves() { rows.len().max(1) } else { CHUNK };
         let batch = |rows: &[u32]| Self { primitive, tape: tape.clone(), rows: rows.to_vec() };
@@ -154,7 +156,7 @@ impl QueryRegion for Box3 {
 }
 
 impl<'a> PrimitiveEvaluator<'a> {
-    /// An evaluator for a domain. Points outside of it are allowed, at the cost of the whole tapes.
+    /// An evaluator for a domain. Points outside of it are allowed, but are evaluated with unpruned tapes.
     #[must_use]
     pub fn new(csg: &'a Csg, domain: &Box3, job: &'a Job) -> Self {
         let centre = domain.centre();
@@ -191,13 +193,13 @@ impl<'a> PrimitiveEvaluator<'a> {
         self.n_points
     }
 
-    /// What was evaluated so far, in points.
+    /// The work so far, in evaluations of a point.
     #[must_use]
     pub fn work(&self) -> u64 {
         self.n_points + POINTS_A_BOX * self.n_boxes
     }
 
-    /// Whether the job has used up its evaluations, or is to finish.
+    /// Whether the job's evaluations are used up, or it is to finish.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.job.is_over()
@@ -220,19 +222,19 @@ impl<'a> PrimitiveEvaluator<'a> {
     ///
     /// # Errors
     /// When a leaf fails.
-    pub fn values(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<f64>, LeafError> {
-        self.count(questions.len(), 0);
-        self.answer(questions, 0.0, |batch, at, out: &mut [f64]| batch.tape.at(at, out))
+    pub fn values(&mut self, queries: &[(u32, [f64; 3])]) -> Result<Vec<f64>, LeafError> {
+        self.count(queries.len(), 0);
+        self.answer(queries, 0.0, |batch, at, out: &mut [f64]| batch.tape.at(at, out))
     }
 
     /// The value and gradient of a primitive at a point, for each query.
     ///
     /// # Errors
     /// When a leaf fails.
-    pub fn duals(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<Dual<f64>>, LeafError> {
-        self.count(questions.len(), 0);
+    pub fn duals(&mut self, queries: &[(u32, [f64; 3])]) -> Result<Vec<Dual<f64>>, LeafError> {
+        self.count(queries.len(), 0);
         let none = Dual { value: 0.0, gradient: [0.0; 3] };
-        self.answer(questions, none, |batch, at, out: &mut [Dual<f64>]| batch.tape.gradient_at(at, out))
+        self.answer(queries, none, |batch, at, out: &mut [Dual<f64>]| batch.tape.gradient_at(at, out))
     }
 
     /// An interval `[low, high]` of all values of a primitive in a box, rounded outward, for each query; see
@@ -240,14 +242,14 @@ impl<'a> PrimitiveEvaluator<'a> {
     ///
     /// # Errors
     /// When a leaf fails.
-    pub fn ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<[f64; 2]>, LeafError> {
-        self.count(0, questions.len());
+    pub fn ranges(&mut self, queries: &[(u32, Box3)]) -> Result<Vec<[f64; 2]>, LeafError> {
+        self.count(0, queries.len());
         let primitives = &self.csg.primitives;
-        self.answer(questions, DualRange::UNKNOWN.value, |batch, at, out: &mut [[f64; 2]]| {
-            let mut found = vec![Interval::UNKNOWN; at.len()];
-            batch.tape.over(at, &mut found)?;
+        self.answer(queries, DualRange::UNKNOWN.value, |batch, at, out: &mut [[f64; 2]]| {
+            let mut ranges = vec![Interval::UNKNOWN; at.len()];
+            batch.tape.over(at, &mut ranges)?;
             let primitive = &primitives[batch.primitive as usize];
-            out.iter_mut().zip(found).for_each(|(out, range)| *out = values(primitive, range));
+            out.iter_mut().zip(ranges).for_each(|(out, range)| *out = values(primitive, range));
             Ok(())
         })
     }
@@ -256,54 +258,54 @@ impl<'a> PrimitiveEvaluator<'a> {
     ///
     /// # Errors
     /// When a leaf fails.
-    pub fn dual_ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<DualRange>, LeafError> {
-        self.count(0, questions.len());
+    pub fn dual_ranges(&mut self, queries: &[(u32, Box3)]) -> Result<Vec<DualRange>, LeafError> {
+        self.count(0, queries.len());
         let primitives = &self.csg.primitives;
-        self.answer(questions, DualRange::UNKNOWN, |batch, at, out: &mut [DualRange]| {
+        self.answer(queries, DualRange::UNKNOWN, |batch, at, out: &mut [DualRange]| {
             let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
-            let mut found = vec![unknown; at.len()];
-            batch.tape.gradient_over(at, &mut found)?;
+            let mut slopes = vec![unknown; at.len()];
+            batch.tape.gradient_over(at, &mut slopes)?;
             let primitive = &primitives[batch.primitive as usize];
-            out.iter_mut().zip(found).for_each(|(out, slope)| *out = DualRange::new(primitive, &slope));
+            out.iter_mut().zip(slopes).for_each(|(out, slope)| *out = DualRange::new(primitive, &slope));
             Ok(())
         })
     }
 
-    /// Returns the answers in the order of the queries, whatever the batches.
+    /// Returns the answers in the order of the queries, whatever the order of the batches.
     fn answer<Q: QueryRegion, R: IntervalHull>(
         &mut self,
-        questions: &[(u32, Q)],
+        queries: &[(u32, Q)],
         none: R,
         ask: impl Fn(&TapeBatch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync,
     ) -> Result<Vec<R>, LeafError> {
-        let most = if self.has_leaves { questions.len().max(1) } else { AT_ONCE };
-        let mut answers = Vec::with_capacity(questions.len());
-        for part in questions.chunks(most) {
-            self.answer_part(part, none, &ask, &mut answers)?;
+        let chunk_len = if self.has_leaves { queries.len().max(1) } else { AT_ONCE };
+        let mut answers = Vec::with_capacity(queries.len());
+        for chunk in queries.chunks(chunk_len) {
+            self.answer_part(chunk, none, &ask, &mut answers)?;
         }
         Ok(answers)
     }
 
     fn answer_part<Q: QueryRegion, R: IntervalHull>(
         &mut self,
-        questions: &[(u32, Q)],
+        queries: &[(u32, Q)],
         none: R,
         ask: &(impl Fn(&TapeBatch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync),
         answers: &mut Vec<R>,
     ) -> Result<(), LeafError> {
-        let batches = self.batches(questions)?;
-        let found = par_map(self.job, &batches, |_, batch| {
-            let at: Vec<Q> = batch.rows.iter().map(|row| questions[*row as usize].1).collect();
+        let batches = self.batches(queries)?;
+        let batch_answers = par_map(self.job, &batches, |_, batch| {
+            let at: Vec<Q> = batch.rows.iter().map(|row| queries[*row as usize].1).collect();
             let mut out = vec![none; at.len()];
             ask(batch, &at, &mut out).map(|()| out)
         });
         let start = answers.len();
-        answers.resize(start + questions.len(), none);
-        let mut is_known = vec![false; questions.len()];
-        for (batch, found) in batches.iter().zip(found) {
-            for (row, answer) in batch.rows.iter().zip(found?) {
-                let known = &mut answers[start + *row as usize];
-                *known = if is_known[*row as usize] { known.hull(answer) } else { answer };
+        answers.resize(start + queries.len(), none);
+        let mut is_known = vec![false; queries.len()];
+        for (batch, answers_of_batch) in batches.iter().zip(batch_answers) {
+            for (row, answer) in batch.rows.iter().zip(answers_of_batch?) {
+                let hull = &mut answers[start + *row as usize];
+                *hull = if is_known[*row as usize] { hull.hull(answer) } else { answer };
                 is_known[*row as usize] = true;
             }
         }
@@ -311,13 +313,13 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 
     /// Groups the queries by tape.
-    fn batches<Q: QueryRegion>(&mut self, questions: &[(u32, Q)]) -> Result<Vec<TapeBatch>, LeafError> {
+    fn batches<Q: QueryRegion>(&mut self, queries: &[(u32, Q)]) -> Result<Vec<TapeBatch>, LeafError> {
         let mut by_primitive: Vec<Vec<u32>> = vec![Vec::new(); self.regions.len()];
-        questions.iter().enumerate().for_each(|(row, (p, _))| by_primitive[*p as usize].push(row as u32));
+        queries.iter().enumerate().for_each(|(row, (p, _))| by_primitive[*p as usize].push(row as u32));
         let mut batches = Vec::new();
         for (primitive, rows) in by_primitive.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let number = primitive as u32;
-            let rows = if Q::BRANCHES { self.branch(number, questions, rows, &mut batches)? } else { rows };
+            let rows = if Q::BRANCHES { self.branch(number, queries, rows, &mut batches)? } else { rows };
             if rows.is_empty() {
                 continue;
             }
@@ -326,43 +328,45 @@ impl<'a> PrimitiveEvaluator<'a> {
                 TapeBatch::push_all(number, tape, &rows, &mut batches);
                 continue;
             }
-            self.route(number, questions, rows, &mut batches)?;
+            self.route(number, queries, rows, &mut batches)?;
         }
         Ok(batches)
     }
 
-    /// Adds queries for the branches of a primitive with steps. Returns the rows that need the primitive as a
-    /// whole.
+    /// Adds queries for the branches of a primitive with steps. Returns the rows that cannot be split into
+    /// branches.
     fn branch<Q: QueryRegion>(
         &mut self,
         primitive: u32,
-        questions: &[(u32, Q)],
+        queries: &[(u32, Q)],
         rows: Vec<u32>,
         batches: &mut Vec<TapeBatch>,
     ) -> Result<Vec<u32>, LeafError> {
         let Some(branches) = &mut self.branches[primitive as usize] else { return Ok(rows) };
-        let boxes: Vec<Box3> = rows.iter().map(|row| questions[*row as usize].1.bounds()).collect();
+        let boxes: Vec<Box3> = rows.iter().map(|row| queries[*row as usize].1.bounds()).collect();
         let functions = branches.over(&boxes)?;
         let mut by_function: Vec<Vec<u32>> = vec![Vec::new(); branches.functions.len()];
-        let mut left = Vec::new();
+        let mut unsplit = Vec::new();
         for (row, functions) in rows.into_iter().zip(functions) {
             match functions {
-                Some(all) => all.into_iter().for_each(|number| by_function[number as usize].push(row)),
-                None => left.push(row),
+                Some(numbers) => {
+                    numbers.into_iter().for_each(|number| by_function[number as usize].push(row))
+                }
+                None => unsplit.push(row),
             }
         }
         for (tape, rows) in branches.functions.iter().zip(&by_function) {
             TapeBatch::push_all(primitive, tape, rows, batches);
         }
-        Ok(left)
+        Ok(unsplit)
     }
 
-    /// Passes queries down the regions of a primitive, level by level, and makes the regions that are worth
+    /// Passes queries down the regions of a primitive, level by level, and creates the regions that are worth
     /// it.
     fn route<Q: QueryRegion>(
         &mut self,
         primitive: u32,
-        questions: &[(u32, Q)],
+        queries: &[(u32, Q)],
         rows: Vec<u32>,
         batches: &mut Vec<TapeBatch>,
     ) -> Result<(), LeafError> {
@@ -371,22 +375,22 @@ impl<'a> PrimitiveEvaluator<'a> {
             let mut below: Vec<(u32, usize, Vec<u32>)> = Vec::new();
             for (number, rows) in open {
                 let region = &self.regions[primitive as usize][number as usize];
-                let mut here = Vec::new();
+                let mut rows_here = Vec::new();
                 let mut parts: [Vec<u32>; 8] = Default::default();
                 let ends = region.level == DEEPEST || !is_pruned(&region.tape);
                 for row in rows {
-                    let octant = if ends { None } else { region.octant(&questions[row as usize].1.bounds()) };
-                    octant.map_or(&mut here, |octant| &mut parts[octant]).push(row);
+                    let octant = if ends { None } else { region.octant(&queries[row as usize].1.bounds()) };
+                    octant.map_or(&mut rows_here, |octant| &mut parts[octant]).push(row);
                 }
                 for (octant, rows) in parts.into_iter().enumerate() {
                     let exists = region.children[octant].is_some();
                     if exists || rows.len() >= WORTH && self.steps_left > region.tape.len() as u64 {
                         below.push((number, octant, rows));
                     } else {
-                        here.extend(rows);
+                        rows_here.extend(rows);
                     }
                 }
-                TapeBatch::push_all(primitive, &region.tape, &here, batches);
+                TapeBatch::push_all(primitive, &region.tape, &rows_here, batches);
             }
             let children = self.children(primitive, &below)?;
             open = children.into_iter().zip(below).map(|(child, (_, _, rows))| (child, rows)).collect();
@@ -395,16 +399,21 @@ impl<'a> PrimitiveEvaluator<'a> {
         Ok(())
     }
 
-    /// The indices of child regions, made where they do not exist yet.
-    fn children(&mut self, primitive: u32, wanted: &[(u32, usize, Vec<u32>)]) -> Result<Vec<u32>, LeafError> {
+    /// The indices of child regions, which are created if they do not exist yet.
+    fn children(
+        &mut self,
+        primitive: u32,
+        requests: &[(u32, usize, Vec<u32>)],
+    ) -> Result<Vec<u32>, LeafError> {
         let regions = &self.regions[primitive as usize];
-        let new: Vec<(u32, usize)> = wanted
+        let new: Vec<(u32, usize)> = requests
             .iter()
             .map(|(parent, octant, _)| (*parent, *octant))
             .filter(|(parent, octant)| regions[*parent as usize].children[*octant].is_none())
             .collect();
-        let made = par_map(self.job, &new, |_, (parent, octant)| regions[*parent as usize].child(*octant));
-        for ((parent, octant), child) in new.iter().zip(made) {
+        let children =
+            par_map(self.job, &new, |_, (parent, octant)| regions[*parent as usize].child(*octant));
+        for ((parent, octant), child) in new.iter().zip(children) {
             let child = child?;
             self.steps_left = self.steps_left.saturating_sub(child.tape.len() as u64);
             let regions = &mut self.regions[primitive as usize];
@@ -414,12 +423,12 @@ impl<'a> PrimitiveEvaluator<'a> {
         let regions = &self.regions[primitive as usize];
         let child =
             |(parent, octant, _): &(u32, usize, Vec<u32>)| regions[*parent as usize].children[*octant];
-        Ok(wanted.iter().map(|one| child(one).expect("it was made")).collect())
+        Ok(requests.iter().map(|request| child(request).expect("it was made")).collect())
     }
 }
 
-/// Whether pruning may shorten a tape: it has many steps, some of which choose, and no leaves, which want
-/// large batches.
+/// Whether pruning may shorten a tape: it has many steps, some of which are choices, and no leaves, which are
+/// faster in large batches.
 fn is_pruned(tape: &Tape) -> bool {
     let chooses = |term: &Term| {
         matches!(

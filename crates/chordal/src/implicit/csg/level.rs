@@ -1,4 +1,4 @@
-//! Levels of terms: zero sets of primitives that differ by operations with constants alone.
+//! Levels of terms: zero sets of primitives that differ only by operations with constants.
 use super::affine_terms::PlaneFamily;
 use crate::math::{exponent, greater, power_of_two};
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ impl MonotoneOp {
     }
 }
 
-/// The function that a level is one of.
+/// A function that levels are compared by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum LevelFunction {
     Term(u32),
@@ -32,7 +32,7 @@ pub(crate) enum LevelFunction {
     Planes(u32),
 }
 
-/// The zero set of a primitive, as a level of a term of the whole.
+/// The zero set of a primitive, as a level set of a term of the full expression.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LevelSet {
     base: LevelFunction,
@@ -41,13 +41,13 @@ pub(super) struct LevelSet {
     size: f64,
     /// Whether nothing was rounded.
     is_exact: bool,
-    /// Whether the primitive decreases where the term increases.
+    /// Whether the primitive decreases as the term increases.
     falls: bool,
 }
 
-/// Two parallel planes that differ by at most this fraction of their sizes are one. Chosen: 16 roundings, what a
-/// script's additions come to, and far less than any length that coordinates have digits for. Of other terms a small
-/// difference may be a large distance.
+/// Two parallel planes that differ by at most this fraction of their sizes are treated as one. Chosen: 16
+/// roundings, as many as a script's additions make, and far less than any length that coordinates can
+/// express. For other terms a small difference of values may be a large distance.
 const WELD: f64 = 16.0 * f64::EPSILON;
 /// Two levels that differ by more than this fraction of their sizes also differ without rounding. Derived: a
 /// chain of thousands of roundings is off by less than 2⁻⁴⁰ of them.
@@ -55,20 +55,20 @@ const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 /// The most operations with constants above a base; the rounding of longer chains is not accounted for.
 const MOST_ROUNDINGS: usize = 1024;
 
-/// A term and a level of it, in an order.
+/// A term and one of its levels, in a total order.
 type LevelKey = (LevelFunction, i64);
 
-/// The place of a number in the order of all.
+/// An integer that orders like the number, for all finite numbers.
 fn order_key(at: f64) -> i64 {
     let bits = at.to_bits().cast_signed();
     bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
 impl LevelSet {
-    /// The operations above a term as a level of it.
+    /// The zero set of a chain of operations above a term, as a level of the term.
     pub fn from_chain(base: u32, ops: &[MonotoneOp]) -> Option<Self> {
-        // The chain applied to `base` is `scale · base + offset`. In an exact chain the scale is a power of 2 or
-        // its negative.
+        // The chain applied to `base` is `scale · base + offset`. In an exact chain the scale is a power of 2
+        // or its negative.
         let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true, is_lost: false };
         ops.iter().for_each(|op| shift.apply(*op));
         let ScaleOffset { scale, offset, size, is_exact, is_lost } = shift;
@@ -89,7 +89,7 @@ impl LevelSet {
         })
     }
 
-    /// The same level of the linear function that its term is but for an offset.
+    /// The same level, as one of the linear function that differs from its term only by an offset.
     pub fn on_planes(self, planes: &PlaneFamily) -> Self {
         let at = if planes.is_opposite { 0.0 - self.at } else { self.at };
         Self {
@@ -118,16 +118,16 @@ impl LevelSet {
         self.falls
     }
 
-    fn off(&self, other: &Self) -> f64 {
+    fn gap(&self, other: &Self) -> f64 {
         (self.at - other.at).abs()
     }
 
-    /// Whether both never meet, since they are two different levels of one function.
+    /// Whether the two never meet, since they are two different levels of one function.
     pub fn is_parallel_to(&self, other: &Self) -> bool {
         // Levels are off by some roundings of their sizes, one per operation: far less than this fraction.
         let clear = CLEAR * (self.size + other.size);
         let is_apart =
-            if self.is_exact && other.is_exact { self.at != other.at } else { self.off(other) > clear };
+            if self.is_exact && other.is_exact { self.at != other.at } else { self.gap(other) > clear };
         self.base == other.base && is_apart
     }
 }
@@ -139,7 +139,7 @@ struct ScaleOffset {
     /// The largest offset so far, divided by the scale.
     size: f64,
     is_exact: bool,
-    /// Whether digits below the normal numbers were lost, and the level with them.
+    /// Whether digits were lost to underflow, and the level with them.
     is_lost: bool,
 }
 
@@ -166,7 +166,7 @@ impl ScaleOffset {
     }
 
     fn scale_by(&mut self, scale: f64, offset: f64) {
-        // Below the normal numbers digits are lost, and with them the level.
+        // Subnormal numbers lose digits, and with them the level.
         if !(offset.is_normal() || self.offset == 0.0) {
             self.is_lost = true;
         }
@@ -191,31 +191,31 @@ fn is_power_of_two(k: f64) -> bool {
 /// The levels of the primitives so far.
 #[derive(Debug, Default)]
 pub(super) struct LevelTable {
-    known: BTreeMap<LevelKey, (LevelSet, u32)>,
+    levels: BTreeMap<LevelKey, (LevelSet, u32)>,
 }
 
 impl LevelTable {
     pub fn insert(&mut self, level: LevelSet, primitive: u32) {
-        self.known.insert((level.base, order_key(level.at)), (level, primitive));
+        self.levels.insert((level.base, order_key(level.at)), (level, primitive));
     }
 
-    /// The primitive of the same level, or of one that differs from it by rounding alone where both are planes.
+    /// The primitive of the same level, or, for planes, of one that differs from it only by rounding.
     pub fn same(&self, level: &LevelSet) -> Option<SameLevel> {
         let key = (level.base, order_key(level.at));
-        let next = self.known.range(key..).next();
-        let last = self.known.range(..key).next_back();
+        let next = self.levels.range(key..).next();
+        let last = self.levels.range(..key).next_back();
         let is_same = |known: &LevelSet| {
-            let is_one = known.is_exact && level.is_exact && known.at == level.at;
+            let is_equal = known.is_exact && level.is_exact && known.at == level.at;
             let is_welded =
-                level.is_plane_along(known) && level.off(known) <= WELD * (known.size + level.size);
-            known.base == level.base && (is_one || is_welded)
+                level.is_plane_along(known) && level.gap(known) <= WELD * (known.size + level.size);
+            known.base == level.base && (is_equal || is_welded)
         };
-        let found = [next, last].into_iter().flatten().find(|(_, (known, _))| is_same(known));
-        found.map(|(_, (known, primitive))| SameLevel {
+        let same = [next, last].into_iter().flatten().find(|(_, (known, _))| is_same(known));
+        same.map(|(_, (known, primitive))| SameLevel {
             primitive: *primitive,
             is_opposite: known.falls != level.falls,
-            // A level that was rounded is off by much less than this fraction of its size.
-            off: level.off(known)
+            // A rounded level is off by much less than this fraction of its size.
+            off: level.gap(known)
                 + if known.is_exact && level.is_exact { 0.0 } else { CLEAR * (known.size + level.size) },
         })
     }
@@ -225,8 +225,8 @@ impl LevelTable {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SameLevel {
     pub primitive: u32,
-    /// Whether one of them falls where the other rises.
+    /// Whether one of them falls as the other rises.
     pub is_opposite: bool,
-    /// How far apart they are at most, up to rounding.
+    /// The largest difference of the two levels, up to rounding.
     pub off: f64,
 }

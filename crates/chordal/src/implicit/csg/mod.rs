@@ -1,10 +1,10 @@
 //! `Csg`: the sign of a field as a CSG tree of primitives.
 //!
-//! Only its sign decides where a field's surface is. The sign of `min(a, b)` is that of the union of `a` and
-//! `b`, of `max(a, b)` that of the intersection, of `−a` that of the complement. So minima, maxima,
-//! negations, absolute values, and sums and products with constants are expanded from the root down; the
-//! terms below them are the primitives. In most models each is smooth on its own, its zero set crosses others
-//! at creases and corners, and its values have their own units.
+//! A field's surface depends only on its sign. The sign of `min(a, b)` is that of the union of `a` and `b`,
+//! of `max(a, b)` that of the intersection, of `−a` that of the complement. So minima, maxima, negations,
+//! absolute values, and sums and products with constants are expanded from the root down; the terms below
+//! them are the primitives. In most models each is smooth on its own, its zero set crosses others at creases
+//! and corners, and its values have their own units.
 mod affine_terms;
 mod branches;
 mod convexity;
@@ -33,11 +33,11 @@ use subgraph::{mark_of, subgraph_terms, unmarked};
 
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
-/// It describes the set `{F < 0}` with its boundary regularized: where `a` and its complement `−a` meet, as two
-/// stacked boxes do at their common face, there is no surface. Two parallel planes are one where they differ by
-/// rounding alone, by at most 2⁻⁴⁸ of the largest numbers in both: a part of height 0.6 around the origin and one of
-/// height 0.2 around 0.4 meet, though the numbers do not say so exactly, and still do when both were turned by 30°.
-/// Bounds of meshes add the difference.
+/// It describes the set `{F < 0}` with its boundary regularized: where `a` and its complement `−a` meet, like
+/// two stacked boxes at their common face, there is no surface. Two parallel planes are treated as one if
+/// they differ only by rounding, by at most 2⁻⁴⁸ of the largest numbers in both: a part of height 0.6 around
+/// the origin and one of height 0.2 around 0.4 meet, though their floating-point numbers differ, and still do
+/// after both are turned by 30°. Bounds of meshes add the difference.
 ///
 /// ```
 /// use chordal::implicit::shapes;
@@ -56,13 +56,13 @@ pub struct Csg {
     weld: f64,
 }
 
-/// A function of which only the sign counts.
+/// A function whose sign alone counts.
 #[derive(Clone, Debug)]
 pub struct Primitive {
     tape: Tape,
     is_total: bool,
     curvature: Curvature,
-    /// The level of a term of the whole at which it vanishes.
+    /// Its zero set, as a level of a term of the full expression.
     level: Option<LevelSet>,
 }
 
@@ -78,49 +78,49 @@ impl Primitive {
         &self.tape
     }
 
-    /// Whether it is defined at every point. Then an interval contains all values even where it is not
+    /// Whether it is defined at every point. Then an interval contains all values even if it is not
     /// continuous.
     #[must_use]
     pub fn is_total(&self) -> bool {
         self.is_total
     }
 
-    /// How it bends, as far as its terms say.
+    /// Its curvature, as far as its terms show.
     #[must_use]
     pub fn curvature(&self) -> Curvature {
         self.curvature
     }
 
-    /// Whether the zero sets of both never meet, because they are two different levels of one function.
+    /// Whether the two zero sets never meet, because they are two different levels of one function.
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
         matches!((self.level, other.level), (Some(a), Some(b)) if a.is_parallel_to(&b))
     }
 
-    /// The function of which it is a level, if it is known.
+    /// The function of which it is a level, if known.
     pub(crate) fn level_function(&self) -> Option<LevelFunction> {
         self.level.map(|level| level.function())
     }
 
-    /// Whether both vanish on planes across one direction.
+    /// Whether both vanish on planes with the same normal.
     pub(crate) fn is_plane_along(&self, other: &Self) -> bool {
         matches!((self.level, other.level), (Some(a), Some(b)) if a.is_plane_along(&b))
     }
 
-    /// Where it vanishes, as a value of a function that it shares with those that are parallel to it.
+    /// The level at which it vanishes, of the function that it shares with the primitives parallel to it.
     pub(crate) fn height(&self) -> f64 {
         self.level.map_or(0.0, |level| level.height())
     }
 
-    /// Whether it falls where that function grows.
+    /// Whether it falls as that function grows.
     pub(crate) fn falls(&self) -> bool {
         self.level.is_some_and(|level| level.falls())
     }
 }
 
-/// The most nodes of a tree; what would have more is one primitive. Defined: some megabytes.
+/// The most nodes of a tree; an expression that would have more is one primitive. Defined: some megabytes.
 const MOST_NODES: usize = 1 << 16;
-/// The most terms of all primitives together, for each term of the whole, besides [`MOST_NODES`]: shared
+/// The most terms of all primitives together, per term of the full expression, besides [`MOST_NODES`]: shared
 /// parts are copied into each primitive.
 const MOST_COPIES: usize = 32;
 
@@ -156,15 +156,17 @@ impl Csg {
         self.materials.as_ref()
     }
 
-    /// How far apart levels are at most that were made one.
+    /// The largest distance between levels that were merged.
     pub(crate) fn weld(&self) -> f64 {
         self.weld
     }
 
-    /// What proofs by intervals of the primitives are worth: the weakest evidence of all.
+    /// The evidence of proofs by intervals of the primitives: the weakest of all.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
-        self.primitives.iter().fold(Evidence::Proved, |all, one| all.weaker(&one.tape.evidence()))
+        self.primitives
+            .iter()
+            .fold(Evidence::Proved, |weakest, primitive| weakest.weaker(&primitive.tape.evidence()))
     }
 }
 
@@ -184,7 +186,7 @@ struct CsgOperand {
     term: u32,
     above: u32,
     falls: bool,
-    /// None yet where its number is 0.
+    /// Its number is 0 if there is none yet.
     material: OperandMaterial,
 }
 
@@ -193,19 +195,19 @@ enum CsgBuildStep {
     Emit(CsgNode),
 }
 
-/// A term and the operations with constants above it, without their signs. Two primitives are the same, or
-/// complements, where these are equal.
+/// A term and the operations with constants above it, without their signs. Two primitives with equal keys are
+/// the same, or complements.
 type ChainKey = (u32, u32);
 
 struct CsgBuilder<'a> {
     terms: &'a [Term],
     above: Vec<ChainLink>,
-    chains: HashMap<(u8, u64, u32), u32>,  // No order depends on it.
-    known: HashMap<ChainKey, (u32, bool)>, // No order depends on it.
+    chains: HashMap<(u8, u64, u32), u32>,     // No order depends on it.
+    literals: HashMap<ChainKey, (u32, bool)>, // No order depends on it.
     levels: LevelTable,
     affine: AffineTerms,
     weld: f64,
-    /// The differences of two terms whose first term is the earlier one.
+    /// Differences of two terms, with the earlier term first.
     mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
     nodes: Vec<CsgNode>,
@@ -223,8 +225,8 @@ impl<'a> CsgBuilder<'a> {
             terms,
             mirrored: terms.iter().enumerate().filter_map(difference).collect(),
             above: Vec::new(),
-            chains: HashMap::new(), // No order depends on it.
-            known: HashMap::new(),  // No order depends on it.
+            chains: HashMap::new(),   // No order depends on it.
+            literals: HashMap::new(), // No order depends on it.
             levels: LevelTable::default(),
             affine: AffineTerms::new(terms),
             weld: 0.0,
@@ -250,7 +252,7 @@ impl<'a> CsgBuilder<'a> {
                     self.materials.push_operator();
                     self.nodes.push(node);
                 }
-                CsgBuildStep::Visit(place) => match self.operands(place) {
+                CsgBuildStep::Visit(operand) => match self.operands(operand) {
                     Some((operands, is_union)) => {
                         let n = operands.len() as u32;
                         let node = if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) };
@@ -258,7 +260,7 @@ impl<'a> CsgBuilder<'a> {
                         steps.extend(operands.into_iter().rev().map(CsgBuildStep::Visit));
                     }
                     None => {
-                        let node = self.literal(place);
+                        let node = self.literal(operand);
                         self.nodes.push(node);
                     }
                 },
@@ -282,7 +284,7 @@ impl<'a> CsgBuilder<'a> {
         Csg { primitives: std::mem::take(&mut self.primitives), tree, materials, weld: self.weld }
     }
 
-    /// The whole expression as one primitive.
+    /// The full expression as one primitive.
     fn single(&mut self) -> Csg {
         *self = Self::new(self.terms);
         let root = self.root();
@@ -293,10 +295,10 @@ impl<'a> CsgBuilder<'a> {
         self.finish()
     }
 
-    /// The operands of the union or intersection at `place`, with nested operators of the same kind merged;
+    /// The operands of the union or intersection at `operand`, with nested operators of the same kind merged;
     /// None for a primitive.
-    fn operands(&mut self, place: CsgOperand) -> Option<(Vec<CsgOperand>, bool)> {
-        let ([a, b], is_union) = self.split(place)?;
+    fn operands(&mut self, operand: CsgOperand) -> Option<(Vec<CsgOperand>, bool)> {
+        let ([a, b], is_union) = self.split(operand)?;
         let mut open = vec![b, a];
         let mut operands = Vec::new();
         while let Some(next) = open.pop() {
@@ -311,41 +313,41 @@ impl<'a> CsgBuilder<'a> {
     }
 
     /// The two operands of a minimum or maximum below operations with constants.
-    fn split(&mut self, mut place: CsgOperand) -> Option<([CsgOperand; 2], bool)> {
+    fn split(&mut self, mut operand: CsgOperand) -> Option<([CsgOperand; 2], bool)> {
         loop {
-            let (op, term) = match self.terms[place.term as usize] {
+            let (op, term) = match self.terms[operand.term as usize] {
                 Term::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
-                    let is_union = (op == Binary::Min) != place.falls;
-                    return Some(([a, b].map(|term| CsgOperand { term, ..place }), is_union));
+                    let is_union = (op == Binary::Min) != operand.falls;
+                    return Some(([a, b].map(|term| CsgOperand { term, ..operand }), is_union));
                 }
                 Term::Unary(Unary::Abs, a) => {
                     let mirrored = CsgOperand {
-                        above: self.push(MonotoneOp::Neg, place.above),
-                        falls: !place.falls,
+                        above: self.push(MonotoneOp::Neg, operand.above),
+                        falls: !operand.falls,
                         term: a,
-                        ..place
+                        ..operand
                     };
-                    return Some(([CsgOperand { term: a, ..place }, mirrored], place.falls));
+                    return Some(([CsgOperand { term: a, ..operand }, mirrored], operand.falls));
                 }
                 Term::Unary(Unary::Neg, a) => (MonotoneOp::Neg, a),
                 Term::Binary(op, a, b) => self.with_constant(op, a, b)?,
                 Term::Leaf(..) => {
-                    let (mark, below) = mark_of(self.terms, place.term)?;
+                    let (mark, below) = mark_of(self.terms, operand.term)?;
                     // The outermost mark counts.
-                    if place.material.number == 0 {
-                        place.material =
-                            OperandMaterial { number: self.materials.number(mark), cuts: place.falls };
+                    if operand.material.number == 0 {
+                        operand.material =
+                            OperandMaterial { number: self.materials.number(mark), cuts: operand.falls };
                     }
-                    place.term = below;
+                    operand.term = below;
                     continue;
                 }
                 _ => return None,
             };
-            place = CsgOperand {
+            operand = CsgOperand {
                 term,
-                above: self.push(op, place.above),
-                falls: place.falls != op.falls(),
-                ..place
+                above: self.push(op, operand.above),
+                falls: operand.falls != op.falls(),
+                ..operand
             };
         }
     }
@@ -368,7 +370,7 @@ impl<'a> CsgBuilder<'a> {
         }
     }
 
-    /// The chain with one more operation at its inner end; equal chains are stored once.
+    /// The chain with another operation at its inner end; equal chains are stored once.
     fn push(&mut self, op: MonotoneOp, next: u32) -> u32 {
         let (kind, constant) = match op {
             MonotoneOp::Neg => (0, 0.0),
@@ -385,10 +387,10 @@ impl<'a> CsgBuilder<'a> {
         number
     }
 
-    /// The node of a primitive: a new one, a known one or the complement of one.
-    fn literal(&mut self, place: CsgOperand) -> CsgNode {
-        self.add_materials(place);
-        let (base, ops) = self.chain(place);
+    /// The node of a primitive: new, or an earlier one or its complement.
+    fn literal(&mut self, operand: CsgOperand) -> CsgNode {
+        self.add_materials(operand);
+        let (base, ops) = self.chain(operand);
         let plane = self.affine.family(base);
         let level = LevelSet::from_chain(base, &ops);
         let level = level.map(|level| plane.map_or(level, |plane| level.on_planes(&plane)));
@@ -396,21 +398,21 @@ impl<'a> CsgBuilder<'a> {
         let either = |number: u32, is_opposite: bool| {
             if is_opposite { CsgNode::Complement(number) } else { CsgNode::Primitive(number) }
         };
-        if let Some((number, known_falls)) = self.known.get(&key) {
+        if let Some((number, known_falls)) = self.literals.get(&key) {
             return either(*number, falls != *known_falls);
         }
         if let Some(same) = level.and_then(|level| self.levels.same(&level)) {
-            // A length that is rounded is off by less than two steps.
+            // A rounded length is off by less than two steps.
             let steepness = plane.map_or(1.0, |plane| plane.steepness.next_down().next_down());
-            let off = if same.off == 0.0 { 0.0 } else { (same.off / steepness).next_up() };
-            self.weld = greater(off, self.weld);
+            let distance = if same.off == 0.0 { 0.0 } else { (same.off / steepness).next_up() };
+            self.weld = greater(distance, self.weld);
             return either(same.primitive, same.is_opposite);
         }
-        let graph = self.graph_of(place);
+        let graph = self.graph_of(operand);
         self.n_copied += graph.terms().len();
         let number = self.primitives.len() as u32;
         self.primitives.push(Primitive::new(graph, level));
-        self.known.insert(key, (number, falls));
+        self.literals.insert(key, (number, falls));
         if let Some(level) = level {
             self.levels.insert(level, number);
         }
@@ -437,15 +439,15 @@ impl<'a> CsgBuilder<'a> {
         ((base, chain), falls)
     }
 
-    /// The term below all operations with constants, and these from it upward.
-    fn chain(&self, place: CsgOperand) -> (u32, Vec<MonotoneOp>) {
-        let (mut base, mut ops) = (unmarked(self.terms, place.term), Vec::new());
+    /// The term below all operations with constants, and these operations from it upward.
+    fn chain(&self, operand: CsgOperand) -> (u32, Vec<MonotoneOp>) {
+        let (mut base, mut ops) = (unmarked(self.terms, operand.term), Vec::new());
         while let Some((op, term)) = self.below(base) {
             ops.push(op);
             base = unmarked(self.terms, term);
         }
         ops.reverse();
-        let mut above = place.above;
+        let mut above = operand.above;
         while above != NOTHING {
             let ChainLink { op, next } = self.above[above as usize];
             ops.push(op);
@@ -454,9 +456,9 @@ impl<'a> CsgBuilder<'a> {
         (base, ops)
     }
 
-    /// Adds the materials of the primitive at `place`.
-    fn add_materials(&mut self, place: CsgOperand) {
-        self.materials.push_literal(self.terms, (place.term, place.falls), place.material);
+    /// Adds the materials of the primitive at `operand`.
+    fn add_materials(&mut self, operand: CsgOperand) {
+        self.materials.push_literal(self.terms, (operand.term, operand.falls), operand.material);
     }
 
     /// The operation with a constant at the root of a term, and its operand.
@@ -468,7 +470,7 @@ impl<'a> CsgBuilder<'a> {
         }
     }
 
-    /// The term that this one is the negative of, to the last bit.
+    /// The term of which this one is the negative, to the last bit.
     fn negated(&self, term: u32) -> Option<u32> {
         match self.terms[term as usize] {
             Term::Unary(Unary::Neg, a) => Some(a),
@@ -478,9 +480,9 @@ impl<'a> CsgBuilder<'a> {
     }
 
     /// The terms of a primitive.
-    fn graph_of(&self, place: CsgOperand) -> ExprGraph {
-        let mut terms = subgraph_terms(self.terms, place.term);
-        let mut above = place.above;
+    fn graph_of(&self, operand: CsgOperand) -> ExprGraph {
+        let mut terms = subgraph_terms(self.terms, operand.term);
+        let mut above = operand.above;
         while above != NOTHING {
             let ChainLink { op, next } = self.above[above as usize];
             let last = terms.len() as u32 - 1;
@@ -500,8 +502,8 @@ impl<'a> CsgBuilder<'a> {
     }
 }
 
-/// Whether every term is defined at every point: none divides by what may be 0, takes the root of what may be
-/// negative, and so on. Leaves are trusted to be defined.
+/// Whether every term is defined at every point: none divides by a value that may be 0, takes the root of a
+/// value that may be negative, and so on. Leaves are trusted to be defined.
 fn is_total(terms: &[Term]) -> bool {
     let mut not_negative = vec![false; terms.len()];
     for (k, term) in terms.iter().enumerate() {

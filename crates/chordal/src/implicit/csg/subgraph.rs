@@ -4,13 +4,13 @@ use crate::implicit::graph::parts;
 use crate::implicit::material::{MaterialMark, SurfaceMaterial};
 use std::collections::HashMap;
 
-/// The material of a term that is a mark, and the term that has it.
+/// The material of a term that is a mark, and the marked term.
 pub(super) fn mark_of(terms: &[Term], term: u32) -> Option<(&SurfaceMaterial, u32)> {
     let Term::Leaf(leaf, [below, ..]) = &terms[term as usize] else { return None };
     MaterialMark::from_leaf(leaf).map(|mark| (&mark.0, *below))
 }
 
-/// The term below marks.
+/// The term below all marks.
 pub(super) fn unmarked(terms: &[Term], mut term: u32) -> u32 {
     while let Some((_, below)) = mark_of(terms, term) {
         term = below;
@@ -18,7 +18,7 @@ pub(super) fn unmarked(terms: &[Term], mut term: u32) -> u32 {
     term
 }
 
-/// The terms that `root` depends on, itself last, without marks.
+/// The terms that `root` depends on, with `root` last, without marks.
 pub(super) fn subgraph_terms(terms: &[Term], root: u32) -> Vec<Term> {
     let root = unmarked(terms, root);
     let mut number: HashMap<u32, u32> = HashMap::new(); // No order depends on it.

@@ -1,4 +1,5 @@
-//! Tests of the tree of a field's sign: what is expanded, what is one primitive, and that no value changes.
+//! Tests of the CSG tree of a field: which terms are expanded, which are one primitive, and that no value
+//! changes.
 use super::*;
 use crate::budget::Job;
 use crate::implicit::{Expr, Field, shapes};
@@ -42,8 +43,8 @@ fn a_plane_from_both_sides_is_one_primitive() {
     // The four sides are shared, the common face is one plane seen from both sides, and there are a floor and
     // a roof.
     assert_eq!(csg.primitives().len(), 7);
-    let all = csg.primitives();
-    let parallel = |a: usize, b: usize| all[a].is_parallel_to(&all[b]);
+    let primitives = csg.primitives();
+    let parallel = |a: usize, b: usize| primitives[a].is_parallel_to(&primitives[b]);
     assert!((0..7).any(|a| (0..7).any(|b| parallel(a, b))));
     assert!((0..7).all(|a| !parallel(a, a)));
 }
@@ -83,9 +84,9 @@ fn levels_that_differ_by_rounding_alone_are_one() {
         let lid = part(2.0 * above).moved([0.0, 0.0, below + above]).unwrap();
         Csg::from_expr(part(2.0 * below).union(&lid).sign()).primitives().len()
     };
-    // 0.3 + 0.1 − 0.1 is more than 0.3, as numbers go; the common face is one plane, of seven in all.
+    // In floating point 0.3 + 0.1 − 0.1 is more than 0.3; the common face is one plane, of seven in all.
     assert_eq!(n_primitives(0.3, 0.1), 7);
-    // In decimals all of them meet.
+    // In decimal numbers all of them meet.
     let heights = || (1..40).map(|k| f64::from(k) / 10.0);
     let meets = |below: f64| heights().all(|above| n_primitives(below, above) == 7);
     assert!(heights().all(meets));
@@ -94,7 +95,7 @@ fn levels_that_differ_by_rounding_alone_are_one() {
         Csg::from_expr(shapes::cuboid([1.0, 1.0, 0.6]).unwrap().union(&lid).sign()).weld()
     };
     assert!(weld(0.4) > 0.0 && weld(0.4) < 1e-11 && weld(0.75) == 0.0);
-    // Of x² - 1 + 1 and x² - 1e-15 the zero sets are 3e-8 apart.
+    // The zero sets of x² - 1 + 1 and x² - 1e-15 are 3e-8 apart.
     let square = Expr::axes()[0].square();
     let near = (&(&square - 1.0) + 1.0).max(&(&square - 1e-15));
     assert_eq!(Csg::from_expr(&near).primitives().len(), 2);
@@ -159,13 +160,13 @@ fn levels_that_underflow_are_not_one() {
 
 #[test]
 fn regions_change_no_value_and_hold_every_value() {
-    let mut whole = shapes::sphere(0.3).unwrap();
+    let mut chain = shapes::sphere(0.3).unwrap();
     for k in 0..24 {
         let at = [0.1 * f64::from(k) - 1.2, 0.3 * f64::from(k % 5) - 0.6, 0.2 * f64::from(k % 3)];
         let ball = shapes::sphere(0.2).unwrap().moved(at).unwrap();
-        whole = whole.smooth_union(&ball, 0.1).unwrap();
+        chain = chain.smooth_union(&ball, 0.1).unwrap();
     }
-    let csg = Csg::from_expr(whole.sign());
+    let csg = Csg::from_expr(chain.sign());
     let domain = Box3 { min: [-1.5; 3], max: [1.5; 3] };
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
@@ -190,7 +191,7 @@ fn regions_change_no_value_and_hold_every_value() {
 }
 
 #[test]
-fn what_may_have_no_value_is_not_total() {
+fn a_term_that_may_be_undefined_is_not_total() {
     let [x, y, _] = Expr::axes();
     let total = |e: &Expr| Csg::from_expr(e).primitives().iter().all(Primitive::is_total);
     assert!(total(&(x.square() + y.square()).sqrt()));
@@ -212,17 +213,18 @@ fn round_solids_are_convex_however_they_are_written() {
         Expr::unary(Unary::Exp, &(&x - &y)),
     ];
     let curvature = |e: &Expr| Curvature::from_terms(Tape::new(e).graph().terms());
-    for one in &convex {
-        assert_eq!((curvature(one), curvature(&-one)), (Curvature::Convex, Curvature::Concave));
-        assert_eq!(curvature(&(one * -2.0)), Curvature::Concave);
-        assert_eq!(curvature(&(one - one)), Curvature::Unknown);
+    for expr in &convex {
+        assert_eq!((curvature(expr), curvature(&-expr)), (Curvature::Convex, Curvature::Concave));
+        assert_eq!(curvature(&(expr * -2.0)), Curvature::Concave);
+        assert_eq!(curvature(&(expr - expr)), Curvature::Unknown);
     }
     assert_eq!(curvature(&(&x * 2.0 - &y / 3.0 + 1.0)), Curvature::Linear);
-    // A ring, a saddle, the square of what is negative somewhere, and what has no value somewhere.
+    // A ring, a saddle, the square of a term that is negative somewhere, and terms that are undefined
+    // somewhere.
     let ring = (((x.square() + y.square()).sqrt() - 2.0).square() + z.square()).sqrt() - 1.0;
     let others = [ring, &x * &y, (&norm - 1.0).square(), x.sqrt(), x.min(&y).max(&z), x.sqrt().abs()];
-    for one in &others {
-        assert_eq!(curvature(one), Curvature::Unknown);
+    for expr in &others {
+        assert_eq!(curvature(expr), Curvature::Unknown);
     }
     let solids = [
         shapes::sphere(1.0),
@@ -248,7 +250,7 @@ fn round_solids_are_convex_however_they_are_written() {
 const NEAR: f64 = 1e-6;
 
 #[test]
-fn what_is_said_of_curvature_holds_between_any_two_points() {
+fn curvature_holds_between_any_two_points() {
     let mut random = Random::new(11);
     let mut n_known = 0;
     for _ in 0..2000 {
@@ -304,11 +306,11 @@ fn composed(random: &mut Random, depth: u32) -> Expr {
 #[test]
 fn a_tree_that_doubles_stays_small() {
     let [x, y, _] = Expr::axes();
-    let mut whole = x.min(&y);
+    let mut expr = x.min(&y);
     for k in 0..60 {
-        whole = (&whole + f64::from(k)).min(&(&whole * 2.0));
+        expr = (&expr + f64::from(k)).min(&(&expr * 2.0));
     }
-    let csg = Csg::from_expr(&whole);
+    let csg = Csg::from_expr(&expr);
     assert_eq!(csg.primitives().len(), 1);
 }
 
@@ -348,8 +350,8 @@ fn obeys_mean_value_theorem(expr: &Expr, random: &mut Random) {
                     ];
                     [low + a.min(b), high + a.max(b)]
                 });
-                let room = ROOM;
-                assert!(ends[0] - room <= g - f && g - f <= ends[1] + room, "{p:?} {q:?} in {bounds:?}");
+                let slack = ROOM;
+                assert!(ends[0] - slack <= g - f && g - f <= ends[1] + slack, "{p:?} {q:?} in {bounds:?}");
             }
         }
     }
@@ -396,8 +398,8 @@ fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
     let across = over(&sides, Box3 { min: [-1.0, -1.0, -0.1], max: [1.0, 1.0, 0.1] });
     assert!(across[0].magnitude() == 0.0 && across[1].magnitude() == 0.0, "{across:?}");
     assert!(across[2].lo() > 1.0 - ROOM && across[2].hi() < 1.0 + ROOM, "{across:?}");
-    // A quarter of a circle around the axis, far from it: sines and cosines of the angles, and all of them at
-    // the axis.
+    // A quarter of a circle around the axis, far from it: sines and cosines of the angles; at the axis, all
+    // values of them.
     let ring = (x.square() + y.square()).sqrt();
     let far = over(&ring, Box3 { min: [3.0, 4.0, 0.0], max: [3.0, 4.0, 1.0] });
     assert!((far[0].lo() - 0.6).abs() < ROOM && (far[1].hi() - 0.8).abs() < ROOM, "{far:?}");
@@ -412,12 +414,12 @@ fn steps_are_looked_at_one_by_one() {
     let balls = shapes::sphere(0.25).unwrap().repeated([crate::implicit::Repeat::Every(1.0); 3]).unwrap();
     let [x, y, z] = Expr::axes();
     let cut = |v: &Expr, how: Unary| v - Expr::unary(how, v);
-    let rest = |v: &Expr| Expr::binary(Binary::Mod, v, &Expr::constant(0.3)) - 0.125;
+    let remainder = |v: &Expr| Expr::binary(Binary::Mod, v, &Expr::constant(0.3)) - 0.125;
     let sum = |parts: [Expr; 3]| parts[0].square() + parts[1].square() + parts[2].square() - 0.01;
     for sign in [
         balls.sign().clone(),
         sum([cut(&x, Unary::Floor), cut(&y, Unary::Ceil), cut(&z, Unary::Round)]),
-        sum([rest(&x), rest(&y), z.clone()]),
+        sum([remainder(&x), remainder(&y), z.clone()]),
     ] {
         let csg = Csg::from_expr(&sign);
         let domain = Box3 { min: [-2.0; 3], max: [2.0; 3] };
@@ -450,9 +452,9 @@ fn steps_are_looked_at_one_by_one() {
     let csg = Csg::from_expr(balls.sign());
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &Box3 { min: [-2.0; 3], max: [2.0; 3] }, &job);
-    let one = |from: [f64; 3]| vec![(0, Box3 { min: from, max: from.map(|x| x + 0.02) })];
-    assert!(evaluator.dual_ranges(&one([0.2, 0.1, 0.0])).unwrap()[0].gradient.is_some());
-    let on_step = evaluator.dual_ranges(&one([0.49, 0.1, 0.0])).unwrap()[0];
+    let query = |from: [f64; 3]| vec![(0, Box3 { min: from, max: from.map(|x| x + 0.02) })];
+    assert!(evaluator.dual_ranges(&query([0.2, 0.1, 0.0])).unwrap()[0].gradient.is_some());
+    let on_step = evaluator.dual_ranges(&query([0.49, 0.1, 0.0])).unwrap()[0];
     assert!(on_step.gradient.is_none() && on_step.value[0] > 0.2);
 }
 
@@ -496,22 +498,22 @@ fn copies_without_end_are_listed_where_they_are_cut_off() {
 }
 
 #[test]
-fn what_differs_by_its_sign_alone_is_one_primitive() {
+fn terms_that_differ_only_by_their_sign_are_one_primitive() {
     let [x, y, _] = Expr::axes();
-    // Scales that are no powers of 2, so that levels are rounded.
+    // Scales that are not powers of 2, so that levels are rounded.
     let rises = x.clone() * 8.13 - 0.7;
     let falls = Expr::constant(0.7) - x.clone() * 8.13;
     let scaled = (Expr::constant(0.7) - x.clone() * 8.13) * -0.3;
-    let one = Csg::from_expr(&rises.min(&falls.max(&y)));
-    assert_eq!(one.primitives().len(), 2);
-    assert!(one.tree().nodes().contains(&CsgNode::Complement(0)));
+    let csg = Csg::from_expr(&rises.min(&falls.max(&y)));
+    assert_eq!(csg.primitives().len(), 2);
+    assert!(csg.tree().nodes().contains(&CsgNode::Complement(0)));
     assert_eq!(Csg::from_expr(&(rises.clone() * 0.3).min(&scaled)).primitives().len(), 1);
     // Another constant is another primitive.
     assert_eq!(Csg::from_expr(&rises.min(&(Expr::constant(0.8) - x.clone() * 8.13))).primitives().len(), 2);
-    // Differences of two terms, either way round, below other operations.
+    // Differences of two terms, in either order, below other operations.
     let [a, b] = [x.square() * 0.3, y.square() * 0.7];
     assert_eq!(Csg::from_expr(&(a.clone() - b.clone()).max(&(b.clone() - a.clone()))).primitives().len(), 1);
-    let both = ((a.clone() - b.clone()) + 0.1).min(&(((b - a) - 0.1) * 0.6));
-    assert_eq!(Csg::from_expr(&both).primitives().len(), 2);
-    agrees(&Field::new(both), 1.0);
+    let union = ((a.clone() - b.clone()) + 0.1).min(&(((b - a) - 0.1) * 0.6));
+    assert_eq!(Csg::from_expr(&union).primitives().len(), 2);
+    agrees(&Field::new(union), 1.0);
 }

@@ -2,14 +2,14 @@
 //! order.
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// Whether all points of a region are inside a solid, as far as is known.
+/// Whether all points of a region are inside a solid, as far as known.
 ///
 /// Source of the term: R. Tilove, *Set membership classification*, 1980.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Membership {
     /// All points are inside: values below 0.
     Inside,
-    /// All points are outside: values of 0 and above, or none.
+    /// All points are outside: values of 0 and above, or undefined values.
     Outside,
     /// Undecided.
     Unknown,
@@ -43,9 +43,9 @@ pub enum CsgNode {
     Primitive(u32),
     /// The complement of that solid.
     Complement(u32),
-    /// The union of the last so many results.
+    /// The union of this many preceding results.
     Union(u32),
-    /// The intersection of the last so many results.
+    /// The intersection of this many preceding results.
     Intersection(u32),
 }
 
@@ -64,7 +64,7 @@ pub struct CsgTree {
 pub enum CsgRestriction {
     /// All of the region is inside, or all of it is outside.
     Decided(Membership),
-    /// The tree of the primitives that still decide there.
+    /// The tree of the primitives that still matter there.
     Open(CsgTree),
 }
 
@@ -95,7 +95,7 @@ impl CsgTree {
         &self.nodes
     }
 
-    /// A hash by which equal trees are found; others hardly ever share it.
+    /// A hash for finding equal trees; different trees hardly ever share it.
     pub(crate) fn fingerprint(&self) -> u64 {
         let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
         self.nodes.hash(&mut hasher);
@@ -105,24 +105,24 @@ impl CsgTree {
     /// The distinct primitives, ascending.
     #[must_use]
     pub fn primitives(&self) -> Vec<u32> {
-        let of = |node: &CsgNode| match node {
+        let index = |node: &CsgNode| match node {
             CsgNode::Primitive(p) | CsgNode::Complement(p) => Some(*p),
             CsgNode::Union(_) | CsgNode::Intersection(_) => None,
         };
-        let mut all: Vec<u32> = self.nodes.iter().filter_map(of).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
+        let mut indices: Vec<u32> = self.nodes.iter().filter_map(index).collect();
+        indices.sort_unstable();
+        indices.dedup();
+        indices
     }
 
-    /// The membership in the whole, by three-valued logic, from that in the literals: a primitive and whether
-    /// it occurs as its complement. Where a primitive is 0, its complement is outside as well.
+    /// The membership in the root, by three-valued logic, from that in the literals: `of` takes a primitive
+    /// and whether it occurs as its complement. At zeros of a primitive, its complement is outside as well.
     #[must_use]
     pub fn membership(&self, of: impl FnMut(u32, bool) -> Membership) -> Membership {
         self.fold(of, |sides, is_union| joined(sides.iter().copied(), is_union))
     }
 
-    /// Whether a point is inside the whole, from its primitives.
+    /// Whether a point is inside the solid of the root, from its primitives.
     #[must_use]
     pub fn contains(&self, mut of: impl FnMut(u32) -> bool) -> bool {
         self.fold(
@@ -131,7 +131,7 @@ impl CsgTree {
         )
     }
 
-    /// The value of the whole: the minimum for unions, the maximum for intersections.
+    /// The value of the root: the minimum for unions, the maximum for intersections.
     #[must_use]
     pub fn value(&self, mut of: impl FnMut(u32) -> f64) -> f64 {
         let pick = |a: f64, b: f64, is_union: bool| if (b < a) == is_union { b } else { a };
@@ -141,7 +141,7 @@ impl CsgTree {
         )
     }
 
-    /// An interval `[low, high]` of the value of the whole from intervals of the primitives.
+    /// An interval `[low, high]` of the value of the root from intervals of the primitives.
     #[must_use]
     pub fn range(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> [f64; 2] {
         self.fold(
@@ -160,16 +160,18 @@ impl CsgTree {
     /// whether it occurs as its complement.
     #[must_use]
     pub fn restrict(&self, mut of: impl FnMut(u32, bool) -> Membership) -> CsgRestriction {
-        // The stack holds, for each result, its membership and where its nodes begin in `kept`.
-        let mut kept: Vec<CsgNode> = Vec::with_capacity(self.nodes.len());
+        // For each result, the stack holds its membership and the first of its nodes in `nodes`. When an
+        // operator is decided, its nodes are cut off again; when it is open, they stay, and the operator
+        // follows.
+        let mut nodes: Vec<CsgNode> = Vec::with_capacity(self.nodes.len());
         let mut stack: Vec<(Membership, usize)> = Vec::new();
         for node in &self.nodes {
-            let start = kept.len();
+            let start = nodes.len();
             match *node {
                 CsgNode::Primitive(p) | CsgNode::Complement(p) => {
                     let side = of(p, matches!(node, CsgNode::Complement(_)));
                     if side == Membership::Unknown {
-                        kept.push(*node);
+                        nodes.push(*node);
                     }
                     stack.push((side, start));
                 }
@@ -182,24 +184,24 @@ impl CsgTree {
                         stack[first..].iter().filter(|(side, _)| *side == Membership::Unknown).count();
                     stack.truncate(first);
                     if side != Membership::Unknown {
-                        kept.truncate(start);
+                        nodes.truncate(start);
                     } else if n_open > 1 {
                         let n = n_open as u32;
-                        kept.push(if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) });
+                        nodes.push(if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) });
                     }
                     stack.push((side, start));
                 }
             }
         }
         match stack.first() {
-            Some((Membership::Unknown, _)) | None => CsgRestriction::Open(Self { nodes: kept }),
+            Some((Membership::Unknown, _)) | None => CsgRestriction::Open(Self { nodes }),
             Some((side, _)) => CsgRestriction::Decided(*side),
         }
     }
 
-    /// The primitives that can have the value of the whole somewhere in a region, each with whether it occurs
-    /// as its complement, from intervals of all. Where `min(a, b)` has `a < b` throughout, `b` never has the
-    /// value.
+    /// The primitives that can determine the value of the root somewhere in a region, each with whether it
+    /// occurs as its complement, from intervals of all. If `a < b` throughout, `b` never determines
+    /// `min(a, b)`.
     #[must_use]
     pub fn active(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> Vec<(u32, bool)> {
         let mut stack: Vec<ActiveResult> = Vec::new();
@@ -217,10 +219,10 @@ impl CsgTree {
                 }
             }
         }
-        let mut found = stack.pop().map_or_else(Vec::new, |whole| whole.active);
-        found.sort_unstable();
-        found.dedup();
-        found
+        let mut active = stack.pop().map_or_else(Vec::new, |root| root.active);
+        active.sort_unstable();
+        active.dedup();
+        active
     }
 
     /// Evaluates from the primitives up. `join` takes the operands and whether they form a union.
@@ -243,7 +245,7 @@ impl CsgTree {
     }
 }
 
-/// A part of a tree in a region: the interval of its value, and the primitives that can have it.
+/// The result of a node in a region: the interval of its value, and the primitives that can determine it.
 struct ActiveResult {
     range: [f64; 2],
     active: Vec<(u32, bool)>,
@@ -255,9 +257,13 @@ impl ActiveResult {
         let range = operands[1..]
             .iter()
             .fold(operands[0].range, |[a, b], other| [pick(a, other.range[0]), pick(b, other.range[1])]);
-        // Of a minimum, those that are not above its high end throughout.
-        let may = |[low, high]: [f64; 2]| if is_union { low <= range[1] } else { high >= range[0] };
-        let active = operands.into_iter().filter(|one| may(one.range)).flat_map(|one| one.active).collect();
+        // Of a minimum, the operands that are not above its upper end throughout.
+        let is_active = |[low, high]: [f64; 2]| if is_union { low <= range[1] } else { high >= range[0] };
+        let active = operands
+            .into_iter()
+            .filter(|operand| is_active(operand.range))
+            .flat_map(|operand| operand.active)
+            .collect();
         Self { range, active }
     }
 }
@@ -269,16 +275,16 @@ pub(super) fn joined(sides: impl Iterator<Item = Membership>, is_union: bool) ->
     } else {
         (Membership::Outside, Membership::Inside)
     };
-    let mut all = otherwise;
+    let mut membership = otherwise;
     for side in sides {
         if side == decides {
             return decides;
         }
         if side == Membership::Unknown {
-            all = Membership::Unknown;
+            membership = Membership::Unknown;
         }
     }
-    all
+    membership
 }
 
 #[cfg(test)]
@@ -314,7 +320,8 @@ mod tests {
     #[test]
     fn restricting_keeps_what_still_decides() {
         let tree = sample();
-        let restricted = |of: fn(u32) -> Membership| tree.restrict(|p, falls| of(p).complement_if(falls));
+        let restricted =
+            |classify: fn(u32) -> Membership| tree.restrict(|p, falls| classify(p).complement_if(falls));
         let unknown = |_| Membership::Unknown;
         assert_eq!(restricted(unknown), CsgRestriction::Open(tree.clone()));
         let c_outside = |p| if p == 2 { Membership::Outside } else { Membership::Unknown };

@@ -1,25 +1,25 @@
-//! `Beam`: a ray with a radius; and the records of beams.
+//! `Beam`: a ray with a radius, and the results of beams.
 
-/// A ray with a radius: how small a detail it may miss.
+/// A ray with a radius: the size of a detail that it may miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     /// The point where it starts.
     pub origin: [f64; 3],
     /// Its direction, of any length but 0.
     pub direction: [f64; 3],
-    /// The start of the part that counts, in multiples of `direction`.
+    /// The start of the relevant part, in multiples of `direction`.
     pub from: f64,
     /// The end of that part; may be infinite.
     pub to: f64,
-    /// Its radius at its origin, and the growth of that per unit of length: half a pixel, as a rule. Thinner
-    /// details may be missed where no interval of slopes rules them out, and that is counted.
+    /// Its radius at its origin, and the growth of the radius per unit of length: usually half a pixel.
+    /// Thinner details may be missed where no interval of slopes rules them out; such beams are counted.
     pub cone: [f64; 2],
 }
 
 /// Where a beam meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamHit {
-    /// How far along, in multiples of the direction: the far end of a bracket between a point outside and one
+    /// The position in multiples of the direction: the far end of a bracket between a point outside and one
     /// inside.
     pub t: f64,
     /// The point there.
@@ -33,11 +33,11 @@ pub struct BeamHit {
 pub struct BeamRecord {
     /// Where the beam met the surface, if it did.
     pub hit: Option<BeamHit>,
-    /// Whether a stretch was passed that neither slopes nor a distance bound prove free: more than its radius
-    /// before the hit, or anywhere without a hit. Such stretches are a quarter of its radius long, and longer
-    /// where nothing bounds the slope.
+    /// Whether the beam passed a stretch that neither slopes nor a distance bound prove free: more than its
+    /// radius before the hit, or anywhere without a hit. Such stretches are a quarter of its radius long, and
+    /// longer where nothing bounds the slope.
     pub uncertain: bool,
-    /// Whether it was stopped at the step limit. Then it has no hit, and that is uncertain.
+    /// Whether it was stopped at the step limit. Then it has no hit, and is uncertain.
     pub capped: bool,
 }
 
@@ -48,7 +48,7 @@ pub struct BeamCounts {
     pub beams: u64,
     /// Beams that met the surface; each hit is bracketed by a point outside and one inside.
     pub hits: u64,
-    /// Beams with a stretch that nothing proves free.
+    /// Beams with a stretch that is not proved free.
     pub uncertain: u64,
     /// Uncertain beams that were stopped at the step limit.
     pub capped: u64,
@@ -66,7 +66,7 @@ impl BeamCounts {
         }
     }
 
-    /// The sum of both.
+    /// The sum of the two.
     #[must_use]
     pub fn merge(self, other: Self) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl BeamCounts {
         }
     }
 
-    /// The fraction of the beams without a stretch that nothing proves free.
+    /// The fraction of the beams whose stretches are all proved free.
     #[must_use]
     pub fn certified_share(&self) -> f64 {
         if self.beams == 0 { 1.0 } else { (self.beams - self.uncertain) as f64 / self.beams as f64 }

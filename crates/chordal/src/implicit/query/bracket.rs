@@ -9,43 +9,44 @@ pub(super) struct RootBracket {
     inside: [f64; 2],
     /// The end that moved last: 1 inside, −1 outside, 0 none.
     last: i8,
-    left: u8,
-    /// The width three steps ago: where secants do no more than halve it in three steps, a bisection follows.
+    steps_left: u8,
+    /// The width three steps ago: if secants have not halved it in three steps, a bisection follows.
     before: f64,
 }
 
-/// The most values for one root: 53 halvings of a bracket exhaust the digits of a position, and a third of
-/// the steps halve.
+/// The most values for one root. Derived: 53 halvings of a bracket exhaust the digits of a position, and a
+/// third of the steps halve.
 const MOST: u8 = 160;
 
 impl RootBracket {
     pub fn new(outside: [f64; 2], inside: [f64; 2]) -> Self {
-        Self { outside, inside, last: 0, left: MOST, before: f64::INFINITY }
+        Self { outside, inside, last: 0, steps_left: MOST, before: f64::INFINITY }
     }
 
-    /// The end inside, if the bracket is no wider than `width` or no steps are left.
+    /// The end inside, if the bracket is at most `width` wide or no steps are left.
     pub fn root_within(&self, width: f64) -> Option<f64> {
-        (self.inside[0] - self.outside[0] <= width || self.left == 0).then_some(self.inside[0])
+        (self.inside[0] - self.outside[0] <= width || self.steps_left == 0).then_some(self.inside[0])
     }
 
     /// The next position to evaluate.
     pub fn next_guess(&mut self, width: f64) -> f64 {
         let ([a, fa], [b, fb]) = (self.outside, self.inside);
         let span = b - a;
-        let halve = if self.left.is_multiple_of(3) {
-            // A bisection alone is slow: the two steps beside it have to help.
+        let halve = if self.steps_left.is_multiple_of(3) {
+            // A bisection every third step alone would be slow: the two secant steps before it must
+            // contribute.
             let slow = span > 0.4 * self.before;
             self.before = span;
             slow
         } else {
             false
         };
-        self.left -= 1;
+        self.steps_left -= 1;
         let share = fa / (fa - fb);
         if halve || !(share.is_finite() && (0.0..=1.0).contains(&share)) {
             return a + 0.5 * span;
         }
-        // Not closer to an end than half of the wanted width, so that the other end comes near too.
+        // Keep half of the desired width from either end, so that the other end comes near too.
         let x = a + share * span;
         let (low, high) = (a + 0.5 * width, b - 0.5 * width);
         let x = greater(low, x);
@@ -95,7 +96,7 @@ mod tests {
 
     #[test]
     fn finds_smooth_roots_fast_and_hard_ones_at_last() {
-        // The fourth loses digits to cancellation only where it is flat.
+        // The fourth function loses digits to cancellation only where it is flat.
         let smooth: [(&dyn Fn(f64) -> f64, f64); 2] =
             [(&|x| 0.3 - x * x, 0.3_f64.sqrt()), (&|x| 1e-300 * (0.7 - x), 0.7)];
         for (f, truth) in smooth {
@@ -103,8 +104,8 @@ mod tests {
             assert!((x - truth).abs() <= 2e-13 && n <= 12, "{x} after {n}"); // measured: 8
         }
         let step = |x: f64| if x < 0.123 { 1e9 } else { -1e-9 }; // a step of very different heights, exact
-        let nothing = |x: f64| if x < 0.9 { f64::NAN } else { -1.0 };
+        let undefined_outside = |x: f64| if x < 0.9 { f64::NAN } else { -1.0 };
         assert!((solve(&step, 1e-13).0 - 0.123).abs() <= 2e-13); // derived from the width
-        assert!((solve(&nothing, 1e-13).0 - 0.9).abs() <= 2e-13); // derived from the width
+        assert!((solve(&undefined_outside, 1e-13).0 - 0.9).abs() <= 2e-13); // derived from the width
     }
 }

@@ -1,4 +1,4 @@
-//! The closest point of the surface, with a distance that is enclosed from both sides.
+//! The closest point of the surface, with bounds of the distance from both sides.
 use super::super::{Dual, LeafError};
 use super::octree::{FieldOctree, FieldOctreeError};
 use crate::budget::{Job, par_map};
@@ -11,25 +11,24 @@ use std::collections::BinaryHeap;
 pub struct FieldClosestPoint {
     /// A point at the surface: the inside end of a bracket, whose other end is outside.
     pub place: [f64; 3],
-    /// The distance is at least this: interval arithmetic proves closer parts of space to be on one side.
+    /// A lower bound of the distance: interval arithmetic proves that closer parts of space are on one side.
     pub at_least: f64,
-    /// The distance is at most this: within it there are a point outside and one inside.
+    /// An upper bound of the distance: within it there are a point outside and one inside.
     pub at_most: f64,
 }
 
-/// Steps along the gradient to a first point; where so many do not converge, more gain nothing.
+/// Steps along the gradient to a first point. Chosen: walks that need more seldom converge.
 const STEPS: usize = 24;
 /// The most boxes that are divided for one query.
 const MOST_PARTS: usize = 4096;
-/// Halvings of a bracket: as many as a number has binary digits.
+/// Halvings of a bracket: as many as a number has binary digits, and some more.
 const HALVINGS: usize = 60;
 
-/// The closest point to each query, with its distance enclosed to the fraction `within` where that is
-/// possible. `None` where no point was found: there is no surface in the cells, or none that a step across it
-/// shows.
+/// The closest point to each query, with its distance enclosed to the fraction `within` if possible. `None`
+/// if no point was found: there is no surface in the cells, or no step across it shows a change of sign.
 ///
 /// A point is found by steps along the gradient from the query and from the nearest cells, and bracketed.
-/// Then boxes are divided, the nearest first, until none that may contain surface is closer.
+/// Then boxes are divided, the nearest first, until no closer box may contain the surface.
 ///
 /// # Errors
 /// When a leaf fails.
@@ -39,8 +38,8 @@ pub fn closest_points(
     within: f64,
     job: &Job,
 ) -> Result<Vec<Option<FieldClosestPoint>>, FieldOctreeError> {
-    let found = par_map(job, points, |_, p| FieldClosestSearch { cells, point: *p, within }.run());
-    found.into_iter().map(|found| found.map_err(FieldOctreeError::from)).collect()
+    let results = par_map(job, points, |_, p| FieldClosestSearch { cells, point: *p, within }.run());
+    results.into_iter().map(|result| result.map_err(FieldOctreeError::from)).collect()
 }
 
 struct FieldClosestSearch<'a> {
@@ -88,12 +87,12 @@ impl FieldClosestSearch<'_> {
         let mut at_least = f64::INFINITY;
         for parts in 0.. {
             let Some(Reverse(part)) = open.pop() else { break };
-            let far = best.map_or(f64::INFINITY, |best| best.at_most);
-            if part.distance >= far * (1.0 - self.within) || parts >= MOST_PARTS {
+            let farthest = best.map_or(f64::INFINITY, |best| best.at_most);
+            if part.distance >= farthest * (1.0 - self.within) || parts >= MOST_PARTS {
                 at_least = part.distance;
                 break;
             }
-            // A surface point in here would be the closest so far.
+            // A surface point in this box would be the closest so far.
             self.try_start(part.bounds.centre(), &mut best)?;
             age = self.divide(&part, &mut open, age)?;
         }
@@ -123,8 +122,8 @@ impl FieldClosestSearch<'_> {
         let mut ranges = [Interval::UNKNOWN; 8];
         tape.over(&eighths, &mut ranges)?;
         for (bounds, range) in eighths.into_iter().zip(ranges) {
-            // An interval that ends at 0 stays: the surface is where the sign changes, which closed boxes
-            // share.
+            // An interval that ends at 0 stays open: the surface is where the sign changes, and neighbouring
+            // closed boxes share it.
             let clear = range.is_empty() || range.lo() > 0.0 || (range.hi() < 0.0 && range.is_defined());
             if !clear {
                 age += 1;
@@ -137,12 +136,12 @@ impl FieldClosestSearch<'_> {
 
     /// The distance to a box, lowered by its own rounding.
     fn distance_to(&self, b: &Box3) -> f64 {
-        let off: [f64; 3] = std::array::from_fn(|k| {
+        let offset: [f64; 3] = std::array::from_fn(|k| {
             let (below, above) = (b.min[k] - self.point[k], self.point[k] - b.max[k]);
-            let most = greater(below, above);
-            greater(most, 0.0)
+            let gap = greater(below, above);
+            greater(gap, 0.0)
         });
-        dot(off, off).sqrt() * (1.0 - 8.0 * f64::EPSILON)
+        dot(offset, offset).sqrt() * (1.0 - 8.0 * f64::EPSILON)
     }
 
     /// Walks from a point to the surface and along it towards the query, and keeps the bracket if it is
@@ -175,19 +174,19 @@ impl FieldClosestSearch<'_> {
             }
             let closest: [f64; 3] = std::array::from_fn(|k| x[k] - n[k] * down);
             // Along the tangent plane.
-            let off: [f64; 3] = std::array::from_fn(|k| self.point[k] - closest[k]);
-            let up = dot(off, n);
-            let next: [f64; 3] = std::array::from_fn(|k| closest[k] + share * (off[k] - n[k] * up));
+            let offset: [f64; 3] = std::array::from_fn(|k| self.point[k] - closest[k]);
+            let up = dot(offset, n);
+            let next: [f64; 3] = std::array::from_fn(|k| closest[k] + share * (offset[k] - n[k] * up));
             let moved: [f64; 3] = std::array::from_fn(|k| next[k] - x[k]);
             x = next;
-            // A few roundings of a coordinate: it moves no farther.
+            // Less than a few roundings of a coordinate: the walk has converged.
             if dot(moved, moved).sqrt() <= 4.0 * f64::EPSILON * self.cells.size {
                 break;
             }
         }
         tape.gradient_at(&[x], &mut slope)?;
         let Some(n) = unit(slope[0].gradient) else { return Ok(false) };
-        // Steps across the surface, from 2⁻⁴⁰ of the size on, are widened until the sign changes.
+        // Steps across the surface, starting at 2⁻⁴⁰ of the size, are widened until the sign changes.
         let mut width = self.cells.size / 1_099_511_627_776.0;
         for _ in 0..12 {
             let ends = [-1.0, 1.0].map(|side| std::array::from_fn(|k| x[k] + side * width * n[k]));
@@ -218,12 +217,12 @@ impl FieldClosestSearch<'_> {
             self.cells.tape().at(&[middle], &mut value)?;
             if value[0] < 0.0 { a = middle } else { b = middle }
         }
-        let far = |p: [f64; 3]| {
-            let off: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
+        let distance = |p: [f64; 3]| {
+            let offset: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
             // Rounded up: a length has six roundings.
-            dot(off, off).sqrt() * (1.0 + 8.0 * f64::EPSILON)
+            dot(offset, offset).sqrt() * (1.0 + 8.0 * f64::EPSILON)
         };
-        let (to_a, to_b) = (far(a), far(b));
+        let (to_a, to_b) = (distance(a), distance(b));
         let at_most = greater(to_a, to_b);
         if best.is_none_or(|best| at_most < best.at_most) {
             *best = Some(FieldClosestPoint { place: a, at_least: 0.0, at_most });

@@ -22,7 +22,7 @@ pub fn contains(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<bool>, LeafError
     Ok(values.into_iter().map(|value| value < 0.0).collect())
 }
 
-/// The unit vector of steepest increase at each point: outward on the surface. `None` where the gradient
+/// The unit vector of steepest increase at each point: outward on the surface. `None` if the gradient
 /// vanishes or is not finite.
 ///
 /// # Errors

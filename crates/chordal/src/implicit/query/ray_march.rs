@@ -1,10 +1,10 @@
 //! `BeamMarcher`: one beam on its way through the cells, advanced by one value at a time.
 //!
 //! In a cell the slope of the field along the beam lies in a known interval `[a, b]`, so from a value `f`
-//! outside it takes at least `f / −a` to reach the surface, forward, and `f / b` backward. Steps are longer
-//! than the first by a factor, and taken back where both reaches together do not cover them. Where the slope
-//! is surely negative there is at most one root, and it is bracketed at once. Where the field's value is
-//! never more than the distance, the value is a reach too.
+//! outside the surface is at least `f / −a` ahead, and at least `f / b` behind. These reaches are free. Steps
+//! are longer than the first by a factor, and taken back if the reaches from both of their ends do not cover
+//! them. Where the slope is surely negative there is at most one root, and it is bracketed at once. If the
+//! field's value never exceeds the distance, the value is a reach too.
 //!
 //! Sources: E. Galin et al., *Segment tracing using local Lipschitz bounds*, 2020, for slopes of a part of
 //! space; B. Keinert et al., *Enhanced sphere tracing*, 2014, for longer steps that are taken back, and for
@@ -16,38 +16,38 @@ use super::point_queries::along;
 use super::voxels::Voxel;
 use crate::math::{dot, greater, lesser};
 
-/// The factor by which steps are longer than what is surely free. Measured from 1.2 to 1.6: hardly any
-/// difference.
+/// The factor by which steps are longer than the free reach. Measured from 1.2 to 1.6: hardly any difference.
 const LONGER: f64 = 1.4;
-/// The shortest step, as a fraction of the beam's radius: thinner details may be missed, and that is counted.
+/// The shortest step, as a fraction of the beam's radius: thinner details may be missed; such beams are
+/// counted.
 const SHORTEST: f64 = 0.25;
 /// The most values for one beam.
 const MOST_STEPS: u32 = 1500;
-/// Steps along a whole beam where no slope is bounded: half of [`MOST_STEPS`].
+/// Steps along an entire beam if no slope is bounded: half of [`MOST_STEPS`].
 const COARSE_STEPS: f64 = 750.0;
 /// The width of a bracket around a hit as a fraction of the size: 2⁻⁴², far above the rounding of positions
 /// (2⁻⁵²).
 const WIDTH: f64 = 1.0 / 4_398_046_511_104.0;
-/// By how much a beam is moved across the border of a cell, as a fraction of the size: 2⁻³⁶. What is in
-/// between is seen from the other side.
+/// The distance by which a beam is moved across the border of a cell, as a fraction of the size: 2⁻³⁶. The
+/// points between are covered from the other side.
 const NUDGE: f64 = 1.0 / 68_719_476_736.0;
 
 /// The query that a beam answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum HitQuery {
-    /// Where it meets the surface first.
+    /// The first hit with the surface.
     First,
-    /// Whether it meets anything, or starts inside.
+    /// Whether there is any hit, or the beam starts inside.
     Any,
 }
 
-/// What is known about the way through a cell before any value is evaluated.
+/// The result of crossing a cell before any value is evaluated.
 enum CellCrossing {
-    /// The beam meets nothing in it.
+    /// There is no hit in it.
     Free,
-    /// Values have to decide.
+    /// Values must be evaluated.
     Open,
-    /// The beam has a hit, or waits for the next value.
+    /// There is a hit, or the next value is awaited.
     Settled,
 }
 
@@ -55,7 +55,7 @@ enum CellCrossing {
 enum MarchState {
     /// Waits for the value where it enters a cell.
     Enter,
-    /// Waits for the value `stride` ahead; `reach` is free.
+    /// Waits for the value `stride` ahead; the beam is free for `reach`.
     Step {
         stride: f64,
         reach: f64,
@@ -66,7 +66,7 @@ enum MarchState {
     Done,
 }
 
-/// A beam on its way. Lengths count from where it enters the cube of the cells.
+/// A beam on its way. Lengths count from the point where it enters the cube of the cells.
 #[derive(Clone, Debug)]
 pub(super) struct BeamMarcher {
     pub beam: u32,
@@ -75,7 +75,7 @@ pub(super) struct BeamMarcher {
     direction: [f64; 3],
     inverse: [f64; 3],
     /// Origin and direction in voxels from the corner of the cube, and the length from one voxel to the next
-    /// along each axis; +∞ where there is none.
+    /// along each axis; +∞ if the beam is perpendicular to the axis.
     in_voxels: [[f64; 3]; 2],
     per_voxel: [f64; 3],
     /// The length of the given direction, and the length before the cube.
@@ -88,7 +88,7 @@ pub(super) struct BeamMarcher {
     value: f64,
     /// A lower bound of the value where the beam enters the cell.
     least: f64,
-    /// The last position known to be on the side where the beam started.
+    /// The last position known to be on the side on which the beam started.
     clear: f64,
     started: bool,
     /// −1 for a beam that starts inside and looks for the exit.
@@ -98,24 +98,24 @@ pub(super) struct BeamMarcher {
     state: MarchState,
     query: f64,
     steps: u32,
-    /// The first position where something may have been missed; +∞ if nowhere.
+    /// The first position where something may have been missed; +∞ if there is none.
     gap: f64,
     record: BeamRecord,
 }
 
 impl BeamMarcher {
     /// `None` for a beam that misses the cube.
-    pub fn new(cells: &FieldOctree, beam: &Beam, asked: HitQuery) -> Option<Self> {
+    pub fn new(cells: &FieldOctree, beam: &Beam, hit_query: HitQuery) -> Option<Self> {
         let scale = dot(beam.direction, beam.direction).sqrt();
         let direction = beam.direction.map(|d| d / scale);
         if !(scale > 0.0 && scale.is_finite() && beam.origin.iter().all(|x| x.is_finite())) {
             return None;
         }
         let inverse = direction.map(|d| 1.0 / d);
-        let place = cells.occupied();
+        let bounds = cells.occupied();
         let (mut from, mut to) = (beam.from * scale, beam.to * scale);
         for k in 0..3 {
-            let (low, high) = (place.min[k], place.max[k]);
+            let (low, high) = (bounds.min[k], bounds.max[k]);
             if direction[k] == 0.0 {
                 if beam.origin[k] < low || beam.origin[k] > high {
                     return None;
@@ -145,14 +145,14 @@ impl BeamMarcher {
             scale,
             before: from,
             cone: [beam.cone[0] + beam.cone[1] * from, beam.cone[1]],
-            hit_query: asked,
+            hit_query,
             t: 0.0,
             end: to - from,
             value: f64::NAN,
             least: 0.0,
             clear: 0.0,
             // Rays to the lights start outside, above the surface.
-            started: asked == HitQuery::Any,
+            started: hit_query == HitQuery::Any,
             side: 1.0,
             cell_end: 0.0,
             slope: [0.0; 2],
@@ -203,7 +203,7 @@ impl BeamMarcher {
         }
     }
 
-    /// NaN counts as outside, whichever side the beam is on.
+    /// Whether a value is on the other side. NaN counts as outside, on either side of the surface.
     fn crosses(&self, value: f64) -> bool {
         if self.side > 0.0 { value < 0.0 } else { value <= 0.0 || value.is_nan() }
     }
@@ -230,7 +230,7 @@ impl BeamMarcher {
         self.plan_step(cells, value);
     }
 
-    /// Exchanges inside and outside. Whether that answers the query.
+    /// Exchanges inside and outside. Returns whether that answers the query.
     fn begin_inside(&mut self) -> bool {
         self.started = true;
         self.side = -1.0;
@@ -248,7 +248,7 @@ impl BeamMarcher {
             if long && !sure {
                 return self.step(cells, [retreat, reach], false);
             }
-            // Rounding: a step of the reach itself is free.
+            // Tolerance for rounding: a step of the reach itself is free.
             if !sure && stride > reach * 1.000_001 {
                 self.mark_gap(self.t + reach);
             }
@@ -286,7 +286,7 @@ impl BeamMarcher {
         }
     }
 
-    /// Records that something may have been missed from here on: no slope clears it, and the step is not
+    /// Records that something may have been missed from here on: no slope clears the step, and it is not
     /// taken back.
     fn mark_gap(&mut self, from: f64) {
         self.gap = lesser(from, self.gap);
@@ -297,17 +297,17 @@ impl BeamMarcher {
         self.value = value;
         self.clear = self.t;
         let [a, b] = self.slope;
-        let word = if self.has_distance_bound(cells) && value.is_finite() { value } else { 0.0 };
+        let distance = if self.has_distance_bound(cells) && value.is_finite() { value } else { 0.0 };
         let by_slope = if a >= 0.0 { f64::INFINITY } else { value / -a };
-        let reach = if value.is_finite() && by_slope > word { by_slope } else { word };
-        let room = self.cell_end - self.t;
-        if reach >= room {
+        let reach = if value.is_finite() && by_slope > distance { by_slope } else { distance };
+        let to_end = self.cell_end - self.t;
+        if reach >= to_end {
             // Slopes end with the cell; a distance bound does not.
-            let left = value + a * room;
-            self.least = if word <= room && left > 0.0 { left } else { 0.0 };
-            let on = if word > room { self.t + word } else { self.cell_end };
-            self.clear = on;
-            if self.next_cell(cells, on) {
+            let at_end = value + a * to_end;
+            self.least = if distance <= to_end && at_end > 0.0 { at_end } else { 0.0 };
+            let next_t = if distance > to_end { self.t + distance } else { self.cell_end };
+            self.clear = next_t;
+            if self.next_cell(cells, next_t) {
                 self.ask(MarchState::Enter, self.t);
             }
             return;
@@ -323,8 +323,8 @@ impl BeamMarcher {
 
     fn step(&mut self, cells: &FieldOctree, [stride, reach]: [f64; 2], sure: bool) {
         let _ = cells;
-        let room = self.cell_end - self.t;
-        let stride = lesser(stride, room);
+        let to_end = self.cell_end - self.t;
+        let stride = lesser(stride, to_end);
         self.ask(MarchState::Step { stride, reach, sure }, self.t + stride);
     }
 
@@ -334,7 +334,7 @@ impl BeamMarcher {
 
     fn shortest(&self) -> f64 {
         let fine = SHORTEST * self.radius();
-        // Where nothing bounds the slope, nothing is proved anyway: few enough steps to get through.
+        // If nothing bounds the slope, nothing is proved anyway: take few enough steps to get through.
         let coarse = self.end / COARSE_STEPS;
         if self.slope[0].is_finite() || coarse < fine { fine } else { coarse }
     }
@@ -355,8 +355,8 @@ impl BeamMarcher {
     }
 
     fn record_hit(&mut self, t: f64) {
-        // A position within the beam's radius of the true one is right; and for whether there is any hit, all
-        // are.
+        // A hit within the beam's radius of the true one is right; for the question whether there is any hit,
+        // every hit is.
         if self.hit_query == HitQuery::Any || t <= self.gap + self.radius() {
             self.gap = f64::INFINITY;
         }
@@ -366,7 +366,7 @@ impl BeamMarcher {
         self.state = MarchState::Done;
     }
 
-    /// Continues from `t` to the next cell; `false` if there is none, or a hit on the way.
+    /// Continues from `t` to the next cell; `false` if there is none, or if there is a hit before it.
     fn next_cell(&mut self, cells: &FieldOctree, mut t: f64) -> bool {
         let nudge = NUDGE * cells.size;
         loop {
@@ -375,8 +375,8 @@ impl BeamMarcher {
                 return false;
             }
             t += nudge;
-            let (at, room) = cells.voxels.at(along(self.in_voxels[0], self.in_voxels[1], t));
-            match room {
+            let (at, voxel) = cells.voxels.at(along(self.in_voxels[0], self.in_voxels[1], t));
+            match voxel {
                 Voxel::Side(side, clear) => {
                     let exit = self.exit_voxels(at, f64::from(clear));
                     if !self.pass_empty(f64::from(side), t) {
@@ -405,18 +405,18 @@ impl BeamMarcher {
         }
     }
 
-    /// Uses slopes and the value in the middle of a cell to decide the way through it without another value.
+    /// Uses slopes and the value in the middle of a cell to decide the crossing without another value.
     fn predict_crossing(&mut self, cells: &FieldOctree, cell: &FieldOctreeCell) -> CellCrossing {
         let (origin, direction) = (self.origin, self.direction);
-        let seen =
+        let estimate =
             if self.hit_query == HitQuery::Any { cells.estimates.get(cell.estimate as usize) } else { None };
-        let known = match seen {
-            Some(seen) => (&seen.slopes, [seen.middle; 2]),
+        let bounds = match estimate {
+            Some(estimate) => (&estimate.slopes, [estimate.middle; 2]),
             None => (&cell.slopes, cell.middle),
         };
-        // Sampled slopes may miss what bends between two primitives: that a beam meets something is seen at a value alone.
-        let is_sampled = seen.is_some();
-        let at = |t: f64| cell.value_at(known, along(origin, direction, t));
+        // Sampled slopes may miss bends between two primitives, so only an evaluated value proves a hit.
+        let is_sampled = estimate.is_some();
+        let at = |t: f64| cell.value_at(bounds, along(origin, direction, t));
         let mut ends = [at(self.t), at(self.cell_end)];
         if !self.started {
             if ends[0][0] > 0.0 {
@@ -425,22 +425,22 @@ impl BeamMarcher {
                 return CellCrossing::Settled;
             }
         }
-        self.slope = slope_along(known.0, self.direction);
+        self.slope = slope_along(bounds.0, self.direction);
         if self.side < 0.0 {
             self.slope = [-self.slope[1], -self.slope[0]];
             ends = ends.map(|[low, high]| [-high, -low]);
         }
         let [[low, high], [low_end, high_end]] = ends;
-        let (room, nudge) = (self.cell_end - self.t, NUDGE * cells.size);
-        // If it was outside up to here, no value is needed to see that the field cannot fall to 0.
+        let (to_end, nudge) = (self.cell_end - self.t, NUDGE * cells.size);
+        // If the beam was outside up to here, the slope alone shows whether the field can fall to 0.
         let continuous = self.started && self.t - self.clear <= 4.0 * nudge;
-        let left = self.least + self.slope[0] * room;
-        let by_slope = continuous && self.slope[0].is_finite() && (self.slope[0] >= 0.0 || left > 0.0);
-        // The lower end is concave: between two positions above 0 it is above 0.
+        let at_end = self.least + self.slope[0] * to_end;
+        let by_slope = continuous && self.slope[0].is_finite() && (self.slope[0] >= 0.0 || at_end > 0.0);
+        // The lower end is concave: between two positions where it is above 0, it is above 0.
         let by_value = low > 0.0 && low_end > 0.0;
         if self.started && (by_slope || by_value) {
-            let left = if by_slope && left > 0.0 { left } else { 0.0 };
-            self.least = if by_value && low_end > left { low_end } else { left };
+            let at_end = if by_slope && at_end > 0.0 { at_end } else { 0.0 };
+            self.least = if by_value && low_end > at_end { low_end } else { at_end };
             self.clear = self.cell_end;
             return CellCrossing::Free;
         }
@@ -452,11 +452,11 @@ impl BeamMarcher {
             return CellCrossing::Settled;
         }
         // The chord of the lower end is below it.
-        let free = if low > 0.0 { room * (low / (low - low_end)) } else { 0.0 };
+        let free = if low > 0.0 { to_end * (low / (low - low_end)) } else { 0.0 };
         if !is_sampled && self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
-            // The value only falls, and the chord of the upper end is above it: a bracket.
-            let reach = room * (high / (high - high_end)) + 0.25 * WIDTH * cells.size;
-            let reach = lesser(reach, room);
+            // The value only falls, and the chord of the upper end is above it: this gives a bracket.
+            let reach = to_end * (high / (high - high_end)) + 0.25 * WIDTH * cells.size;
+            let reach = lesser(reach, to_end);
             if reach > free {
                 let side = self.side;
                 let guess = |t: f64| {
@@ -470,7 +470,7 @@ impl BeamMarcher {
                 return CellCrossing::Settled;
             }
         }
-        if free > 0.0 && free < room {
+        if free > 0.0 && free < to_end {
             self.t += free;
             self.clear = self.t;
             self.least = 0.0;
@@ -478,21 +478,21 @@ impl BeamMarcher {
         CellCrossing::Open
     }
 
-    /// Passes through a part that is all on one side; `false` if that is an answer.
+    /// Passes through a part that is all on one side; `false` if that answers the query.
     fn pass_empty(&mut self, side: f64, t: f64) -> bool {
         if !self.started {
             self.started = true;
             return !(side < 0.0 && self.begin_inside());
         }
         if side != self.side {
-            // Both sides of a border between two parts are proved: the surface is the border.
+            // Both sides of the border are proved: the surface is the border.
             self.record_hit(t);
             return false;
         }
         true
     }
 
-    /// Where it leaves a voxel and `more` around it.
+    /// The position where the beam leaves a voxel and `more` voxels around it.
     fn exit_voxels(&self, at: [u32; 3], more: f64) -> f64 {
         let mut exit = f64::INFINITY;
         for (k, at) in at.into_iter().enumerate() {
@@ -504,7 +504,7 @@ impl BeamMarcher {
         exit
     }
 
-    /// Where the beam leaves a box that contains it at `t`.
+    /// The position where the beam leaves a box that contains it at `t`.
     fn exit(&self, min: [f64; 3], max: [f64; 3], t: f64) -> f64 {
         let mut exit = f64::INFINITY;
         for k in 0..3 {
@@ -518,8 +518,8 @@ impl BeamMarcher {
     }
 }
 
-/// The interval of the slope along a unit direction. Unbounded slopes stay unbounded, unless the direction
-/// ignores them.
+/// The interval of the slope along a unit direction. Unbounded slopes stay unbounded, unless the direction is
+/// perpendicular to them.
 fn slope_along(slopes: &[[f64; 2]; 3], direction: [f64; 3]) -> [f64; 2] {
     let mut sum = [0.0, 0.0];
     for (slope, d) in slopes.iter().zip(direction) {

@@ -1,4 +1,4 @@
-//! `sphere_trace`: the steps of a ray that goes as far at a time as the value of a field says is free.
+//! `sphere_trace`: the steps of a ray that advances by the value of a field, which is free of surface.
 use super::super::{LeafError, Tape};
 use super::beam::Beam;
 use super::point_queries::along;
@@ -11,7 +11,7 @@ pub struct SphereStep {
     pub t: f64,
     /// The point there.
     pub point: [f64; 3],
-    /// The value there: the radius of the circle that is free, where the value is a distance or less.
+    /// The value there: the radius of a ball without surface, if the value is at most the distance.
     pub value: f64,
 }
 
@@ -20,27 +20,28 @@ pub struct SphereStep {
 pub enum SphereTraceEnd {
     /// The last value is not above the beam's radius there.
     Arrived,
-    /// The last point is behind the part of the beam that counts.
+    /// The last point is beyond the end of the beam.
     Passed,
-    /// There were as many steps as were allowed, or a value is no number.
+    /// The step limit was reached, or a value is NaN.
     Stopped,
 }
 
 /// The steps of a beam, the first at its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SphereTrace {
-    /// Each point that was asked.
+    /// The evaluated points, in order.
     pub steps: Vec<SphereStep>,
     /// How it ended.
     pub end: SphereTraceEnd,
 }
 
-/// Sphere tracing, step by step: from each point the beam goes on by the value there. It is the plain method, to
-/// be looked at; [`FieldTracer`](super::FieldTracer) answers many beams, faster and with brackets.
+/// Sphere tracing, step by step: from each point the beam advances by the value there. It is the plain
+/// method, for illustration; [`FieldTracer`](super::FieldTracer) answers many beams, faster and with
+/// brackets.
 ///
-/// No surface is skipped where the value is the distance to it or less. A beam arrives where the value is at most
-/// its radius, and at most `most` values are asked. Cost: one value a step. Beams beside a surface take many
-/// steps: near it all are short.
+/// No surface is skipped if the value is at most the distance to it. A beam arrives when the value is at most
+/// its radius, and at most `most` values are evaluated. Cost: one value per step. Beams that graze a surface
+/// take many steps: near it all steps are short.
 ///
 /// # Errors
 /// When a leaf fails.
@@ -113,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn it_passes_by_and_it_stops_when_told() {
+    fn it_passes_by_and_it_stops_at_the_limit() {
         let wall = rectangle([2.0, 6.0]).unwrap().tape();
         let past = sphere_trace(&wall, &beam([-5.0, 3.5, 0.0], [1.0, 0.0, 0.0]), 1000).unwrap();
         assert_eq!(past.end, SphereTraceEnd::Passed);

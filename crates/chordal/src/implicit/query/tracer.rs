@@ -11,10 +11,10 @@ const AT_ONCE: usize = 2048;
 /// Intersects beams with the surface of a field.
 ///
 /// All active beams are evaluated together, so that a leaf gets as many points per call as there are beams. A
-/// hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at the other. The way
-/// to it is free by intervals of slopes in each cell or by the field's distance quality, up to the rounding
-/// of values. Where neither says so, steps of a quarter of the beam's radius are taken, and the record says
-/// *uncertain*.
+/// hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at the other. The
+/// beam before it is free, as proved by intervals of slopes in each cell or by the field's distance quality,
+/// up to the rounding of values. Where neither proves it, steps of a quarter of the beam's radius are taken,
+/// and the record says *uncertain*.
 ///
 /// ```
 /// use chordal::implicit::{Expr, Field, query::{Beam, FieldOctree, FieldTracer}};
@@ -56,7 +56,7 @@ impl<'a> FieldTracer<'a> {
         Ok(self.run(beams, HitQuery::Any)?.iter().map(|record| record.hit.is_some()).collect())
     }
 
-    /// The number of points that a call of the field should have, at least.
+    /// The smallest number of points that a call of the field should have.
     #[must_use]
     pub fn batch(&self) -> usize {
         self.cells.batch
@@ -74,8 +74,8 @@ impl<'a> FieldTracer<'a> {
         for group in order.chunk_by(|a, b| a.0 == b.0) {
             let tape = &self.cells.tapes[group[0].0 as usize];
             for part in group.chunks(self.cells.batch) {
-                let places: Vec<[f64; 3]> = part.iter().map(|(_, k)| points[*k as usize]).collect();
-                for ((_, k), normal) in part.iter().zip(normals(tape, &places)?) {
+                let part_points: Vec<[f64; 3]> = part.iter().map(|(_, k)| points[*k as usize]).collect();
+                for ((_, k), normal) in part.iter().zip(normals(tape, &part_points)?) {
                     out[*k as usize] = normal;
                 }
             }
@@ -83,19 +83,19 @@ impl<'a> FieldTracer<'a> {
         Ok(out)
     }
 
-    fn run(&self, beams: &[Beam], asked: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
+    fn run(&self, beams: &[Beam], hit_query: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
         let mut records = Vec::with_capacity(beams.len());
         for part in beams.chunks(AT_ONCE.max(self.cells.batch)) {
-            records.append(&mut self.run_part(part, asked)?);
+            records.append(&mut self.run_part(part, hit_query)?);
         }
         Ok(records)
     }
 
-    fn run_part(&self, beams: &[Beam], asked: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
+    fn run_part(&self, beams: &[Beam], hit_query: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
         let mut records = vec![BeamRecord::default(); beams.len()];
         let mut walkers: Vec<BeamMarcher> = Vec::new();
         for (k, (beam, record)) in beams.iter().zip(&mut records).enumerate() {
-            let Some(mut walker) = BeamMarcher::new(self.cells, beam, asked) else { continue };
+            let Some(mut walker) = BeamMarcher::new(self.cells, beam, hit_query) else { continue };
             walker.start(self.cells);
             if walker.is_done() {
                 *record = walker.record();
@@ -104,7 +104,7 @@ impl<'a> FieldTracer<'a> {
                 walkers.push(walker);
             }
         }
-        // Active beams, sorted by their tape. The marchers are large, and stay where they are.
+        // Active beams, sorted by their tape. The marchers are large, so indices are sorted instead.
         let mut live: Vec<[u32; 2]> =
             walkers.iter().enumerate().map(|(k, walker)| [walker.tape, k as u32]).collect();
         let (mut points, mut values) = (Vec::new(), Vec::new());
@@ -145,8 +145,8 @@ mod tests {
     use crate::budget::Job;
     use crate::implicit::shapes::{capped_cone, sphere};
 
-    /// A cone that ends in a ball is convex near the ball, but for a groove in which nothing stands above a point either: nothing
-    /// is in the way of its normals.
+    /// A cone that ends in a ball is convex near the ball, except for a groove in which no part of the shape
+    /// stands above a point: its normals are free.
     #[test]
     fn light_along_normals_is_not_blocked_where_a_cone_ends_in_a_ball() {
         let cone = capped_cone(6.0, 2.0, 26.0).unwrap();

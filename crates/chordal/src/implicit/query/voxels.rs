@@ -1,4 +1,4 @@
-//! `VoxelGrid`: the octree as a lattice, from a point to its cell in one step, with skips over empty space.
+//! `VoxelGrid`: the octree as a lattice, to find a point's cell in one step, and to skip empty space.
 use super::octree::FieldOctreeNode;
 use crate::math::lesser;
 
@@ -14,7 +14,7 @@ pub(super) struct VoxelGrid {
 /// The content of a voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Voxel {
-    /// All of it is on one side (1 outside, −1 inside), as are so many voxels around it in every direction.
+    /// All of it is on one side (1 outside, −1 inside), as are this many voxels around it in every direction.
     Side(i8, u32),
     /// A part of a cell.
     Cell(u32),
@@ -24,11 +24,11 @@ const CELL: u32 = 1 << 31;
 const INSIDE: u32 = 1 << 30;
 
 impl VoxelGrid {
-    /// The voxels of an octree with so many levels below its root.
+    /// The voxels of an octree with this many levels below its root.
     pub fn from_octree(parts: &[FieldOctreeNode], levels: u32) -> Self {
         let across = 1 << levels;
         let n = across as usize;
-        let mut rooms = vec![0; n * n * n];
+        let mut voxels = vec![0; n * n * n];
         let mut open = vec![(0, [0, 0, 0], across)];
         while let Some((part, at, width)) = open.pop() {
             let value = match parts[part as usize] {
@@ -46,72 +46,72 @@ impl VoxelGrid {
             for z in at[2]..at[2] + width {
                 for y in at[1]..at[1] + width {
                     let row = (z as usize * n + y as usize) * n + at[0] as usize;
-                    rooms[row..row + width as usize].fill(value);
+                    voxels[row..row + width as usize].fill(value);
                 }
             }
         }
         for side in [0, INSIDE] {
-            let far = chessboard_distances(&rooms, side, n);
-            for (room, far) in rooms.iter_mut().zip(far) {
-                if *room == side && far > 0 {
-                    *room |= u32::from(far) - 1;
+            let distances = chessboard_distances(&voxels, side, n);
+            for (voxel, distance) in voxels.iter_mut().zip(distances) {
+                if *voxel == side && distance > 0 {
+                    *voxel |= u32::from(distance) - 1;
                 }
             }
         }
-        Self { across, voxels: rooms }
+        Self { across, voxels }
     }
 
-    /// The voxel at a position in voxels; beyond the cube it is the nearest one.
+    /// The voxel at a position in units of voxels; beyond the cube, the nearest voxel.
     #[inline]
     pub fn at(&self, at: [f64; 3]) -> ([u32; 3], Voxel) {
         // A negative number becomes 0.
         let at = at.map(|x| (x as u32).min(self.across - 1));
         let n = self.across as usize;
-        let room = self.voxels[(at[2] as usize * n + at[1] as usize) * n + at[0] as usize];
-        let what = if room & CELL != 0 {
-            Voxel::Cell(room & !CELL)
+        let content = self.voxels[(at[2] as usize * n + at[1] as usize) * n + at[0] as usize];
+        let voxel = if content & CELL != 0 {
+            Voxel::Cell(content & !CELL)
         } else {
-            Voxel::Side(if room & INSIDE == 0 { 1 } else { -1 }, room & !INSIDE)
+            Voxel::Side(if content & INSIDE == 0 { 1 } else { -1 }, content & !INSIDE)
         };
-        (at, what)
+        (at, voxel)
     }
 }
 
-/// The chessboard distance of each voxel to the nearest one that is not all on `side`; 0 for such voxels
-/// themselves, and 255 where none is nearer. One pass up and one down, each with the neighbours that it has
-/// seen.
+/// The chessboard distance of each voxel to the nearest one that is not entirely on `side`; 0 for such voxels
+/// themselves, and 255 if none is nearer. One pass up and one down, each with the neighbours that it has
+/// already visited.
 ///
 /// Source: A. Rosenfeld, J. Pfaltz, *Sequential operations in digital picture processing*, 1966.
-fn chessboard_distances(rooms: &[u32], side: u32, n: usize) -> Vec<u8> {
-    let mut far: Vec<u8> = rooms.iter().map(|room| if *room == side { 255 } else { 0 }).collect();
+fn chessboard_distances(voxels: &[u32], side: u32, n: usize) -> Vec<u8> {
+    let mut distances: Vec<u8> = voxels.iter().map(|voxel| if *voxel == side { 255 } else { 0 }).collect();
     let least = |a: u8, b: u8| lesser(a, b);
     let mut near = vec![255; n];
     for up in [true, false] {
         for line in 0..n * n {
             let line = if up { line } else { n * n - 1 - line };
             let (z, y) = (line / n, line % n);
-            // The lines before this one: three of the layer before, and one of its own.
+            // The lines before this one: three of the layer before, and one of this layer.
             let step =
                 |x: usize, by: isize| x.checked_add_signed(if up { -by } else { by }).filter(|x| *x < n);
             let before = [(1, 1), (1, 0), (1, -1), (0, 1)];
             near.fill(255);
             for line in before.iter().filter_map(|(dz, dy)| Some(step(z, *dz)? * n + step(y, *dy)?)) {
-                for (near, far) in near.iter_mut().zip(&far[line * n..line * n + n]) {
-                    *near = least(*near, *far);
+                for (near, distance) in near.iter_mut().zip(&distances[line * n..line * n + n]) {
+                    *near = least(*near, *distance);
                 }
             }
-            let own = &mut far[line * n..line * n + n];
+            let line_distances = &mut distances[line * n..line * n + n];
             let mut last = 255;
             for i in 0..n {
                 let x = if up { i } else { n - 1 - i };
                 let beside =
                     least(if x > 0 { near[x - 1] } else { 255 }, if x + 1 < n { near[x + 1] } else { 255 });
-                last = least(own[x], least(least(near[x], beside), last).saturating_add(1));
-                own[x] = last;
+                last = least(line_distances[x], least(least(near[x], beside), last).saturating_add(1));
+                line_distances[x] = last;
             }
         }
     }
-    far
+    distances
 }
 
 #[cfg(test)]
@@ -119,8 +119,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rooms_know_how_far_their_side_goes() {
-        // A cube of 8³ voxels, outside but for a cell of one voxel, a cell of 2³ and one of 2³ that is
+    fn voxels_know_how_far_their_side_goes() {
+        // A cube of 8³ voxels, outside except for a cell of one voxel, a cell of 2³ and one of 2³ that is
         // inside.
         let mut parts = vec![FieldOctreeNode::Children(1)];
         parts.resize(9, FieldOctreeNode::Outside);

@@ -1,11 +1,11 @@
-//! The distance from the z axis, with intervals of its slope on the axis too.
+//! The distance from the z axis, with intervals of its slope that hold on the axis too.
 use crate::budget::Evidence;
 use crate::implicit::{Expr, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{Box3, Interval, sqrt_down, sqrt_up};
 use std::sync::Arc;
 
-/// `√(x² + y²)`. Interval arithmetic does not know the root's slope on the axis, where a surface may well be;
-/// the leaf does.
+/// `√(x² + y²)`. In interval arithmetic the root has no slope on the axis, where a surface may well be; this
+/// leaf has one.
 pub(in crate::implicit) fn axis_distance() -> Expr {
     let [x, y, _] = Expr::axes();
     Expr::leaf(Arc::new(AxisDistance), [x, y, Expr::constant(0.0)])
@@ -65,7 +65,7 @@ pub(in crate::implicit) fn is_axis_distance(leaf: &dyn Leaf) -> bool {
 }
 
 /// The interval of `x / √(x² + y²)`; on the axis, of all generalized gradients. Off the axis it grows with
-/// `x`, and goes towards 0 as `|y|` grows, so each end is that of one corner.
+/// `x`, and goes towards 0 as `|y|` grows, so each end is the value at one corner.
 fn cosine(x: Interval, y: Interval) -> Interval {
     let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
     if x.contains(0.0) && y.contains(0.0) {
@@ -95,13 +95,13 @@ mod tests {
     fn slopes_beside_the_axis_are_as_tight_as_their_corners() {
         let range = |x: [f64; 2], y: [f64; 2]| {
             let [x, y] = [x, y].map(|[low, high]| Interval::new(low, high).expect("a side"));
-            let found = cosine(x, y);
-            [found.lo(), found.hi()]
+            let range = cosine(x, y);
+            [range.lo(), range.hi()]
         };
-        let near = |found: [f64; 2], truth: [f64; 2]| {
-            // A few roundings; and never inside of the truth.
-            assert!(found[0] <= truth[0] && found[0] >= truth[0] - 1e-14, "{found:?} {truth:?}");
-            assert!(found[1] >= truth[1] && found[1] <= truth[1] + 1e-14, "{found:?} {truth:?}");
+        let near = |range: [f64; 2], truth: [f64; 2]| {
+            // A few roundings; and never inside the true interval.
+            assert!(range[0] <= truth[0] && range[0] >= truth[0] - 1e-14, "{range:?} {truth:?}");
+            assert!(range[1] >= truth[1] && range[1] <= truth[1] + 1e-14, "{range:?} {truth:?}");
         };
         near(range([3.0, 4.0], [3.0, 4.0]), [0.6, 0.8]);
         near(range([-4.0, -3.0], [3.0, 4.0]), [-0.8, -0.6]);

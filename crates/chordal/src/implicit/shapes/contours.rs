@@ -19,7 +19,7 @@ pub enum ContourFill {
 }
 
 impl ContourFill {
-    /// Whether a point with that winding number is inside.
+    /// Whether a point with this winding number is inside.
     pub(super) fn holds(self, winding: i32) -> bool {
         match self {
             Self::EvenOdd => winding % 2 != 0,
@@ -37,8 +37,7 @@ pub(super) struct ContourEdge {
     pub contour: u32,
     pub before: u32,
     pub after: u32,
-    /// 1 where the outside is to the right of the edge's direction, −1 where it is to the left, 0 where that
-    /// is not known.
+    /// 1 if the outside is to the right of the edge's direction, −1 if it is to the left, 0 if unknown.
     pub outside: i8,
 }
 
@@ -47,7 +46,7 @@ pub(super) struct ContourEdge {
 pub(super) struct ContourBvhNode {
     pub min: [f64; 2],
     pub max: [f64; 2],
-    /// Rows of the order, if the node has no children.
+    /// Range of positions in the order, if the node has no children.
     pub run: [u32; 2],
     /// The second child; the first follows its parent. 0 if there are none.
     pub second: u32,
@@ -56,8 +55,8 @@ pub(super) struct ContourBvhNode {
 /// Closed contours in the plane, with a tree over their edges. The value is the signed distance to the edges,
 /// negative inside, in the plane of x and y; z has no effect.
 ///
-/// Exact predicates decide which side a point is on. The distance is rounded: it is off by at most 64 units
-/// of rounding of the largest coordinate, which intervals allow for.
+/// Exact predicates decide the side of a point. The distance is rounded: its error is at most 64 units of
+/// rounding of the largest coordinate, which intervals allow for.
 ///
 /// Cost: O(log n) for a point.
 #[derive(Clone, Debug)]
@@ -72,10 +71,10 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// The contours through these points, each closed. If no two edges meet but at corners that they share,
-    /// contours that do not bound the filled region (one within another of the same direction, say) are left
-    /// out, and the value is the exact distance. Otherwise the value is a bound: an edge may run inside the
-    /// shape.
+    /// The contours through these points, each closed. If edges meet only at corners that they share,
+    /// contours that do not bound the filled region (such as one inside another of the same direction) are
+    /// left out, and the value is the exact distance. Otherwise the value is a bound: an edge may run inside
+    /// the shape.
     ///
     /// # Errors
     /// When a coordinate is not a finite number below 1e150, or no contour has three corners.
@@ -105,7 +104,7 @@ impl Contours {
         Ok(Self { edges, nodes, order, largest, fill, distance, bounds })
     }
 
-    /// The distance quality: exact for contours that meet nowhere.
+    /// The distance quality: exact for contours that do not meet.
     #[must_use]
     pub fn distance(&self) -> Distance {
         self.distance
@@ -117,8 +116,8 @@ impl Contours {
         Self::shared_expr(Arc::new(self), at)
     }
 
-    fn shared_expr(own: Arc<Self>, [x, y]: [Expr; 2]) -> Expr {
-        Expr::leaf(own, [x, y, Expr::constant(0.0)])
+    fn shared_expr(contours: Arc<Self>, [x, y]: [Expr; 2]) -> Expr {
+        Expr::leaf(contours, [x, y, Expr::constant(0.0)])
     }
 
     /// The shape, unbounded along z.
@@ -127,15 +126,15 @@ impl Contours {
         let (distance, [min, max]) = (self.distance, self.bounds);
         let [x, y, _] = Expr::axes();
         let sign = half_planes::half_plane_formula(&self.edges, [&x, &y]);
-        let own = Arc::new(self);
-        let construction = Construction::planar(PlanarForm::Contours(Arc::clone(&own)));
-        let field = Field::new(Self::shared_expr(own, [x, y])).known_construction(construction);
+        let contours = Arc::new(self);
+        let construction = Construction::planar(PlanarForm::Contours(Arc::clone(&contours)));
+        let field = Field::new(Self::shared_expr(contours, [x, y])).known_construction(construction);
         let field = field.known_distance(distance).known_bounds(endless(min, max));
         sign.map_or(field.clone(), |sign| field.known_sign(sign))
     }
 
-    /// Its contours, each with the inside to the left of its sides. None where they cross or touch, so that this is not
-    /// known.
+    /// Its contours, each with the inside to the left of its sides. None if they cross or touch, since the
+    /// inside is then unknown.
     pub(crate) fn loops(&self) -> Option<Vec<Vec<[f64; 2]>>> {
         let mut is_done = vec![false; self.edges.len()];
         let mut loops = Vec::new();
@@ -163,7 +162,7 @@ impl Contours {
     }
 
     /// The winding number of the contours around `p`, counter-clockwise, without the edges that `counts`
-    /// rejects. Exact for points that are on no edge.
+    /// rejects. Exact for points off all edges.
     pub(super) fn winding(&self, p: [f64; 2], counts: impl Fn(&ContourEdge) -> bool) -> i32 {
         let mut winding = 0;
         self.descend(
@@ -186,15 +185,15 @@ impl Contours {
         self.fill.holds(self.winding(p, |_| true))
     }
 
-    /// Calls `visit` for every edge below the nodes that are `wanted`.
+    /// Calls `visit` for every edge below the nodes that pass `enters`.
     pub(super) fn descend(
         &self,
-        mut wanted: impl FnMut(&ContourBvhNode) -> bool,
+        mut enters: impl FnMut(&ContourBvhNode) -> bool,
         mut visit: impl FnMut(u32),
     ) {
         let mut waiting = vec![0_u32];
         while let Some(at) = waiting.pop() {
-            let Some(node) = self.nodes.get(at as usize).filter(|node| wanted(node)) else { continue };
+            let Some(node) = self.nodes.get(at as usize).filter(|node| enters(node)) else { continue };
             if node.second == 0 {
                 (node.run[0]..node.run[1]).for_each(|k| visit(self.order[k as usize]));
             } else {
@@ -203,18 +202,18 @@ impl Contours {
         }
     }
 
-    /// The smallest squared distance to an edge, and the lowest edge that has it.
+    /// The smallest squared distance to an edge, and the lowest row of an edge at that distance.
     fn nearest(&self, p: [f64; 2], start: u32) -> (f64, u32) {
-        // Boxes and edges round differently, by less than this fraction: whatever is searched first, the
-        // least is found.
+        // Boxes and edges round differently, by less than this fraction: so the smallest distance is found in
+        // any order of the search.
         const SLACK: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
         let mut best = (self.square(p, start), start);
         let mut waiting = [(0.0, 0_u32); 64];
         let mut height = 1;
         while height > 0 {
             height -= 1;
-            let (off, at) = waiting[height];
-            if off > best.0 * SLACK {
+            let (distance_sq, at) = waiting[height];
+            if distance_sq > best.0 * SLACK {
                 continue;
             }
             let node = &self.nodes[at as usize];
@@ -228,7 +227,7 @@ impl Contours {
                 }
                 continue;
             }
-            let children = [at + 1, node.second].map(|child| (self.off(p, child), child));
+            let children = [at + 1, node.second].map(|child| (self.box_distance_sq(p, child), child));
             let nearer = usize::from(children[1].0 < children[0].0);
             waiting[height] = children[1 - nearer];
             waiting[height + 1] = children[nearer];
@@ -237,7 +236,7 @@ impl Contours {
         best
     }
 
-    fn off(&self, p: [f64; 2], node: u32) -> f64 {
+    fn box_distance_sq(&self, p: [f64; 2], node: u32) -> f64 {
         let ContourBvhNode { min, max, .. } = &self.nodes[node as usize];
         let gap = |k: usize| {
             let (below, above) = (min[k] - p[k], p[k] - max[k]);
@@ -275,7 +274,7 @@ impl Contours {
 }
 
 impl ContourEdge {
-    /// `p` minus its closest point on the edge, and where on the edge that is, from 0 to 1.
+    /// `p` minus its closest point on the edge, and the position of that point on the edge, from 0 to 1.
     pub fn offset(&self, p: [f64; 2]) -> ([f64; 2], f64) {
         let along = [self.b[0] - self.a[0], self.b[1] - self.a[1]];
         let from = [p[0] - self.a[0], p[1] - self.a[1]];
@@ -310,7 +309,7 @@ impl Leaf for Contours {
             let edge = &self.edges[row as usize];
             let (offset, t) = edge.offset([*x, *y]);
             *gradient = if value == 0.0 || (0.0 < t && t < 1.0) {
-                // Across the edge, towards the outside.
+                // The normal of the edge, towards the outside.
                 let n = [edge.b[1] - edge.a[1], edge.a[0] - edge.b[0]];
                 let length = (n[0] * n[0] + n[1] * n[1]).sqrt();
                 let to_right = offset[0] * n[0] + offset[1] * n[1] > 0.0;
@@ -329,8 +328,8 @@ impl Leaf for Contours {
             let flat =
                 Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
             let [x, y, _] = flat.centre();
-            // The middle is rounded: half of the diagonal and a unit of rounding are enough to reach every
-            // point.
+            // The middle is rounded: half of the diagonal and a unit of rounding reach every point of the
+            // box.
             let reach = add_up(
                 0.5 * flat.diagonal(),
                 add_up(self.rounding([x, y]), f64::EPSILON * (x.abs() + y.abs())),
@@ -354,8 +353,8 @@ impl Leaf for Contours {
     }
 
     fn without_axis(&self, axis: f64) -> Option<Arc<dyn Leaf>> {
-        let whole = contours_build::with_mirror_image(self, axis)?;
-        Some(Arc::new(whole))
+        let joined = contours_build::with_mirror_image(self, axis)?;
+        Some(Arc::new(joined))
     }
 
     fn lipschitz(&self) -> Option<Lipschitz> {

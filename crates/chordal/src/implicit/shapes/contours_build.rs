@@ -1,4 +1,5 @@
-//! Construction of [`Contours`](super::Contours): edges, those that bound the shape, and the tree over them.
+//! Construction of [`Contours`](super::Contours): edges, the boundary edges of the shape, and the tree over
+//! them.
 use super::contours::{ContourBvhNode, ContourEdge, ContourFill, Contours};
 use crate::implicit::Distance;
 use crate::math::{Orientation, greater, lesser, orient2d};
@@ -6,7 +7,7 @@ use crate::math::{Orientation, greater, lesser, orient2d};
 /// Edges in a leaf of the tree.
 const LEAF: usize = 4;
 
-/// The edges of all contours with at least three different corners in a row.
+/// The edges of all contours with at least three different successive corners.
 pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
     let mut edges = Vec::new();
     for (contour, points) in contours.iter().enumerate() {
@@ -37,7 +38,7 @@ pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
 pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
     let mut order: Vec<u32> = (0..edges.len() as u32).collect();
     let mut nodes = Vec::new();
-    // A part of the order, and the node whose second child it is.
+    // A range of the order, and the node whose second child it becomes.
     let mut waiting = vec![(0..edges.len(), None)];
     while let Some((run, parent)) = waiting.pop() {
         let at = nodes.len();
@@ -68,40 +69,44 @@ pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
 }
 
 /// Only the contours that bound the filled region, each edge with the side of its outside; and whether that
-/// was possible: not where edges meet elsewhere than at corners that they share.
+/// was possible, which it is unless edges meet elsewhere than at corners that they share.
 pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (Vec<ContourEdge>, bool) {
     let (nodes, order) = tree(&edges);
-    let all = Contours::from_parts(edges.clone(), nodes, order, fill);
-    if !is_simple(&all) {
+    let full = Contours::from_parts(edges.clone(), nodes, order, fill);
+    if !is_simple(&full) {
         return (edges, false);
     }
     let mut start = 0;
-    let mut kept = Vec::new();
+    let mut boundary = Vec::new();
     while start < edges.len() {
         let contour = edges[start].contour;
         let n = edges[start..].iter().take_while(|edge| edge.contour == contour).count();
-        let others = all.winding(edges[start].a, |edge| edge.contour != contour);
+        let winding_of_others = full.winding(edges[start].a, |edge| edge.contour != contour);
         let counter_clockwise = turns_left(&edges, start..start + n);
-        let [left, right] = if counter_clockwise { [others + 1, others] } else { [others, others - 1] };
+        let [left, right] = if counter_clockwise {
+            [winding_of_others + 1, winding_of_others]
+        } else {
+            [winding_of_others, winding_of_others - 1]
+        };
         let is_inside = [left, right].map(|winding| fill.holds(winding));
         if is_inside[0] != is_inside[1] {
-            let moved = kept.len() as u32;
+            let offset = boundary.len() as u32;
             for edge in &mut edges[start..start + n] {
                 edge.outside = if is_inside[0] { 1 } else { -1 };
-                edge.before = edge.before - start as u32 + moved;
-                edge.after = edge.after - start as u32 + moved;
+                edge.before = edge.before - start as u32 + offset;
+                edge.after = edge.after - start as u32 + offset;
             }
-            kept.extend_from_slice(&edges[start..start + n]);
+            boundary.extend_from_slice(&edges[start..start + n]);
         }
         start += n;
     }
-    (kept, true)
+    (boundary, true)
 }
 
 /// Whether a simple contour runs counter-clockwise, by the turn at its lowest corner.
 fn turns_left(edges: &[ContourEdge], run: std::ops::Range<usize>) -> bool {
-    let least = run.reduce(|l, r| if edges[r].a < edges[l].a { r } else { l }).unwrap_or(0);
-    let edge = &edges[least];
+    let lowest = run.reduce(|l, r| if edges[r].a < edges[l].a { r } else { l }).unwrap_or(0);
+    let edge = &edges[lowest];
     orient2d(edges[edge.before as usize].a, edge.a, edge.b) == Orientation::Front
 }
 
@@ -114,18 +119,19 @@ fn is_simple(contours: &Contours) -> bool {
         let near = |node: &ContourBvhNode| (0..2).all(|k| node.min[k] <= high(k) && node.max[k] >= low(k));
         let mut clear = true;
         contours.descend(near, |other| {
-            // Each pair once.
+            // Test each pair once.
             clear = clear && (other <= row || !meet(contours, row, other));
         });
         clear
     })
 }
 
-/// Whether two edges have a point in common other than the corner between neighbours.
+/// Whether two edges have a common point other than the corner between neighbours.
 fn meet(contours: &Contours, row: u32, other: u32) -> bool {
     let (e, f) = (&contours.edges[row as usize], &contours.edges[other as usize]);
     let folds = |from: [f64; 2], corner: [f64; 2], to: [f64; 2]| {
-        // Back over the edge before: collinear, and on the same side of the corner along some axis.
+        // The next edge runs back over this one: collinear, and on the same side of the corner along some
+        // axis.
         orient2d(from, corner, to) == Orientation::Flat
             && (0..2).any(|k| {
                 (from[k] > corner[k] && to[k] > corner[k]) || (from[k] < corner[k] && to[k] < corner[k])
@@ -150,11 +156,11 @@ fn meet(contours: &Contours, row: u32, other: u32) -> bool {
     !(apart(0) || apart(1) || beside(e, f) || beside(f, e))
 }
 
-/// The contours and their mirror image in `x = axis` as one, without the edges on that line. None if there
+/// The contours joined with their mirror image in `x = axis`, without the edges on that line. None if there
 /// are no such edges, or contours reach beyond the line.
 ///
 /// Each run of edges from the line back to it becomes a contour with its own mirror image. As chains these
-/// are all edges and their images, minus the ones on the line, which cancel. So winding numbers off the line
+/// are all edges and their images, minus the edges on the line, which cancel. So winding numbers off the line
 /// stay the same.
 pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contours> {
     let edges = &contours.edges;
@@ -162,9 +168,9 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
     if contours.bounds[0][0] != axis || !edges.iter().any(is_on) {
         return None;
     }
-    // The rounding moves nothing of the contours themselves, and points beyond the line are never evaluated.
+    // Rounding moves only the mirror image, and points beyond the line are never evaluated.
     let mirrored = |p: &[f64; 2]| [axis - (p[0] - axis), p[1]];
-    let mut whole = Vec::new();
+    let mut joined = Vec::new();
     let mut row = 0;
     while row < edges.len() {
         let run =
@@ -172,8 +178,8 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
         row += run.len();
         let Some(first) = run.iter().position(is_on) else {
             let points: Vec<[f64; 2]> = run.iter().map(|edge| edge.a).collect();
-            whole.push(points.iter().rev().map(mirrored).collect());
-            whole.push(points);
+            joined.push(points.iter().rev().map(mirrored).collect());
+            joined.push(points);
             continue;
         };
         let turned: Vec<&ContourEdge> = run[first..].iter().chain(&run[..first]).collect();
@@ -182,10 +188,10 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
             points.extend(path.iter().map(|edge| edge.b));
             let image: Vec<[f64; 2]> = points[1..points.len() - 1].iter().rev().map(mirrored).collect();
             points.extend(image);
-            whole.push(points);
+            joined.push(points);
         }
     }
-    Contours::new(&whole, contours.fill).ok()
+    Contours::new(&joined, contours.fill).ok()
 }
 
 impl Contours {

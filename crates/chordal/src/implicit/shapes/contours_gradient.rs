@@ -3,16 +3,16 @@ use super::contours::{ContourEdge, Contours};
 use crate::math::{Box3, Interval, add_up, greater, lesser};
 
 const UNIT: [f64; 2] = [-1.0, 1.0];
-/// Edges whose turn has a smaller sine count as straight. Chosen: far above rounding, and the arc between
-/// their normals is as short.
+/// If the sine of an edge pair's turn is smaller, the edges count as straight. Chosen: far above rounding,
+/// and the arc between their normals is as short.
 const STRAIGHT: f64 = 1e-9;
 
 impl Contours {
-    /// An interval of each partial derivative, of all of Clarke's generalized gradients.
+    /// An interval of each partial derivative that covers all of Clarke's generalized gradients.
     ///
-    /// The gradient is `±(p − q)/|p − q|` with the nearest point `q`: the normal of an edge where `q` is
-    /// inside of it, and between the normals of two edges where `q` is their corner. An edge that is nearest
-    /// for some point of the box is no farther from the box's middle than the nearest one there plus the
+    /// The gradient is `±(p − q)/|p − q|` with the nearest point `q`: the normal of an edge if `q` is inside
+    /// the edge, and between the normals of two edges if `q` is their corner. If an edge is nearest to some
+    /// point of the box, its distance from the box's middle is at most the smallest distance there plus the
     /// diameter.
     pub(super) fn slope_over(&self, bounds: &Box3) -> [Interval; 3] {
         let flat =
@@ -29,18 +29,18 @@ impl Contours {
         }
         let reach = add_up(self.value(middle).abs(), add_up(2.0 * radius, rounding));
         let mut hull: Option<[Interval; 2]> = None;
-        let wanted = |node: &super::contours::ContourBvhNode| {
+        let is_near = |node: &super::contours::ContourBvhNode| {
             (0..2)
                 .all(|k| node.min[k] <= add_up(middle[k], reach) && node.max[k] >= -add_up(-middle[k], reach))
         };
-        self.descend(wanted, |row| {
+        self.descend(is_near, |row| {
             let edge = &self.edges[row as usize];
             let ([dx, dy], _) = edge.offset(middle);
             if (dx * dx + dy * dy).sqrt() > reach {
                 return;
             }
             for part in self.slopes(edge, &flat, middle, radius) {
-                let joined = hull.map_or(part, |all| [all[0].hull(part[0]), all[1].hull(part[1])]);
+                let joined = hull.map_or(part, |hull| [hull[0].hull(part[0]), hull[1].hull(part[1])]);
                 hull = Some(joined);
             }
         });
@@ -48,13 +48,13 @@ impl Contours {
         [dx, dy, zero]
     }
 
-    /// The gradients at points around `middle` that have their nearest point on an edge.
+    /// The gradients at points around `middle` whose nearest point is on an edge.
     fn slopes(&self, edge: &ContourEdge, flat: &Box3, middle: [f64; 2], radius: f64) -> Vec<[Interval; 2]> {
         let along = [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]];
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
         let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];
         let closest = (from[0] * along[0] + from[1] * along[1]) / length;
-        // Rounding of the closest is 8 units of `|p − a|`; many times as much is allowed for.
+        // Rounding of the closest point is 8 units of `|p − a|`; many times as much is allowed for.
         let play = radius * (1.0 + 1e-9) + 64.0 * f64::EPSILON * (from[0].abs() + from[1].abs() + length);
         let normal = normal(edge);
         let mut parts = Vec::new();
@@ -75,15 +75,15 @@ impl Contours {
     }
 }
 
-/// The gradients at points of a box whose nearest point is the corner of two edges. They are between the
-/// normals of these, and in the direction from the corner, or to it where it is reentrant. None if the box
-/// has no such point.
+/// The gradients at points of a box whose nearest point is the corner of two edges. They lie between the
+/// normals of these, and point away from the corner, or towards it if it is reentrant. None if the box has no
+/// such point.
 fn about_corner(edges: [&ContourEdge; 2], flat: &Box3) -> Option<[Interval; 2]> {
     let arc = between(normal(edges[0]), normal(edges[1]));
     let along = edges.map(|edge| [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]]);
     let turn = along[0][0] * along[1][1] - along[0][1] * along[1][0];
     let size = (along[0][0].abs() + along[0][1].abs()) * (along[1][0].abs() + along[1][1].abs());
-    // Where the edges run straight on, or differ about the side, only the arc is known.
+    // If the edges run straight on, or disagree about the side, only the arc is known.
     let is_straight = turn.abs() <= STRAIGHT * size || turn.is_nan();
     if is_straight || edges[0].outside != edges[1].outside {
         return Some(arc);
@@ -93,9 +93,9 @@ fn about_corner(edges: [&ContourEdge; 2], flat: &Box3) -> Option<[Interval; 2]> 
     let from: [Interval; 2] =
         std::array::from_fn(|k| range([flat.min[k], flat.max[k]]) - Interval::point(corner[k]));
     let direction = [from[0].direction_cosine(from[1].square()), from[1].direction_cosine(from[0].square())];
-    let both: [Interval; 2] =
+    let ranges: [Interval; 2] =
         std::array::from_fn(|k| arc[k].intersection(Interval::point(sign) * direction[k]));
-    both.iter().all(|range| !range.is_empty()).then_some(both)
+    ranges.iter().all(|range| !range.is_empty()).then_some(ranges)
 }
 
 /// The outward normal of an edge, rounded; components that are exactly 0 stay 0.
@@ -112,8 +112,8 @@ fn range([low, high]: [f64; 2]) -> Interval {
 
 /// A rounded component of a unit vector, after six roundings of half a unit.
 fn near(x: f64) -> Interval {
-    let off = 8.0 * f64::EPSILON * x.abs();
-    let (low, high) = (x - off, x + off);
+    let error = 8.0 * f64::EPSILON * x.abs();
+    let (low, high) = (x - error, x + error);
     range([greater(low, -1.0), lesser(high, 1.0)])
 }
 
@@ -121,7 +121,7 @@ fn near(x: f64) -> Interval {
 /// arc.
 fn between(a: [f64; 2], b: [f64; 2]) -> [Interval; 2] {
     let cross = a[0] * b[1] - a[1] * b[0];
-    // Nearly opposite vectors may have either arc; this is far more than their rounding.
+    // Nearly opposite vectors may span either arc; the threshold is far more than their rounding.
     let opposite = a[0] * b[0] + a[1] * b[1] < -1.0 + 1e-12;
     let on_arc = |d: [f64; 2]| {
         let (from, to) = ((a[0] * d[1] - a[1] * d[0]) * cross, (d[0] * b[1] - d[1] * b[0]) * cross);

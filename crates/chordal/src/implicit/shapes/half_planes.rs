@@ -1,14 +1,14 @@
 //! The inside of simple contours as a CSG formula of half-planes, one for each edge.
 //!
-//! A distance to contours has kinks where the nearest edge changes, also on the contours' corners. Its sign
-//! can be written without any. A simple chain of edges, whose first and last are rays, is split at a corner
-//! `v` of its convex hull. Both parts, with the edges at `v` made rays, are simple chains again, since these
-//! rays leave the hull. The region left of the chain is the intersection of the regions left of the parts
-//! where the chain turns left at `v`, else their union. So every edge occurs in the formula once.
+//! A distance to contours has kinks where the nearest edge changes, also at the contours' corners. Its sign
+//! can be written without kinks. A simple chain of edges, whose first and last are rays, is split at a corner
+//! `v` of its convex hull. Both parts, with the edges at `v` extended to rays, are simple chains again, since
+//! these rays leave the hull. The region left of the chain is the intersection of the regions left of the
+//! parts if the chain turns left at `v`, otherwise their union. So every edge occurs once in the formula.
 //!
 //! Source: D. Dobkin, L. Guibas, J. Hershberger, J. Snoeyink, *An efficient algorithm for finding the CSG
-//! representation of a simple polygon*, 1988. The search for the corner is derived here: in a direction in
-//! which both rays leave, it is the lowest one.
+//! representation of a simple polygon*, 1988. The search for the corner is derived here: it is the lowest
+//! corner in a direction in which both rays leave.
 use super::contours::ContourEdge;
 use crate::implicit::Expr;
 use crate::math::{Orientation, dot_sign, greater, orient2d};
@@ -16,18 +16,18 @@ use std::cmp::Ordering;
 
 /// The most edges of a contour. Defined: finding the corners takes the square of their number at worst.
 const MOST_EDGES: usize = 1024;
-/// Edges count as collinear where they are off one line by no more than this fraction of their size. Derived:
-/// some hundred roundings of coordinates. Half-planes on both sides of one line are then complements, and
-/// leave no crack between them that no edge is on.
+/// Edges count as collinear if they are off one line by at most this fraction of their size. Derived: some
+/// hundred roundings of coordinates. Half-planes on both sides of one line are then complements, and leave no
+/// crack between them without an edge.
 const SAME: f64 = 1.0 / (1_u64 << 45) as f64;
-/// Edges that are off by more than that and less than this would leave such a crack. Defined: far above
+/// Edges that are off by more than [`SAME`] and less than this would leave such a crack. Defined: far above
 /// rounding.
 const NEAR: f64 = 1.0 / (1_u64 << 30) as f64;
 
 type PlanarPoint = [f64; 2];
 
 /// An expression in two coordinates that is negative inside the contours of these edges, with the inside of
-/// each edge on the side opposite to [`ContourEdge::outside`]. None where that exceeds the limits, or would
+/// each edge on the side opposite to [`ContourEdge::outside`]. None if that exceeds the limits, or would
 /// leave cracks.
 pub(super) fn half_plane_formula(edges: &[ContourEdge], [x, y]: [&Expr; 2]) -> Option<Expr> {
     if edges.len() > MOST_EDGES || edges.iter().any(|edge| edge.outside == 0) {
@@ -40,22 +40,22 @@ pub(super) fn half_plane_formula(edges: &[ContourEdge], [x, y]: [&Expr; 2]) -> O
         loops.push(PolygonLoop::from_edges(&edges[start..start + n]));
         start += n;
     }
-    let mut lines = HalfPlaneCache { at: [x, y], known: Vec::new() };
-    let inside: Vec<Expr> = loops.iter().map(|one| one.inside(&mut lines)).collect::<Option<_>>()?;
+    let mut lines = HalfPlaneCache { at: [x, y], formulas: Vec::new() };
+    let inside: Vec<Expr> = loops.iter().map(|polygon| polygon.inside(&mut lines)).collect::<Option<_>>()?;
     // A clockwise loop is a hole in the smallest loop around it.
     let outer_of = |hole: &PolygonLoop| {
         let around = |k: &usize| loops[*k].is_outer && loops[*k].encloses(hole.corners[0]);
         (0..loops.len()).filter(around).min_by(|a, b| loops[*a].area().total_cmp(&loops[*b].area()))
     };
     let outer: Vec<Option<usize>> =
-        loops.iter().map(|one| if one.is_outer { None } else { outer_of(one) }).collect();
-    let mut whole: Option<Expr> = None;
+        loops.iter().map(|polygon| if polygon.is_outer { None } else { outer_of(polygon) }).collect();
+    let mut union: Option<Expr> = None;
     for (k, solid) in inside.iter().enumerate().filter(|(k, _)| loops[*k].is_outer) {
         let holes = (0..loops.len()).filter(|hole| outer[*hole] == Some(k));
         let solid = holes.fold(solid.clone(), |solid, hole| solid.max(&inside[hole]));
-        whole = Some(whole.map_or(solid.clone(), |whole| whole.min(&solid)));
+        union = Some(union.map_or(solid.clone(), |union| union.min(&solid)));
     }
-    whole
+    union
 }
 
 /// A closed contour with the inside on its left.
@@ -79,7 +79,7 @@ impl PolygonLoop {
         Self { corners, is_outer }
     }
 
-    /// Whether a point off the contour is within it, whatever the orientation.
+    /// Whether a point off the contour is inside it, for either orientation.
     fn encloses(&self, p: PlanarPoint) -> bool {
         let n = self.corners.len();
         let crosses = |k: &usize| {
@@ -100,19 +100,19 @@ impl PolygonLoop {
         (0.5 * parts.sum::<f64>()).abs()
     }
 
-    /// Split at the least and the greatest corner, which are on the hull.
+    /// The formula of the inside, split at the smallest and the largest corner, which are on the hull.
     fn inside(&self, lines: &mut HalfPlaneCache) -> Option<Expr> {
         let n = self.corners.len();
         let from = lowest_corner(&self.corners);
         let corners: Vec<PlanarPoint> = (0..=n).map(|k| self.corners[(from + k) % n]).collect();
-        let far = (1..n).reduce(|best, k| if corners[k] > corners[best] { k } else { best })?;
+        let split = (1..n).reduce(|best, k| if corners[k] > corners[best] { k } else { best })?;
         let chain = PolygonChain { corners: &corners };
-        let (there, back) = (chain.left([0, far], lines)?, chain.left([far, n], lines)?);
-        Some(if self.is_outer { there.max(&back) } else { there.min(&back) })
+        let (first, second) = (chain.left([0, split], lines)?, chain.left([split, n], lines)?);
+        Some(if self.is_outer { first.max(&second) } else { first.min(&second) })
     }
 }
 
-/// The lexicographically least corner.
+/// The lexicographically smallest corner.
 fn lowest_corner(corners: &[PlanarPoint]) -> usize {
     (1..corners.len()).fold(0, |best, k| if corners[k] < corners[best] { k } else { best })
 }
@@ -130,7 +130,7 @@ impl PolygonChain<'_> {
     /// The region left of the edges from one corner to another, with the first and last as rays.
     fn left(&self, [first, last]: [usize; 2], lines: &mut HalfPlaneCache) -> Option<Expr> {
         let mut parts = vec![(first, last)];
-        // The splits of all parts in prefix order, found without recursion; None for an edge.
+        // The splits of all parts in prefix order, without recursion; None for an edge.
         let mut splits: Vec<Option<Orientation>> = Vec::new();
         while let Some((from, to)) = parts.pop() {
             if to - from == 1 {
@@ -142,7 +142,7 @@ impl PolygonChain<'_> {
             splits.push(Some(orient2d(a, b, c)));
             parts.extend([(corner, to), (from, corner)]);
         }
-        // Read backwards, operands come before their operator, and edges start with the last.
+        // Read backwards, operands come before their operator, and edges come in reverse order.
         let mut formulas: Vec<Expr> = Vec::new();
         let mut edge = last;
         for split in splits.into_iter().rev() {
@@ -174,8 +174,8 @@ impl PolygonChain<'_> {
             along.map(|x| x / length)
         };
         let (first, last) = (edge(from), edge(to - 1));
-        // Both rays run upward along this. A tie goes to the first along `first`, which is a corner of the
-        // hull.
+        // Both rays run upward along this direction. A tie goes to the first corner along `first`, which is
+        // on the hull.
         let up = [last[0] - first[0], last[1] - first[1]];
         let rises = |k: usize, sign: f64| {
             dot_sign(up.map(|x| sign * x), self.corners[k], self.corners[k + 1]) == Ordering::Greater
@@ -184,7 +184,7 @@ impl PolygonChain<'_> {
             let low = self.lowest(from, to, up, [-up[1], up[0]]);
             return Some(low);
         }
-        // Rays of one direction: below them, or above.
+        // Rays of opposite direction: the hull corner is below them, or above.
         let across = [-first[1], first[0]];
         [across, across.map(|x| -x)].into_iter().find_map(|up| {
             let low = self.lowest(from, to, up, first);
@@ -194,7 +194,7 @@ impl PolygonChain<'_> {
         })
     }
 
-    /// The lowest inner corner along `up`; of equally low ones the first along `then`.
+    /// The lowest inner corner along `up`; among equally low ones the first along `then`.
     fn lowest(&self, from: usize, to: usize, up: PlanarPoint, then: PlanarPoint) -> usize {
         (from + 2..to).fold(from + 1, |best, k| {
             let (a, b) = (self.corners[best], self.corners[k]);
@@ -208,14 +208,14 @@ impl PolygonChain<'_> {
 struct HalfPlaneCache<'a> {
     /// The two coordinates.
     at: [&'a Expr; 2],
-    known: Vec<([PlanarPoint; 2], Expr)>,
+    formulas: Vec<([PlanarPoint; 2], Expr)>,
 }
 
 impl HalfPlaneCache<'_> {
     /// Negative on the left of the line from `a` to `b`. Edges on one line share an expression, or have its
-    /// negation. None where an edge is nearly on the line of another.
+    /// negation. None if an edge is nearly on the line of another.
     fn half_plane(&mut self, edge: [PlanarPoint; 2]) -> Option<Expr> {
-        for (other, expr) in &self.known {
+        for (other, expr) in &self.formulas {
             match line_relation(edge, *other) {
                 LineRelation::Other => {}
                 LineRelation::Near => return None,
@@ -224,7 +224,7 @@ impl HalfPlaneCache<'_> {
             }
         }
         let expr = half_plane(edge, self.at);
-        self.known.push((edge, expr.clone()));
+        self.formulas.push((edge, expr.clone()));
         Some(expr)
     }
 }
@@ -232,7 +232,7 @@ impl HalfPlaneCache<'_> {
 /// The relation between the lines of two edges.
 enum LineRelation {
     Other,
-    /// Nearly one line, but not within rounding.
+    /// Nearly one line, but by more than rounding.
     Near,
     Same,
     Opposite,
@@ -241,18 +241,18 @@ enum LineRelation {
 fn line_relation([a, b]: [PlanarPoint; 2], [p, q]: [PlanarPoint; 2]) -> LineRelation {
     let (along, line) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
     let size = line[0].abs() + line[1].abs();
-    // The distances of both ends from the line, as fractions of what they are computed from.
-    let share = |c: PlanarPoint| {
+    // The distances of both ends from the line, as fractions of the numbers that they are computed from.
+    let relative_distance = |c: PlanarPoint| {
         let from = [c[0] - p[0], c[1] - p[1]];
-        let off = (line[0] * from[1] - line[1] * from[0]).abs();
+        let distance = (line[0] * from[1] - line[1] * from[0]).abs();
         let coordinates = [a, b, p, q].as_flattened().iter().fold(0.0, |m: f64, x| greater(x.abs(), m));
-        off / (size * coordinates)
+        distance / (size * coordinates)
     };
-    let (first, second) = (share(a), share(b));
-    let most = greater(first, second);
-    if most > NEAR {
+    let (first, second) = (relative_distance(a), relative_distance(b));
+    let largest = greater(first, second);
+    if largest > NEAR {
         LineRelation::Other
-    } else if most > SAME {
+    } else if largest > SAME {
         LineRelation::Near
     } else if along[0] * line[0] + along[1] * line[1] > 0.0 {
         LineRelation::Same
@@ -261,7 +261,7 @@ fn line_relation([a, b]: [PlanarPoint; 2], [p, q]: [PlanarPoint; 2]) -> LineRela
     }
 }
 
-/// Negative on the left of the line from `a` to `b`: the signed distance to it, but for rounding.
+/// Negative on the left of the line from `a` to `b`: the signed distance to it, up to rounding.
 fn half_plane([a, b]: [PlanarPoint; 2], [x, y]: [&Expr; 2]) -> Expr {
     let along = [b[0] - a[0], b[1] - a[1]];
     if along[0] == 0.0 {
@@ -282,12 +282,12 @@ mod tests {
     use chordal_testkit::Random;
 
     /// Checks that half-planes and the distance put points off the contour on the same side. Returns whether
-    /// there are half-planes.
+    /// there is a formula of half-planes.
     fn agrees(contours: &[Vec<[f64; 2]>], random: &mut Random) -> bool {
-        let Ok(made) = Contours::new(contours, ContourFill::EvenOdd) else { return false };
-        let n_edges = made.edges.len();
-        let [min, max] = made.bounds;
-        let field = made.into_field();
+        let Ok(shape) = Contours::new(contours, ContourFill::EvenOdd) else { return false };
+        let n_edges = shape.edges.len();
+        let [min, max] = shape.bounds;
+        let field = shape.into_field();
         if !field.has_sign() {
             return false;
         }
@@ -328,7 +328,7 @@ mod tests {
         for case in 0..300_usize {
             let n = 3 + random.below(40);
             let outline: Vec<[f64; 2]> = match case % 3 {
-                // A star about the origin: simple whatever the radii.
+                // A star about the origin: simple for all radii.
                 0 => (0..n)
                     .map(|k| {
                         let angle = std::f64::consts::TAU * k as f64 / n as f64;

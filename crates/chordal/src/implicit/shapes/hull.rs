@@ -1,4 +1,4 @@
-//! Convex hulls: of points of the plane as a polygon, of points or equal balls in space as a leaf.
+//! Convex hulls: of points in the plane as a polygon, of points or equal balls in space as a leaf.
 use super::{InvalidShape, finite_point, largest, not_negative, polygon, sum};
 use crate::budget::Evidence;
 use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
@@ -8,10 +8,10 @@ use crate::math::{
 };
 use std::sync::Arc;
 
-/// The most points of a hull in space. Chosen: each of its planes is found by trying triples of points.
+/// The most points of a hull in space. Chosen: its planes are found by trying all triples of points.
 pub(super) const MOST_POINTS: usize = 128;
 
-/// The convex hull of points of the plane, unbounded along z. The value is the exact distance.
+/// The convex hull of points in the plane, unbounded along z. The value is the exact distance.
 ///
 /// # Errors
 /// When a number is not finite, or all points lie on a line.
@@ -24,8 +24,8 @@ pub fn planar_hull(points: &[[f64; 2]]) -> Result<Field, InvalidShape> {
     polygon(&corners)
 }
 
-/// The corners of the hull, counter-clockwise. Source: A. Andrew, *Another efficient algorithm for convex hulls
-/// in two dimensions*, 1979.
+/// The corners of the hull, counter-clockwise. Source: A. Andrew, *Another efficient algorithm for convex
+/// hulls in two dimensions*, 1979.
 pub(super) fn planar_corners(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -45,7 +45,7 @@ pub(super) fn planar_corners(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
             }
             side.push(p);
         }
-        // The last one begins the other side.
+        // The last corner is the first of the other side.
         side.pop();
         corners.truncate(first);
         corners.extend(side);
@@ -53,7 +53,8 @@ pub(super) fn planar_corners(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     corners
 }
 
-/// The convex hull of points in space, or of balls of one radius around them. The value is the exact distance.
+/// The convex hull of points in space, or of balls of one radius around them. The value is the exact
+/// distance.
 ///
 /// # Errors
 /// When there are no points or more than 128, a number is not finite, the radius is negative, or the points
@@ -109,7 +110,8 @@ impl HullPlane {
     }
 }
 
-/// The signed distance to a convex polyhedron; to a polygon, segment or point that has no inside.
+/// The signed distance to a convex polyhedron; or the distance to a polygon, segment or point, which has no
+/// inside.
 #[derive(Clone, Debug)]
 struct ConvexHull {
     planes: Vec<HullPlane>,
@@ -126,39 +128,40 @@ impl ConvexHull {
         });
         points.dedup();
         let largest = points.as_flattened().iter().fold(0.0, |most, x| greater(x.abs(), most));
-        let mut found = Self { planes: Vec::new(), triangles: Vec::new(), largest };
-        let mut seen: Vec<u128> = Vec::new();
+        let mut hull = Self { planes: Vec::new(), triangles: Vec::new(), largest };
+        let mut face_sets: Vec<u128> = Vec::new();
         for i in 0..points.len() {
             for j in i + 1..points.len() {
                 for k in j + 1..points.len() {
-                    found.add_face(&points, [i, j, k], &mut seen);
+                    hull.add_face(&points, [i, j, k], &mut face_sets);
                 }
             }
         }
-        if found.triangles.is_empty() {
-            // On a line: the first and the last in this order are its ends.
+        if hull.triangles.is_empty() {
+            // The points are on a line: the first and the last in this order are its ends.
             let [a, b] = [points[0], points[points.len() - 1]];
-            found.triangles.push([a, b, b]);
+            hull.triangles.push([a, b, b]);
         }
-        found
+        hull
     }
 
     fn is_flat(&self) -> bool {
         self.planes.is_empty()
     }
 
-    /// Adds the face through three points, if all others are on one side of it.
-    fn add_face(&mut self, points: &[[f64; 3]], [i, j, k]: [usize; 3], seen: &mut Vec<u128>) {
+    /// Adds the face through three points, if all other points are on one side of it. `face_sets` holds the
+    /// points of each face so far, as bits.
+    fn add_face(&mut self, points: &[[f64; 3]], [i, j, k]: [usize; 3], face_sets: &mut Vec<u128>) {
         let bits = |k: usize| 1_u128 << k;
-        let own = bits(i) | bits(j) | bits(k);
-        if seen.iter().any(|face| face & own == own) {
+        let triple = bits(i) | bits(j) | bits(k);
+        if face_sets.iter().any(|face| face & triple == triple) {
             return;
         }
         let corners = [points[i], points[j], points[k]];
-        let (mut on, mut front, mut back) = (0_u128, false, false);
+        let (mut on_plane, mut front, mut back) = (0_u128, false, false);
         for (at, p) in points.iter().enumerate() {
             match orient3d(corners[0], corners[1], corners[2], *p) {
-                Orientation::Flat => on |= bits(at),
+                Orientation::Flat => on_plane |= bits(at),
                 Orientation::Front => front = true,
                 Orientation::Back => back = true,
             }
@@ -168,12 +171,12 @@ impl ConvexHull {
         }
         let cross = cross(corners);
         let Some(normal) = unit(cross) else { return };
-        seen.push(on);
-        // Corners of the face in the plane of two axes, without the one along which the normal is largest.
+        face_sets.push(on_plane);
+        // Project the face's corners to two axes, without the axis along which the normal is largest.
         let drop = (0..3).fold(0, |best, k| if normal[k].abs() > normal[best].abs() { k } else { best });
         let [u, v] = [(drop + 1) % 3, (drop + 2) % 3];
         let face: Vec<[f64; 3]> =
-            (0..points.len()).filter(|at| on & bits(*at) != 0).map(|at| points[at]).collect();
+            (0..points.len()).filter(|at| on_plane & bits(*at) != 0).map(|at| points[at]).collect();
         let flat: Vec<[f64; 2]> = face.iter().map(|p| [p[u], p[v]]).collect();
         let around: Vec<[f64; 3]> = planar_corners(&flat)
             .iter()
@@ -183,7 +186,8 @@ impl ConvexHull {
             self.triangles.push([around[0], around[k], around[k + 1]]);
         }
         if front || back {
-            // The side without points is outside. Corners next to the plane say too little: their side is lost in rounding.
+            // The side without points is outside. Corners close to the plane are no evidence: their side is
+            // lost in rounding.
             let plane = HullPlane { normal, through: corners[0] };
             let farthest = points
                 .iter()
@@ -216,8 +220,8 @@ impl ConvexHull {
     }
 }
 
-/// The normal of a triangle times twice its area. Of corners that are nearly in a row plain doubles keep no digit of it, and a
-/// plane in a wrong direction would cut the hull.
+/// The normal of a triangle times twice its area. If the corners are nearly collinear, plain doubles keep no
+/// digit of it, and a plane in a wrong direction would cut the hull.
 fn cross([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     let step = |to: [f64; 3], k: usize| DoubleDouble::two_sum(to[k], -a[k]);
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
@@ -265,8 +269,8 @@ impl Leaf for ConvexHull {
         Ok(LeafAnswer::Given)
     }
 
-    /// Outside, a point minus its nearest one of a convex set is 1-Lipschitz (firmly non-expansive), so over a
-    /// box it stays in a ball around that of the centre.
+    /// Outside, a point minus its nearest point of a convex set is 1-Lipschitz (firmly non-expansive), so
+    /// over a box it stays in a ball around its value at the centre.
     fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
         let any = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
         for (bounds, gradient) in boxes.iter().zip(out) {
@@ -274,14 +278,14 @@ impl Leaf for ConvexHull {
             let p = bounds.centre();
             let reach = add_up(0.5 * bounds.diagonal(), self.rounding(p));
             // The centre is rounded.
-            let reach = add_up(reach, f64::EPSILON * p.iter().fold(0.0, |all, x| all + x.abs()));
+            let reach = add_up(reach, f64::EPSILON * p.iter().fold(0.0, |sum, x| sum + x.abs()));
             if !reach.is_finite() {
                 continue;
             }
             let (away, distance) = self.nearest_offset(p);
-            let least = sub_down(distance, reach);
-            if least > 0.0 {
-                let length = Interval::new(least, add_up(distance, reach)).unwrap_or(Interval::ENTIRE);
+            let lowest = sub_down(distance, reach);
+            if lowest > 0.0 {
+                let length = Interval::new(lowest, add_up(distance, reach)).unwrap_or(Interval::ENTIRE);
                 for k in 0..3 {
                     let part = Interval::new(add_down(away[k], -reach), add_up(away[k], reach));
                     gradient[k] = (part.unwrap_or(Interval::ENTIRE) / length).intersection(any);
@@ -300,7 +304,7 @@ impl Leaf for ConvexHull {
             let p = bounds.centre();
             let reach = add_up(0.5 * bounds.diagonal(), self.rounding(p));
             // The centre is rounded.
-            let reach = add_up(reach, f64::EPSILON * p.iter().fold(0.0, |all, x| all + x.abs()));
+            let reach = add_up(reach, f64::EPSILON * p.iter().fold(0.0, |sum, x| sum + x.abs()));
             *range = if reach.is_finite() {
                 // The exact distance is continuous and 1-Lipschitz.
                 Interval::point(self.nearest_offset(p).1)
@@ -321,21 +325,24 @@ impl Leaf for ConvexHull {
 mod tests {
     use super::*;
 
-    /// A box with one more corner that is outside of an edge by far less than its coordinates have digits for in products.
+    /// A box with another corner, outside an edge by far less than the digits of its coordinates resolve in
+    /// products.
     #[test]
     fn a_corner_next_to_an_edge_changes_nothing_elsewhere() {
         let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 3.0 } else { 0.1 });
         let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
-        let whole = hull(&corners, 0.0).unwrap();
+        let box_hull = hull(&corners, 0.0).unwrap();
         for ulps in 1..9_u64 {
             let out = |x: f64| f64::from_bits(x.to_bits() + ulps);
             for at in [0.7, 1.1, 2.9] {
-                let more = [corners.clone(), vec![[at, out(3.0), out(3.0)], [out(3.0), at, 3.0]]].concat();
-                let made = hull(&more, 0.0).unwrap();
-                let places = (0..1331).map(|k| [k % 11, k / 11 % 11, k / 121].map(|x| 0.35 * x as f64 - 0.2));
-                for p in places {
-                    let [own, other] = [&whole, &made].map(|field| field.expr().at(p).unwrap());
-                    assert!((own - other).abs() < 1e-13, "{ulps} {at} {p:?}: {own} {other}");
+                let corners_and_more =
+                    [corners.clone(), vec![[at, out(3.0), out(3.0)], [out(3.0), at, 3.0]]].concat();
+                let hull_of_more = hull(&corners_and_more, 0.0).unwrap();
+                let points = (0..1331).map(|k| [k % 11, k / 11 % 11, k / 121].map(|x| 0.35 * x as f64 - 0.2));
+                for p in points {
+                    let [expected, actual] =
+                        [&box_hull, &hull_of_more].map(|field| field.expr().at(p).unwrap());
+                    assert!((expected - actual).abs() < 1e-13, "{ulps} {at} {p:?}: {expected} {actual}");
                 }
             }
         }

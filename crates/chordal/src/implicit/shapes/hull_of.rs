@@ -5,27 +5,27 @@ use crate::implicit::construction::{Construction, ConstructionNode, PlanarForm, 
 use crate::implicit::{Affine3, Field};
 use crate::math::{difference, dot, greater, length, lesser};
 
-/// Corners nearer to a segment between two others than this, relative to the largest coordinate, are left out.
-/// Derived: some dozen roundings of placements, which would make faces of their own out of them.
+/// Corners closer to a segment between two others than this, relative to the largest coordinate, are left
+/// out. Derived: some dozen roundings of placements, which would otherwise create faces of their own.
 const FLAT: f64 = 1.0 / (1_u64 << 48) as f64;
 /// The most corners of all shapes, of which many may be the same. Chosen: far more than a hull has.
 const MOST_CORNERS: usize = 4096;
-/// Radii are one where they differ by less than this, relative to the larger one. Derived: far above what turns
-/// and moves round.
+/// Radii are equal if they differ by less than this, relative to the larger one. Derived: far above the
+/// rounding of turns and moves.
 const SAME: f64 = 1e-12;
 
-/// What every shape is that has a hull here.
+/// The shapes that have a hull here.
 const TAKEN: &str = "boxes, rounded boxes, prisms, extruded polygons, balls and capsules, moved, turned, \
                      scaled evenly and joined";
-/// What does the same in other cases, by its names in scripts.
+/// The equivalent for other shapes, by its names in scripts.
 const INSTEAD: &str = "hull(points, radius) takes points in their place, extrude(segment(a, b, radius), height) is the \
                        hull of two equal cylinders along z, and loft(shapes, height) goes from one section to others";
 
-/// The convex hull of shapes, grown by a radius. Each is the hull of points or of balls of one radius around them,
-/// the same for all: boxes, rounded boxes, prisms, extruded polygons, balls and capsules, moved, turned, mirrored,
-/// scaled evenly, repeated and joined. The value is the exact distance to the hull of their rounded corners, without
-/// those that are nearer to a segment between two others than 2⁻⁴⁸ of the largest coordinate.
-///
+/// The convex hull of shapes, grown by a radius. Each shape must be the hull of points or of balls around
+/// them, with the same radius for all: boxes, rounded boxes, prisms, extruded polygons, balls and capsules,
+/// moved, turned, mirrored, scaled evenly, repeated and joined. The value is the exact distance to the hull
+/// of their rounded corners, without corners closer to a segment between two others than 2⁻⁴⁸ of the largest
+/// coordinate.
 /// # Errors
 /// When a shape is none of these, when radii differ, or as for [`hull`].
 ///
@@ -38,27 +38,27 @@ const INSTEAD: &str = "hull(points, radius) takes points in their place, extrude
 /// ```
 pub fn hull_of(shapes: &[Field], radius: f64) -> Result<Field, InvalidShape> {
     let grown = not_negative("a hull's radius", radius)?;
-    let mut all = HullCorners::default();
+    let mut corners = HullCorners::default();
     for shape in shapes {
         let Some(construction) = shape.construction() else {
             return Err(refused("one here was made or changed in another way"));
         };
-        all.join(HullCorners::new(construction)?)?;
+        corners.join(HullCorners::new(construction)?)?;
     }
-    let HullCorners { mut points, radius } = all;
+    let HullCorners { mut points, radius } = corners;
     points
         .sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (x, y)| o.then(x.total_cmp(y))));
     points.dedup();
     let largest = points.as_flattened().iter().fold(0.0, |most, x| greater(x.abs(), most));
-    // What is more is refused there.
+    // `hull` refuses more points than that.
     if points.len() <= MOST_POINTS {
         points = without_flat_corners(points, FLAT * largest);
     }
     Ok(hull(&points, radius.unwrap_or(0.0) + grown)?.with_promises_of(shapes))
 }
 
-/// Different points without those that are nearer than a length to the segment between two others: what rounding
-/// leaves of corners along one edge, or at one place. One after the other.
+/// Different points without those that are closer than a length to the segment between two others, which
+/// rounding leaves along an edge or at one place. Points are removed one at a time.
 fn without_flat_corners(mut points: Vec<[f64; 3]>, near: f64) -> Vec<[f64; 3]> {
     let mut k = 0;
     while k < points.len() {
@@ -85,7 +85,7 @@ fn refused(what: &str) -> InvalidShape {
     InvalidShape::Number(format!("a hull of shapes takes {TAKEN}, and {what}: {INSTEAD}"))
 }
 
-/// Points, and the radius of balls around them. None as long as there are none.
+/// Points, and the radius of the balls around them; None as long as there are no points.
 #[derive(Debug, Default)]
 struct HullCorners {
     points: Vec<[f64; 3]>,
@@ -99,9 +99,9 @@ impl HullCorners {
             ConstructionNode::Solid(form) => Self::of_solid(form),
             ConstructionNode::Placed(map, below) => Ok(Self::new(below)?.placed(map)),
             ConstructionNode::Union(parts) => {
-                let mut all = Self::default();
-                parts.iter().try_for_each(|part| all.join(Self::new(part)?))?;
-                Ok(all)
+                let mut corners = Self::default();
+                parts.iter().try_for_each(|part| corners.join(Self::new(part)?))?;
+                Ok(corners)
             }
             ConstructionNode::Planar(_) => {
                 Err(refused("one here is of the plane, for which planar_hull(points) is"))
@@ -114,17 +114,17 @@ impl HullCorners {
     }
 
     fn of_solid(form: &SolidForm) -> Result<Self, InvalidShape> {
-        let made = |points: Vec<[f64; 3]>, radius: f64| Ok(Self { points, radius: Some(radius) });
+        let corners = |points: Vec<[f64; 3]>, radius: f64| Ok(Self { points, radius: Some(radius) });
         let of_box = |half: &[f64; 3]| {
             let corner =
                 |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half[axis] } else { -half[axis] });
             (0..8).map(corner).collect::<Vec<_>>()
         };
         match form {
-            SolidForm::Cuboid { half } => made(of_box(half), 0.0),
-            SolidForm::RoundedCuboid { half, radius } => made(of_box(half), *radius),
-            SolidForm::Sphere { radius } => made(vec![[0.0; 3]], *radius),
-            SolidForm::Capsule { ends, radius } => made(ends.to_vec(), *radius),
+            SolidForm::Cuboid { half } => corners(of_box(half), 0.0),
+            SolidForm::RoundedCuboid { half, radius } => corners(of_box(half), *radius),
+            SolidForm::Sphere { radius } => corners(vec![[0.0; 3]], *radius),
+            SolidForm::Capsule { ends, radius } => corners(ends.to_vec(), *radius),
             SolidForm::Extruded { profile, half } => {
                 let outline = match profile {
                     PlanarForm::Contours(contours) => {
@@ -136,7 +136,7 @@ impl HullCorners {
                     _ => return Err(refused("one here is extruded from something round")),
                 };
                 let at = |z: f64| outline.iter().map(move |[x, y]| [*x, *y, z]);
-                made(at(-half).chain(at(*half)).collect(), 0.0)
+                corners(at(-half).chain(at(*half)).collect(), 0.0)
             }
             SolidForm::Cone { .. } => Err(refused("one here is a cylinder or a cone")),
             SolidForm::Torus { .. } | SolidForm::Revolved { .. } => {
@@ -150,11 +150,11 @@ impl HullCorners {
         }
     }
 
-    /// The same under a map that keeps shapes.
+    /// The same under a similarity map.
     fn placed(self, map: &Affine3) -> Self {
         let [x, y, z] = map.steps()[0];
         let stretch = (x * x + y * y + z * z).sqrt();
-        // What turns is rounded, and lengthens nothing.
+        // Rotations are rounded, and change no length.
         let stretch = if (stretch - 1.0).abs() < SAME { 1.0 } else { stretch };
         Self {
             points: self.points.into_iter().map(|point| map.at(point)).collect(),
@@ -162,7 +162,7 @@ impl HullCorners {
         }
     }
 
-    /// Adds those of another.
+    /// Adds the corners of another shape.
     fn join(&mut self, other: Self) -> Result<(), InvalidShape> {
         match (self.radius, other.radius) {
             (Some(a), Some(b)) if (a - b).abs() > SAME * greater(a, b) => {
@@ -211,14 +211,14 @@ mod tests {
 
     #[test]
     fn boxes_in_a_row_make_a_longer_box_however_they_are_turned() {
-        let one = cuboid([1.0, 1.0, 2.0]).unwrap();
-        let row = [-1.0, 0.3, 1.0].map(|x| one.moved([x, 0.0, 0.0]).unwrap());
-        let whole = cuboid([3.0, 1.0, 2.0]).unwrap();
-        assert_same(&hull_of(&row, 0.0).unwrap(), &whole);
+        let cuboid_in_row = cuboid([1.0, 1.0, 2.0]).unwrap();
+        let row = [-1.0, 0.3, 1.0].map(|x| cuboid_in_row.moved([x, 0.0, 0.0]).unwrap());
+        let expected = cuboid([3.0, 1.0, 2.0]).unwrap();
+        assert_same(&hull_of(&row, 0.0).unwrap(), &expected);
         let turn = |field: &Field| field.rotated_deg([1.0, 2.0, 0.5], 33.0).unwrap();
         let turned = hull_of(&row.each_ref().map(turn), 0.0).unwrap();
-        assert_same(&turned, &turn(&whole));
-        // Corners along an edge that rounding took off it are none.
+        assert_same(&turned, &turn(&expected));
+        // A corner that rounding moved off an edge is not a corner.
         let n = Csg::from_expr(turned.sign()).primitives().len();
         assert!(n <= 12, "{n} planes");
     }
@@ -228,7 +228,7 @@ mod tests {
         let balls = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]].map(|at| sphere(0.5).unwrap().moved(at).unwrap());
         let pill = capsule([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.5).unwrap();
         assert_same(&hull_of(&balls, 0.0).unwrap(), &pill);
-        // A union, a scaled ball, and what grows all of it.
+        // A union, a scaled ball, and an offset of all of it.
         let joined = balls[0].union(&sphere(0.25).unwrap().scaled([2.0; 3]).unwrap()).union(&balls[1]);
         let grown = capsule([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.75).unwrap();
         assert_same(&hull_of(&[joined], 0.25).unwrap(), &grown);
@@ -238,10 +238,10 @@ mod tests {
     }
 
     #[test]
-    fn what_was_promised_of_a_shape_is_promised_of_the_hull() {
+    fn a_promise_about_a_shape_holds_for_its_hull() {
         let part = cuboid([1.0; 3]).unwrap().standing_for("it stands for another".into());
-        let made = hull_of(&[part, cuboid([2.0; 3]).unwrap()], 0.0).unwrap();
-        assert!(matches!(made.evidence(), Evidence::ProvedIf(_)));
+        let joined = hull_of(&[part, cuboid([2.0; 3]).unwrap()], 0.0).unwrap();
+        assert!(matches!(joined.evidence(), Evidence::ProvedIf(_)));
     }
 
     #[test]
@@ -249,12 +249,12 @@ mod tests {
         let parts = [-1.0, 1.0].map(|z| prism(6, 1.0, 1.0).unwrap().moved([0.0, 0.0, z]).unwrap());
         assert_same(&hull_of(&parts, 0.0).unwrap(), &prism(6, 1.0, 3.0).unwrap());
         let flat = [rectangle([2.0, 2.0]).unwrap(), regular_polygon(4, 1.0).unwrap()];
-        let raised = flat.map(|one| one.extruded(1.0).unwrap());
+        let raised = flat.map(|shape| shape.extruded(1.0).unwrap());
         assert_same(&hull_of(&raised, 0.0).unwrap(), &cuboid([2.0, 2.0, 1.0]).unwrap());
     }
 
     #[test]
-    fn what_has_no_hull_is_told_what_has() {
+    fn a_shape_without_hull_is_refused_with_advice() {
         let (block, post) = (cuboid([1.0; 3]).unwrap(), cylinder(1.0, 1.0).unwrap());
         for (shapes, what) in [
             (vec![block.clone(), post.clone()], "one here is a cylinder or a cone: hull(points, radius)"),
@@ -265,8 +265,8 @@ mod tests {
             (vec![block, sphere(0.5).unwrap()], "radius, and here are 0 and 0.5: a box"),
             (vec![], "a hull has 0 points"),
         ] {
-            let told = hull_of(&shapes, 0.0).unwrap_err().to_string();
-            assert!(told.contains(what), "{told}");
+            let message = hull_of(&shapes, 0.0).unwrap_err().to_string();
+            assert!(message.contains(what), "{message}");
         }
     }
 }

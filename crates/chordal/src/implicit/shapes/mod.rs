@@ -1,4 +1,4 @@
-//! Shapes as fields: the constructors, and what their values are worth as distances.
+//! Shapes as fields: their constructors, and the quality of their values as distances.
 //!
 //! | shape | value |
 //! |---|---|
@@ -16,10 +16,10 @@
 //!
 //! Shapes are centred on the origin unless they are given by points. The numbers that a constructor derives
 //! from its arguments (half sizes, unit normals, sines) are rounded to f64, and the rounded numbers define
-//! the shape. A value is *exact* for that shape but for rounding.
+//! the shape. A value is *exact* for that shape up to rounding.
 //!
-//! A *bound* here is always 1-Lipschitz (it changes by no more than one moves), so offsets and blends of it
-//! are bounds again.
+//! A *bound* here is always 1-Lipschitz (it changes by no more than the distance moved), so offsets and
+//! blends of it are bounds again.
 //!
 //! Source: I. Quilez, *Distance functions* and *2D distance functions*, iquilezles.org; the formulas are
 //! derived anew.
@@ -56,7 +56,7 @@ pub use solid::{capped_cone, cuboid, cylinder, plane, rounded_cuboid};
 pub use thread::{ThreadForm, thread};
 pub use triangle::triangle;
 
-/// Why a shape cannot be made, in one sentence.
+/// The reason why a shape is invalid, in one sentence.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InvalidShape {
@@ -142,8 +142,8 @@ pub(super) fn slabs(parts: &[Expr]) -> Expr {
     outside_of_slabs(parts) + largest(parts).min(&Expr::constant(0.0))
 }
 
-/// All points nearer than a radius to that region. The sign is that of the distance from it, which is 0 inside: a convex
-/// function.
+/// All points nearer than a radius to that region. The sign expression uses the distance to the region, which
+/// is 0 inside: a convex function.
 pub(super) fn rounded_slabs(parts: &[Expr], radius: f64) -> Field {
     Field::new(slabs(parts) - radius).known_sign(outside_of_slabs(parts) - radius)
 }

@@ -69,8 +69,8 @@ pub fn segment(a: [f64; 2], b: [f64; 2], radius: f64) -> Result<Field, InvalidSh
     Ok(field.known_distance(Distance::EXACT).known_bounds(endless([min[0], min[1]], [max[0], max[1]])))
 }
 
-/// The polygon through these corners, joined in order and closed. Where it crosses itself, the even-odd rule
-/// decides what is inside. The value is the exact distance for simple polygons, and a bound for those that
+/// The polygon through these corners, joined in order and closed. If it crosses itself, the even-odd rule
+/// decides the inside. The value is the exact distance for simple polygons, and a bound for polygons that
 /// cross or touch themselves.
 ///
 /// # Errors

@@ -1,10 +1,10 @@
-//! Octahedron and tetrahedron: solids of planes equally far from the origin.
+//! Octahedron and tetrahedron: solids whose faces are equally far from the origin.
 use super::{InvalidShape, centred, largest, positive};
 use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{div_up, sqrt_down};
 
-/// The distance quality of the largest distance to the planes of a convex solid: the distance inside, and
-/// outside where a face is nearest, hence a bound there.
+/// The distance quality of the largest distance to the planes of a convex solid: exact inside, and a bound
+/// outside, where it is the distance only next to a face.
 const PLANES: Distance = Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Exact };
 
 /// 1/√3, rounded.

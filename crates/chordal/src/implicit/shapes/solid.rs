@@ -8,7 +8,7 @@ use crate::implicit::construction::{Construction, SolidForm};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up, greater};
 
-/// The half-space of all points with `normal · p < offset`, where `normal` is first made a unit vector
+/// The half-space of all points with `normal · p < offset`, where `normal` is first scaled to unit length
 /// (rounded). The value is the exact distance to the plane.
 ///
 /// # Errors
@@ -20,7 +20,7 @@ pub fn plane(normal: [f64; 3], offset: f64) -> Result<Field, InvalidShape> {
     let field = Field::new(sum(used.iter().map(|k| &axes[*k] * normal[*k])) - offset);
     let mut bounds = Field::EVERYWHERE;
     if let [k] = used[..] {
-        // The only component is 1 or −1.
+        // The only component becomes 1 or −1, without rounding.
         if normal[k] > 0.0 {
             bounds.max[k] = offset;
         } else {
@@ -88,8 +88,8 @@ pub fn cylinder(radius: f64, height: f64) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius, radius, half])))
 }
 
-/// The cone of a full height centred along z, with the radius `bottom` at its low end and `top` at its high
-/// end; one of them may be 0. The value is the exact distance.
+/// The cone of a full height centred along z, with the radius `bottom` at its lower end and `top` at its
+/// upper end; one of them may be 0. The value is the exact distance.
 ///
 /// # Errors
 /// When a radius is not a finite number, 0 or above, both are 0, or the height is not a finite number
@@ -110,7 +110,7 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     let distance = profile.distance();
     let value = profile.expr([length_of(&[&x, &y]), z.clone()]);
     let widest = greater(bottom, top);
-    // In exact arithmetic the side runs through (bottom, -half) and (top, half): nothing is divided. Its
+    // In exact arithmetic the side runs through (bottom, -half) and (top, half), without a division. Its
     // slope is known on the axis too, where the apex of a cone is.
     let side = axis_distance() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;
     let construction = Construction::solid(SolidForm::Cone { bottom, top, half });
@@ -119,7 +119,7 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     Ok(field.known_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
 }
 
-/// Half of a full size, or the full size where its half underflows.
+/// Half of a full size, or the full size if its half underflows.
 pub(super) fn halved(size: f64) -> f64 {
     let half = 0.5 * size;
     if half > 0.0 { half } else { size }
@@ -141,7 +141,7 @@ pub(super) fn fitting(radius: f64, half: &[f64]) -> Result<f64, InvalidShape> {
     }
 }
 
-/// By how much each coordinate exceeds its half size.
+/// The amount by which each coordinate exceeds its half size.
 pub(super) fn walls<const D: usize>(half: [f64; D]) -> Vec<Expr> {
     Expr::axes().iter().zip(half).map(|(axis, half)| axis.abs() - half).collect()
 }

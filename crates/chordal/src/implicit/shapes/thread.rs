@@ -15,8 +15,7 @@ pub struct ThreadForm {
     pub diameter: f64,
     /// The height of one turn.
     pub pitch: f64,
-    /// What is taken off all of its sides, as a distance across its flanks; negative for what it is screwed
-    /// into.
+    /// The distance by which all its flanks are moved inwards; negative for the hole that it is screwed into.
     pub clearance: f64,
 }
 
@@ -68,8 +67,8 @@ impl ThreadForm {
         let pitch = match pitch {
             Some(pitch) => number(pitch).ok_or_else(unknown)?,
             None => {
-                let known = COARSE.iter().find(|[of, _]| *of == diameter).map(|[_, pitch]| *pitch);
-                known.ok_or_else(|| {
+                let pitch_of = COARSE.iter().find(|[size, _]| *size == diameter).map(|[_, pitch]| *pitch);
+                pitch_of.ok_or_else(|| {
                     wrong(format!("the coarse series has no {name}: add its pitch, as in {name}x1"))
                 })?
             }
@@ -78,8 +77,8 @@ impl ThreadForm {
     }
 }
 
-/// A right-handed thread of the ISO basic profile (60°, ISO 68-1) along z, around the origin, cut off flat at its
-/// ends: crests an eighth and roots a quarter of the pitch wide. The value is a sign.
+/// A right-handed thread of the ISO basic profile (60°, ISO 68-1) along z, around the origin, cut off flat at
+/// its ends: crests are an eighth and roots a quarter of the pitch wide. The value is a sign.
 ///
 /// # Errors
 /// When a number is not finite, the pitch or the height not above 0, or nothing is left at the root.
@@ -98,8 +97,9 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     }
     let [_, _, z] = Expr::axes();
     let r = axis_distance();
-    // How far along z the crest is, and the flank, which rises by √3 of it: 60° between both. It was shifted by
-    // twice the clearance along r, which is once across it, of which the radii have one.
+    // Half-widths along z: of the crest, and of the flank, which rises by √3 of its width, since the flanks
+    // enclose 60°. The flank moves by twice the clearance along r, which is once across it; the radii include
+    // one of these.
     let core = CORE * minor;
     let side = |is_above| Expr::leaf(Arc::new(HelixRise { pitch, core, is_above }), Expr::axes());
     let at_crest = pitch / 16.0 - clearance / 3.0_f64.sqrt();
@@ -117,23 +117,24 @@ pub fn thread(form: ThreadForm, height: f64) -> Result<Field, InvalidShape> {
     let construction = Construction::solid(SolidForm::Thread { profile, half })
         .zip(Construction::solid(SolidForm::Cuboid { half: [2.0 * wide, 2.0 * wide, half] }))
         .and_then(|(endless, ends)| endless.clipped(vec![ends]));
-    // Turns that overlap up to their crests leave a cylinder.
+    // Turns that overlap up to their crests form a cylinder.
     let construction = construction.filter(|_| at_crest < 0.5 * pitch);
     let field = Field::new(value).known_construction(construction);
     Ok(field.known_distance(Distance::SIGN).known_bounds(bounds))
 }
 
-/// Where heights above the helix fade, as a part of the radius at the root. Chosen: below 1, so that the core
+/// The share of the root's radius below which heights above the helix fade. Chosen: below 1, so that the core
 /// alone decides there.
 const CORE: f64 = 0.5;
-/// The part of a turn in which a side falls back from the helix above to that below. Chosen: its slope is only twice
-/// that of the rise, and where the other side carries the surface it is lower by an eighth of a turn at least.
+/// The share of a turn in which a side falls back from the helix above to the one below. Chosen: its slope is
+/// only twice that of the rise, and where the other side carries the surface it is lower by at least an
+/// eighth of a turn.
 const FALL: f64 = 1.0 / 3.0;
 
-/// How far along z a point is above the nearest turn of the helix that starts on the positive x axis, or below: from
-/// minus to plus half of the pitch. Just beyond the middle between two turns it falls back, at a finite slope, and the
-/// greater of both sides is the distance along z. Within the core it fades to a quarter of the pitch on the axis, where
-/// it would jump.
+/// The height along z of a point above or below the nearest turn of the helix that starts on the positive x
+/// axis: from minus to plus half of the pitch. Just beyond the middle between two turns it falls back, at a
+/// finite slope, and the larger of both sides is the distance along z. Inside the core it fades to a quarter
+/// of the pitch on the axis, where it would jump.
 #[derive(Clone, Copy, Debug)]
 struct HelixRise {
     pitch: f64,
@@ -142,7 +143,7 @@ struct HelixRise {
 }
 
 impl HelixRise {
-    /// The turns from the helix to the point, on this side, from minus to plus a half.
+    /// The turns from the helix to the point on this side, from minus to plus a half.
     fn turns(self, [x, y, z]: [f64; 3]) -> f64 {
         let turns = z / self.pitch - elementary::atan2(y, x) / std::f64::consts::TAU;
         let turns = turns - turns.round();
@@ -154,13 +155,14 @@ impl HelixRise {
         32.0 * f64::EPSILON * (z.abs() / self.pitch + 1.0)
     }
 
-    /// What is known of the turns in a box: its centre's, and how far from it others are. None near the axis.
+    /// The turns at the centre of a box, and the largest difference from them in the box. None near the axis.
     fn around(self, bounds: &Box3, radii: Interval) -> Option<[f64; 2]> {
         if !(radii.lo() > 0.0 && bounds.diagonal().is_finite()) {
             return None;
         }
         let centre = bounds.centre();
-        // A step turns by its length over the radius at most, 1/6 of which is more than 1/2π, and by its own height.
+        // A step changes the turns by at most its length over 2π times the radius (1/6 is more than 1/2π),
+        // plus its height over the pitch.
         let size = |k: usize| 0.5 * (bounds.max[k] - bounds.min[k]).next_up();
         let flat = sqrt_up(add_up(mul_up(size(0), size(0)), mul_up(size(1), size(1))));
         let reach = add_up(div_up(flat, mul_up(6.0, radii.lo())), div_up(size(2), self.pitch));
@@ -178,7 +180,7 @@ impl HelixRise {
             return (interval(-0.5, 0.5), interval(steep, 1.0));
         };
         let (low, high) = (add_down(turns, -reach), add_up(turns, reach));
-        // The ends of the fall, in this turn and the next. Nothing is nearer than rounding to them.
+        // The ends of the fall, in this turn and the next. Within rounding of an end, both sides count.
         let near = |turns: f64| low <= turns + LEAST && high >= turns - LEAST;
         let falls = near(-0.5) || near(0.5) || low < FALL - 0.5 || high > 0.5;
         let rises = high >= FALL - 0.5 - LEAST && low <= 0.5 + LEAST
@@ -188,24 +190,25 @@ impl HelixRise {
         let has_bottom = near(FALL - 0.5) || near(FALL + 0.5);
         let ends = [low, high].map(|turns| fold(turns - turns.round()));
         // Derived: some roundings of numbers below 1, times the slope.
-        let stray = LEAST * -steep;
-        let least = if has_bottom { FALL - 0.5 } else { lesser(ends[0], ends[1]) } - stray;
-        let most = if has_top { 0.5 } else { greater(ends[0], ends[1]) + stray };
+        let rounding = LEAST * -steep;
+        let lowest = if has_bottom { FALL - 0.5 } else { lesser(ends[0], ends[1]) } - rounding;
+        let highest = if has_top { 0.5 } else { greater(ends[0], ends[1]) + rounding };
         let slope =
-            interval(if falls { steep - stray } else { 1.0 }, if rises { 1.0 } else { steep + stray });
-        (interval(greater(least, -0.5), lesser(most, 0.5)), slope)
+            interval(if falls { steep - rounding } else { 1.0 }, if rises { 1.0 } else { steep + rounding });
+        (interval(greater(lowest, -0.5), lesser(highest, 0.5)), slope)
     }
 
-    /// How much of the height is left at a distance from the axis.
+    /// The share of the height that remains at a distance from the axis.
     fn share(self, radii: Interval) -> Interval {
         (radii / Interval::point(self.core)).min(Interval::point(1.0))
     }
 }
 
-/// Turns closer than this to an end of the fall may be on either side. Derived: 16 roundings of numbers below 1.
+/// Turns closer than this to an end of the fall may be on either side. Derived: 16 roundings of numbers below
+/// 1.
 const LEAST: f64 = 16.0 * f64::EPSILON;
 
-/// The height that belongs to turns from minus to plus a half: themselves, or where it falls back.
+/// The height for turns from minus to plus a half: the turns themselves, or the falling part.
 fn fold(turns: f64) -> f64 {
     if turns >= FALL - 0.5 { turns } else { 0.5 - (turns + 0.5) * ((1.0 - FALL) / FALL) }
 }
@@ -217,7 +220,7 @@ fn radii(bounds: &Box3) -> Interval {
     interval(sqrt_down(greater(square.lo(), 0.0)), sqrt_up(square.hi()))
 }
 
-/// The interval, or all numbers where it is none.
+/// The interval, or all numbers if the ends form none.
 fn interval(low: f64, high: f64) -> Interval {
     Interval::new(low, high).unwrap_or(Interval::ENTIRE)
 }

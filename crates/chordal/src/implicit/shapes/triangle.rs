@@ -6,7 +6,7 @@ use crate::math::{Box3, Interval, add_up, cross, difference, dot, greater, lengt
 use std::sync::Arc;
 
 /// All points nearer than half of `thickness` to the triangle with these corners. The value is the exact
-/// distance but for rounding; for nearly collinear corners it is as good as their area is.
+/// distance up to rounding; for nearly collinear corners it is as accurate as their area.
 ///
 /// # Errors
 /// When a coordinate is not a finite number below 1e100, or the thickness not a finite number above 0.
@@ -40,8 +40,8 @@ struct TriangleDistance {
 }
 
 impl TriangleDistance {
-    /// `p` minus its closest point: the one in the plane if that is in the triangle, else the closest of the
-    /// edges.
+    /// `p` minus its closest point: the projection to the plane if that is in the triangle, otherwise the
+    /// closest point of the edges.
     fn offset(&self, p: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.corners;
         let normal = cross(difference(b, a), difference(c, a));
@@ -57,14 +57,15 @@ impl TriangleDistance {
             let along = difference(to, from);
             let t = dot(difference(p, from), along) / dot(along, along);
             let t = if t > 0.0 { lesser(t, 1.0) } else { 0.0 };
-            let off: [f64; 3] = std::array::from_fn(|k| (p[k] - from[k]) - t * along[k]);
-            (dot(off, off), off)
+            let offset: [f64; 3] = std::array::from_fn(|k| (p[k] - from[k]) - t * along[k]);
+            (dot(offset, offset), offset)
         });
-        edges.into_iter().reduce(|l, r| if r.0 < l.0 { r } else { l }).map_or(p, |least| least.1)
+        edges.into_iter().reduce(|l, r| if r.0 < l.0 { r } else { l }).map_or(p, |closest| closest.1)
     }
 
     /// A bound on the error of a distance around `p`. The closest point is on an edge or, by signs that are
-    /// off by some roundings, in the plane: near the edge then, and off by as much as the area is uncertain.
+    /// off by some roundings, in the plane: then it is near the edge, and off by as much as the area is
+    /// uncertain.
     fn rounding(&self, p: [f64; 3]) -> f64 {
         let [a, b, c] = self.corners;
         let (e, f) = (difference(b, a), difference(c, a));
@@ -125,8 +126,8 @@ impl Leaf for TriangleDistance {
 }
 
 impl TriangleDistance {
-    /// The middle of a box, and a bound on how far the offsets of its points are from the computed one of the
-    /// middle.
+    /// The middle of a box, and a bound on the distance between the offsets of its points and the computed
+    /// offset of the middle.
     fn reach(&self, bounds: &Box3) -> ([f64; 3], f64) {
         let middle = bounds.centre();
         let size = middle.iter().fold(0.0, |sum, x| sum + x.abs());

@@ -1,4 +1,4 @@
-//! The functions that return an angle: all are `atan2` of something.
+//! The functions that return an angle: all are computed by `atan2`.
 
 /// arctan of 1/4, 1/2, 3/4 and 1, each as a double and the remainder. Derived with 300 bits.
 const STEPS: [(f64, f64); 4] = [
@@ -12,15 +12,16 @@ const STEPS: [(f64, f64); 4] = [
 const HALF_PI_REST: f64 = f64::from_bits(0x3c91_a626_3314_5c07);
 
 /// The angle of the point `(x, y)` from the first axis, in [−π, π], within 10 u of itself; signs of zeros and
-/// infinities as IEEE 754 says.
+/// infinities follow IEEE 754.
 ///
 /// With a the smaller and b the larger of |x| and |y|, arctan(a/b) = arctan(c) + arctan((a − c b)/(b + c a))
 /// for the c among 0, ¼, ½, ¾, 1 that is nearest to a/b. The difference is exact, or rounds by ¾ u b for c =
 /// ¾; the sum and the quotient make it 2.4 u of the argument t, |t| ≤ 1/8. The series beyond its first term
-/// is below 0.0053 t, and the omitted term is 2⁻⁵⁸. Relative to arctan(a/b) ≥ 0.124 (where c ≥ ¼) that and
+/// is below 0.0053 t, and the omitted term is 2⁻⁵⁸. Relative to arctan(a/b) ≥ 0.124 (for c ≥ ¼) that and
 /// three more roundings are 4.5 u, and for c = 0 they are 2.2 u. Subtracting it from π/2 adds at most 1.1 u
-/// (the result is not smaller than what was subtracted), and from π as much again: 7 u. Both operands are
-/// scaled where b is too small or too large; what underflows then is below the smallest number.
+/// (the result is not smaller than the subtracted angle), and subtracting from π as much again: 7 u. Both
+/// operands are scaled if b is too small or too large; numbers that underflow then are below the smallest
+/// number.
 ///
 /// ```
 /// use chordal::math::elementary::atan2;
@@ -33,7 +34,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let (along, across) = (x.abs(), y.abs());
     let steep = across > along;
     let (a, b) = if steep { (along, across) } else { (across, along) };
-    // Only the ratio matters. 2¹²⁰ and 2⁻⁶⁰, exactly; 1 in place of two infinities.
+    // Only the ratio matters. 2¹²⁰ and 2⁻⁶⁰, exactly; 1 instead of two infinities.
     let small = f64::from_bits(0x0430_0000_0000_0000); // 2⁻⁹⁵⁶: products with ¼ stay exact above it.
     let large = f64::from_bits(0x7e70_0000_0000_0000); // 2¹⁰⁰⁰: sums stay finite below it.
     let scale = if b < small { f64::from_bits(0x4770_0000_0000_0000) } else { 1.0 };
@@ -41,14 +42,14 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let both_infinite = a == f64::INFINITY;
     let (a, b) = (if both_infinite { 1.0 } else { a * scale }, if both_infinite { 1.0 } else { b * scale });
 
-    let (mut ca, mut cb, mut base, mut rest) = (0.0, 0.0, 0.0, 0.0);
+    let (mut ca, mut cb, mut base, mut remainder) = (0.0, 0.0, 0.0, 0.0);
     for (k, step) in STEPS.into_iter().enumerate() {
         let c = 0.25 * (k as f64 + 1.0);
         let past = a > (c - 0.125) * b;
         ca = if past { c * a } else { ca };
         cb = if past { c * b } else { cb };
         base = if past { step.0 } else { base };
-        rest = if past { step.1 } else { rest };
+        remainder = if past { step.1 } else { remainder };
     }
     let t = (a - cb) / (b + ca);
     let t = if b == 0.0 { 0.0 } else { t };
@@ -61,7 +62,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     p = -1.0 / 7.0 + z * p;
     p = 1.0 / 5.0 + z * p;
     p = -1.0 / 3.0 + z * p;
-    let angle = base + (t + (t * (z * p) + rest));
+    let angle = base + (t + (t * (z * p) + remainder));
     let angle = if steep { std::f64::consts::FRAC_PI_2 - (angle - HALF_PI_REST) } else { angle };
     let behind = x.to_bits() >> 63 == 1;
     let angle = if behind { std::f64::consts::PI - (angle - 2.0 * HALF_PI_REST) } else { angle };
@@ -76,7 +77,7 @@ pub fn atan(x: f64) -> f64 {
     atan2(x, 1.0)
 }
 
-/// √(1 − x²) within 2.5 u: two roundings and a half of one each, and the root's own.
+/// √(1 − x²) within 2.5 u: two roundings, of which half of each counts, and that of the root itself.
 #[inline(always)]
 fn pythagorean_complement(x: f64) -> f64 {
     ((1.0 - x) * (1.0 + x)).sqrt()
@@ -84,8 +85,8 @@ fn pythagorean_complement(x: f64) -> f64 {
 
 /// The angle whose sine is `x`, in [−π/2, π/2], within 10 u of itself; NaN outside [−1, 1].
 ///
-/// The cosine is known to 2.5 u; its error turns the angle by sin · cos times that, which is at most as much
-/// of the angle.
+/// The error of the cosine is 2.5 u; it turns the angle by sin · cos times that, which is at most as much of
+/// the angle.
 #[must_use]
 #[inline(always)]
 pub fn asin(x: f64) -> f64 {

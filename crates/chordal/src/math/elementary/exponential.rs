@@ -8,7 +8,7 @@ use super::trigonometric::TO_WHOLE;
 /// bits.
 const LN_2: [f64; 2] = [f64::from_bits(0x3fe6_2e42_fefa_3800), f64::from_bits(0x3d2e_f357_93c7_6730)];
 
-/// 2ⁿ for a whole |n| below 1000, by its bits.
+/// 2ⁿ for an integer |n| below 1000, by its bits.
 #[inline(always)]
 fn power_of_two(n: f64) -> f64 {
     f64::from_bits((n + TO_WHOLE).to_bits().wrapping_add(1023) << 52)
@@ -16,12 +16,12 @@ fn power_of_two(n: f64) -> f64 {
 
 /// `eˣ`, within 2 u of itself and 2⁻¹⁰⁷⁴: ∞ from 709.79 on, 0 from −745.2 down.
 ///
-/// x = k ln 2 + r + rest with |r| ≤ 0.3466. k·LN_2\[0\] and the difference from x are exact; `rest` keeps
-/// what the second difference loses, so r + rest is off by less than 2⁻⁸⁵. eʳ = 1 + (r + (r² P + rest (1 +
-/// r))): r² P is at most 0.068 (0.054 below 0) and rounds by 4 u of that; adding r rounds by 0.42 u at most
-/// (0.3 u below 0); the last sum by u, which is 1.72 u of the smallest and 1.7 u of the largest eʳ. The first
-/// term left out is r¹⁴/14!, below 2⁻⁵⁷. The power of two is multiplied in halves: exact, or one rounding of
-/// a number that is too small for its last place.
+/// x = k ln 2 + r + rest with |r| ≤ 0.3466. k·LN_2\[0\] and the difference from x are exact; `rest` keeps the
+/// rounding error of the second difference, so r + rest is off by less than 2⁻⁸⁵. eʳ = 1 + (r + (r² P + rest
+/// (1 + r))): r² P is at most 0.068 (0.054 below 0) and rounds by 4 u of that; adding r rounds by 0.42 u at
+/// most (0.3 u below 0); the last sum by u, which is 1.72 u of the smallest and 1.7 u of the largest eʳ. The
+/// first omitted term is r¹⁴/14!, below 2⁻⁵⁷. The power of two is multiplied in halves: exact, or one
+/// rounding of a number that is too small for its last place.
 ///
 /// ```
 /// use chordal::math::elementary::exp;
@@ -58,7 +58,7 @@ pub fn exp(x: f64) -> f64 {
 /// The natural logarithm, within 3 u of itself: −∞ at 0, NaN below.
 ///
 /// x = 2ᵏ (1 + f) with 1 + f in [√½, √2], exactly; with s = f/(2 + f), ln(1 + f) = f − (f²/2 − s (f²/2 +
-/// R(s²))), where R = s² (2/3 + 2/5 s² + …). The last term left out is below 2⁻⁶⁰ of the result. For k = 0:
+/// R(s²))), where R = s² (2/3 + 2/5 s² + …). The first omitted term is below 2⁻⁶⁰ of the result. For k = 0:
 /// f²/2 ≤ 0.086 rounds by u of itself, s (f²/2 + R) ≤ 0.0182 by 6 u, their difference by 0.07 u: 0.27 u
 /// absolute beside a result of 0.3466, less for smaller f, so 1.8 u with the last rounding. For k ≠ 0
 /// subtracting f rounds by another 0.35 u, beside a result of 0.3466 or more: 2.8 u.
@@ -76,7 +76,7 @@ pub fn ln(x: f64) -> f64 {
     let small = x < f64::MIN_POSITIVE;
     let scaled = if small { x * 18_014_398_509_481_984.0 } else { x };
     let bits = scaled.to_bits();
-    // The exponent as a number: it is put into the last places of 2⁵², which is then subtracted.
+    // The exponent as a number: its bits become the last places of 2⁵², which is then subtracted.
     let exponent = f64::from_bits((bits >> 52) | 0x4330_0000_0000_0000) - 4_503_599_627_370_496.0;
     let m = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000);
     let upper = m > std::f64::consts::SQRT_2;

@@ -1,14 +1,14 @@
-//! Elementary functions of our own: the same bits on every platform and in every lane, with a proved error.
+//! Our own elementary functions: the same bits on every platform and in every lane, with a proved error.
 //!
 //! They use only additions, subtractions, multiplications, divisions, square roots, comparisons and bit
-//! operations, without branches, so that loops over them become vector code (see [`super::simd`]) which gives
-//! the same bits as one call. Polynomials are truncated Taylor series: their remainder is a line of
+//! operations, without branches, so that loops over them are vectorized (see [`super::simd`]) and give the
+//! same bits as single calls. Polynomials are truncated Taylor series: their remainder is a line of
 //! arithmetic, not the result of a search. One case branches: arguments of sine, cosine and tangent beyond
 //! [`NEAR`] are reduced with integers (`payne_hanek.rs`).
 //!
-//! What is proved, with u = 2⁻⁵³ and for all finite arguments where the function has a value `f`: the result
-//! is within `K·u·|f| + 2⁻¹⁰⁷⁴` of it, with K = 2 for [`sin`], [`cos`] and [`exp`], 3 for [`ln`], 6 for
-//! [`tan`] and 10 for the functions that return an angle. The derivations are in the comments of each
+//! Proved errors, with u = 2⁻⁵³ and for all finite arguments for which the function has a value `f`: the
+//! result is within `K·u·|f| + 2⁻¹⁰⁷⁴` of it, with K = 2 for [`sin`], [`cos`] and [`exp`], 3 for [`ln`], 6
+//! for [`tan`] and 10 for the functions that return an angle. The derivations are in the comments of each
 //! function, and the tests compare with 200 bits. Ranges ([`super::Interval`]) rely on these numbers.
 //!
 //! [`single`] has the same functions in f32, for pictures: with an error that is measured, not proved.
@@ -23,10 +23,10 @@ pub use exponential::{exp, ln};
 pub(crate) use trigonometric::sin_cos_near;
 pub use trigonometric::{NEAR, cos, sin, sin_cos, tan};
 
-/// The padding that encloses the proved errors, relative to a result: 2 K u, so that a range contains the
-/// rounded values as well as the true ones, and 1.01 u for the rounding of [`outward`] itself; powers of two,
-/// so that the product is exact. Derived from the constants K of the module's documentation, with 2.8 for the
-/// logarithm, 5.1 for the tangent and 9.6 for angles.
+/// The relative padding that encloses the proved errors: 2 K u, so that a range contains the rounded values
+/// as well as the true ones, and 1.01 u for the rounding of [`outward`] itself; powers of two, so that the
+/// product is exact. Derived from the constants K of the module's documentation, with 2.8 for the logarithm,
+/// 5.1 for the tangent and 9.6 for angles.
 pub(crate) mod spread {
     const U: f64 = f64::EPSILON / 2.0; // Half a unit in the last place of 1: exact.
     /// For sine and cosine.
@@ -41,8 +41,9 @@ pub(crate) mod spread {
     pub(crate) const ANGLE: f64 = 32.0 * U;
 }
 
-/// How far the true value may be from the rounded `y`, for a spread of [`spread`]. The added constant is a
-/// few of the smallest numbers, for subnormal results, whose last place cannot get smaller; an exact 0 stays.
+/// A bound on the distance of the true value from the rounded `y`, for a padding of [`spread`]. The added
+/// constant is a few of the smallest numbers, for subnormal results, whose last place cannot get smaller; an
+/// exact 0 stays.
 #[inline(always)]
 pub(crate) fn outward(y: f64, spread: f64) -> f64 {
     let tiny = f64::from_bits(4); // Four times the smallest number, exactly.

@@ -34,14 +34,14 @@ const TWO_OVER_PI: [u64; 23] = [
 
 /// Reduces a finite |x| ≥ 2¹⁶.
 ///
-/// x = m·2ᵉ with an integer m of 53 bits. Digits of 2/π worth 4 or more turns drop out; 256 digits from there
-/// on times m give x·2/π modulo 4 with 254 binary places and an error below 2⁻²⁰⁰. No f64 is nearer than 2⁻⁶²
-/// to a multiple of π/2 (Kahan), so the fraction keeps more than 130 bits; 106 of them are returned.
+/// x = m·2ᵉ with an integer m of 53 bits. Digits of 2/π worth 4 or more turns drop out; the 256 following
+/// digits times m give x·2/π modulo 4 with 254 binary places and an error below 2⁻²⁰⁰. No f64 is nearer than
+/// 2⁻⁶² to a multiple of π/2 (Kahan), so the fraction keeps more than 130 bits; 106 of them are returned.
 pub(super) fn reduce(x: f64) -> ReducedAngle {
     let bits = x.abs().to_bits();
     let m = (bits & ((1 << 52) - 1)) | (1 << 52);
     let e = (bits >> 52) as usize; // x = m · 2^(e − 1075)
-    // The first digit wanted is worth 2^-j with j = (e − 1075) − 1: then m·digit is worth 2 · m.
+    // The first digit needed is worth 2^-j with j = (e − 1075) − 1: then m·digit is worth 2 · m.
     let product = times(window(e + 64 - 1077), m);
     // Two bits of turns, 254 bits of fraction; a fraction above a half becomes negative.
     let above_half = product[0] >> 61 & 1 == 1;

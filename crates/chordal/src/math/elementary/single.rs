@@ -19,12 +19,12 @@ const HALF_PI: [f32; 4] = [
 /// 1.5 · 2²³, as in f64.
 const TO_WHOLE: f32 = 12_582_912.0;
 
-/// Sine and cosine where |x| ≤ [`NEAR`]; no branch.
+/// Sine and cosine for |x| ≤ [`NEAR`]; no branch.
 #[inline(always)]
 pub(crate) fn sin_cos_near(x: f32) -> (f32, f32) {
-    let whole = x * std::f32::consts::FRAC_2_PI + TO_WHOLE;
-    let n = whole - TO_WHOLE;
-    let turns = whole.to_bits();
+    let shifted = x * std::f32::consts::FRAC_2_PI + TO_WHOLE;
+    let n = shifted - TO_WHOLE;
+    let turns = shifted.to_bits();
     let r = (((x - n * HALF_PI[0]) - n * HALF_PI[1]) - n * HALF_PI[2]) - n * HALF_PI[3];
     let z = r * r;
     let mut s = 1.0 / 362_880.0;
@@ -47,7 +47,7 @@ fn rotate_quarters(sine: f32, cosine: f32, turns: u32) -> f32 {
     f32::from_bits(value.to_bits() ^ ((turns & 2) << 30))
 }
 
-/// 2ⁿ for a whole |n| below 120, by its bits.
+/// 2ⁿ for an integer |n| below 120, by its bits.
 #[inline(always)]
 fn power_of_two(n: f32) -> f32 {
     f32::from_bits((n + TO_WHOLE).to_bits().wrapping_add(127) << 23)

@@ -1,10 +1,10 @@
 //! `BareInterval`: the ends of ranges and every operation of [`super::Interval`] on them, without branches,
-//! so that loops become vector code.
+//! so that loops are vectorized.
 //!
 //! The ends of a range are never NaN, the low one never ∞ and the high one never −∞, except for the empty
-//! range, which is from ∞ to −∞. The result of an operation on the empty range is arbitrary: the caller sets
-//! it, with [`BareInterval::unless_empty`] or at the end of all operations. Separate functions say whether an
-//! operation is defined and continuous over its operands.
+//! range, which is from ∞ to −∞. The result of an operation on the empty range is arbitrary: the caller makes
+//! it empty, with [`BareInterval::unless_empty`] or at the end of all operations. Separate functions say
+//! whether an operation is defined and continuous over its operands.
 use super::super::elementary::{self, outward, spread};
 
 /// The smallest number above 0, exactly.
@@ -21,7 +21,7 @@ pub(crate) struct BareInterval {
 #[inline(always)]
 fn below(x: f64) -> f64 {
     let bits = x.to_bits();
-    // 1 upward from 0 and −1 below it. The tests are on the bits, where they are cheaper.
+    // 1 upward from 0 and −1 below it. The tests are on the bits, which is cheaper.
     let away = ((bits as i64) >> 63) as u64 | 1;
     let moves = (bits << 1 != 0) & (bits != f64::NEG_INFINITY.to_bits());
     f64::from_bits(bits.wrapping_sub(if moves { away } else { 0 }))
@@ -36,13 +36,13 @@ fn above(x: f64) -> f64 {
     f64::from_bits(bits.wrapping_add(if moves { away } else { 0 }))
 }
 
-/// `next_down`, for what is not NaN.
+/// `next_down`, for numbers that are not NaN.
 #[inline(always)]
 pub(crate) fn step_down(x: f64) -> f64 {
     if x == 0.0 { -TINY } else { below(x) }
 }
 
-/// `next_up`, for what is not NaN.
+/// `next_up`, for numbers that are not NaN.
 #[inline(always)]
 pub(crate) fn step_up(x: f64) -> f64 {
     if x == 0.0 { TINY } else { above(x) }
@@ -58,14 +58,14 @@ pub(crate) fn upper(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// A lower bound of the value that was rounded to `y` within `spread`; the largest number for ∞.
+/// A lower bound of the value that was rounded to `y` within `spread`; the largest number if `y` is ∞.
 #[inline(always)]
 fn down(y: f64, spread: f64) -> f64 {
     let y = if y == f64::INFINITY { f64::MAX } else { y };
     y - outward(y, spread)
 }
 
-/// An upper bound, as [`down`].
+/// An upper bound, like [`down`].
 #[inline(always)]
 fn up(y: f64, spread: f64) -> f64 {
     -down(-y, spread)
@@ -78,13 +78,13 @@ fn sign(a: f64, b: f64) -> f64 {
     if a < b { -1.0 } else { not_below }
 }
 
-/// The largest `x / √(x² + y²)` for y² in `rest`.
+/// The largest `x / √(x² + y²)` for y² in `others_sq`.
 #[inline(always)]
-fn max_direction_cosine(x: f64, rest: BareInterval) -> f64 {
-    let rest = if x > 0.0 { rest.lo } else { rest.hi };
+fn max_direction_cosine(x: f64, others_sq: BareInterval) -> f64 {
+    let others_sq = if x > 0.0 { others_sq.lo } else { others_sq.hi };
     let x = BareInterval { lo: x, hi: x };
-    let share = x.div(x.square().add(BareInterval { lo: rest, hi: rest }).sqrt()).hi;
-    // Also covers the cases where all is 0 or a square overflows.
+    let share = x.div(x.square().add(BareInterval { lo: others_sq, hi: others_sq }).sqrt()).hi;
+    // Also covers the cases in which all numbers are 0 or a square overflows.
     lower(share, if x.hi > 0.0 { 1.0 } else { 0.0 })
 }
 
@@ -112,13 +112,13 @@ impl BareInterval {
         Self { lo: if this { self.lo } else { other.lo }, hi: if this { self.hi } else { other.hi } }
     }
 
-    /// Empty where the condition holds.
+    /// Empty if the condition holds.
     #[inline(always)]
-    pub(crate) fn empty_if(self, nothing: bool) -> Self {
-        Self::EMPTY.select(nothing, self)
+    pub(crate) fn empty_if(self, is_empty: bool) -> Self {
+        Self::EMPTY.select(is_empty, self)
     }
 
-    /// Empty where the operand is: the last step of every operation on ranges.
+    /// Empty if the operand is: the last step of every operation on ranges.
     #[inline(always)]
     pub(crate) fn unless_empty(self, a: Self) -> Self {
         Self::EMPTY.select(a.is_empty(), self)
@@ -142,7 +142,7 @@ impl BareInterval {
 
     #[inline(always)]
     pub(crate) fn add(self, other: Self) -> Self {
-        // Low ends are never +∞ and high ends never −∞ (except for the empty range), so no ∞ − ∞ arises.
+        // Low ends are never +∞ and high ends never −∞ (except for the empty range), so ∞ − ∞ does not occur.
         let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
         // A sum that rounds to 0 is 0: addition does not underflow.
         Self { lo: below(lo), hi: above(hi) }
@@ -154,15 +154,15 @@ impl BareInterval {
     }
 
     /// The smallest and largest of the four products of ends, one step outward. A product of 0 and ∞ is 0:
-    /// the first one is set so, and where another one is such a product, 0 is among the others as well, or
-    /// they extend beyond it. A product that underflows keeps its sign; an exact 0 stays.
+    /// the first one is set so, and if another one is such a product, 0 is among the remaining products too,
+    /// or they extend beyond it. A product that underflows keeps its sign; an exact 0 stays.
     #[inline(always)]
     pub(crate) fn mul(self, other: Self) -> Self {
         let first = self.lo * other.lo;
         let first = if first.is_nan() { 0.0 } else { first };
-        let rest = [self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
-        let lo = lower(rest[2], lower(rest[1], lower(rest[0], first)));
-        let hi = upper(rest[2], upper(rest[1], upper(rest[0], first)));
+        let others = [self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        let lo = lower(others[2], lower(others[1], lower(others[0], first)));
+        let hi = upper(others[2], upper(others[1], upper(others[0], first)));
         let (below_a, above_a) = (self.lo < 0.0, self.hi > 0.0);
         let (below_b, above_b) = (other.lo < 0.0, other.hi > 0.0);
         let negative = (below_a & above_b) | (above_a & below_b);
@@ -172,13 +172,13 @@ impl BareInterval {
         Self { lo, hi }
     }
 
-    /// The quotient where `other` does not contain 0, else everything.
+    /// The quotient if `other` does not contain 0, otherwise all numbers.
     #[inline(always)]
     pub(crate) fn div(self, other: Self) -> Self {
         let flipped = other.hi < 0.0;
         let (over, under) = (self.neg().select(flipped, self), other.neg().select(flipped, other));
-        // With a positive divisor the smaller of its ends makes the larger quotient. No ∞/∞ arises: the
-        // dividends below that may be infinite go with the divisor's low end, which is finite.
+        // With a positive divisor the smaller of its ends makes the larger quotient. ∞/∞ does not occur: the
+        // dividends below that may be infinite are divided by the divisor's low end, which is finite.
         let lo = over.lo / if over.lo >= 0.0 { under.hi } else { under.lo };
         let hi = over.hi / if over.hi >= 0.0 { under.lo } else { under.hi };
         let lo = if (lo == 0.0) & (over.lo < 0.0) { -TINY } else { below(lo) };
@@ -195,10 +195,10 @@ impl BareInterval {
         folded.select(across, flipped)
     }
 
-    /// `min(a, b) − max(1 − |a − b|, 0)²/4`, which is monotone in both. Rounding: what is squared is at most
-    /// 1 and off by at most 2u (u = ε/2: half a step of |a − b|, and half of the difference from 1), so a
-    /// quarter of its square is off by at most 1.25u, and the last difference by u of itself. The pad is four
-    /// times as much, for the true value and for those computed anywhere between the ends.
+    /// `min(a, b) − max(1 − |a − b|, 0)²/4`, which is monotone in both. Rounding: the squared number is at
+    /// most 1 and off by at most 2u (u = ε/2: half a step of |a − b|, and half of the difference from 1), so
+    /// a quarter of its square is off by at most 1.25u, and the last difference by u of itself. The pad is
+    /// four times as much, for the true value and for those computed anywhere between the ends.
     #[inline(always)]
     pub(crate) fn smooth_min(self, other: Self) -> Self {
         let at = |a: f64, b: f64| {
@@ -211,10 +211,10 @@ impl BareInterval {
         Self { lo: lo - pad(lo), hi: hi + pad(hi) }
     }
 
-    /// The round minimum, which is monotone in both. Rounding, in units u = 2⁻⁵³ of the numbers: `h` is off by
-    /// 2u, and what is taken off, at most 0.3 with a slope of at most 1/2, by u for that and 3u for its own
-    /// steps; the last difference by u of itself. The pad is more than that twice, for the true value and for
-    /// those computed anywhere between the ends.
+    /// The round minimum, which is monotone in both. Rounding, in units u = 2⁻⁵³ of the numbers: `h` is off
+    /// by 2u; the subtracted term, at most 0.3 with a slope of at most 1/2, is off by u for that and 3u for
+    /// its own steps; the last difference by u of itself. The pad is more than twice that, for the true value
+    /// and for those computed anywhere between the ends.
     #[inline(always)]
     pub(crate) fn round_min(self, other: Self) -> Self {
         let at = |a: f64, b: f64| {
@@ -235,9 +235,9 @@ impl BareInterval {
     #[inline(always)]
     pub(crate) fn log_sum_exp(self, other: Self) -> Self {
         let at = |a: f64, b: f64| {
-            let (least, most) = (lower(a, b), upper(a, b));
-            let fall = if least == most { 0.0 } else { least - most };
-            most + elementary::ln(1.0 + elementary::exp(fall))
+            let (low, high) = (lower(a, b), upper(a, b));
+            let fall = if low == high { 0.0 } else { low - high };
+            high + elementary::ln(1.0 + elementary::exp(fall))
         };
         let pad = |x: f64| 16.0 * f64::EPSILON * (1.0 + x.abs());
         let (lo, hi) = (at(self.lo, other.lo), at(self.hi, other.hi));
@@ -262,10 +262,10 @@ impl BareInterval {
         Self { lo: below(lo), hi }
     }
 
-    /// `x / √(x² + y²)` for y² in `rest`.
+    /// `x / √(x² + y²)` for y² in `others_sq`.
     #[inline(always)]
-    pub(crate) fn direction_cosine(self, rest: Self) -> Self {
-        Self { lo: -max_direction_cosine(-self.lo, rest), hi: max_direction_cosine(self.hi, rest) }
+    pub(crate) fn direction_cosine(self, others_sq: Self) -> Self {
+        Self { lo: -max_direction_cosine(-self.lo, others_sq), hi: max_direction_cosine(self.hi, others_sq) }
     }
 
     /// The root of the non-negative part.
@@ -291,11 +291,11 @@ impl BareInterval {
         Self { lo: self.lo.round(), hi: self.hi.round() }
     }
 
-    /// The range of a wave from −1 to 1 with the value `at_lo` at the low end and `at_hi` at the high one.
-    /// Its maxima are where x/π − `shift` is even and its minima where that is odd.
+    /// The range of a wave from −1 to 1 with the value `at_lo` at the low end and `at_hi` at the high end.
+    /// Its maxima are where x/π − `shift` is even and its minima where it is odd.
     ///
-    /// The test for integers in between has a margin: x/π − shift is rounded within 4 u of 1 more than its
-    /// size. Without a finite end the result is [−1, 1].
+    /// The test for integers between the ends has a margin: x/π − shift is rounded within 4 u of 1 more than
+    /// its size. Without a finite end the result is [−1, 1].
     #[inline(always)]
     pub(crate) fn sinusoid(self, shift: f64, at_lo: f64, at_hi: f64) -> Self {
         let (first, last) = self.integers_between(shift);
@@ -307,7 +307,7 @@ impl BareInterval {
         Self { lo: if bottom { -1.0 } else { lo }, hi: if top { 1.0 } else { hi } }
     }
 
-    /// The first and the last integer that x/π − `shift` may be, for x from `lo` to `hi`.
+    /// The first and the last integer that x/π − `shift` may take, for x from `lo` to `hi`.
     #[inline(always)]
     fn integers_between(self, shift: f64) -> (f64, f64) {
         const MARGIN: f64 = 4.0 * f64::EPSILON; // Twice the 4 u of rounding that is derived above.
@@ -323,20 +323,20 @@ impl BareInterval {
         last < first
     }
 
-    /// The tangent, from its values at both ends; everything where there may be a pole.
+    /// The tangent, from its values at both ends; all numbers if there may be a pole.
     #[inline(always)]
     pub(crate) fn tan(self, at_lo: f64, at_hi: f64) -> Self {
         let rising = Self { lo: down(at_lo, spread::TAN), hi: up(at_hi, spread::TAN) };
         rising.select(self.is_without_pole(), Self::ENTIRE)
     }
 
-    /// Whether all of it lies in [−1, 1].
+    /// Whether the entire range lies in [−1, 1].
     #[inline(always)]
     pub(crate) fn is_within_one(self) -> bool {
         (self.lo >= -1.0) & (self.hi <= 1.0)
     }
 
-    /// Whether some of it lies in [−1, 1].
+    /// Whether part of the range lies in [−1, 1].
     #[inline(always)]
     pub(crate) fn intersects_one(self) -> bool {
         (self.lo <= 1.0) & (self.hi >= -1.0)
@@ -345,8 +345,8 @@ impl BareInterval {
     /// The part from −1 to 1.
     #[inline(always)]
     fn clip_to_one(self) -> Self {
-        let both = Self { lo: upper(self.lo, -1.0), hi: lower(self.hi, 1.0) };
-        both.empty_if(both.is_empty())
+        let common = Self { lo: upper(self.lo, -1.0), hi: lower(self.hi, 1.0) };
+        common.empty_if(common.is_empty())
     }
 
     #[inline(always)]
@@ -403,12 +403,12 @@ impl BareInterval {
         let (lo, hi) = (lower(lower(a, b), lower(c, d)), upper(upper(a, b), upper(c, d)));
         let lo = if (lo == 0.0) & (self.lo < 0.0) { -TINY } else { down(lo, spread::ANGLE) };
         let hi = if (hi == 0.0) & (self.hi > 0.0) { TINY } else { up(hi, spread::ANGLE) };
-        let all = step_up(std::f64::consts::PI);
-        let turn = Self { lo: -all, hi: all };
+        let pi_up = step_up(std::f64::consts::PI);
+        let turn = Self { lo: -pi_up, hi: pi_up };
         Self { lo, hi }.select(self.is_off_cut(other), turn)
     }
 
-    /// The integer quotient, if it is the same everywhere; else NaN.
+    /// The integer quotient, if it is the same everywhere; otherwise NaN.
     #[inline(always)]
     pub(crate) fn integer_quotient(self, other: Self) -> f64 {
         let quotient = self.div(other.abs());
@@ -420,13 +420,13 @@ impl BareInterval {
     #[inline(always)]
     pub(crate) fn rem(self, other: Self) -> Self {
         let size = other.abs();
-        let whole = self.integer_quotient(other);
-        let taken =
-            size.mul(Self { lo: whole, hi: whole }.select(!whole.is_nan(), Self { lo: 0.0, hi: 0.0 }));
-        let left = self.sub(taken);
-        let exact = Self { lo: upper(left.lo, 0.0), hi: lower(left.hi, size.hi) };
+        let quotient = self.integer_quotient(other);
+        let multiple = size
+            .mul(Self { lo: quotient, hi: quotient }.select(!quotient.is_nan(), Self { lo: 0.0, hi: 0.0 }));
+        let remainder = self.sub(multiple);
+        let exact = Self { lo: upper(remainder.lo, 0.0), hi: lower(remainder.hi, size.hi) };
         let any = Self { lo: 0.0, hi: size.hi };
-        let value = exact.select(!whole.is_nan(), any);
+        let value = exact.select(!quotient.is_nan(), any);
         Self::ENTIRE.select(other.has_zero(), value)
     }
 
@@ -435,7 +435,7 @@ impl BareInterval {
         Self { lo: sign(self.lo, other.hi), hi: sign(self.hi, other.lo) }
     }
 
-    /// 1 where it is 0, else 0.
+    /// 1 for 0, otherwise 0.
     #[inline(always)]
     pub(crate) fn not(self) -> Self {
         let lo = if self.is_zero() { 1.0 } else { 0.0 };
@@ -449,7 +449,7 @@ impl BareInterval {
         self.is_zero() | !self.has_zero()
     }
 
-    /// `other`, or 0 where `self` is 0.
+    /// `other`, or 0 if `self` is 0.
     #[inline(always)]
     pub(crate) fn and(self, other: Self) -> Self {
         let zero = Self { lo: 0.0, hi: 0.0 };
@@ -457,7 +457,7 @@ impl BareInterval {
         other.select(!self.has_zero(), either)
     }
 
-    /// `self`, or `other` where `self` is 0.
+    /// `self`, or `other` if `self` is 0.
     #[inline(always)]
     pub(crate) fn or_else(self, other: Self) -> Self {
         let either = other.select(self.is_zero(), self.hull(other));

@@ -1,6 +1,6 @@
 //! Elementary functions of ranges, rounding to integers, and Boolean operations.
 //!
-//! Source of the errors that are allowed for: [`super::super::elementary`]. Unlike the arithmetic, these are
+//! Source of the errors that are included: [`super::super::elementary`]. Unlike the arithmetic, these are
 //! isotone only up to that error: the rounded value at one end may be on either side of the true one.
 use super::Interval;
 use super::bare::BareInterval;
@@ -22,18 +22,18 @@ macro_rules! unary {
     };
 }
 
-/// The condition for step functions: continuous only where constant.
+/// The condition for step functions: continuous only if constant.
 #[inline(always)]
 fn is_flat(value: BareInterval) -> bool {
     value.lo == value.hi
 }
 
 unary! {
-    /// The largest integer that is not above; defined where that is one number.
+    /// The largest integer that is not above; defined if it is one number.
     floor: a => a.floor(), |value| is_flat(value);
-    /// The smallest integer that is not below; defined where that is one number.
+    /// The smallest integer that is not below; defined if it is one number.
     ceil: a => a.ceil(), |value| is_flat(value);
-    /// The nearest integer, halves away from 0; defined where that is one number.
+    /// The nearest integer, halves away from 0; defined if it is one number.
     round: a => a.round(), |value| is_flat(value);
     /// The arcsine of the part in [−1, 1].
     asin: a => BareInterval::asin(a).empty_if(!a.intersects_one()), |value| a.is_within_one();
@@ -45,7 +45,7 @@ unary! {
     exp: a => BareInterval::exp(a), |value| true;
     /// The natural logarithm of the part above 0.
     ln: a => BareInterval::ln(a), |value| a.lo > 0.0;
-    /// 1 where it is 0, else 0; defined where that is one number.
+    /// 1 for 0, otherwise 0; defined if it is one number.
     one_at_zero: a => a.not(), |value| is_flat(value);
 }
 
@@ -62,27 +62,27 @@ impl Interval {
         self.cos_by(elementary::sin_cos)
     }
 
-    /// The tangent; [`Interval::UNKNOWN`] where there may be a pole.
+    /// The tangent; [`Interval::UNKNOWN`] if there may be a pole.
     #[must_use]
     pub fn tan(self) -> Self {
         self.tan_by(elementary::sin_cos)
     }
 
-    /// The sine, with `at` giving the sine and cosine of each end.
+    /// The sine; `at` returns the sine and cosine of each end.
     #[inline(always)]
     pub(crate) fn sin_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
         let a = self.bare();
         Self::from_bare(a.sinusoid(0.5, at(a.lo).0, at(a.hi).0).unless_empty(a), self.is_defined())
     }
 
-    /// The cosine, as [`Interval::sin_by`].
+    /// The cosine, like [`Interval::sin_by`].
     #[inline(always)]
     pub(crate) fn cos_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
         let a = self.bare();
         Self::from_bare(a.sinusoid(0.0, at(a.lo).1, at(a.hi).1).unless_empty(a), self.is_defined())
     }
 
-    /// The tangent, as [`Interval::sin_by`].
+    /// The tangent, like [`Interval::sin_by`].
     #[inline(always)]
     pub(crate) fn tan_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
         let a = self.bare();
@@ -92,7 +92,7 @@ impl Interval {
     }
 }
 
-/// As [`unary`], with two operands.
+/// Like [`unary`], with two operands.
 macro_rules! binary {
     ($($(#[$doc:meta])* $name:ident: $a:ident, $b:ident => $value:expr, |$v:ident| $defined:expr;)*) => {
         impl Interval {
@@ -110,16 +110,16 @@ macro_rules! binary {
 }
 
 binary! {
-    /// The angle of the points `(other, self)` from the first axis; not defined where the box of these points
+    /// The angle of the points `(other, self)` from the first axis; not defined if the box of these points
     /// touches the negative axis or the origin.
     atan2: a, b => BareInterval::atan2(a, b), |value| a.is_off_cut(b);
-    /// The remainder by |other|, from 0 to |other|; [`Interval::UNKNOWN`] when `other` contains 0, and not
-    /// defined where it may jump.
+    /// The remainder by |other|, from 0 to |other|; [`Interval::UNKNOWN`] if `other` contains 0, and not
+    /// defined if it may jump.
     rem_euclid: a, b => a.rem(b), |value| !a.integer_quotient(b).is_nan();
-    /// −1, 0 or 1 as it is below, at or above `other`; defined where that is one number.
+    /// −1, 0 or 1 as it is below, at or above `other`; defined if it is one number.
     compare: a, b => a.compare(b), |value| is_flat(value);
-    /// `other`, or 0 where `self` is 0; not defined where that is undecided.
+    /// `other`, or 0 if `self` is 0; not defined if that is undecided.
     and: a, b => a.and(b), |value| a.is_decided();
-    /// `self`, or `other` where it is 0; not defined where that is undecided.
+    /// `self`, or `other` if `self` is 0; not defined if that is undecided.
     or: a, b => a.or_else(b), |value| a.is_decided();
 }

@@ -1,13 +1,13 @@
-//! Faces whose limit surface consists of bicubic patches: four quads around each corner, or fewer where a
-//! sharp line cuts them off.
+//! Faces whose limit surface consists of bicubic patches: four quads around each corner, or fewer if a sharp
+//! line cuts them off.
 //!
 //! Along a sharp line the surface is the same tensor product of cubic splines as elsewhere, with other
-//! points. Where the line is infinitely sharp, those beyond it are the reflections of those before it. Where
-//! it is sharp for some rounds, each round's are, and what is left beyond the last of them is a smooth spline
-//! of that scale.
+//! points. If the line is infinitely sharp, the points beyond it are the reflections of those before it. If
+//! it is sharp for some rounds, that holds in each of these rounds, and beyond the last of them the remaining
+//! part is a smooth spline of that scale.
 //!
-//! Source for the second: M. Nießner, C. Loop, G. Greiner, *Efficient evaluation of semi-smooth creases in
-//! Catmull-Clark subdivision surfaces*, 2012; here as a product of one-dimensional pieces, so that it also
+//! Source for finite sharpness: M. Nießner, C. Loop, G. Greiner, *Efficient evaluation of semi-smooth creases
+//! in Catmull-Clark subdivision surfaces*, 2012; here as a product of one-dimensional pieces, so that it also
 //! holds beside borders.
 use super::super::vertex_rule::CagePoint;
 use super::super::{CreasingMethod, INFINITELY_SHARP, Scheme};
@@ -92,26 +92,27 @@ impl FaceOneRing {
         let mut corners = [[0.0; 3]; 4];
         for k in 0..4 {
             let before = (k + 3) % 4;
-            let own = parts.sharp.vertices[vertex[k] as usize];
+            let vertex_sharpness = parts.sharp.vertices[vertex[k] as usize];
             let around = parts.incidence.edges(vertex[k] as usize);
             let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
             // The edges that continue the two lines through the corner.
-            let on = |side: usize, end: usize| {
+            let continuation = |side: usize, end: usize| {
                 (!is_cut[side]).then(|| parts.edges.between(vertex[k], beside[side][end])).flatten()
             };
-            let (back, forth) = (on(before, 1), on(k, 0));
+            let (back, forth) = (continuation(before, 1), continuation(k, 0));
             match (is_cut[k], is_cut[before]) {
                 (true, true) => {
                     let n_infinite = around.iter().filter(|e| sharpness(**e) >= INFINITELY_SHARP).count();
-                    if own < INFINITELY_SHARP && n_infinite < 3 {
+                    if vertex_sharpness < INFINITELY_SHARP && n_infinite < 3 {
                         return None;
                     }
                 }
                 (false, false) => {
                     let (back, forth) = (back?, forth?);
                     let faces = parts.incidence.faces(vertex[k] as usize);
-                    let both = line[k] > 0.0 && line[before] > 0.0;
-                    let is_regular = own == 0.0 && around.len() == 4 && faces.len() == 4 && !both;
+                    let are_both_sharp = line[k] > 0.0 && line[before] > 0.0;
+                    let is_regular =
+                        vertex_sharpness == 0.0 && around.len() == 4 && faces.len() == 4 && !are_both_sharp;
                     if !is_regular || sharpness(back) != line[k] || sharpness(forth) != line[before] {
                         return None;
                     }
@@ -132,7 +133,7 @@ impl FaceOneRing {
                     let goes_on = onward != sharp && sharpness(onward) >= INFINITELY_SHARP;
                     let is_one_line = goes_on && others.clone().all(fits);
                     let is_mixed = other > 0.0 && self.cage().creasing == CreasingMethod::Chaikin;
-                    if own > 0.0 || !is_one_line || is_mixed {
+                    if vertex_sharpness > 0.0 || !is_one_line || is_mixed {
                         return None;
                     }
                 }
@@ -161,8 +162,8 @@ impl FaceOneRing {
         if is_cut[2] {
             p[3] = std::array::from_fn(|j| mirror(p[2][j], p[1][j]));
         }
-        let left = |side: usize| if is_cut[side] { 0.0 } else { line[side] };
-        Some(CreasedBSpline { points: p, u: [left(3), left(1)], v: [left(0), left(2)] })
+        let finite = |side: usize| if is_cut[side] { 0.0 } else { line[side] };
+        Some(CreasedBSpline { points: p, u: [finite(3), finite(1)], v: [finite(0), finite(2)] })
     }
 }
 
@@ -209,7 +210,7 @@ fn mean(share: f64, a: SpanWeights, b: SpanWeights) -> SpanWeights {
     std::array::from_fn(|k| share * a[k] + (1.0 - share) * b[k])
 }
 
-/// `1/8, 6/8, 1/8` of three.
+/// The mean of three with the weights `1/8, 6/8, 1/8`.
 fn vertex_mask([a, b, c]: [SpanWeights; 3]) -> SpanWeights {
     std::array::from_fn(|k| 0.125 * (a[k] + c[k]) + 0.75 * b[k])
 }
@@ -240,7 +241,7 @@ fn spans(sharp: [f64; 2]) -> Vec<SplineSpan> {
         [first, second] => {
             let [low, high] = refine_between_creases(POINTS, [first, second]);
             let less = |sharp: f64| if sharp > 1.0 { sharp - 1.0 } else { 0.0 };
-            let mut all = Vec::new();
+            let mut spans = Vec::new();
             let halves = [
                 (spans_from_crease(low, less(first)), 0.0),
                 (reversed(spans_from_crease(reversed_points(high), less(second))), 0.5),
@@ -250,9 +251,9 @@ fn spans(sharp: [f64; 2]) -> Vec<SplineSpan> {
                     span: part.span.map(|x| begin + 0.5 * x),
                     weights: part.weights,
                 });
-                all.extend(shifted);
+                spans.extend(shifted);
             }
-            all
+            spans
         }
     }
 }
@@ -285,7 +286,7 @@ fn spans_from_crease(mut p: [SpanWeights; 4], mut sharp: f64) -> Vec<SplineSpan>
     let mut parts = Vec::new();
     let mut width = 1.0;
     if sharp >= 1.0 {
-        // As if it stayed sharp, except next to the line in the end.
+        // As if the line stayed sharp; valid except next to the line in the end.
         let mirrored = std::array::from_fn(|k| 2.0 * p[1][k] - p[2][k]);
         let away = bezier_span([mirrored, p[1], p[2], p[3]], [0.0, 1.0]);
         while sharp >= 1.0 {

@@ -1,4 +1,4 @@
-//! `FaceOneRing`: a face of a cage with everything that determines its limit surface, and its subdivision.
+//! `FaceOneRing`: a face of a cage with all data that determines its limit surface, and its subdivision.
 use super::super::edges::{CageEdges, VertexIncidence};
 use super::super::refinement_step::{CageSharpness, is_hole};
 use super::super::vertex_rule::CagePoint;
@@ -36,8 +36,8 @@ impl CageTopology {
 #[derive(Clone, Debug)]
 pub(crate) struct FaceOneRing {
     cage: Cage,
-    /// For Loop's scheme the identity of the edge from each corner, where some have the same ends; else
-    /// empty.
+    /// For Loop's scheme the identity of the edge from each corner, if some edges have the same ends;
+    /// otherwise empty.
     classes: Vec<u32>,
     /// The largest rounding error of its positions, in each coordinate.
     off: f64,
@@ -53,15 +53,15 @@ impl FaceOneRing {
         CageTopology::with_edges(&self.cage, edges_with_classes(&self.cage, &self.classes))
     }
 
-    /// The ring of a face, started `turn` corners later.
-    fn rotated(cage: &Cage, all: &[u32], parts: &CageTopology, face: usize, turn: usize) -> Self {
+    /// The ring of a face, starting at its corner `turn`.
+    fn rotated(cage: &Cage, edge_classes: &[u32], parts: &CageTopology, face: usize, turn: usize) -> Self {
         let middle = cage.face(face);
         let mut sectors: Vec<CreaseSector> = middle
             .iter()
             .map(|vertex| CreaseSector::new(parts, cage.creasing, *vertex, face as u32))
             .collect();
         let mut faces: Vec<u32> = Vec::with_capacity(16);
-        // A vertex that has some of the faces beyond a cut because of another vertex needs all of them.
+        // If a vertex has some of the faces beyond a cut because of another vertex, it needs all of them.
         loop {
             faces.clear();
             sectors.iter().for_each(|sector| faces.extend_from_slice(&sector.faces));
@@ -74,8 +74,8 @@ impl FaceOneRing {
             faces.dedup();
             let is_torn = |sector: &&mut CreaseSector, vertex: u32| {
                 let around = parts.incidence.faces(vertex as usize);
-                let here = around.iter().filter(|face| faces.binary_search(face).is_ok()).count();
-                sector.sharpness < INFINITELY_SHARP && here > sector.faces.len()
+                let n_present = around.iter().filter(|face| faces.binary_search(face).is_ok()).count();
+                sector.sharpness < INFINITELY_SHARP && n_present > sector.faces.len()
             };
             let pairs = sectors.iter_mut().zip(middle);
             let torn = pairs.filter(|(sector, vertex)| is_torn(sector, **vertex)).map(|(sector, vertex)| {
@@ -97,14 +97,16 @@ impl FaceOneRing {
         corners.extend((0..middle.len()).map(|k| local(middle[(k + turn) % middle.len()])));
         let mut ends = vec![corners.len() as u32];
         let mut classes: Vec<u32> = Vec::new();
-        if !all.is_empty() {
+        if !edge_classes.is_empty() {
             let n = middle.len();
-            classes.extend((0..n).map(|k| all[cage.begin(face) + (k + turn) % n]));
-            faces.iter().for_each(|face| classes.extend_from_slice(&all[cage.sizes.range(*face as usize)]));
+            classes.extend((0..n).map(|k| edge_classes[cage.begin(face) + (k + turn) % n]));
+            faces
+                .iter()
+                .for_each(|face| classes.extend_from_slice(&edge_classes[cage.sizes.range(*face as usize)]));
         }
         let mut creases: Vec<([u32; 2], f64)> = Vec::new();
-        for &of in std::iter::once(&(face as u32)).chain(&faces) {
-            let (begin, face) = (cage.begin(of as usize), cage.face(of as usize));
+        for &index in std::iter::once(&(face as u32)).chain(&faces) {
+            let (begin, face) = (cage.begin(index as usize), cage.face(index as usize));
             for k in 0..face.len() {
                 let edge = parts.edges.of_corner[begin + k] as usize;
                 if parts.sharp.edges[edge] > 0.0 {
@@ -112,8 +114,8 @@ impl FaceOneRing {
                 }
             }
         }
-        for &of in &faces {
-            corners.extend(cage.face(of as usize).iter().map(|v| local(*v)));
+        for &index in &faces {
+            corners.extend(cage.face(index as usize).iter().map(|v| local(*v)));
             ends.push(corners.len() as u32);
         }
         creases.sort_by_key(|(ends, _)| *ends);
@@ -137,10 +139,10 @@ impl FaceOneRing {
         Self { cage, classes, off: 0.0 }
     }
 
-    /// The rings of the parts of its face, one for each corner. Those of a quad start at its lower left, as
-    /// it does, so that all have their sides in the same directions; those of another face start at their
-    /// corner of it. By Loop's scheme they have the sides in the directions of the triangle as well; the last
-    /// one is the central part, rotated by half a turn.
+    /// The rings of the parts of its face, one for each corner. Those of a quad start at its lower left, like
+    /// the quad itself, so that all have their sides in the same directions; those of another face start at
+    /// its corner. For Loop's scheme they also have the sides in the directions of the triangle; the last one
+    /// is the central part, rotated by half a turn.
     pub(crate) fn subdivided(&self) -> Result<Vec<Self>, InvalidCage> {
         let before = self.topology();
         let refined = self.cage.refined_by(&before.edges, &before.incidence, &before.sharp)?;
@@ -149,9 +151,9 @@ impl FaceOneRing {
         let n = self.n_corners();
         // A mean of k points in a row is off by k roundings, weights included; means do not increase earlier
         // errors.
-        let most =
+        let longest =
             (0..n).map(|k| parts.incidence.edges(self.cage.corners[k] as usize).len()).fold(0, usize::max);
-        let round = (4 * most + 4 * n + 16) as f64 * f64::EPSILON * self.size();
+        let round = (4 * longest + 4 * n + 16) as f64 * f64::EPSILON * self.size();
         let is_loop = self.cage.scheme == Scheme::Loop;
         let n_parts = if is_loop { 4 } else { n };
         let turn = |part: usize| match (is_loop, n) {
@@ -166,20 +168,20 @@ impl FaceOneRing {
         Ok((0..n_parts).map(part).collect())
     }
 
-    /// The identity of edges after a round of Loop's scheme: halves by their edge, those inside triangles by
+    /// The identity of edges after a round of Loop's scheme: halves by their edge, edges inside triangles by
     /// their corner.
     fn classes_after(&self, edges: &CageEdges) -> Vec<u32> {
         if self.cage.scheme != Scheme::Loop {
             return Vec::new();
         }
         let mut classes = Vec::with_capacity(4 * self.cage.corners.len());
-        for (face, of) in self.cage.faces().enumerate() {
+        for (face, vertices) in self.cage.faces().enumerate() {
             let inside = |k: usize| (2 * edges.ends.len() + 3 * face + k) as u32;
             let half = |k: usize, vertex: u32| {
                 let edge = edges.of_corner[3 * face + k];
                 2 * edge + u32::from(edges.ends[edge as usize][0] != vertex)
             };
-            for (k, vertex) in of.iter().enumerate() {
+            for (k, vertex) in vertices.iter().enumerate() {
                 classes.extend([half(k, *vertex), inside(k), half((k + 2) % 3, *vertex)]);
             }
             classes.extend([inside(1), inside(2), inside(0)]);
@@ -196,7 +198,7 @@ impl FaceOneRing {
         &self.cage
     }
 
-    /// Points whose convex hull contains all of the face's limit surface.
+    /// Points whose convex hull contains the entire limit surface of the face.
     pub(crate) fn hull(&self) -> &[CagePoint] {
         &self.cage.positions
     }
@@ -221,7 +223,7 @@ fn edges_with_classes(cage: &Cage, classes: &[u32]) -> CageEdges {
     }
 }
 
-/// The faces around a vertex that shape a face there, and the sharpness of the vertex for them.
+/// The faces around a vertex that shape a given face, and the sharpness of the vertex for them.
 struct CreaseSector {
     faces: Vec<u32>,
     sharpness: f64,
@@ -229,22 +231,22 @@ struct CreaseSector {
 
 impl CreaseSector {
     fn new(parts: &CageTopology, creasing: CreasingMethod, vertex: u32, face: u32) -> Self {
-        let own = parts.sharp.vertices[vertex as usize];
+        let vertex_sharpness = parts.sharp.vertices[vertex as usize];
         let around = parts.incidence.edges(vertex as usize);
         let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
         let n_infinite = around.iter().filter(|edge| sharpness(**edge) >= INFINITELY_SHARP).count();
-        let all = || parts.incidence.faces(vertex as usize).to_vec();
+        let all_faces = || parts.incidence.faces(vertex as usize).to_vec();
         if n_infinite == 0 {
-            return Self { faces: all(), sharpness: own };
+            return Self { faces: all_faces(), sharpness: vertex_sharpness };
         }
         let mut faces = vec![face];
         let mut next = 0;
         while next < faces.len() {
-            let here = faces[next];
+            let current = faces[next];
             next += 1;
             for &edge in around.iter().filter(|edge| sharpness(**edge) < INFINITELY_SHARP) {
                 let on = parts.edges.faces(edge as usize);
-                if on.contains(&here) {
+                if on.contains(&current) {
                     for other in on {
                         if !faces.contains(other) {
                             faces.push(*other);
@@ -254,19 +256,19 @@ impl CreaseSector {
             }
         }
         let is_beyond = |edge: &u32| parts.edges.faces(*edge as usize).iter().all(|f| !faces.contains(f));
-        let is_corner = own >= INFINITELY_SHARP || n_infinite > 2;
+        let is_corner = vertex_sharpness >= INFINITELY_SHARP || n_infinite > 2;
         let shapes = |sharpness: f64| match creasing {
-            // By Chaikin's rule, creases beyond affect how those on this side end.
+            // By Chaikin's rule, creases beyond a cut affect how those on this side end.
             CreasingMethod::Chaikin if is_corner => sharpness > 0.0 && sharpness < INFINITELY_SHARP,
             _ if is_corner => false,
-            // A crease that ends there makes the vertex a corner for some rounds; one that does not end is
+            // A crease that ends at the vertex makes it a corner for some rounds; one that does not end is
             // the vertex's own.
             _ => sharpness > 0.0,
         };
         let is_shaped = around.iter().any(|edge| is_beyond(edge) && shapes(sharpness(*edge)));
         Self {
-            faces: if is_shaped { all() } else { faces },
-            sharpness: if is_corner { INFINITELY_SHARP } else { own },
+            faces: if is_shaped { all_faces() } else { faces },
+            sharpness: if is_corner { INFINITELY_SHARP } else { vertex_sharpness },
         }
     }
 
@@ -279,10 +281,10 @@ impl CreaseSector {
             sharpness > 0.0 && sharpness < INFINITELY_SHARP && is_near()
         };
         let creases = parts.incidence.edges(vertex as usize).iter().filter(is_crease);
-        let far = creases.map(move |edge| {
+        let far_ends = creases.map(move |edge| {
             let [a, b] = parts.edges.ends[*edge as usize];
             if a == vertex { b } else { a }
         });
-        far.flat_map(|end| parts.incidence.faces(end as usize).iter().copied()).collect()
+        far_ends.flat_map(|end| parts.incidence.faces(end as usize).iter().copied()).collect()
     }
 }

@@ -2,8 +2,8 @@
 //! surface.
 //!
 //! Sources: C. Loop, *Smooth subdivision surfaces based on triangles*, 1987, for smooth vertices; on creases
-//! the eigenvectors of OpenSubdiv's rules, derived here. Every round shrinks the wave of angle `t` from
-//! neighbour to neighbour by `λ = 3/8 + cos(t)/4`.
+//! the eigenvectors of OpenSubdiv's rules, derived here. Every round shrinks the wave with the angle `t`
+//! between neighbours by `λ = 3/8 + cos(t)/4`.
 use super::super::refinement_step::loop_weight;
 use super::super::vertex_rule::{CagePoint, plus};
 use super::one_ring::{OneRing, VertexKind};
@@ -33,13 +33,13 @@ impl OneRing {
         self.edges.iter().fold(start, |sum, p| plus(sum, share, *p))
     }
 
-    /// The limit point of a smooth vertex: with the weight `β` of a neighbour in a round, `8β/3` of each to
-    /// one of it.
+    /// The limit point of a smooth vertex: with the weight `β` of a neighbour in a round, `8β/3` of each
+    /// neighbour to one of the vertex.
     pub(super) fn limit_point_loop(&self) -> CagePoint {
         let ratio = 8.0 / 3.0 * loop_weight(self.edges.len());
-        let whole = 1.0 + self.edges.len() as f64 * ratio;
+        let total = 1.0 + self.edges.len() as f64 * ratio;
         let sum = self.edges.iter().fold(self.here, |sum, p| plus(sum, ratio, *p));
-        sum.map(|x| x / whole)
+        sum.map(|x| x / total)
     }
 
     /// The tangents at a smooth vertex of more than two triangles, or on a crease: left eigenvectors of the
@@ -64,9 +64,9 @@ impl OneRing {
                 let (p, q) = (0.125 * wave(1), 0.375 * (0..n).map(wave).sum::<f64>());
                 let determinant = (lambda - 1.0) * (lambda - 0.25);
                 let ends = ((lambda - 0.75) * p + 0.125 * q) / determinant;
-                let own = (p + (lambda - 0.5) * q) / determinant;
+                let vertex_weight = (p + (lambda - 0.5) * q) / determinant;
                 let inside = sum(&|k| if k == 0 || k == last { ends } else { wave(k) });
-                Some([along, plus(inside, own, self.here)])
+                Some([along, plus(inside, vertex_weight, self.here)])
             }
             _ => None,
         }

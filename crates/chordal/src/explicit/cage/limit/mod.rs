@@ -1,4 +1,4 @@
-//! `LimitSurface`: the limit surface of a cage, evaluated exactly anywhere.
+//! `LimitSurface`: the limit surface of a cage, evaluated exactly at any parameters.
 mod box_spline;
 mod creased_spline;
 mod face_one_ring;
@@ -23,9 +23,9 @@ pub(crate) use triangle_patch_tree::{ExtraordinaryTriangle, LimitQuartic, Triang
 ///
 /// A quad is one sheet: u runs from its first vertex to its second, v from its first to its last. Another
 /// polygon has one sheet for each vertex, with the origin at that vertex and the polygon's centre diagonally
-/// opposite. By Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first
-/// vertex to its second, v to its third. Sheets follow the order of faces. Holes have none, nor have faces on
-/// the border under [`Boundary::None`](super::Boundary::None).
+/// opposite. For Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first
+/// vertex to its second, v to its third. Sheets follow the order of faces. Holes have no sheets, nor have
+/// faces on the border under [`Boundary::None`](super::Boundary::None).
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -46,12 +46,12 @@ pub(crate) use triangle_patch_tree::{ExtraordinaryTriangle, LimitQuartic, Triang
 pub struct LimitSurface<'a> {
     cage: &'a Cage,
     topology: std::sync::Arc<CageTopology>,
-    /// The face, and the part of it.
+    /// The face, and the part of the face.
     sheets: Vec<(u32, u32)>,
 }
 
 impl Cage {
-    /// The limit surface. By Loop's scheme edges of a round with the same ends stay two, as for
+    /// The limit surface. For Loop's scheme, edges of a round with the same ends stay separate, as for
     /// [`Cage::refined_times`].
     ///
     /// *Cost.* A table of edges: some hundred bytes per corner.
@@ -90,7 +90,7 @@ impl LimitSurface<'_> {
     /// One sheet, prepared for evaluation.
     ///
     /// # Errors
-    /// [`InvalidCage::NotFinite`] where coordinates overflow.
+    /// [`InvalidCage::NotFinite`] if coordinates overflow.
     ///
     /// # Panics
     /// When there is no such sheet.
@@ -133,12 +133,12 @@ enum SheetDomain {
 pub struct Jet {
     /// The position.
     pub point: [f64; 3],
-    /// The derivatives by u and by v; `None` at vertices where the parametrization has none or only those of
-    /// value 0.
+    /// The derivatives by u and by v; `None` at vertices where the parametrization has none, or where both
+    /// are 0.
     pub first: Option<[[f64; 3]; 2]>,
     /// The second derivatives: by u twice, by u and v, by v twice.
     pub second: Option<[[f64; 3]; 3]>,
-    /// The unit normal of the front; `None` where the surface has none.
+    /// The unit normal of the front; `None` if the surface has none at the point.
     pub normal: Option<[f64; 3]>,
 }
 
@@ -146,16 +146,16 @@ impl LimitSheet {
     /// The limit surface at a point of the unit square, or of the triangle u + v ≤ 1 for Loop's scheme, with
     /// its derivatives and its normal. Parameters outside are clamped to the border.
     ///
-    /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet. Where the
-    /// surface consists of pieces, it is as seen from the one after u and v, or the last.
+    /// On an infinitely sharp edge, whose two sides differ, all values are those of this sheet. Where the
+    /// surface consists of pieces, they are those of the piece after u and v, or of the last piece.
     ///
-    /// *Cost.* Under a microsecond where the surrounding faces are regular. Otherwise, the first time, some
-    /// ten microseconds for every halving of the distance to the extraordinary vertex; the halvings are
-    /// cached. *Error.* Rounding: a few ulps of the largest coordinate around, a few more for each halving.
-    /// At the end of a crease, and at corners of several quads, the normal has about six digits.
+    /// *Cost.* Under a microsecond if the surrounding faces are regular. Otherwise, the first time, some ten
+    /// microseconds for every halving of the distance to the extraordinary vertex; the halvings are cached.
+    /// *Error.* Rounding: a few ulps of the largest coordinate around, a few more for each halving. At the
+    /// end of a crease, and at corners of several quads, the normal has about six digits.
     ///
     /// # Errors
-    /// [`InvalidCage::NotFinite`] where coordinates overflow.
+    /// [`InvalidCage::NotFinite`] if coordinates overflow.
     pub fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         let clamp = |x: f64| if x > 0.0 { lesser(x, 1.0) } else { 0.0 };
         let (u, v) = (clamp(u), clamp(v));
@@ -165,7 +165,7 @@ impl LimitSheet {
         }
     }
 
-    /// The point alone, at a lower cost.
+    /// Only the point, at a lower cost.
     pub(crate) fn point(&self, u: f64, v: f64) -> Result<[f64; 3], InvalidCage> {
         match &self.domain {
             SheetDomain::Square(square) => square.point(u, v),

@@ -1,12 +1,11 @@
 //! `OneRing`: the quads, or for Loop's scheme the triangles, around a vertex whose neighbourhood is the same
-//! after every round, and its consequences: the vertex's limit point and the tangents there. Loop's part is
-//! in [`super::loop_one_ring`].
+//! after every round, with the vertex's limit point and tangents. Loop's part is in [`super::loop_one_ring`].
 //!
 //! Sources: M. Halstead, M. Kass, T. DeRose, *Efficient, fair interpolation using Catmull-Clark surfaces*,
 //! 1993 (the limit of a smooth vertex: n² of it, 4 of each neighbour, 1 of each vertex across); H. Biermann,
 //! A. Levin, D. Zorin, *Piecewise smooth subdivision surfaces with normal control*, 2000 (tangents on
 //! creases; but theirs are for rules modified so that everything shrinks by a half, and are re-derived here
-//! for the usual ones).
+//! for the usual rules).
 use super::super::vertex_rule::{CagePoint, plus};
 use super::super::{INFINITELY_SHARP, Scheme};
 use super::face_one_ring::{CageTopology, FaceOneRing};
@@ -19,12 +18,12 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum VertexKind {
     Smooth,
-    /// The edge with this index is sharp and ends here.
+    /// The edge with this index is sharp and ends at the vertex.
     Dart(usize),
     /// The first and the last edge are sharp.
     Crease,
-    /// The vertex is on a crease to these neighbours, with other faces around it than these: surfaces meet in
-    /// a seam.
+    /// The vertex is on a crease to these neighbours, with faces around it that are not in this ring:
+    /// surfaces meet in a seam.
     Seam([CagePoint; 2]),
     Corner,
 }
@@ -36,38 +35,38 @@ pub(super) struct OneRing {
     /// Whether the scheme is Loop's.
     is_loop: bool,
     pub(super) here: CagePoint,
-    /// As many as quads where they close around it, else one more.
+    /// As many as quads if they close around the vertex, otherwise one more.
     pub(super) edges: Vec<CagePoint>,
-    /// One for each quad or triangle; for triangles they are not used.
+    /// One for each quad or triangle; unused for triangles.
     pub(super) faces: Vec<CagePoint>,
-    /// The index of the quad that is the ring's own face.
+    /// The index of the quad that is the face of the ring.
     own: usize,
 }
 
 impl OneRing {
-    /// The one-ring of a corner of a ring's face; `None` where its neighbourhood will change: faces of
-    /// another size, or sharpness that ends.
+    /// The one-ring of a corner of a ring's face; `None` if its neighbourhood will change: faces of another
+    /// size, or sharpness that ends.
     pub fn around_corner(ring: &FaceOneRing, parts: &CageTopology, corner: usize) -> Option<Self> {
         let cage = ring.cage();
         let vertex = cage.corners[corner];
-        let own = parts.sharp.vertices[vertex as usize];
+        let vertex_sharpness = parts.sharp.vertices[vertex as usize];
         let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
         let around = parts.incidence.edges(vertex as usize);
         let ends = |x: f64| x > 0.0 && x < INFINITELY_SHARP;
         let others_end = around.iter().any(|edge| ends(sharpness(*edge)));
-        if ends(own) || others_end {
+        if ends(vertex_sharpness) || others_end {
             return None;
         }
         let is_loop = cage.scheme == Scheme::Loop;
         let n = if is_loop { 3 } else { 4 };
-        // The edges of a face before and after the vertex, and the vertices there.
+        // The edges of a face before and after the vertex, and the other vertices of the face.
         let sides = |face: u32| {
-            let of = cage.face(face as usize);
-            let k = of.iter().position(|v| *v == vertex).filter(|_| of.len() == n)?;
+            let vertices = cage.face(face as usize);
+            let k = vertices.iter().position(|v| *v == vertex).filter(|_| vertices.len() == n)?;
             let begin = cage.begin(face as usize);
             let before = (k + n - 1) % n;
             let (next, last) = (parts.edges.of_corner[begin + k], parts.edges.of_corner[begin + before]);
-            Some((next, last, of[(k + 1) % n], of[(k + 2) % n], of[before]))
+            Some((next, last, vertices[(k + 1) % n], vertices[(k + 2) % n], vertices[before]))
         };
         let across = |edge: u32, face: u32| {
             let on = parts.edges.faces(edge as usize);
@@ -76,8 +75,8 @@ impl OneRing {
         let is_cut = |edge: u32| sharpness(edge) >= INFINITELY_SHARP;
         let first_edge = parts.edges.of_corner[corner];
         let n_cut = around.iter().filter(|edge| is_cut(**edge)).count();
-        let is_dart = n_cut == 1 && own == 0.0;
-        // Backwards, clockwise, to a cut.
+        let is_dart = n_cut == 1 && vertex_sharpness == 0.0;
+        // Walk backwards, clockwise, to a cut.
         let mut begin = (0, first_edge);
         if n_cut > 0 && !is_dart {
             for _ in 0..around.len() {
@@ -123,13 +122,13 @@ impl OneRing {
             if is_cut(last) && !is_dart {
                 fan.edges.push(at(before));
                 let seam = || seam(first.map(|first| [first, last])).unwrap_or(VertexKind::Crease);
-                fan.kind = if own > 0.0 || n_cut > 2 { VertexKind::Corner } else { seam() };
+                fan.kind = if vertex_sharpness > 0.0 || n_cut > 2 { VertexKind::Corner } else { seam() };
                 return Some(fan);
             }
             face = across(last, face)?;
             if face == begin.0 {
                 fan.kind = match dart.filter(|_| is_dart) {
-                    _ if own > 0.0 => VertexKind::Corner,
+                    _ if vertex_sharpness > 0.0 => VertexKind::Corner,
                     Some(edge) => VertexKind::Dart(edge),
                     None => seam(None).unwrap_or(VertexKind::Smooth),
                 };
@@ -225,14 +224,14 @@ impl OneRing {
         }
     }
 
-    /// Two tangents of the limit surface at the vertex, whose cross product points to its front; at the end
-    /// of a crease and at corners of several quads to about six digits.
+    /// Two tangents of the limit surface at the vertex, whose cross product points to its front; accurate to
+    /// about six digits at the end of a crease and at corners of several quads.
     pub fn tangents(&self) -> [CagePoint; 2] {
         if let Some(tangents) = self.is_loop.then(|| self.limit_tangents_loop()).flatten() {
             return tangents;
         }
-        let sum = |of: &[CagePoint], weight: &dyn Fn(usize) -> f64| {
-            of.iter().enumerate().fold([0.0; 3], |sum, (k, p)| plus(sum, weight(k), *p))
+        let sum = |points: &[CagePoint], weight: &dyn Fn(usize) -> f64| {
+            points.iter().enumerate().fold([0.0; 3], |sum, (k, p)| plus(sum, weight(k), *p))
         };
         let add = |a: CagePoint, b: CagePoint| [0, 1, 2].map(|k| a[k] + b[k]);
         let (n, last) = (self.faces.len(), self.edges.len() - 1);
@@ -264,16 +263,16 @@ impl OneRing {
                 let q = (0..n).map(|k| 1.5 * wave(k) + 0.25 * face(k)).sum::<f64>();
                 let determinant = (lambda - 1.0) * (lambda - 0.25);
                 let ends = (0.125 * q - (0.75 - lambda) * p) / determinant;
-                let own = self.here.map(|x| x * (p - (0.5 - lambda) * q) / determinant);
+                let vertex_term = self.here.map(|x| x * (p - (0.5 - lambda) * q) / determinant);
                 let edges = sum(&self.edges, &|k| if k == 0 || k == last { ends } else { 4.0 * wave(k) });
                 let faces = sum(&self.faces, &face);
-                [along, add(own, add(edges, faces))]
+                [along, add(vertex_term, add(edges, faces))]
             }
             _ => {
                 let mut fan = self.centred();
                 for round in 1..=ROUNDS_TO_LIMIT {
                     fan = fan.refined();
-                    // Doubled, so that nothing becomes too small.
+                    // Doubled, so that no number becomes too small.
                     fan.here = fan.here.map(|x| 2.0 * x);
                     let twice = |p: &mut CagePoint| *p = p.map(|x| 2.0 * x);
                     fan.edges.iter_mut().chain(&mut fan.faces).for_each(twice);
@@ -284,20 +283,21 @@ impl OneRing {
                         fan = fan.centred();
                     }
                 }
-                let seen = [0, 1].map(|k| {
+                let tangents = [0, 1].map(|k| {
                     let edge = fan.edges[(self.own + k) % fan.edges.len()];
                     [0, 1, 2].map(|i| edge[i] - fan.here[i])
                 });
                 // Between two quads of a corner the edge rotates into the plane of the outer ones, as slowly
-                // as one over the number of rounds: the weights of both grow relative to its own.
+                // as one over the number of rounds: the weights of both grow relative to that of the edge
+                // itself.
                 let (turning, outer) =
                     (self.kind == VertexKind::Corner && n == 2 && last == 2, [to(0), to(2)]);
                 match front(outer[0], outer[1]) {
                     (unit, area) if turning && area > LEAST_AREA * largest(outer[0]) * largest(outer[1]) => {
-                        let agrees = dot(unit, front(seen[0], seen[1]).0) > 0.0;
+                        let agrees = dot(unit, front(tangents[0], tangents[1]).0) > 0.0;
                         if agrees { outer } else { [outer[1], outer[0]] }
                     }
-                    _ => seen,
+                    _ => tangents,
                 }
             }
         }
@@ -309,13 +309,14 @@ fn eigenvalue(turn: f64) -> f64 {
     (5.0 + cos(turn) + cos(0.5 * turn) * (2.0 * (9.0 + cos(turn))).sqrt()) / 16.0
 }
 
-/// Two directions that span less than this fraction of their lengths count as one; chosen far above rounding.
+/// Two directions that span less than this fraction of their lengths count as one. Chosen: far above
+/// rounding.
 pub(super) const LEAST_AREA: f64 = 1e-6;
 
-/// Rounds after which the distance of neighbours is as small as rounding: 0.66⁹⁰ < 2⁻⁵³, and around no vertex
-/// do distances shrink more slowly than by 0.655 per round, the limit for many quads.
+/// Rounds after which the distance of neighbours is as small as rounding. Derived: 0.66⁹⁰ < 2⁻⁵³, and around
+/// any vertex distances shrink at least by 0.655 per round, the limit for many quads.
 const ROUNDS_TO_LIMIT: usize = 90;
 
-/// Rounds after which the offset of the centre by rounding, which doubling has made a thousand times larger,
+/// Rounds after which the offset of the centre by rounding, a thousand times larger after so many doublings,
 /// is removed.
 const ROUNDS_TO_CENTRE: usize = 10;

@@ -29,14 +29,14 @@ pub(crate) struct ExtraordinaryQuad {
     corners: [OnceLock<Result<Jet, InvalidCage>>; 4],
 }
 
-/// Rounds after which parameters still next to an irregular vertex count as the vertex: 0.66⁹⁰ < 2⁻⁵³ of the
-/// face's size.
+/// After this many rounds, parameters that are still next to an irregular vertex count as the vertex.
+/// Derived: 0.66⁹⁰ < 2⁻⁵³ of the face's size.
 pub(super) const MOST_ROUNDS: usize = 90;
 
 impl QuadPatchTree {
     pub(super) fn from_ring(ring: FaceOneRing) -> Self {
         match ring.patches() {
-            // A point reflected in both directions has nine times the error; weights are exact but for some
+            // A point reflected in both directions has nine times the error; weights are exact up to some
             // hundred roundings.
             Some(pieces) => {
                 let off = 18.0 * ring.rounding() + 1024.0 * f64::EPSILON * ring.size();
@@ -67,7 +67,7 @@ impl QuadPatchTree {
             PatchTreeLeaf::Patches(patches, place, _) => Ok(patches.point(place)),
             PatchTreeLeaf::Vertex(extraordinary, corner) => {
                 with_one_ring(&extraordinary.ring, corner, OneRing::limit)
-                    .map(|found| found.unwrap_or_else(|point| point))
+                    .map(|jet_or_point| jet_or_point.unwrap_or_else(|point| point))
             }
         }
     }
@@ -83,13 +83,13 @@ enum PatchTreeLeaf<'a> {
 
 impl LimitPatches {
     /// Derivatives are multiplied by `scale`.
-    fn at(&self, place: [f64; 2], scale: f64) -> Jet {
-        jet(self.patch_at(place), place, scale)
+    fn at(&self, uv: [f64; 2], scale: f64) -> Jet {
+        jet(self.patch_at(uv), uv, scale)
     }
 
-    fn point(&self, place: [f64; 2]) -> CagePoint {
-        let piece = self.patch_at(place);
-        let [s, t] = piece.local(place);
+    fn point(&self, uv: [f64; 2]) -> CagePoint {
+        let piece = self.patch_at(uv);
+        let [s, t] = piece.local(uv);
         piece.patch.at(s, t)
     }
 
@@ -120,7 +120,7 @@ impl ExtraordinaryQuad {
 
     pub(crate) fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         match self.leaf_at([u, v])? {
-            PatchTreeLeaf::Patches(patches, place, scale) => Ok(patches.at(place, scale)),
+            PatchTreeLeaf::Patches(patches, uv, scale) => Ok(patches.at(uv, scale)),
             PatchTreeLeaf::Vertex(extraordinary, corner) => extraordinary.corner_jet(corner),
         }
     }
@@ -150,8 +150,8 @@ impl ExtraordinaryQuad {
 
 /// The corner of the unit square at these parameters.
 fn corner_at(u: f64, v: f64) -> Option<usize> {
-    let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-    places.iter().position(|place| *place == (u, v))
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    corners.iter().position(|corner| *corner == (u, v))
 }
 
 fn nearest_corner(u: f64, v: f64) -> usize {
@@ -183,18 +183,18 @@ fn jet(piece: &LimitPatch, [u, v]: [f64; 2], scale: f64) -> Jet {
 
 /// The jet at a corner of a ring's face that may be irregular.
 pub(super) fn vertex_jet(ring: &FaceOneRing, corner: usize) -> Result<Jet, InvalidCage> {
-    let found = with_one_ring(ring, corner, |fan| {
+    let jet_or_point = with_one_ring(ring, corner, |fan| {
         let [a, b] = fan.tangents();
         let (unit, length) = front(a, b);
         let least = one_ring::LEAST_AREA * largest(a) * largest(b);
         let normal = (length > least && length.is_finite()).then_some(unit);
         Jet { point: fan.limit(), first: None, second: None, normal }
     })?;
-    Ok(found.unwrap_or_else(|point| Jet { point, first: None, second: None, normal: None }))
+    Ok(jet_or_point.unwrap_or_else(|point| Jet { point, first: None, second: None, normal: None }))
 }
 
-/// Applies `of` to the one-ring of a corner of a ring's face, once its neighbourhood does not change any
-/// more. Where it always changes, returns a point near it.
+/// Applies `of` to the one-ring of a corner of a ring's face, once its neighbourhood no longer changes. If it
+/// always changes, returns a point near it.
 fn with_one_ring<T>(
     ring: &FaceOneRing,
     corner: usize,

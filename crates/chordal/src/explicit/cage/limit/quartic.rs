@@ -1,4 +1,4 @@
-//! `Quartic`: a polynomial of degree four over a triangle, by its Bézier control points.
+//! `Quartic`: a polynomial of degree four over a triangle, given by its Bézier control points.
 use super::super::vertex_rule::CagePoint;
 
 /// The control points in rows along u: those of row k belong to `(j/4, k/4)`, so that 0, 4 and 14 are the
@@ -35,33 +35,33 @@ impl Quartic {
     /// The same surface over the triangle between three parameter points.
     pub fn part(&self, corners: [[f64; 2]; 3]) -> Self {
         let [a, b, c] = corners.map(|[u, v]| [1.0 - u - v, u, v]);
-        // The control point of `aⁱbʲcᵏ` is the blossom there.
+        // The control point of `aⁱbʲcᵏ` is the blossom at these arguments.
         let cubic = |w: QuarticBarycentric| -> [CagePoint; 10] { lower(&self.control, 4, w) };
         let (of_a, of_b, of_c) = (cubic(a), cubic(b), cubic(c));
         let square = |net: &[CagePoint; 10], w: QuarticBarycentric| -> [CagePoint; 6] { lower(net, 3, w) };
         let (aa, ab, ac) = (square(&of_a, a), square(&of_a, b), square(&of_a, c));
         let (bb, bc, cc) = (square(&of_b, b), square(&of_b, c), square(&of_c, c));
         let line = |net: &[CagePoint; 6], w: QuarticBarycentric| -> [CagePoint; 3] { lower(net, 2, w) };
-        let one = |net: [CagePoint; 3], w: QuarticBarycentric| lower::<3, 1>(&net, 1, w)[0];
+        let linear = |net: [CagePoint; 3], w: QuarticBarycentric| lower::<3, 1>(&net, 1, w)[0];
         let (aaa, aab, aac) = (line(&aa, a), line(&aa, b), line(&aa, c));
         let (abb, abc, acc) = (line(&ab, b), line(&ab, c), line(&ac, c));
         let (bbb, bbc, bcc, ccc) = (line(&bb, b), line(&bb, c), line(&bc, c), line(&cc, c));
         let control = [
-            one(aaa, a),
-            one(aaa, b),
-            one(aab, b),
-            one(abb, b),
-            one(bbb, b),
-            one(aaa, c),
-            one(aab, c),
-            one(abb, c),
-            one(bbb, c),
-            one(aac, c),
-            one(abc, c),
-            one(bbc, c),
-            one(acc, c),
-            one(bcc, c),
-            one(ccc, c),
+            linear(aaa, a),
+            linear(aaa, b),
+            linear(aab, b),
+            linear(abb, b),
+            linear(bbb, b),
+            linear(aaa, c),
+            linear(aab, c),
+            linear(abb, c),
+            linear(bbb, c),
+            linear(aac, c),
+            linear(abc, c),
+            linear(bbc, c),
+            linear(acc, c),
+            linear(bcc, c),
+            linear(ccc, c),
         ];
         Self { control }
     }

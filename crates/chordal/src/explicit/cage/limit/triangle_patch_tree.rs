@@ -33,7 +33,7 @@ impl TrianglePatchTree {
     pub(super) fn from_ring(ring: FaceOneRing) -> Self {
         match ring.quartic() {
             // A point beyond a border has three times the error of a point, per coordinate; weights are exact
-            // but for some dozen roundings.
+            // up to some dozen roundings.
             Some(quartic) => {
                 let off = 18.0 * ring.rounding() + 1024.0 * f64::EPSILON * ring.size();
                 Self::Regular(Box::new(LimitQuartic { quartic, off }))
@@ -51,7 +51,7 @@ impl TrianglePatchTree {
 }
 
 impl LimitQuartic {
-    /// Derivatives are multiplied by `scale`, which is negative where the triangle is rotated by half a turn.
+    /// Derivatives are multiplied by `scale`, which is negative if the triangle is rotated by half a turn.
     pub(crate) fn at(&self, [u, v]: [f64; 2], scale: f64) -> Jet {
         let (point, [by_u, by_v], second) = self.quartic.at(u, v);
         let (unit, length) = front(by_u, by_v);
@@ -101,7 +101,7 @@ impl ExtraordinaryTriangle {
                 TrianglePatchTree::Extraordinary(quarter) => extraordinary = quarter,
             }
         }
-        // The part that contains the point is no larger than rounding by now.
+        // By now the part that contains the point is as small as rounding.
         vertex_jet(&extraordinary.ring, quarter_at(u, v) % 3)
     }
 }
