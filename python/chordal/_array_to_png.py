@@ -1,4 +1,4 @@
-"""Small arrays as pictures of PNG, in grey."""
+"""Small arrays as grey PNG images."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: Samples along the longer side of a picture, beyond which some are left out. Chosen: it has some 20 kB.
+#: The most samples along the longer side of an image; of larger layers some are skipped. Chosen: about 20 kB.
 MOST_SAMPLES: Final = 160
 
 
 def slice_to_png(samples: NDArray[Any]) -> bytes:
-    """A layer of samples, x to the right and y up, from the least in black to the most in white."""
+    """A layer of samples as an image, with x to the right and y up, from the lowest value in black to the highest in white."""
     import numpy as np
 
     step = -(-max(samples.shape) // MOST_SAMPLES)
     layer: NDArray[np.float64] = np.nan_to_num(samples[::step, ::step].T[::-1].astype(np.float64), posinf=0.0, neginf=0.0)
     low, high = float(layer.min()), float(layer.max())
-    # Halves, since the difference of the largest numbers is none.
+    # Computed with halves, since the difference of the largest doubles overflows.
     span = high / 2 - low / 2
     grey = np.zeros(layer.shape) if span == 0 else (layer / 2 - low / 2) * (255 / span)
-    # Each row begins with the filter that it has: none (PNG, third edition, 2025, clause 9).
+    # Each row begins with the number of its filter, 0 for none (PNG, third edition, 2025, clause 9).
     rows = np.pad(np.rint(grey).astype(np.uint8), ((0, 0), (1, 0)))
     height, width = layer.shape
     # Eight bits of grey, no interlace.

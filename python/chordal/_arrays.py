@@ -1,4 +1,4 @@
-"""Arrays that people pass: whatever numpy can read, as numbers in double precision of our own."""
+"""Array arguments: converts anything that numpy accepts to arrays of our own."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ if TYPE_CHECKING:
 
 
 def coordinates(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """Finite numbers, copied in rows.
+    """A copy of finite numbers in double precision, in C order.
 
-    Other number types, byte orders and memory layouts are converted. What is no array of real numbers is a
-    `TypeError`; numbers that are not finite, or that double precision cannot hold, are a `ValueError`. Both name the
-    argument. All checks look at the copy: another thread may be writing to the original.
+    Other number types, byte orders and memory layouts are converted. Raises `TypeError` for anything but an array of real
+    numbers, and `ValueError` for numbers that are not finite or do not fit double precision. Both name the argument. All
+    checks look at the copy, since another thread may write to the original.
     """
     import numpy as np
 
     try:
-        found = np.asanyarray(value)
+        array = np.asanyarray(value)
     except ValueError as error:
         raise ValueError(f"{name}: rows of different lengths are no array") from error
-    if found.dtype.kind not in "fiu":
-        raise TypeError(f"{name}: an array of real numbers, not of {found.dtype}")
-    if isinstance(found, np.ma.MaskedArray) and np.any(found.mask):
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: an array of real numbers, not of {array.dtype}")
+    if isinstance(array, np.ma.MaskedArray) and np.any(array.mask):
         raise ValueError(f"{name}: some numbers are masked; fill them or leave their curves out")
-    own = np.array(found, order="C", copy=True, subok=False)
-    copied: NDArray[np.float64] = own.astype(np.float64, order="C", copy=False)
-    if _can_lose(own.dtype):
+    original = np.array(array, order="C", copy=True, subok=False)
+    copied: NDArray[np.float64] = original.astype(np.float64, order="C", copy=False)
+    if _can_lose(original.dtype):
         with np.errstate(invalid="ignore"):
-            same = np.array_equal(copied.astype(own.dtype), own, equal_nan=own.dtype.kind == "f")
+            same = np.array_equal(copied.astype(original.dtype), original, equal_nan=original.dtype.kind == "f")
         if not same:
-            raise ValueError(f"{name}: double precision cannot hold all of these {own.dtype} numbers")
-    # A sum of finite numbers that overflows is found to be finite on the second look.
+            raise ValueError(f"{name}: double precision cannot hold all of these {original.dtype} numbers")
+    # A sum is quick to compute and finite only if all numbers are. If it is not, it may still have overflowed.
     with np.errstate(over="ignore", invalid="ignore"):
         seems_finite = bool(np.isfinite(copied.sum()))
     bad = [] if seems_finite else np.argwhere(~np.isfinite(copied)).tolist()
@@ -44,32 +44,32 @@ def coordinates(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def indices(name: str, value: ArrayLike) -> NDArray[np.uint32]:
-    """Whole numbers from 0 on that 32 bits can hold, copied in rows."""
+    """A copy of whole numbers from 0 on that fit 32 bits, in C order."""
     import numpy as np
 
     try:
-        found = np.asanyarray(value)
+        array = np.asanyarray(value)
     except ValueError as error:
         raise ValueError(f"{name}: rows of different lengths are no array") from error
-    if found.size == 0:
-        return np.zeros(found.shape if found.ndim == 2 else (0, 3), np.uint32)
-    if found.dtype.kind not in "iu":
-        raise TypeError(f"{name}: an array of whole numbers, not of {found.dtype}")
-    if found.min() < 0 or found.max() > 2**32 - 1:
-        bad = np.argwhere((found < 0) | (found > 2**32 - 1))
+    if array.size == 0:
+        return np.zeros(array.shape if array.ndim == 2 else (0, 3), np.uint32)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"{name}: an array of whole numbers, not of {array.dtype}")
+    if array.min() < 0 or array.max() > 2**32 - 1:
+        bad = np.argwhere((array < 0) | (array > 2**32 - 1))
         place = tuple(int(index) for index in bad[0])
-        raise ValueError(f"{name}: the number at {place} is no index: {found[place]}")
-    # Where another thread writes meanwhile, these are other numbers, and still 32 bits.
-    return found.astype(np.uint32, order="C", copy=True, subok=False)
+        raise ValueError(f"{name}: the number at {place} is no index: {array[place]}")
+    # If another thread writes meanwhile, the copy has other numbers, but still numbers of 32 bits.
+    return array.astype(np.uint32, order="C", copy=True, subok=False)
 
 
 def as_asked(array: NDArray[Any], dtype: Any, copy: bool | None) -> NDArray[Any]:
-    """An array as numpy's `__array__` is asked for it."""
+    """An array with the type and the copy that a caller of `__array__` requests."""
     import numpy as np
 
     return np.array(array, dtype=dtype, copy=True) if copy else np.asarray(array, dtype=dtype)
 
 
 def _can_lose(dtype: np.dtype[Any]) -> bool:
-    """Whether there are numbers of this type that double precision rounds."""
+    """Whether double precision rounds some numbers of a type."""
     return dtype.itemsize > (8 if dtype.kind == "f" else 4)

@@ -1,4 +1,4 @@
-"""`scene` and `Placed`: meshes put together as a scene of parts, nodes and materials."""
+"""`scene` and `Placed`: meshes assembled to a scene of parts, nodes and materials."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from chordal._mesh import Mesh
     from chordal._shape import Shape
 
-    #: What a scene is made of: meshes, files, meshes of other libraries, and lists of them, by their names if you like.
+    #: The contents of a scene: meshes, files, meshes of other libraries, and lists or dictionaries of them.
     _Thing: TypeAlias = "Shape | Placed | Mapping[str, Any] | Sequence[Any] | Any"
 
 _IDENTITY = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
@@ -35,7 +35,7 @@ _IDENTITY = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mesh in a scene that is made by `scene`: its name, its material, and where it stands.
+    """A mesh with its place, name and material, for `scene`.
 
     >>> import chordal
     >>> wheel = chordal.shapes.cylinder(0.5, 0.2).mesh(tol=0.05)
@@ -44,16 +44,16 @@ class Placed:
     (1, ['wheel', 'wheel'], True)
     """
 
-    #: A mesh, or a file or a mesh of another library that is one; a scene of several parts; or a list of such things, or a
-    #: dictionary of them by their names, which stand together.
+    #: A mesh, a file, or a mesh of another library; a scene of several parts; or a group of them, as a list or a dictionary by
+    #: their names.
     what: _Thing
-    #: Where: a vector, by which it is moved, or a matrix, 4 × 4 or its first three rows; or several, n × 3, n × 4 × 4 or
-    #: n × 3 × 4, for as many places of one part. None is where it is.
+    #: Its place: a translation vector, or a matrix, 4 × 4 or its first three rows. Or several, n × 3, n × 4 × 4 or n × 3 × 4,
+    #: for as many instances of one part. None leaves it in its place.
     at: ArrayLike | None = None
     #: The name of its node.
     name: str = ""
-    #: What all of it looks like: a `Material`, or a dictionary as glTF describes one, without textures. None leaves it the
-    #: materials that it has.
+    #: The material of all its faces: a `Material`, or a dictionary as glTF describes one, without textures. None keeps its own
+    #: materials.
     material: Material | Mapping[str, Any] | None = None
 
 
@@ -66,16 +66,16 @@ def scene(
     unit: Literal["um", "mm", "cm", "m", "km", "in", "ft"] | None = None,
     up: Literal["y", "z"] | None = None,
 ) -> Mesh:
-    """A scene of meshes: a `Mesh` with `parts`, `nodes` and `materials`, which `export` writes as glTF, for one.
+    """A scene of meshes: a `Mesh` with `parts`, `nodes` and `materials`, which `export` writes as glTF, for example.
 
-    The things are meshes, files, meshes of other libraries, lists of them, or a dictionary by their names; `Placed` says more of
-    one. A mesh that is in it several times is one part, which several nodes show. Meshes that are scenes keep their parts,
-    nodes and materials; what moves in them, cameras, lights and looks by variant stay behind, with a warning.
+    The things are meshes, files, meshes of other libraries, lists of them, or a dictionary by their names; `Placed` adds a
+    place, a name and a material. A mesh that occurs several times becomes one part with several nodes. Meshes that are scenes
+    keep their parts, nodes and materials; animations, cameras, lights and material variants are dropped with a warning.
 
-    `unit` and `up` are those of meshes that say none. The bound is the largest of all, stretched by the matrices over it, and
-    holds their rounding.
+    `unit` and `up` apply to meshes without their own. The bound is the largest of all meshes, scaled by the matrices of their
+    nodes, and includes the rounding of positions.
 
-    Raises `ValueError` where units or axes differ, a texture has no coordinates, or a matrix is not affine or flattens.
+    Raises `ValueError` if units or axes differ, a texture has no coordinates, or a matrix is not affine or is singular.
 
     >>> import chordal
     >>> from chordal.shapes import box, sphere
@@ -91,17 +91,17 @@ def scene(
         refuse_unknown(unit)
     if text("up", up) not in (None, "y", "z"):
         raise ValueError(f"up: y or z, not {up!r}")
-    made = _Assembly()
-    roots = made.nodes_of(things, "", None)
+    assembly = _Assembly()
+    roots = assembly.nodes_of(things, "", None)
     if not roots:
         raise ValueError("things: there is none")
-    if not made.has_parts:
+    if not assembly.has_parts:
         raise ValueError("things: there is no mesh in them")
-    return made.mesh(roots, None if unit is None else float(METRES[unit]), up)
+    return assembly.mesh(roots, None if unit is None else float(METRES[unit]), up)
 
 
 class _Assembly:
-    """A scene on its way, as a text and blocks of numbers."""
+    """A scene under construction: its JSON facts, and blocks of numbers."""
 
     def __init__(self) -> None:
         self.assets: Final = Assets()
@@ -109,45 +109,46 @@ class _Assembly:
         self._parts: list[dict[str, Any]] = []
         self._nodes: list[dict[str, Any]] = []
         self._groups: dict[str, list[str]] = {}
-        #: By things: the meshes that they are. By meshes and materials: their nodes, and the numbers that their parts have here.
+        #: The mesh of each thing, by identity. The thing is kept, so that its identity is not reused.
         self._meshes: dict[int, tuple[Any, Mesh]] = {}
-        self._taken: dict[tuple[int, int], _Taken] = {}
-        #: By nodes how far all below them is from the truth.
+        #: The parts and nodes of each pair of a mesh and a material, by their identities.
+        self._added: dict[tuple[int, int], _AddedMesh] = {}
+        #: For each node that shows a mesh, the bound of this mesh.
         self._bounds: dict[int, Bound] = {}
         self._sources: dict[int, _chordal.Source] = {}
         self._lost: set[str] = set()
 
     @property
     def has_parts(self) -> bool:
-        """Whether there is anything to show."""
-        return bool(self._taken)
+        """Whether the scene has a part."""
+        return bool(self._added)
 
     def nodes_of(self, thing: Any, name: str, material: Any) -> list[int]:
-        """The new nodes that show a thing, next to each other."""
+        """Adds the nodes of a thing, and returns their numbers."""
         if isinstance(thing, Placed):
             return self._placed(thing, thing.name or name, material if thing.material is None else thing.material)
         if isinstance(thing, Mapping):
-            return [node for title, one in thing.items() for node in self._titled(one, str(title), material)]
+            return [node for title, item in thing.items() for node in self._titled(item, str(title), material)]
         if isinstance(thing, (list, tuple)):
-            return [node for one in thing for node in self.nodes_of(one, name, material)]
+            return [node for item in thing for node in self.nodes_of(item, name, material)]
         return [self._shown(self._mesh_of(thing), name, material)]
 
     def _titled(self, thing: Any, name: str, material: Any) -> list[int]:
-        """What stands in a dictionary by a name: a node for each of its places, or one of all in it."""
+        """The nodes of a named entry of a dictionary: one for each place of a thing, or a single one for a group."""
         is_group = isinstance(thing, (Mapping, list, tuple))
         return [self._node(name, self.nodes_of(thing, "", material))] if is_group else self.nodes_of(thing, name, material)
 
     def _placed(self, placed: Placed, name: str, material: Any) -> list[int]:
         is_group = isinstance(placed.what, (Mapping, list, tuple, Placed))
-        found = []
+        nodes = []
         for matrix in _matrices(placed.at):
-            below = self.nodes_of(placed.what, "" if is_group else name, material)
-            # What has a matrix of its own stands below another node.
-            is_free = not is_group and self._nodes[below[0]]["matrix"] == _IDENTITY
-            node = below[0] if is_free else self._node(name, below)
+            children = self.nodes_of(placed.what, "" if is_group else name, material)
+            # A node that already has a matrix gets a parent with the new one.
+            is_free = not is_group and self._nodes[children[0]]["matrix"] == _IDENTITY
+            node = children[0] if is_free else self._node(name, children)
             self._nodes[node]["matrix"] = matrix
-            found.append(node)
-        return found
+            nodes.append(node)
+        return nodes
 
     def _node(self, name: str, children: list[int], part: int | None = None) -> int:
         self._nodes.append({"name": name, "matrix": _IDENTITY, "children": children, "part": part, "properties": {}})
@@ -158,90 +159,94 @@ class _Assembly:
         from chordal._verbs import shaped
 
         if id(thing) not in self._meshes:
-            found = shaped("things", thing)
-            if not isinstance(found, Mesh):
-                raise TypeError(f"things: triangles, not {found._source.kinds}: mesh them first")
-            self._meshes[id(thing)] = thing, found
+            shape = shaped("things", thing)
+            if not isinstance(shape, Mesh):
+                raise TypeError(f"things: triangles, not {shape._source.kinds}: mesh them first")
+            self._meshes[id(thing)] = thing, shape
         return self._meshes[id(thing)][1]
 
     def _shown(self, mesh: Mesh, name: str, material: Any) -> int:
-        """A new node with all that a mesh shows in it, or below it."""
+        """Adds a node that shows a mesh: itself if the mesh is a single plain node, else by the nodes of the mesh below it."""
         key = id(mesh), id(material)
-        if key not in self._taken:
-            self._taken[key] = self._take(mesh, name, material)
-        taken, own = self._taken[key], self._taken[key].nodes
-        if len(own) == 1 and own[0]["part"] is not None and own[0]["matrix"] == _IDENTITY and not own[0]["properties"]:
-            node = self._node(name or own[0]["name"], [], taken.parts[own[0]["part"]])
+        if key not in self._added:
+            self._added[key] = self._add(mesh, name, material)
+        added, own_nodes = self._added[key], self._added[key].nodes
+        only = own_nodes[0] if len(own_nodes) == 1 else None
+        if only is not None and only["part"] is not None and only["matrix"] == _IDENTITY and not only["properties"]:
+            node = self._node(name or only["name"], [], added.parts[only["part"]])
         else:
             first = len(self._nodes)
-            for one in own:
-                part = None if one["part"] is None else taken.parts[one["part"]]
-                self._nodes.append({**one, "children": [first + child for child in one["children"]], "part": part})
-            node = self._node(name, [first + root for root in taken.roots])
+            for own_node in own_nodes:
+                part = None if own_node["part"] is None else added.parts[own_node["part"]]
+                children = [first + child for child in own_node["children"]]
+                self._nodes.append({**own_node, "children": children, "part": part})
+            node = self._node(name, [first + root for root in added.roots])
         self._bounds[node] = mesh.bound
         self._sources[node] = mesh._source
         return node
 
-    def _take(self, mesh: Mesh, name: str, material: Any) -> _Taken:
-        """The parts of a mesh after those that are there, with their numbers, and its nodes with those of its own."""
+    def _add(self, mesh: Mesh, name: str, material: Any) -> _AddedMesh:
+        """Adds the parts of a mesh, and returns their numbers with the mesh's own nodes, which are not added yet."""
         state = _State(mesh)
         facts, blocks = state.facts, state.blocks
         names = facts["groups"].pop("material", [""])
         self._note_what_is_lost(facts)
-        given = None if material is None else self.assets.number_of(material)
-        # The first name of each kind is that of no group.
+        override = None if material is None else self.assets.number_of(material)
+        # Group 0 of each kind means "no group", and its name is empty.
         offsets = {kind: len(self._groups.get(kind, [""])) - 1 for kind in facts["groups"]}
-        offsets["material"] = self.assets.add(facts["assets"], blocks, names) if given is None else 0
-        for kind, own in facts["groups"].items():
-            self._groups.setdefault(kind, [""]).extend(own[1:])
+        offsets["material"] = self.assets.add(facts["assets"], blocks, names) if override is None else 0
+        for kind, own_names in facts["groups"].items():
+            self._groups.setdefault(kind, [""]).extend(own_names[1:])
         parts = []
         for part in facts["parts"]:
-            if given is not None:
-                self._paint(part, given, blocks)
-            for one in part["attributes"]:
-                if one["kind"] == "group" and offsets.get(one["of"]):
-                    _shift(one, offsets[one["of"]], blocks)
+            if override is not None:
+                self._paint(part, override, blocks)
+            for attribute in part["attributes"]:
+                if attribute["kind"] == "group" and offsets.get(attribute["of"]):
+                    _shift(attribute, offsets[attribute["of"]], blocks)
             for mark in part["marks"]:
                 if mark["material"] is not None:
-                    mark["material"] = mark["material"] + offsets["material"] if given is None else given
-            for holder, place in numbers_in(part):
-                self._blocks.append(blocks[holder[place]])
-                holder[place] = len(self._blocks) - 1
+                    mark["material"] = mark["material"] + offsets["material"] if override is None else override
+            for holder, key in numbers_in(part):
+                self._blocks.append(blocks[holder[key]])
+                holder[key] = len(self._blocks) - 1
             if name and len(facts["parts"]) == 1:
                 part["name"] = name
             parts.append(len(self._parts))
             self._parts.append({**part, "origin": facts["frame"]["texture_origin"]})
-        return _Taken(mesh, material, facts["frame"], facts["nodes"], facts["roots"], parts)
+        return _AddedMesh(mesh, material, facts["frame"], facts["nodes"], facts["roots"], parts)
 
     def _note_what_is_lost(self, facts: dict[str, Any]) -> None:
+        """Notes the data of a mesh that a scene does not keep, for the warning, and removes it from the nodes."""
         assets = facts["assets"]
         self._lost |= {title for title in ("cameras", "animations", "skins") if assets[title]}
         self._lost |= {"looks by variant" for kind in assets["face_kinds"] if kind[2]}
         self._lost |= {f"{name} of the file" for name in assets["extensions"]}
         for node in facts["nodes"]:
-            said = node["properties"]
-            self._lost |= {f"{name} of nodes" for name in said.get("extensions", {})}
-            node["properties"] = {key: value for key, value in said.items() if key not in ("camera", "skin", "extensions")}
+            properties = node["properties"]
+            self._lost |= {f"{name} of nodes" for name in properties.get("extensions", {})}
+            node["properties"] = {key: value for key, value in properties.items() if key not in ("camera", "skin", "extensions")}
 
     def _paint(self, part: dict[str, Any], material: int, blocks: list[bytes]) -> None:
         """Gives all faces of a part one material."""
         import numpy as np
 
-        if self.assets.has_textures(material) and all(one["kind"] != "uv" for one in part["attributes"]):
+        if self.assets.has_textures(material) and all(row["kind"] != "uv" for row in part["attributes"]):
             raise ValueError(
                 "material: it has a texture, and the mesh no texture coordinates to put it on, as Mesh(…, uv=) takes"
             )
         # Three indices of four bytes.
         n_faces = len(blocks[part["faces"]]) // 12
-        own = {"kind": "group", "of": "material", "domain": "face", "width": 1, "block": len(blocks)}
+        painted = {"kind": "group", "of": "material", "domain": "face", "width": 1, "block": len(blocks)}
         blocks.append(np.full(n_faces, material + 1.0).tobytes())
-        part["attributes"] = [one for one in part["attributes"] if (one["kind"], one["of"]) != ("group", "material")] + [own]
+        kept = [row for row in part["attributes"] if (row["kind"], row["of"]) != ("group", "material")]
+        part["attributes"] = [*kept, painted]
 
     def mesh(self, roots: list[int], metres: float | None, up: str | None) -> Mesh:
-        """The scene, as it is now."""
+        """The scene as a mesh."""
         from chordal._mesh import Mesh
 
-        frames = [taken.frame for taken in self._taken.values()]
+        frames = [added.frame for added in self._added.values()]
         origin = self._one_origin()
         frame = {"texture_origin": origin, "metres_per_unit": _one_unit(frames, metres), "up": _one_up(frames, up)}
         names = ["", *(str(material.get("name", "")) for material in self.assets.materials)]
@@ -252,36 +257,40 @@ class _Assembly:
         if self._lost:
             warn(f"{', '.join(sorted(self._lost))}: these stay behind, for a scene is of what stands still")
         bound = _largest(list(self._bounds.values()))
-        known = [(node, one.at_most) for node, one in self._bounds.items() if one.at_most is not None]
-        most = _chordal.composed_bound(source, known)
+        upper_ends = [(node, own.at_most) for node, own in self._bounds.items() if own.at_most is not None]
+        at_most = _chordal.composed_bound(source, upper_ends)
         if bound is not None:
-            bound = replace(bound, at_most=None if bound.at_most is None else most)
-        elif most:
-            # Triangles that were given are the truth, but where they stand is rounded.
-            bound = Bound(0.0, most, "proved", "hausdorff", "input triangles")
-        made = Mesh._of_source(_chordal.scene_of_parts(source, list(self._sources.values()), list(self._sources)), bound)
-        made._is_given = bound is None
-        return made
+            bound = replace(bound, at_most=None if bound.at_most is None else at_most)
+        elif at_most:
+            # Given triangles count as the true shape, but the transforms of their nodes are rounded.
+            bound = Bound(0.0, at_most, "proved", "hausdorff", "input triangles")
+        mesh = Mesh._of_source(_chordal.scene_of_parts(source, list(self._sources.values()), list(self._sources)), bound)
+        mesh._is_given = bound is None
+        return mesh
 
     def _one_origin(self) -> str | None:
-        """Where files count v from different ends, from below, as `concatenate`."""
+        """The texture origin of all parts. If the files have different ones, v is flipped to count from below, as in
+        `concatenate`.
+        """
         import numpy as np
 
         origins = [part.pop("origin") for part in self._parts]
-        textured = [any(one["kind"] == "uv" for one in part["attributes"]) for part in self._parts]
-        said = {origin for origin, has_uv in zip(origins, textured, strict=True) if has_uv}
-        if len(said) < 2:
-            return next(iter(said), None)
+        textured = [any(row["kind"] == "uv" for row in part["attributes"]) for part in self._parts]
+        distinct = {origin for origin, has_uv in zip(origins, textured, strict=True) if has_uv}
+        if len(distinct) < 2:
+            return next(iter(distinct), None)
         for part, origin in zip(self._parts, origins, strict=True):
-            for one in part["attributes"] if origin == "upper-left" else ():
-                if one["kind"] == "uv":
-                    rows = np.frombuffer(self._blocks[one["block"]]).reshape(-1, 2)
-                    self._blocks[one["block"]] = (np.array([0.0, 1.0]) + rows * np.array([1.0, -1.0])).tobytes()
+            for attribute in part["attributes"] if origin == "upper-left" else ():
+                if attribute["kind"] == "uv":
+                    rows = np.frombuffer(self._blocks[attribute["block"]]).reshape(-1, 2)
+                    self._blocks[attribute["block"]] = (np.array([0.0, 1.0]) + rows * np.array([1.0, -1.0])).tobytes()
         return "lower-left"
 
 
-class _Taken(NamedTuple):
-    """What is taken of a mesh: with the mesh and the material, so that no others get their identities."""
+class _AddedMesh(NamedTuple):
+    """A mesh that was added: its nodes, and the numbers of its parts. It keeps the mesh and the material alive, so that no
+    other object gets their identities.
+    """
 
     mesh: Mesh
     material: Any
@@ -292,7 +301,7 @@ class _Taken(NamedTuple):
 
 
 def _shift(attribute: dict[str, Any], by: int, blocks: list[bytes]) -> None:
-    """Numbers of groups after those that are there. 0 stays: it is no group."""
+    """Shifts the group numbers of an attribute past those of earlier meshes. 0 stays, since it means no group."""
     import numpy as np
 
     values = np.frombuffer(blocks[attribute["block"]])
@@ -303,41 +312,41 @@ def _shift(attribute: dict[str, Any], by: int, blocks: list[bytes]) -> None:
 def _one_unit(frames: list[dict[str, Any]], metres: float | None) -> float | None:
     units = {frame["metres_per_unit"] if frame["metres_per_unit"] is not None else metres for frame in frames}
     if len(units) > 1:
-        said = ", ".join(sorted("none" if one is None else unit_of(one) or f"{one:g} m" for one in units))
+        names = ", ".join(sorted("none" if length is None else unit_of(length) or f"{length:g} m" for length in units))
         raise ValueError(
-            f"things: they are in different units ({said}); to_unit makes them one, and unit= says that of those with none"
+            f"things: they are in different units ({names}); to_unit makes them one, and unit= says that of those with none"
         )
     return units.pop()
 
 
 def _one_up(frames: list[dict[str, Any]], up: str | None) -> str | None:
-    said = {frame["up"] for frame in frames if frame["up"] is not None} | ({up} - {None})
-    if len(said) > 1:
+    axes = {frame["up"] for frame in frames if frame["up"] is not None} | ({up} - {None})
+    if len(axes) > 1:
         raise ValueError('things: y is up in some and z in others; rotate("x", 90) brings y to z')
-    return next(iter(said), None)
+    return next(iter(axes), None)
 
 
 def _matrices(at: Any) -> list[list[float]]:
-    """The matrices of places, column by column."""
+    """The matrices of places, in column-major order."""
     import numpy as np
 
     if at is None:
         return [_IDENTITY]
-    found = coordinates("at", at)
-    if found.shape[-1:] == (3,) and found.ndim in (1, 2):
-        moved = np.tile(np.eye(4), (found.size // 3, 1, 1))
-        moved[:, :3, 3] = found.reshape(-1, 3)
-        found = moved
-    elif found.ndim == 2:
-        found = found[None]
-    if found.ndim != 3 or found.shape[1:] not in ((3, 4), (4, 4)):
-        raise ValueError(f"at: a vector, a matrix, or several of them: (3,), (4, 4), (n, 3) or (n, 4, 4), not {found.shape}")
-    if found.shape[1] == 4 and not np.array_equal(found[:, 3], np.tile([0.0, 0.0, 0.0, 1.0], (len(found), 1))):
+    places = coordinates("at", at)
+    if places.shape[-1:] == (3,) and places.ndim in (1, 2):
+        translations = np.tile(np.eye(4), (places.size // 3, 1, 1))
+        translations[:, :3, 3] = places.reshape(-1, 3)
+        places = translations
+    elif places.ndim == 2:
+        places = places[None]
+    if places.ndim != 3 or places.shape[1:] not in ((3, 4), (4, 4)):
+        raise ValueError(f"at: a vector, a matrix, or several of them: (3,), (4, 4), (n, 3) or (n, 4, 4), not {places.shape}")
+    if places.shape[1] == 4 and not np.array_equal(places[:, 3], np.tile([0.0, 0.0, 0.0, 1.0], (len(places), 1))):
         raise ValueError("at: the last row of a matrix is 0, 0, 0, 1")
-    for rows in found.tolist():
+    for rows in places.tolist():
         if _volume_of(rows[:3]) == 0:
             raise ValueError("at: a matrix flattens; of a mesh without thickness nothing is the front")
-    whole = np.tile(np.eye(4), (len(found), 1, 1))
-    whole[:, :3] = found[:, :3]
-    matrices: list[list[float]] = whole.transpose(0, 2, 1).reshape(-1, 16).tolist()
+    square = np.tile(np.eye(4), (len(places), 1, 1))
+    square[:, :3] = places[:, :3]
+    matrices: list[list[float]] = square.transpose(0, 2, 1).reshape(-1, 16).tolist()
     return matrices

@@ -1,4 +1,4 @@
-"""`Assets`: the materials of a scene that is made, with what they need."""
+"""`Assets`: the materials of a scene, with their textures, samplers and images."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 from chordal._material import Material, gltf_of, image_of
 
-#: The extension of glTF by which materials name others that stand for them far away.
+#: The extension of glTF by which a material refers to its coarser levels of detail.
 _LEVELS = "MSFT_lod"
 
 
 class Assets:
-    """Materials, textures, samplers and images, as glTF has them: each list names others by their numbers."""
+    """Materials, textures, samplers and images, as in glTF: the entries of a list refer to those of others by their numbers."""
 
     def __init__(self) -> None:
         self.materials: list[dict[str, Any]] = []
@@ -22,13 +22,14 @@ class Assets:
         self._images: list[tuple[dict[str, Any], bytes | None]] = []
         self._required: list[str] = []
         self._keeps_bare_faces = False
-        #: The numbers of materials and pictures that were given; what has a number is kept, so that no other is taken for it.
+        #: The numbers of given materials, by identity. The materials are kept, so that their identities are not reused.
         self._given: dict[int, tuple[object, int]] = {}
+        #: The numbers of textures, by the contents of their images.
         self._pictures: dict[bytes, int] = {}
 
     def add(self, facts: dict[str, Any], blocks: list[bytes], names: list[str]) -> int:
-        """Adds those of a file after those that are there, and says how many materials these were. `names` are those of the
-        groups of its faces: of an OBJ without its library there is nothing else.
+        """Appends the assets of a file, and returns the number of materials before it. `names` are the names of its face groups,
+        the only ones that an OBJ without its material library has.
         """
         n_materials, n_textures = len(self.materials), len(self._textures)
         n_samplers, n_images = len(self._samplers), len(self._images)
@@ -56,28 +57,28 @@ class Assets:
         return n_materials
 
     def number_of(self, material: object) -> int:
-        """The number of a material that was given; a new one is added."""
+        """The number of a given material, which is added if it is new."""
         if id(material) not in self._given:
             if isinstance(material, Material):
-                found = gltf_of(material, self._picture)
+                gltf = gltf_of(material, self._picture)
             elif isinstance(material, Mapping):
-                found = json.loads(json.dumps(dict(material)))
-                if any(_textures_in(found)):
+                gltf = json.loads(json.dumps(dict(material)))
+                if any(_textures_in(gltf)):
                     raise ValueError(
                         "material: textures of a dictionary are those of another file; a Material takes pictures"
                     )
             else:
                 raise TypeError(f"material: a Material, or a dictionary as of glTF, not {type(material).__name__}")
             self._given[id(material)] = material, len(self.materials)
-            self.materials.append(found)
+            self.materials.append(gltf)
         return self._given[id(material)][1]
 
     def has_textures(self, number: int) -> bool:
-        """Whether a material has pictures."""
+        """Whether a material has textures."""
         return any(_textures_in(self.materials[number]))
 
     def facts(self, blocks: list[bytes]) -> dict[str, Any]:
-        """All of it as the state of a scene has it; the images are put behind the blocks."""
+        """All assets in the form of a scene's state; the contents of images are appended to the blocks."""
         images = []
         for image, content in self._images:
             images.append(image if content is None else {**image, "block": len(blocks)})
@@ -92,7 +93,7 @@ class Assets:
         }
 
     def _picture(self, name: str, image: object) -> int:
-        """The texture of a picture."""
+        """The number of the texture of an image, which is added if it is new."""
         content, kind = image_of(name, image)
         if content not in self._pictures:
             self._pictures[content] = len(self._textures)
@@ -102,7 +103,7 @@ class Assets:
 
 
 def _textures_in(facts: Any) -> Iterator[dict[str, Any]]:
-    """Where a material names textures: below keys as "normalTexture", also those of extensions."""
+    """The texture references of a material: the values of keys as "normalTexture", also within extensions."""
     for name, value in facts.items() if isinstance(facts, dict) else ():
         if name.endswith("Texture") and isinstance(value, dict) and "index" in value:
             yield value

@@ -1,4 +1,4 @@
-"""Distances on a lattice."""
+"""Sampling signed distances on a lattice."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Bakeable(Sourced):
-    """What distances can be sampled to."""
+    """Shapes whose distance can be sampled."""
 
     __slots__ = ()
 
@@ -32,13 +32,13 @@ class Bakeable(Sourced):
         bound: bool = False,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Volume:
-        """The distance to the shape on a lattice of cubes, negative inside: `cells` along the longest side.
+        """The signed distance to the shape, negative inside, on a lattice of cubes with `cells` along the longest side.
 
-        With `tol` or `rel` instead there are as many cells as it takes for the surface where the interpolant of the
-        samples vanishes to be proved within that length of the shape; `BudgetUnmet` has the best that was reached. With
-        `band` samples are distances only within so many cells of the surface. `bound` proves that surface for `cells`,
-        too. `report` of what comes back says by how much distances are off at most, at samples and between them, and
-        what the sides rest on. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` for curves.
+        With `tol` or `rel` instead, the number of cells is chosen so that the zero surface of the interpolant is proved to be
+        within that length of the shape; `BudgetUnmet` has the best result. With `band`, samples are distances only within so
+        many cells of the surface. `bound` proves the zero surface for `cells`, too. The `report` of the result has the
+        largest error of distances, at samples and between them, and how inside was decided. Other threads, Ctrl-C and
+        `progress` are as for `Shape.mesh`. Raises `Refused` for curves.
 
         >>> import chordal
         >>> corner = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -61,7 +61,7 @@ def _baked(
     bound: bool,
     progress: Callable[[str, int, int], object] | None,
 ) -> Volume:
-    """The distances; raises `BudgetUnmet` with the best where a length was not reached."""
+    """The sampled distances; raises `BudgetUnmet` with the best result if the budget was not met."""
     from chordal._volume import Volume
 
     length = length_argument(tol, rel)
@@ -73,8 +73,8 @@ def _baked(
         "band": None if band is None else number("band", band),
         "bound": bound,
     }
-    made, report, unmet = source.bake(arguments, function("progress", progress))
-    volume = Volume(made, report)
+    samples, report, unmet = source.bake(arguments, function("progress", progress))
+    volume = Volume(samples, report)
     if unmet is not None:
         raise BudgetUnmet(unmet, volume)
     return volume

@@ -16,10 +16,10 @@ from chordal._errors import Error
 from chordal._hints import keywords_hinted, meant_keyword
 
 _VERBS = ("mesh", "lod", "mend", "bake", "render", "convert", "inspect")
-# The exit codes of the command after which the manifest says how each file went: all well, or some not. With others the
-# batch could not be done, whatever an earlier one has left.
+# The exit codes after which the manifest has the result of each file: all succeeded, or some failed. With other codes the batch
+# itself failed, and a manifest is that of an earlier one.
 _DONE = (0, 1)
-# What the command says of an option that it does not have.
+# The command's message for an unknown option.
 _UNKNOWN_OPTION = re.compile(r"unexpected argument '--([\w-]+)")
 
 
@@ -39,18 +39,18 @@ def batch(
     executor: Any | None = None,
     cluster: str | None = None,
 ) -> list[dict[str, Any]]:
-    """One verb for many files: what `chordal batch` does, which goes on where it was interrupted.
+    """Runs one verb on many files, as `chordal batch` does. An interrupted batch is resumed.
 
     `files` are files, folders or patterns, as in "assets/**/*.glb"; `output` is the folder of the results. `options` are
-    those of the verb, in the command's words, as in `["--px", "1"]` or `{"px": 1}`. `to` is the extension of the
-    results, `base` the folder that the places of inputs are counted from, `jobs` how many files are done at once, and
-    `timeout` the most seconds for one. `redo` does again what was done, and `force` replaces files that no batch wrote.
+    those of the verb, as for the command: `["--px", "1"]` or `{"px": 1}`. `to` is the extension of the results, `base` the
+    folder to which the paths of inputs are relative, `jobs` the number of files that are processed at once, and `timeout`
+    the most seconds for one file. `redo` processes finished files again, and `force` replaces files that no batch wrote.
 
-    `cluster` is the address of a Dask scheduler, as in "tcp://10.0.0.1:8786", or `executor` a `dask.distributed.Client` of it:
-    then its workers do the files. They see the same files under the same names and have the same version of Chordal.
+    With `cluster`, the address of a Dask scheduler as in "tcp://10.0.0.1:8786", or with `executor`, a `dask.distributed.Client`
+    of it, the workers process the files. They need the same files under the same names, and the same version of Chordal.
 
-    Gives back the last line of the manifest for each file: "input", "output", "exit" (0 where it went well), "error",
-    "triangles_out", "bound" and more. Raises `Error` where nothing was begun. It costs a process for each file.
+    Returns the last line of the manifest for each file: "input", "output", "exit" (0 for success), "error",
+    "triangles_out", "bound" and more. Raises `Error` if the batch could not start. The cost is a process for each file.
     """
     if verb not in _VERBS:
         raise ValueError(f"verb: one of {', '.join(_VERBS)}, not {verb!r}")
@@ -66,11 +66,11 @@ def batch(
     done = subprocess.run([*words, "--", *_words(options)], capture_output=True, text=True, check=False)
     manifest = os.path.join(os.fspath(output), "manifest.jsonl")
     if done.returncode not in _DONE or not os.path.exists(manifest):
-        said = done.stderr.strip().removeprefix("chordal: ")
-        unknown = _UNKNOWN_OPTION.search(said)
+        message = done.stderr.strip().removeprefix("chordal: ")
+        unknown = _UNKNOWN_OPTION.search(message)
         if unknown is not None:
             raise ValueError(f"options: {verb} has no {unknown[1]!r}: {_meant_option(verb, unknown[1])}")
-        raise Error(said)
+        raise Error(message)
     last: dict[str, dict[str, Any]] = {}
     with open(manifest, encoding="utf-8") as lines:
         for line in lines:
@@ -81,20 +81,20 @@ def batch(
 
 
 def _meant_option(verb: str, name: str) -> str:
-    """What stands for an option that the command does not know."""
+    """A hint at the option that is meant by an unknown one."""
     import chordal
 
-    known = inspect.signature(getattr(chordal, verb)).parameters
-    return meant_keyword(name.replace("-", "_"), [one.name for one in known.values() if one.kind is one.KEYWORD_ONLY])
+    parameters = inspect.signature(getattr(chordal, verb)).parameters.values()
+    return meant_keyword(name.replace("-", "_"), [p.name for p in parameters if p.kind is p.KEYWORD_ONLY])
 
 
 def _scheduler(executor: Any | None, cluster: str | None) -> str | None:
-    """The address of the scheduler, where there is one."""
+    """The address of the scheduler, if there is one."""
     if executor is None:
         return cluster
     if cluster is not None:
         raise TypeError("executor, cluster: give one of them")
-    # A client and nothing else: each file has a process of its own here, too.
+    # Only a client of Dask: other executors are of no use, since each file gets a process of its own here anyway.
     scheduler = getattr(executor, "scheduler", None)
     if not isinstance(getattr(scheduler, "address", None), str):
         raise TypeError(f"executor: {type(executor).__name__} is no dask.distributed.Client")
@@ -102,7 +102,7 @@ def _scheduler(executor: Any | None, cluster: str | None) -> str | None:
 
 
 def _words(options: Sequence[str] | Mapping[str, Any]) -> list[str]:
-    """Options as the command's words: of `{"tol": 0.1, "normals": True}` they are --tol 0.1 --normals."""
+    """Options as arguments of the command: `{"tol": 0.1, "normals": True}` becomes --tol 0.1 --normals."""
     if isinstance(options, str):
         raise TypeError(f'options: words, as in ["--tol", "0.1"], or {{"tol": 0.1}}, not {options!r}')
     if not isinstance(options, Mapping):

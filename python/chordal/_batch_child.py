@@ -1,5 +1,5 @@
-"""The process of one file of a batch: the command, from its library alone, which takes a tenth of the time that the package
-and numpy take to be imported. It is run as a file: `python -I -S _batch_child.py LIBRARY WORD…`."""
+"""The process for one file of a batch. It runs the command from its library alone, which takes a tenth of the time of importing
+the package and numpy. It is run as a file: `python -I -S _batch_child.py LIBRARY WORD…`."""
 
 import importlib.util
 import os
@@ -9,18 +9,18 @@ import sys
 import threading
 from typing import Final, NoReturn
 
-#: The exit code of a command that somebody asked to stop, by `fault.rs`.
+#: The exit code of an interrupted command, as in `fault.rs`.
 INTERRUPTED: Final = 130
 
 
 def start(library: str) -> list[str]:
-    """The words before those of the command that start such a process."""
+    """The arguments that start such a process; those of the command follow."""
     return [sys.executable, "-I", "-S", os.path.abspath(__file__), library]
 
 
 def main() -> NoReturn:
-    """Runs the command until its end. Where stdin is a pipe, it ends with whoever holds the other end, however that ends; the
-    command itself has an empty one."""
+    """Runs the command until its end. If stdin is a pipe, the process also ends when its other end is closed, and thus with the
+    process that started it; the command itself has an empty stdin."""
     library, *words = sys.argv[1:]
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     if stat.S_ISFIFO(os.fstat(0).st_mode):

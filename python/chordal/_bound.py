@@ -1,4 +1,4 @@
-"""`Bound`: what was lost."""
+"""`Bound`: the distance between a result and the true shape."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from chordal._table import table
 
 @dataclass(frozen=True)
 class Bound(Guessed):
-    """What was lost: an interval that holds the distance between the true shape and the one that was made.
+    """An interval that contains the distance between the true shape and the result.
 
     >>> import chordal
     >>> mesh = chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj").mesh(tol="1%")
@@ -23,23 +23,23 @@ class Bound(Guessed):
 
     #: The distance is at least this.
     at_least: float
-    #: The distance is at most this; None where nothing bounds it from above.
+    #: The distance is at most this; None if there is no upper bound.
     at_most: float | None
-    #: How that is known: "proved", "proved-if", "measured" or "estimated".
+    #: How the interval is known: "proved", "proved-if", "measured" or "estimated".
     evidence: str
-    #: What the distance measures: "hausdorff" looks both ways.
+    #: The kind of distance: "hausdorff" is measured in both directions.
     metric: str
     #: The true shape, as in "bezier patches".
     reference: str
     #: The distance on the screen is at most this many device pixels; None without a view.
     pixels: float | None = None
-    #: The largest angle that was found between a triangle's normal and the shape's, in degrees, where one was asked for.
+    #: The largest measured angle between normals of triangles and of the shape, in degrees, if the budget has an angle.
     angle_deg: float | None = None
-    #: Where the loss is worst, as far as is known.
+    #: The place of the largest distance, as far as it is known.
     at: tuple[float, ...] | None = None
-    #: What a proof rests on, for "proved-if".
+    #: The assumptions of the proof, for "proved-if".
     assumptions: tuple[str, ...] = ()
-    #: How many samples were taken, for "measured".
+    #: The number of samples, for "measured".
     samples: int | None = None
 
     def _length(self) -> str:
@@ -47,7 +47,7 @@ class Bound(Guessed):
         return f"at least {least}" if self.at_most is None else f"between {least} and {_short(self.at_most, ROUND_CEILING)}"
 
     def is_within(self, length: SupportsFloat) -> bool:
-        """Whether the distance is known to be no more than a length, by its evidence; never where nothing bounds it from above.
+        """Whether the distance is known, by its evidence, to be at most a length; False if there is no upper bound.
 
         >>> import chordal
         >>> mesh = chordal.shapes.sphere(1).mesh(tol=0.01)
@@ -70,18 +70,18 @@ class Bound(Guessed):
         return f"<Bound: {self.sentence()}>"
 
     def sentence(self) -> str:
-        """All of it in one line. Digits are left out such that the interval only grows."""
-        known = self.evidence
+        """The bound in one line. Numbers are rounded outwards, so that the interval only grows."""
+        evidence = self.evidence
         if self.assumptions:
-            known += f" ({'; '.join(self.assumptions)})"
+            evidence += f" ({'; '.join(self.assumptions)})"
         if self.samples is not None:
-            known += f" ({self.samples} samples)"
+            evidence += f" ({self.samples} samples)"
         pixels = "" if self.pixels is None else f"; at most {_short(self.pixels, ROUND_CEILING)} px"
-        return f"{self._length()}, {known}; {self.metric} distance to the {self.reference}{pixels}"
+        return f"{self._length()}, {evidence}; {self.metric} distance to the {self.reference}{pixels}"
 
 
 def bound_of(facts: Mapping[str, Any]) -> Bound:
-    """The bound that a report speaks of."""
+    """The bound in a report."""
     return Bound(
         at_least=float(facts["at_least"]),
         at_most=None if facts["at_most"] is None else float(facts["at_most"]),
@@ -97,7 +97,7 @@ def bound_of(facts: Mapping[str, Any]) -> Bound:
 
 
 def _short(number: float, rounding: str) -> str:
-    """Three significant digits, rounded to the side that is asked for and not to the nearest."""
+    """Three significant digits, rounded in the given direction instead of to nearest."""
     exact = Decimal(number)
     if exact == 0:
         return "0"

@@ -54,26 +54,26 @@ def length_argument(tol: Length | None, rel: Share | None) -> tuple[str, str] | 
 
 
 def length(name: str, value: Length) -> str:
-    """A length as the command reads it."""
+    """A length as text, in the syntax of the command."""
     return value if isinstance(value, str) else repr(number(name, value))
 
 
 def length_in(name: str, value: Length, unit: str | None) -> float:
-    """A length as a number in that unit, for what is not read as a whole: of its diagonal nothing is known."""
+    """A length as a number in a unit. Percentages are refused: the diagonal of a volume that is read block by block is unknown."""
     if not isinstance(value, str):
         return number(name, value)
-    said = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-z]*)\s*", value)
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-z]*)\s*", value)
     try:
-        count = Decimal(said[1]) if said else None
+        count = Decimal(match[1]) if match else None
     except ArithmeticError:
         count = None
-    if said is None or count is None or said[2] not in ("", *VOLUME_METRES):
+    if match is None or count is None or match[2] not in ("", *VOLUME_METRES):
         raise BudgetError(f"{name}: a length in units, or a text as in '0.1mm', not {value!r}")
-    if not said[2]:
+    if not match[2]:
         return float(count)
     if unit is None:
         raise BudgetError(f"{name}: nothing says the unit of the volume, which {value!r} needs: unit=\"mm\" does")
-    return float(Fraction(count) * VOLUME_METRES[said[2]] / VOLUME_METRES[unit])
+    return float(Fraction(count) * VOLUME_METRES[match[2]] / VOLUME_METRES[unit])
 
 
 def _tol(tol: Length | None) -> tuple[str, str] | None:
@@ -86,7 +86,7 @@ def _rel(rel: Share | None) -> tuple[str, str] | None:
     if rel is None:
         return None
     if not isinstance(rel, str):
-        # In decimals, so that 0.001 is the same as "0.1%" to the last bit.
+        # In decimal arithmetic, so that 0.001 equals "0.1%" to the last bit.
         return "rel", f"{Decimal(repr(number('rel', rel))) * 100}%"
     if not rel.strip().endswith("%"):
         raise BudgetError(f"rel: a share of the diagonal, as in 0.001 or '0.1%', not '{rel}'")

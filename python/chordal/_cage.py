@@ -1,4 +1,4 @@
-"""`Cage`: polygons that stand for the smooth surface to which refining them tends."""
+"""`Cage`: control polygons of a subdivision surface."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 
 
 class Cage(Guessed):
-    """A polygon cage: a mesh that refining makes smooth. It does not change.
+    """A control cage: a polygon mesh whose refinement converges to a smooth surface. It is immutable.
 
-    `positions` is n × 3; `faces` are lists of three vertices or more, counter-clockwise from their front, or m × k indices.
-    `creases` are edges (a, b, sharpness) and `corners` vertices (v, sharpness): sharp for so many rounds, for ever from 10 on.
-    `holes` are faces without surface. `boundary` says what becomes of the border, `creasing` how sharpness falls.
+    `positions` is n × 3; `faces` are lists of three or more vertices, counter-clockwise from their front, or m × k indices.
+    `creases` are edges (a, b, sharpness) and `corners` vertices (v, sharpness), sharp for so many rounds of refinement, and
+    forever from 10 on. `holes` are faces without surface. `boundary` is the rule for borders, and `creasing` the rule by
+    which sharpness decreases.
 
-    Raises `ValueError` where that is no cage, and says why.
+    Raises `ValueError` with the reason if they do not form a cage.
 
     >>> import chordal
     >>> points = [(0, 0, 0), (1, 0, 0), (2, 0, 1), (0, 1, 0), (1, 1, 0), (2, 1, 1)]
@@ -66,15 +67,15 @@ class Cage(Guessed):
 
     @classmethod
     def _of(cls, cage: _chordal.Cage) -> Cage:
-        made = cls.__new__(cls)
-        object.__setattr__(made, "_cage", cage)
-        return made
+        wrapped = cls.__new__(cls)
+        object.__setattr__(wrapped, "_cage", cage)
+        return wrapped
 
     def refined(self, levels: SupportsIndex = 1) -> Cage:
-        """The cage after so many rounds: the same smooth surface, four times as many faces a round.
+        """The cage after some rounds of refinement: the same smooth surface, with four times as many faces in each round.
 
-        The vertices of the cage come first, under their numbers; the parts of a face follow those of the face before it.
-        What is left of creases and corners is kept. Raises `Refused` where that would be too much.
+        The vertices of the cage come first, with the same indices; the children of faces are in the order of the faces.
+        Creases and corners keep their remaining sharpness. Raises `Refused` if the result would be too large.
         """
         rounds = index(levels)
         if not 0 <= rounds < 2**32:
@@ -82,7 +83,7 @@ class Cage(Guessed):
         return Cage._of(self._cage.refined(rounds))
 
     def shape(self, *, unit: str | None = None) -> Shape:
-        """The cage as a `Shape`, to be inspected or meshed within a budget. `unit` is the unit of its coordinates."""
+        """The cage as a `Shape`, to inspect it or to mesh it within a budget. `unit` is the unit of its coordinates."""
         from chordal._shape import Shape
 
         return Shape(self._cage.source(text("unit", unit)), (Cage.shape, (self,), {"unit": unit}))
@@ -101,14 +102,14 @@ class Cage(Guessed):
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """n × 3, not copied and not to be written to."""
+        """The positions of the vertices, n × 3. Not copied, read-only."""
         import numpy as np
 
         return np.asarray(self._cage.array("positions"))
 
     @property
     def faces(self) -> NDArray[np.int32] | list[NDArray[np.int32]]:
-        """m × k indices where all faces have k corners, as after a round; else a list of one array a face."""
+        """m × k indices if all faces have k corners, as after a round of refinement; else a list with an array for each face."""
         import numpy as np
 
         flat, offsets = self.indices, self.offsets
@@ -127,7 +128,7 @@ class Cage(Guessed):
 
     @property
     def offsets(self) -> NDArray[np.int64]:
-        """Where each face begins in `indices`, and at the end the number of all of them."""
+        """The index into `indices` at which each face begins, and finally their number."""
         import numpy as np
 
         return np.asarray(self._cage.array("offsets"))
@@ -149,17 +150,17 @@ class Cage(Guessed):
 
     @property
     def scheme(self) -> str:
-        """By which rules it is refined."""
+        """The subdivision scheme."""
         return self._cage.rules[0]
 
     @property
     def boundary(self) -> str:
-        """What becomes of its border."""
+        """The rule for borders."""
         return self._cage.rules[1]
 
     @property
     def creasing(self) -> str:
-        """How sharpness falls."""
+        """The rule by which sharpness decreases."""
         return self._cage.rules[2]
 
     def __repr__(self) -> str:
@@ -169,14 +170,14 @@ class Cage(Guessed):
 
 
 def _row(name: str, value: SupportsIndex) -> int:
-    found = index(value)
-    if not 0 <= found < 2**32:
-        raise ValueError(f"{name}: {found} is no index")
-    return found
+    row = index(value)
+    if not 0 <= row < 2**32:
+        raise ValueError(f"{name}: {row} is no index")
+    return row
 
 
 def _flattened(faces: ArrayLike | Iterable[Sequence[int]]) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
-    """The corners of all faces, and where those of each end."""
+    """The corners of all faces, and the end of each face in that list."""
     import numpy as np
 
     if isinstance(faces, np.ndarray):
@@ -193,7 +194,7 @@ def _flattened(faces: ArrayLike | Iterable[Sequence[int]]) -> tuple[NDArray[np.u
 
 
 def _again(positions: Any, flat: Any, offsets: Any, tags: Any) -> Cage:
-    """A cage that was pickled."""
+    """Restores a pickled cage."""
     rows = flat.tolist()
     faces = [rows[start:end] for start, end in zip(offsets[:-1], offsets[1:], strict=True)]
     return Cage(positions, faces, **tags)

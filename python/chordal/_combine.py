@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 OPERATIONS: tuple[str, ...] = ("union", "difference", "intersection")
 
 
-#: How the sentence begins where no point is inside of what was asked for: the code "empty" is that of empty shapes, too.
+#: The beginning of the message for an empty result: its code "empty" is also that of empty inputs.
 _NOTHING = "nothing would be left"
 
 
 class Combinable(Sourced):
-    """What can be combined as a solid."""
+    """Shapes that can be combined as solids."""
 
     __slots__ = ()
 
@@ -43,13 +43,13 @@ class Combinable(Sourced):
         """The solid combined with others from left to right, as triangles: each step is "union", "difference" or
         "intersection", and the other solid, which may be a file or a mesh of another library.
 
-        Closed triangles are cut as they are. Open ones and other shapes become closed triangles first, within `tol` or
-        `rel`, which are needed for them. The bound says how far from the surfaces points may be on the wrong side. `within` is
-        for a field that others are combined with, as for `Shape.mesh`.
+        Closed triangles are cut as they are. Open ones and other shapes are first converted to closed triangles, within `tol`
+        or `rel`, which they require. The bound is the largest distance from the surfaces at which a point may be on the wrong
+        side. `within` is for a field that others are combined with, as for `Shape.mesh`.
 
-        Where nothing is left, as of a solid without itself, the mesh has no triangles, and nothing bounds its distance. Raises
-        `Refused` where a shape bounds no solid, and `BudgetUnmet` with the best result where
-        the check of the result or the budget fails. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`.
+        If the result is empty, as the difference of a solid and itself, the mesh has no triangles and no upper bound. Raises
+        `Refused` if a shape bounds no solid, and `BudgetUnmet` with the best result if the check of the result or the budget
+        fails. Other threads, Ctrl-C and `progress` are as for `Shape.mesh`.
 
         >>> import chordal
         >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -69,7 +69,7 @@ class Combinable(Sourced):
         within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
-        """What is in this solid or in any of the others, which may be a list: `combine`."""
+        """The union of this solid and others, given one by one or as a list: `combine`."""
         return self.combine(
             *(("union", other) for other in one_by_one(others)), tol=tol, rel=rel, within=within, progress=progress
         )
@@ -82,7 +82,7 @@ class Combinable(Sourced):
         within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
-        """This solid without the others: `combine`."""
+        """The difference of this solid and others: `combine`."""
         return self.combine(
             *(("difference", other) for other in one_by_one(others)), tol=tol, rel=rel, within=within, progress=progress
         )
@@ -95,7 +95,7 @@ class Combinable(Sourced):
         within: Time | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
-        """What is in this solid and in all of the others: `combine`."""
+        """The intersection of this solid and others: `combine`."""
         return self.combine(
             *(("intersection", other) for other in one_by_one(others)), tol=tol, rel=rel, within=within, progress=progress
         )
@@ -105,24 +105,23 @@ class Combinable(Sourced):
         return self._operated("union", other)
 
     def __sub__(self, other: Shape | Any) -> Mesh:
-        """These closed triangles without others: `combine`."""
+        """The difference of closed triangles: `combine`."""
         return self._operated("difference", other)
 
     def __and__(self, other: Shape | Any) -> Mesh:
-        """What is in both of two closed triangle meshes: `combine`."""
+        """The intersection of closed triangles: `combine`."""
         return self._operated("intersection", other)
 
     def _operated(self, operation: str, other: Any) -> Mesh:
         from chordal._shape import Shape
 
-        # A set operation of Python's own types is another matter: the other side may know it.
-        found = other if isinstance(other, Shape) else mesh_of(other)
-        if found is None:
+        # For other types, Python tries the operator of the other operand.
+        solid = other if isinstance(other, Shape) else mesh_of(other)
+        if solid is None:
             return NotImplemented  # type: ignore[no-any-return]
-        if self._source.kind != "triangles" or found.kind != "triangles":
+        if self._source.kind != "triangles" or solid.kind != "triangles":
             raise TypeError(f"operators combine closed triangles; other shapes need a length: a.{operation}(b, tol=0.01)")
-        other = found
-        return _combined(self, ((operation, other),), tol=None, rel=None, within=None, progress=None)
+        return _combined(self, ((operation, solid),), tol=None, rel=None, within=None, progress=None)
 
 
 def _combined(
@@ -155,29 +154,29 @@ def _combined(
 
 
 def _nothing(first: Combinable) -> Mesh:
-    """No triangles, where nothing is left of solids. No judge looks at what is not there: nothing bounds what was lost."""
+    """A mesh without triangles, for an empty result. The check of results needs triangles, so the distance has no upper bound."""
     import numpy as np
 
     from chordal._mesh import Mesh
 
-    made = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32), unit=getattr(first, "unit", None))
-    return Mesh._of_source(made._source, Bound(0.0, None, "estimated", "solid", "input solids"))
+    empty = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32), unit=getattr(first, "unit", None))
+    return Mesh._of_source(empty._source, Bound(0.0, None, "estimated", "solid", "input solids"))
 
 
 def _without_nothing(
     first: Combinable, steps: list[tuple[str, Combinable]]
 ) -> tuple[Combinable, list[tuple[str, Combinable]]]:
-    """The same without meshes that have no triangles, as differences may be: nothing is a solid, too."""
-    left: list[tuple[str, Combinable]] = []
+    """The same combination without empty meshes, as differences may be: they count as the empty solid."""
+    remaining: list[tuple[str, Combinable]] = []
     for operation, other in steps:
         if _is_nothing(other):
             if operation == "intersection":
-                first, left = other, []
+                first, remaining = other, []
         elif _is_nothing(first):
             first = other if operation == "union" else first
         else:
-            left.append((operation, other))
-    return first, left
+            remaining.append((operation, other))
+    return first, remaining
 
 
 def _is_nothing(shape: Combinable) -> bool:
@@ -198,5 +197,5 @@ def _step(step: object) -> tuple[str, Shape]:
 
 
 def one_by_one(others: tuple[Any, ...]) -> list[Any]:
-    """Shapes that are given one after the other, or as a list."""
-    return [one for other in others for one in (other if isinstance(other, (list, tuple)) else [other])]
+    """Shapes that are given one by one, or as lists."""
+    return [shape for other in others for shape in (other if isinstance(other, (list, tuple)) else [other])]

@@ -1,4 +1,4 @@
-"""The command `chordal` that comes with the package: the same as the program that is built without Python."""
+"""The command `chordal` of the package, which is the same as the program that is built without Python."""
 
 import signal
 import sys

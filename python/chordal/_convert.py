@@ -1,4 +1,4 @@
-"""The same shape in another format."""
+"""Writing shapes in file formats."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chordal._sourced import Sourced
 
 
 class Written(Protocol):
-    """What is ready to be written: made within a budget, or converted."""
+    """A file that is ready to be written: meshed within a budget, or converted."""
 
     @property
     def report(self) -> str: ...
@@ -29,7 +29,7 @@ class Written(Protocol):
 
 
 class Convertible(Sourced):
-    """What can be written as it is."""
+    """Shapes that can be written to files."""
 
     __slots__ = ()
 
@@ -44,16 +44,16 @@ class Convertible(Sourced):
         rel: Share | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Report:
-        """Write a file, in the format that its extension names, and return the report on what is in it.
+        """Write a file in the format that its extension names, and return the report on its content.
 
-        The shape is written as it is: triangles, polygons, samples, straight lines; `report["certificate"]["notes"]` says
-        what the format does not hold, and the bound what its numbers round. A file of that name is replaced, by a whole
-        one and at the end. What is no mesh yet and would be written as one is `Refused`: `mesh` it first.
+        The shape is written as it is: triangles, polygons, samples, straight lines. `report["certificate"]["notes"]` lists
+        data that the format cannot store, and the bound includes the rounding of its numbers. An existing file is replaced
+        atomically, at the end. A shape that the format could only store as a mesh is `Refused`: `mesh` it first.
 
-        An OBJ with materials gets a material library and pictures beside it, whose names begin like its own; files of
-        these names are replaced too. For GLB and glTF: `quantize` rounds positions to steps of 16 bits and attributes to 8
-        and 16; `compress="meshopt"` compresses what is left without loss. For SVG: arcs and rational curves become cubics
-        within `tol` or `rel`. What was made within a budget may be made anew for the numbers of a format: `progress` is as for
+        An OBJ with materials gets a material library and images next to it, whose names begin like its own; existing files
+        with these names are replaced, too. For GLB and glTF, `quantize` rounds positions to 16 bits and attributes to 8 or 16
+        bits, and `compress="meshopt"` compresses the result without loss. For SVG, arcs and rational curves become cubics
+        within `tol` or `rel`. A result of a budget may be computed again for the precision of a format; `progress` is as for
         `Shape.mesh`.
 
         >>> import chordal, tempfile, os
@@ -77,9 +77,9 @@ class Convertible(Sourced):
         tol: Length | None = None,
         rel: Share | None = None,
     ) -> bytes:
-        """The file of that format, as `export` writes it.
+        """The file in a format, as `export` writes it.
 
-        Gives a `UserWarning` where `export` would write files beside it, as an OBJ has its materials.
+        Warns with a `UserWarning` if `export` would write further files next to it, as for the materials of an OBJ.
         """
         written = self._written(Form(format, (quantize, text("compress", compress))), tol, rel)
         if written.names_files:
@@ -107,21 +107,21 @@ def extension_of(path: str | os.PathLike[str], shape: Sourced) -> str:
 
 
 def refuse_unknown(shape: Sourced, format: str) -> None:
-    """Raises `ValueError` for a name that is no format, with those that this shape can be written in."""
+    """Raises `ValueError` for an unknown format, and lists those that this shape can be written in."""
     if not _chordal.Source.is_format(format):
         source = shape._source
         raise ValueError(f"format: {format!r} is no format; {source.kinds} are written as {', '.join(source.written)}")
 
 
 def write(written: Written, path: str | os.PathLike[str]) -> Report:
-    """Write what was made ready, with the files beside it first, and return its report."""
+    """Write a file, after the files next to it that it refers to, and return its report."""
     if written.names_files:
         target = os.path.realpath(path)
         _files.refuse_irregular_target(target, path)
         folder, name = os.path.split(target)
         content, beside = written.write_files(os.path.splitext(name)[0])
-        for own, content_of_own in beside:
-            _files.replace(os.path.join(folder, own), content_of_own)
+        for file_name, file_content in beside:
+            _files.replace(os.path.join(folder, file_name), file_content)
     else:
         content = written.write()
     _files.replace(path, content)

@@ -1,4 +1,4 @@
-"""Vertices of arrays: whether triangles stand alone, and which rows are one."""
+"""Equal vertices in arrays: detection of triangle soups, and welding."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
 
 
 def firsts_of(rows: NDArray[np.float64]) -> NDArray[np.int64]:
-    """For each row the first one with the same numbers; the zeros of both signs are one."""
+    """For each row, the index of the first row with the same numbers; 0.0 and -0.0 are equal."""
     import numpy as np
 
     flat = np.ascontiguousarray(rows + 0.0)
     keys = flat.view(np.dtype((np.void, flat.dtype.itemsize * flat.shape[1]))).ravel()
     _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
-    found: NDArray[np.int64] = first[inverse.ravel()]
-    return found
+    first_of_row: NDArray[np.int64] = first[inverse.ravel()]
+    return first_of_row
 
 
 def warn_of_soup(points: NDArray[np.float64], faces: NDArray[Any]) -> None:
-    """Says it where no two triangles share a vertex, although some of their corners are at the same place."""
+    """Warns of a triangle soup: no two triangles share a vertex, although some of their corners have the same position."""
     import numpy as np
 
     n_corners = faces.size
@@ -40,14 +40,14 @@ def warn_of_soup(points: NDArray[np.float64], faces: NDArray[Any]) -> None:
 def welded(
     points: NDArray[np.float64], faces: NDArray[Any], attributes: list[NDArray[np.float64]]
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None]:
-    """Which rows stay, where equal ones in everything are one; the faces by these; and for each row that stays the first one
-    at the same position, where there are several.
+    """Merges vertices that are equal in all attributes. Returns the rows that are kept; the faces with new indices; and for each
+    kept row the first one at the same position, or None if all positions differ.
     """
     import numpy as np
 
     first = firsts_of(np.hstack([points, *attributes])) if attributes else firsts_of(points)
     kept, numbers = np.unique(first, return_inverse=True)
-    tied = firsts_of(points[kept])
-    is_plain = np.array_equal(tied, np.arange(len(kept)))
+    position_ids = firsts_of(points[kept])
+    all_differ = np.array_equal(position_ids, np.arange(len(kept)))
     renumbered = numbers.ravel()[faces].astype(np.uint32) if faces.size else faces
-    return kept, renumbered, None if is_plain else tied.astype(np.uint32)
+    return kept, renumbered, None if all_differ else position_ids.astype(np.uint32)

@@ -1,4 +1,4 @@
-"""Curvature at the vertices of triangles: what the angles and edges around a vertex say of the surface that they stand for.
+"""Curvature at the vertices of triangles, estimated from the angles and edges around them.
 
 Source: M. Meyer, M. Desbrun, P. Schröder, A. H. Barr, *Discrete Differential-Geometry Operators for Triangulated
 2-Manifolds*, 2003.
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 
 def curvatures(points: NDArray[np.float64], faces: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The Gaussian and the mean curvature at each vertex; NaN at borders, at vertices without a face, and where triangles
-    around one have no area. Vertices at one position count as one.
+    """The Gaussian and the mean curvature at each vertex; NaN at borders, at vertices without a face, and at vertices whose
+    triangles have no area. Vertices at the same position count as one.
     """
     import numpy as np
 
     first = firsts_of(points)
     corners = first[faces]
     n = len(points)
-    # Of each corner: the edges to the next and to the one after it, their angle, and its cotangent.
+    # For each corner: the edges to the next corner and to the one after, the angle between them, and its cotangent.
     at = points[corners]
     onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, -2, axis=1) - at
     cosine = np.einsum("fck,fck->fc", onward, back)
@@ -32,7 +32,7 @@ def curvatures(points: NDArray[np.float64], faces: NDArray[Any]) -> tuple[NDArra
     with np.errstate(divide="ignore", invalid="ignore"):
         angle, cotangent = np.arctan2(sine, cosine), cosine / sine
     area = _areas(onward, back, angle, cotangent, sine)
-    # The edge from corner c to the next one lies opposite to the corner after that.
+    # The edge from corner c to the next one is opposite to the corner after that, whose cotangent is its weight.
     across = np.roll(cotangent, -2, axis=1)[..., None] * onward
     bending = np.zeros((n, 3))
     np.add.at(bending, corners, -across)
@@ -43,7 +43,7 @@ def curvatures(points: NDArray[np.float64], faces: NDArray[Any]) -> tuple[NDArra
     np.add.at(normals, corners, np.cross(onward, back))
     with np.errstate(divide="ignore", invalid="ignore"):
         gaussian = (2 * np.pi - around) / total
-        # Half of the Laplacian is twice the mean curvature, along the normal; here half of each half.
+        # The cotangent sum over 2 · area is the Laplacian, whose length is twice the mean curvature: so 4 · area in all.
         mean = np.linalg.norm(bending, axis=1) / (4 * total)
     mean = np.where(np.einsum("vk,vk->v", bending, normals) < 0, -mean, mean)
     inner = _inner(corners, n)
@@ -52,8 +52,8 @@ def curvatures(points: NDArray[np.float64], faces: NDArray[Any]) -> tuple[NDArra
 
 
 def _areas(onward: Any, back: Any, angle: Any, cotangent: Any, sine: Any) -> Any:
-    """The part of a triangle that belongs to each corner: what is nearest to it, or where an angle is obtuse half of the
-    triangle at that one and a quarter at the others."""
+    """The area of a triangle that counts for each corner (mixed Voronoi area): its Voronoi region; or, if an angle is obtuse,
+    half of the triangle for that corner and a quarter for the others."""
     import numpy as np
 
     nearest = (
@@ -61,13 +61,13 @@ def _areas(onward: Any, back: Any, angle: Any, cotangent: Any, sine: Any) -> Any
         + np.einsum("fck,fck->fc", back, back) * np.roll(cotangent, -1, axis=1)
     ) / 8
     is_obtuse = angle > np.pi / 2
-    whole = sine / 2
-    split = np.where(is_obtuse, whole / 2, whole / 4)
+    total = sine / 2
+    split = np.where(is_obtuse, total / 2, total / 4)
     return np.where(is_obtuse.any(axis=1, keepdims=True), split, nearest)
 
 
 def _inner(corners: NDArray[Any], n: int) -> Any:
-    """Whether each edge at a vertex has a face on either side."""
+    """Whether a vertex has faces, and each edge at it has a face on either side."""
     import numpy as np
 
     ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Curves: Béziers, splines, arcs and NURBS, and what can be made of them."""
+"""Curves: Béziers, splines, arcs and NURBS, and their operations."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 def bezier(control: ArrayLike, *, unit: str | None = None) -> Curve:
     """Cubic Bézier curves by their control points, in the plane or in space.
 
-    `control` is one curve, 4 × 2 or 4 × 3; or a chain of n pieces, neighbours sharing a point, (3n + 1) × 2 or × 3;
-    or n separate curves, n × 4 × 2 or × 3. Any real numbers will do; they are copied. `unit` is the unit of the
-    coordinates, for budgets with a unit.
+    `control` is one curve, 4 × 2 or 4 × 3; or a chain of n pieces whose neighbours share a point, (3n + 1) × 2 or × 3;
+    or n separate curves, n × 4 × 2 or × 3. Arrays of any real type are copied. `unit` is the unit of the coordinates, for
+    budgets with a unit.
 
     >>> import chordal
     >>> chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)])
@@ -60,9 +60,10 @@ def spline(
 ) -> Curve:
     """The smooth path through points, n × 2 or n × 3: cubics, with equal second derivatives where they meet.
 
-    It is C2 by its knots: their intervals are the square roots of the distances of the points ("centripetal"), the
-    distances ("chordal"), or equal ("uniform"). Without `tangents` it does not bend at its ends; two tangents are its
-    derivatives there, by the knots. A `closed` path goes on to its first point, which is not given twice.
+    It is C2 with respect to its knots, whose intervals are the square roots of the distances between the points
+    ("centripetal"), the distances ("chordal"), or equal ("uniform"). Without `tangents` its second derivatives are 0 at the
+    ends; two tangents are its first derivatives there, with respect to the knots. A `closed` path continues to its first
+    point, which is not given twice.
 
     >>> import chordal
     >>> path = chordal.shapes.spline([(0, 0), (1, 2), (3, 1), (4, 4)])
@@ -74,7 +75,7 @@ def spline(
            [4., 4.]])
     """
     ends = None if tangents is None else _points("tangents", tangents)
-    return _made("spline", unit, _points("points", points), bool(closed), knots, ends)
+    return _called("spline", unit, _points("points", points), bool(closed), knots, ends)
 
 
 def nurbs(
@@ -88,16 +89,16 @@ def nurbs(
     """The rational B-spline with these control points, n × 2 or n × 3, of a degree from 1 to 30.
 
     It starts and ends at the first and the last control point, with uniform knots between, unless `knots` has n + degree
-    + 1 of its own. `weights` are n, above 0, and 1 unless said.
+    + 1 knots of its own. `weights` are n numbers above 0, by default 1.
 
     >>> import chordal
     >>> quarter = chordal.shapes.nurbs([(1, 0), (1, 1), (0, 1)], degree=2, weights=[1, 0.5**0.5, 1])
     >>> quarter.points_at([0.5]).round(4).tolist()
     [[0.7071, 0.7071]]
     """
-    heavy = None if weights is None else coordinates("weights", weights).ravel().tolist()
-    places = None if knots is None else coordinates("knots", knots).ravel().tolist()
-    return _made("nurbs", unit, _points("control", control), degree, heavy, places)
+    weight_list = None if weights is None else coordinates("weights", weights).ravel().tolist()
+    knot_list = None if knots is None else coordinates("knots", knots).ravel().tolist()
+    return _called("nurbs", unit, _points("control", control), degree, weight_list, knot_list)
 
 
 def arc(
@@ -108,8 +109,8 @@ def arc(
     *,
     unit: str | None = None,
 ) -> Curve:
-    """An arc of a circle of the plane, counter-clockwise over an angle from a start, both in degrees; a whole circle
-    unless said. It is exact: no cubics stand for it.
+    """An arc of a circle in the plane, counter-clockwise from a start over an angle, both in degrees; by default a whole
+    circle. It is an exact arc, not an approximation by cubics.
 
     >>> import chordal
     >>> ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve()  # a torus
@@ -117,7 +118,7 @@ def arc(
     True
     """
     middle = None if center is None else [float(x) for x in center]
-    return _made("arc", unit, radius, start, degrees, middle)
+    return _called("arc", unit, radius, start, degrees, middle)
 
 
 def fit(
@@ -128,11 +129,11 @@ def fit(
     *,
     unit: str | None = None,
 ) -> Curve:
-    """A path of few cubics that passes every one of many points, n × 2 or n × 3, within a tolerance. `bound` of the path is
-    the largest distance from a point to it. It has corners where points turn by more than `corners`, in degrees: more for
-    noisy points.
+    """A path of few cubics that passes each of many points, n × 2 or n × 3, within a tolerance. Its `bound` is the largest
+    distance from a point to the path. It has corners where the points turn by more than `corners` degrees, which should be
+    larger for noisy points.
 
-    Raises `Refused` where the tolerance is below rounding.
+    Raises `Refused` if the tolerance is below the rounding error.
 
     >>> import chordal, numpy
     >>> t = numpy.linspace(0, 10, 201)
@@ -143,15 +144,15 @@ def fit(
     rows = coordinates("points", points)
     if rows.ndim != 2 or rows.shape[1] not in (2, 3):
         raise ValueError(f"points: rows of 2 or 3 coordinates, as in (n, 2), not {rows.shape}")
-    how: _chordal.FitArguments = {
+    arguments: _chordal.FitArguments = {
         "width": rows.shape[1],
         "tolerance": number("tolerance", tolerance),
         "closed": bool(closed),
         "corners": number("corners", corners),
         "unit": text("unit", unit),
     }
-    source, bound = _chordal.fit(rows.tobytes(), how)
-    recipe = (fit, (rows, how["tolerance"], how["closed"], how["corners"]), {"unit": unit})
+    source, bound = _chordal.fit(rows.tobytes(), arguments)
+    recipe = (fit, (rows, arguments["tolerance"], arguments["closed"], arguments["corners"]), {"unit": unit})
     return Curve(source, bound_of(json.loads(bound)), recipe)
 
 
@@ -160,21 +161,21 @@ def _points(name: str, points: ArrayLike) -> list[list[float]]:
     if rows.ndim != 2 or rows.shape[1] not in (2, 3):
         hint = "; is it the wrong way round?" if rows.ndim == 2 and rows.shape[0] in (2, 3) else ""
         raise ValueError(f"{name}: rows of 2 or 3 coordinates, as in (n, 2), not {rows.shape}{hint}")
-    found: list[list[float]] = rows.tolist()
-    return found
+    listed: list[list[float]] = rows.tolist()
+    return listed
 
 
-def _made(name: str, unit: str | None, *args: Any) -> Curve:
-    """What a function of the language of shape scripts makes."""
+def _called(name: str, unit: str | None, *args: Any) -> Curve:
+    """The path that a function of shape scripts returns."""
     value = _chordal.ScriptValue.call(name, *args)
     assert isinstance(value, _chordal.ScriptValue)
-    return Curve(_chordal.path_source(value, text("unit", unit)), None, (_made, (name, unit, *args), {}))
+    return Curve(_chordal.path_source(value, text("unit", unit)), None, (_called, (name, unit, *args), {}))
 
 
 class Curve(Remakeable, Guessed):
-    """One or more curves. `bezier`, `spline`, `nurbs`, `arc` and `fit` make it; it does not change.
+    """One or more curves, created by `bezier`, `spline`, `nurbs`, `arc` and `fit`. Curves are immutable.
 
-    `polygon` fills one curve of the plane, and `sweep` follows one: both make a `Field`. `revolve` and `extrude` make
+    `polygon` fills a curve of the plane, and `sweep` follows a curve; both return a `Field`. `revolve` and `extrude` return
     NURBS surfaces.
 
     >>> import chordal
@@ -193,22 +194,22 @@ class Curve(Remakeable, Guessed):
 
     @property
     def bound(self) -> Bound | None:
-        """What was lost where it was made of another curve or of points; None where nothing was."""
+        """The bound against the curve or the points that it approximates; None if it approximates nothing."""
         return self._bound
 
     @property
     def n_pieces(self) -> int:
-        """The number of its pieces, of all curves together."""
+        """The total number of pieces of all curves."""
         return _chordal.path_facts(self._source)[1]
 
     @property
     def closed(self) -> bool:
-        """Whether it is one curve that ends where it starts, and is smooth or has a corner there like anywhere."""
+        """Whether it is a single curve that ends where it starts, and continues there as at any other joint."""
         return _chordal.path_facts(self._source)[3]
 
     def points_at(self, places: ArrayLike) -> NDArray[np.float64]:
-        """The points at places: a whole number is the start of that piece, its fraction the parameter in it. They are
-        `Polyline.places`. The last axis of the result is that of the coordinates.
+        """The points at places. The whole part of a place is the index of a piece, the fraction the parameter in it, as in
+        `Polyline.places`. The last axis of the result has the coordinates.
 
         >>> import chordal
         >>> chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).points_at(0.5)
@@ -217,8 +218,8 @@ class Curve(Remakeable, Guessed):
         return self._at(places, 0)
 
     def derivatives(self, places: ArrayLike, order: Literal[1, 2] = 1) -> NDArray[np.float64]:
-        """The first or second derivatives at places, by the parameter of each piece, which runs from 0 to 1. Where pieces
-        meet it is that of the one that starts there.
+        """The first or second derivatives at places, with respect to the parameter of each piece, which runs from 0 to 1. Where
+        two pieces meet, the derivative is that of the second one.
 
         >>> import chordal
         >>> chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]).derivatives([0, 0.5])
@@ -232,13 +233,13 @@ class Curve(Remakeable, Guessed):
     def _at(self, places: ArrayLike, order: int) -> NDArray[np.float64]:
         import numpy as np
 
-        found = coordinates("places", places)
+        parameters = coordinates("places", places)
         width = _chordal.path_facts(self._source)[2]
-        return np.frombuffer(_chordal.path_at(self._source, found.tobytes(), order)).reshape(*found.shape, width)
+        return np.frombuffer(_chordal.path_at(self._source, parameters.tobytes(), order)).reshape(*parameters.shape, width)
 
     def to_cubics(self, *, tol: SupportsFloat) -> Curve:
-        """The same as lines and cubic Bézier curves within a distance, few of them: what SVG and fonts can hold. Lines and
-        cubics stay as they are. `bound` of the result is proved, both ways.
+        """The curve as few lines and cubic Bézier curves within a distance, as SVG and fonts need them. Lines and cubics are
+        kept. The `bound` of the result is proved, in both directions.
 
         >>> import chordal
         >>> circle = chordal.shapes.arc(1).to_cubics(tol=1e-3)
@@ -250,8 +251,8 @@ class Curve(Remakeable, Guessed):
         return Curve(source, bound_of(json.loads(bound)), (Curve.to_cubics, (self,), {"tol": length}))
 
     def revolve(self) -> Shape:
-        """The surface that a curve of the plane sweeps in a full turn about its y axis, which then stands along z: its
-        coordinates are radius and height. An exact NURBS surface.
+        """The surface of revolution of a plane curve, whose coordinates are radius and height: a full turn about its y axis,
+        which becomes the z axis. An exact NURBS surface.
 
         >>> import chordal
         >>> ball = chordal.shapes.arc(1, start=-90, degrees=180).revolve()
@@ -265,8 +266,8 @@ class Curve(Remakeable, Guessed):
         return Shape(_chordal.revolved(self._source), (Curve.revolve, (self,), {}))
 
     def extrude(self, along: Sequence[SupportsFloat]) -> Shape:
-        """The surface that the curve sweeps along a vector of three numbers. A curve of the plane lies at z = 0. An exact
-        NURBS surface, without ends.
+        """The surface that the curve sweeps along a vector of three numbers, without caps. A plane curve lies at z = 0. An
+        exact NURBS surface.
 
         >>> import chordal
         >>> chordal.shapes.spline([(0, 0), (1, 2), (3, 1)]).extrude((0, 0, 2)).mesh(tol=0.01).bound.evidence
@@ -280,7 +281,7 @@ class Curve(Remakeable, Guessed):
         return Shape(_chordal.extruded(self._source, vector), (Curve.extrude, (self, vector), {}))
 
     def shape(self) -> Shape:
-        """The curves as a `Shape`, to be inspected; `mesh` of one in the plane fills it."""
+        """The curves as a `Shape`, for example to inspect them; `mesh` fills those in the plane."""
         from chordal._shape import Shape
 
         return Shape(self._source, (Curve.shape, (self,), {}))
@@ -296,15 +297,15 @@ class Curve(Remakeable, Guessed):
         spacing: Literal["fewest", "even"] = "fewest",
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Polylines:
-        """Straight lines within a budget, with the bound that was reached.
+        """Polylines within a budget, with the bound that was reached.
 
-        `tol` is the largest distance between curve and lines, either way; `rel` the same as a share of the diagonal
-        of the curves' box. `pixels` is the largest distance on the screen of `view`; a curve in the plane lies at
-        z = 0. `segments` is the most segments of all curves together. All that are given hold. `spacing` "fewest"
+        `tol` is the largest distance between curve and polyline, in both directions; `rel` is the same as a share of the
+        diagonal of the curves' box. `pixels` is the largest distance on the screen of `view`; a curve in the plane lies at
+        z = 0. `segments` is the largest number of segments of all curves together. All given limits hold. `spacing` "fewest"
         takes as few segments as the budget allows; "even" takes equal steps of the parameter in each piece, which is
         faster.
 
-        Other Python threads run meanwhile, Ctrl-C ends it, and what `progress` raises comes back, as for
+        Other Python threads keep running, Ctrl-C ends the call, and exceptions of `progress` are passed on, as for
         `Shape.mesh`. Raises `BudgetError`, `BudgetUnmet` with the best `Polylines`, and `Refused`.
 
         >>> import chordal

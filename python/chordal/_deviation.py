@@ -1,4 +1,4 @@
-"""`Deviation`: how far two shapes are apart."""
+"""`Deviation`: the distance between two shapes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OneSided:
-    """The largest distance from the points of one shape to the other: an interval that is proved. Places are those of space.
+    """The one-sided Hausdorff distance, from the points of one shape to the other, as a proved interval.
 
     >>> import chordal
     >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -36,15 +36,15 @@ class OneSided:
     at_least: float
     #: No point is farther than this.
     at_most: float
-    #: The farthest point that was found.
+    #: The point with the largest distance that was found.
     point: tuple[float, float, float]
-    #: The nearest point of the other shape to it.
+    #: The point of the other shape that is nearest to it.
     nearest: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Deviation(Guessed):
-    """How far two shapes are apart, in units. `Shape.deviation` measures it.
+    """The distance between two shapes, in units. `Shape.deviation` computes it.
 
     >>> import chordal
     >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -53,27 +53,27 @@ class Deviation(Guessed):
     'exceeds'
     """
 
-    #: The Hausdorff distance, which looks both ways: an interval that is proved.
+    #: The symmetric Hausdorff distance, as a proved interval.
     bound: Bound
-    #: From the points of this shape to the other one.
+    #: The distance from the points of this shape to the other one.
     forward: OneSided
-    #: From the points of the other shape to this one.
+    #: The distance from the points of the other shape to this one.
     backward: OneSided
-    #: Whether the ends came as close together as was asked for; they hold in any case.
+    #: Whether the interval is as narrow as requested; it is proved in any case.
     reached: bool
-    #: On which side of `max` the distance is: "within", "exceeds" or "undecided"; None without `max`.
+    #: The side of `max` on which the distance is: "within", "exceeds" or "undecided"; None without `max`.
     verdict: str | None
     #: The report of `chordal deviation --json`.
     report: Report = field(compare=False)
 
     @property
     def at_least(self) -> float:
-        """The Hausdorff distance is at least this."""
+        """A lower bound of the Hausdorff distance."""
         return self.bound.at_least
 
     @property
     def at_most(self) -> float | None:
-        """The Hausdorff distance is at most this; None where nothing bounds it from above."""
+        """An upper bound of the Hausdorff distance; None if there is none."""
         return self.bound.at_most
 
     def _repr_html_(self) -> str:
@@ -96,7 +96,7 @@ def measured(
     max: Length | None,
     progress: Callable[[str, int, int], object] | None,
 ) -> Deviation:
-    """The distance between two shapes, whichever way they came about."""
+    """The distance between two shapes."""
     from chordal._verbs import shaped
 
     second = shaped("other", other)._source

@@ -1,4 +1,4 @@
-"""How far a mesh is from another shape, at samples of all its triangles: what a notebook colours."""
+"""The distance of a mesh to another shape at samples of all its triangles, for colours in a notebook."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ if TYPE_CHECKING:
 
     from chordal._mesh import Mesh
 
-#: So many triangles are drawn instead of those of the mesh, if it has fewer. Chosen: 3 MB in a notebook, and a second or so.
+#: A mesh with fewer triangles is subdivided to about this number. Chosen: 3 MB in a notebook, and about a second.
 _MOST_DRAWN: Final = 60_000
-#: The parts of an edge at most. Chosen: on a triangle over an arc the largest distance between samples is then 1/64 off, since it
+#: The most parts of an edge. Chosen: on a triangle over an arc, samples then miss 1/64 of the largest distance, since the error
 #: goes with the square of the parts.
 _MOST_PARTS: Final = 8
 
 
 @dataclass(frozen=True)
 class SampledDeviation:
-    """Triangles with the distance at each of their vertices, for drawing alone. They are parts of those of a mesh, or these
-    themselves, each with corners of its own and one distance, the largest that was found on it.
+    """Triangles with a distance at each vertex, for drawing only. They subdivide the triangles of a mesh; or they are these
+    themselves, unmerged, and each has the largest distance of its samples at all corners.
     """
 
     vertices: NDArray[Any]
@@ -30,42 +30,43 @@ class SampledDeviation:
 
 
 def sampled_deviation(mesh: Mesh, distances: Any) -> SampledDeviation:
-    """Samples the distance, a function of points: at the corners of equal parts of each triangle, where there are few of them."""
+    """Samples a distance, given as a function of points, on each triangle: at the corners of equal parts, if there are few
+    triangles, else at the corners, the midpoints of edges and the centre.
+    """
     import numpy as np
 
     n_parts = int(np.clip(np.sqrt(_MOST_DRAWN / max(len(mesh.faces), 1)), 1, _MOST_PARTS))
     if n_parts == 1:
-        # The corners, the middles of edges, and the middle.
-        shares = np.vstack([_lattice(2)[0], np.full((1, 3), 1 / 3)])
-        worst = np.abs(distances(_placed(mesh.vertices[mesh.faces], shares))).max(axis=1)
-        return _assembled(mesh, np.eye(3), np.array([[0, 1, 2]]), np.repeat(worst[:, None], 3, axis=1))
-    shares, rows = _lattice(n_parts)
-    return _assembled(mesh, shares, rows, np.abs(distances(_placed(mesh.vertices[mesh.faces], shares))))
+        barycentric = np.vstack([_lattice(2)[0], np.full((1, 3), 1 / 3)])
+        largest = np.abs(distances(_interpolated(mesh.vertices[mesh.faces], barycentric))).max(axis=1)
+        return _assembled(mesh, np.eye(3), np.array([[0, 1, 2]]), np.repeat(largest[:, None], 3, axis=1))
+    barycentric, rows = _lattice(n_parts)
+    return _assembled(mesh, barycentric, rows, np.abs(distances(_interpolated(mesh.vertices[mesh.faces], barycentric))))
 
 
-def _placed(corners: NDArray[Any], shares: NDArray[Any]) -> NDArray[Any]:
-    """What has these shares of the corners of each triangle: triangles × shares × 3."""
+def _interpolated(corners: NDArray[Any], barycentric: NDArray[Any]) -> NDArray[Any]:
+    """The values of the corners of each triangle, interpolated at barycentric coordinates: triangles × coordinates × 3."""
     import numpy as np
 
-    found: NDArray[Any] = np.einsum("sc,fck->fsk", shares, corners)
-    return found
+    values: NDArray[Any] = np.einsum("sc,fck->fsk", barycentric, corners)
+    return values
 
 
-def _assembled(mesh: Mesh, shares: NDArray[Any], rows: NDArray[Any], values: NDArray[Any]) -> SampledDeviation:
+def _assembled(mesh: Mesh, barycentric: NDArray[Any], rows: NDArray[Any], values: NDArray[Any]) -> SampledDeviation:
     import numpy as np
 
     normals = mesh._vertex_rows("normal")
-    firsts = len(shares) * np.arange(len(mesh.faces))
+    firsts = len(barycentric) * np.arange(len(mesh.faces))
     return SampledDeviation(
-        vertices=_placed(mesh.vertices[mesh.faces], shares).reshape(-1, 3),
+        vertices=_interpolated(mesh.vertices[mesh.faces], barycentric).reshape(-1, 3),
         faces=(firsts[:, None, None] + rows).reshape(-1, 3),
-        normals=None if normals is None else _placed(normals[mesh.faces], shares).reshape(-1, 3),
+        normals=None if normals is None else _interpolated(normals[mesh.faces], barycentric).reshape(-1, 3),
         values=values.reshape(-1),
     )
 
 
 def _lattice(n_parts: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """The corners of a triangle's equal parts, as shares of its own corners, and the parts, counter-clockwise as it is."""
+    """The subdivision of a triangle into equal parts: barycentric coordinates of their corners, and the triangles, wound as it."""
     import numpy as np
 
     places = [(i, j) for i in range(n_parts + 1) for j in range(n_parts + 1 - i)]

@@ -1,4 +1,4 @@
-"""Functions of arrays that are not numpy's: on their device, and back."""
+"""Functions of arrays of other libraries: moves points to their device, and values back."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def with_arrays(function: Callable[[Any], Any], like: Any | None) -> Callable[[Any], Any]:
-    """A function of numpy's arrays that calls another one with arrays like `like`."""
+    """Wraps a function so that it takes numpy's arrays, and is called with arrays like `like`."""
     if like is None:
         like = parameter_of(function)
     if like is None:
@@ -20,7 +20,7 @@ def with_arrays(function: Callable[[Any], Any], like: Any | None) -> Callable[[A
     def called(points: Any) -> Any:
         with _no_gradients(like):
             if hasattr(like, "new_tensor"):
-                # PyTorch would warn of an array that may not be written to.
+                # A copy, since PyTorch warns of read-only arrays.
                 return to_numpy(function(like.new_tensor(points.copy())))
             return to_numpy(function(_padded(points, like)))[: len(points)]
 
@@ -34,13 +34,14 @@ def parameter_of(function: Any) -> Any | None:
     return next(iter(function.parameters()), None)
 
 
-#: Functions that are compiled for a number of points get few numbers: powers of two, from this one on. Chosen.
+#: The smallest padded number of points. Chosen: smaller values let JAX compile a function for more lengths, larger ones waste
+#: evaluations on short batches.
 _FEWEST = 256
 
 
 def _padded(points: Any, like: Any) -> Any:
-    """Points as an array of that type, on that device; the last of them again up to a power of two, since JAX compiles its
-    functions anew for every length.
+    """Points as an array of the type and on the device of `like`. The last point is repeated up to a power of two, since JAX
+    compiles a function again for every length.
     """
     import numpy as np
 
@@ -51,27 +52,27 @@ def _padded(points: Any, like: Any) -> Any:
 
 
 def wants_tensors(function: Callable[[Any], Any], points: Any) -> bool:
-    """Whether a function that fails with arrays of numpy's is one of tensors: where PyTorch is loaded it is tried."""
+    """Whether a function that fails with numpy's arrays takes tensors. It is tried only if PyTorch is loaded."""
     torch: Any = sys.modules.get("torch")
     try:
         with torch.no_grad():
-            # Networks have single precision, as a rule.
+            # Most networks use single precision.
             return hasattr(function(torch.as_tensor(points, dtype=torch.float32)), "detach")
     except Exception:
         return False
 
 
 def _no_gradients(like: Any) -> Any:
-    """Where PyTorch records nothing."""
+    """A context in which PyTorch records no gradients; a null context for other libraries."""
     torch = sys.modules.get("torch")
     return torch.no_grad() if torch is not None and hasattr(like, "new_tensor") else contextlib.nullcontext()
 
 
 def to_numpy(values: Any) -> Any:
-    """An array of any library as numpy's, from whatever device."""
+    """An array of any library, on any device, as an array of numpy."""
     if hasattr(values, "detach"):
         values = values.detach().cpu()
-        # bfloat16 has no equal in numpy.
+        # In double precision, since numpy has no bfloat16.
         return values.double().numpy() if hasattr(values, "double") else values.numpy()
-    # CuPy asks for its arrays to be fetched by name.
+    # CuPy requires an explicit `get` to copy an array from its device.
     return values.get() if hasattr(values, "get") and hasattr(values, "device") else values

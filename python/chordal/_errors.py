@@ -1,4 +1,4 @@
-"""What can go wrong, one exception for each person who can mend it. All carry what a program wants to know."""
+"""The exceptions of Chordal, by who can solve the problem. Each carries the details that a program needs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Error(Exception):
-    """Anything that Chordal itself raises; arguments of the wrong type raise Python's own `TypeError`.
+    """The base of all exceptions of Chordal; arguments of the wrong type raise Python's own `TypeError`.
 
     >>> import chordal
     >>> try:
@@ -23,7 +23,7 @@ class Error(Exception):
 
 
 class ReadError(Error):
-    """The file is wrong, at this place.
+    """The file is invalid, at this place.
 
     >>> import chordal
     >>> try:
@@ -35,9 +35,9 @@ class ReadError(Error):
 
     #: Stable, for programs, as in "index-out-of-range".
     code: str
-    #: Where: a line, a byte, a row of a list or a JSON pointer. None for the file as a whole.
+    #: The place of the error: a line, a byte, a row of a list or a JSON pointer. None for the file as a whole.
     place: str | None
-    #: What, in one sentence, with the value and the limit.
+    #: The error in one sentence, with the value and the limit.
     message: str
     #: The name of the file, if it was one.
     source: str | None
@@ -51,7 +51,7 @@ class ReadError(Error):
 
 
 class WriteError(Error):
-    """The format cannot hold the shape. A disk that is full raises `OSError`, as everywhere in Python.
+    """The format cannot store the shape. A full disk raises `OSError`, as everywhere in Python.
 
     >>> import chordal
     >>> try:
@@ -75,7 +75,7 @@ class BudgetError(Error, ValueError):
 
 
 class BudgetUnmet(Error):
-    """The budget makes sense and was not met. The best that was reached is at hand, with its own bound.
+    """The budget makes sense, but was not met. The exception has the best result, with its own bound.
 
     >>> import chordal
     >>> try:
@@ -85,7 +85,7 @@ class BudgetUnmet(Error):
     True proved
     """
 
-    #: The best that was reached, as the call would have returned it: a `Mesh`, `Polylines`, `Volume` or `Levels`.
+    #: The best result, as the call would have returned it: a `Mesh`, `Polylines`, `Volume` or `Levels`.
     best: Any
 
     def __init__(self, message: str, best: Any) -> None:
@@ -94,7 +94,7 @@ class BudgetUnmet(Error):
 
     @property
     def bound(self) -> Bound:
-        """How far the best is from the true shape."""
+        """The bound of the best result against the true shape."""
         bound: Bound = self.best.bound
         return bound
 
@@ -103,18 +103,18 @@ class BudgetUnmet(Error):
 
 
 def plain_numbers(text: str) -> str:
-    """The same digits without powers of ten, where a number of usual size has some."""
+    """A text whose numbers of usual size are written with the same digits, but without powers of ten."""
 
-    def plain(found: re.Match[str]) -> str:
-        number = Decimal(found.group())
+    def plain(match: re.Match[str]) -> str:
+        number = Decimal(match.group())
         # As Python writes numbers: from 1e-4 on, and with up to 16 digits.
-        return f"{number:f}" if -5 < number.adjusted() < 16 or number == 0 else found.group()
+        return f"{number:f}" if -5 < number.adjusted() < 16 or number == 0 else match.group()
 
     return re.sub(r"\d\.\d+e-?\d+", plain, text)
 
 
 class Refused(Error):
-    """The work was not done, and will not be: for a reason that `code` names.
+    """The operation was refused, for a reason that `code` names; trying again would not help.
 
     >>> import chordal
     >>> try:
@@ -138,4 +138,4 @@ class Refused(Error):
 
 
 class InternalError(Error):
-    """A promise that the library makes to itself is broken: a bug of Chordal, not of yours."""
+    """An invariant of the library is violated: a bug in Chordal, not in your code."""

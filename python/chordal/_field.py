@@ -1,4 +1,4 @@
-"""`Field` and `Formula`: shapes as functions of a point, and what can be asked of them."""
+"""`Field` and `Formula`: shapes as functions of a point, and their operations."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
 def _value(value: Any) -> Any:
-    """What the compiled part knows of a value, or of those in a list."""
+    """The value, or list of values, in the form that the compiled part takes."""
     if isinstance(value, (Field, Formula)):
         return value._value
     if isinstance(value, Curve):
@@ -47,24 +47,25 @@ def _value(value: Any) -> Any:
 
 
 def called(name: str, *args: Any, **named: Any) -> Any:
-    """What a function of the language makes of these arguments."""
-    made = _chordal.ScriptValue.call(name, *map(_value, args), **{key: _value(arg) for key, arg in named.items()})
-    return _made(made, (called, (name, *args), named))
+    """The result of calling a function of the language."""
+    result = _chordal.ScriptValue.call(name, *map(_value, args), **{key: _value(arg) for key, arg in named.items()})
+    return _wrapped(result, (called, (name, *args), named))
 
 
-def _made(made: _chordal.ScriptValue | float, recipe: Recipe) -> Any:
-    if isinstance(made, float):
-        return made
-    return Field(made, None, recipe) if made.is_shape else Formula(made, recipe)
+def _wrapped(result: _chordal.ScriptValue | float, recipe: Recipe) -> Any:
+    """A result of the language as a `Field`, a `Formula` or a number."""
+    if isinstance(result, float):
+        return result
+    return Field(result, None, recipe) if result.is_shape else Formula(result, recipe)
 
 
-def _operated(word: str, a: Any, b: Any) -> Any:
-    made = _chordal.ScriptValue.operate(word, _value(a), _value(b))
-    return NotImplemented if made is None else _made(made, (_operated, (word, a, b), {}))
+def _operated(operator: str, a: Any, b: Any) -> Any:
+    result = _chordal.ScriptValue.operate(operator, _value(a), _value(b))
+    return NotImplemented if result is None else _wrapped(result, (_operated, (operator, a, b), {}))
 
 
 def coordinate(k: int) -> Formula:
-    """The coordinate of that number."""
+    """The coordinate with index `k`."""
     return Formula(_chordal.ScriptValue.axis(k), (coordinate, (k,), {}))
 
 
@@ -75,21 +76,21 @@ def field_of_mesh(mesh: Mesh) -> Field:
 
 
 def _points(points: ArrayLike) -> NDArray[np.float64]:
-    found = coordinates("points", points)
-    if found.ndim == 0 or found.shape[-1] != 3:
-        raise ValueError(f"points: rows of 3, as in (n, 3), not {found.shape}")
-    return found
+    rows = coordinates("points", points)
+    if rows.ndim == 0 or rows.shape[-1] != 3:
+        raise ValueError(f"points: rows of 3, as in (n, 3), not {rows.shape}")
+    return rows
 
 
 def _values(value: _chordal.ScriptValue, points: ArrayLike) -> NDArray[np.float64]:
     import numpy as np
 
-    found = _points(points)
-    return np.frombuffer(value.values(found.tobytes())).reshape(found.shape[:-1])
+    rows = _points(points)
+    return np.frombuffer(value.values(rows.tobytes())).reshape(rows.shape[:-1])
 
 
 class Formula(Remakeable):
-    """A number for every point, made of the coordinates `x`, `y` and `z`. `field` makes a shape of it.
+    """An expression in the coordinates `x`, `y` and `z`: a number for every point. `field` makes it a shape.
 
     >>> from chordal.shapes import field, x, y, z
     >>> bowl = field(x * x + y * y - z)
@@ -105,7 +106,7 @@ class Formula(Remakeable):
         self._recipe = recipe
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The values at points, whose last axis is 3 long."""
+        """The values at points, an array with a last axis of length 3."""
         return _values(self._value, points)
 
     def __add__(self, other: Formula | float) -> Formula:
@@ -139,7 +140,7 @@ class Formula(Remakeable):
         return self
 
     def __pow__(self, exponent: float) -> Formula:
-        """A whole power from 1 on by multiplication, 0.5 as the square root; others are exp and log, for positive values."""
+        """A power: whole exponents by multiplication, 0.5 as a square root, others by exp and log, for positive values."""
         from chordal import _formulas
 
         if isinstance(exponent, bool) or not isinstance(exponent, Real):
@@ -163,32 +164,32 @@ class Formula(Remakeable):
         return _formulas.exp(self * math.log(float(base)))
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
-        """What numpy's functions make of a formula, as in `numpy.sin(x)`."""
+        """Applies functions of numpy to a formula, as in `numpy.sin(x)`."""
         import numpy as np
 
-        if not all(isinstance(one, (Formula, Real, np.ndarray)) for one in inputs):
+        if not all(isinstance(operand, (Formula, Real, np.ndarray)) for operand in inputs):
             return NotImplemented
         name = _UFUNCS.get(ufunc.__name__)
         if method != "__call__" or named or name is None:
             raise _no_function(ufunc.__name__ if method == "__call__" else f"{ufunc.__name__}.{method}")
-        if any(getattr(one, "ndim", 0) for one in inputs):
+        if any(getattr(operand, "ndim", 0) for operand in inputs):
             raise TypeError("a formula and an array are no formula: a formula is called with points, as in x(points)")
-        # numpy's numbers as Python's own, so that they do not ask here again.
-        own = [one if isinstance(one, Formula) else float(one) for one in inputs]
-        return name(*own)
+        # Numbers of numpy become Python's own: an operator of numpy's would call this method again.
+        operands = [operand if isinstance(operand, Formula) else float(operand) for operand in inputs]
+        return name(*operands)
 
     def __array_function__(self, function: Any, types: Any, args: Any, named: Any) -> Any:
-        """Refuses numpy's other functions, which would take a formula for an object without numbers."""
+        """Refuses the other functions of numpy, which would treat a formula as an opaque object."""
         raise _no_function(function.__name__)
 
     def __bool__(self) -> bool:
-        """Refused: it is a number for every point."""
+        """Refused: a formula is a number for every point."""
         raise TypeError(
             "a formula has no truth value, for it is a number for every point: minimum and maximum of chordal.shapes choose"
         )
 
     def __lt__(self, other: object) -> NoReturn:
-        """Refused: what is below a number is a field, and no condition."""
+        """Refused: the points where a formula is below a number are a field, not a condition."""
         raise TypeError("a formula is not compared: field(x - 1) is the shape where x - 1 is below 0, and so x < 1")
 
     def __le__(self, other: object) -> NoReturn:
@@ -233,38 +234,38 @@ class Field(Shape):
         refuse_own(self, value, _chordal.ScriptValue)
         super().__init__(value.source(None) if source is None else source, recipe)
         self._value = value
-        # What is cut off at a box; of a function without the box that is said to hold it, so that it is cut there.
+        # The value without the box that a function was given with: `within` cuts this one instead.
         self._uncut = value if uncut is None else uncut
 
     def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The values at points, whose last axis is 3 long: negative inside, NaN where there is none."""
+        """The values at points, an array with a last axis of length 3: negative inside, NaN where undefined."""
         return _values(self._value, points)
 
     def gradient(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The gradients at points, in the shape of the points; at a kink that of one side."""
+        """The gradients at points, in an array of the same shape. At a kink it is the gradient of one side."""
         import numpy as np
 
-        found = _points(points)
-        return np.frombuffer(self._value.gradients(found.tobytes())).reshape(found.shape)
+        rows = _points(points)
+        return np.frombuffer(self._value.gradients(rows.tobytes())).reshape(rows.shape)
 
     @property
     def distance(self) -> tuple[str, str]:
-        """What the value is worth as a distance outside and inside: "exact distance", "lower bound" or "sign"."""
+        """The quality of the value as a distance, outside and inside: "exact distance", "lower bound" or "sign"."""
         return self._value.distance
 
     @property
     def evidence(self) -> str:
-        """What proofs about it are worth: "proved", "proved-if" or "measured"."""
+        """The best evidence that bounds of this field can have: "proved", "proved-if" or "measured"."""
         return self._value.evidence[0]
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What proofs about it assume, in sentences."""
+        """The assumptions of proofs about this field, in sentences."""
         return tuple(self._value.evidence[1])
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was said of what it is made of, in sentences: how far the polygons are off that stand for curves.
+        """Notes about how it was built, in sentences, as the distance of polygons from the curves that they approximate.
 
         >>> import chordal
         >>> disc = chordal.shapes.polygon(chordal.shapes.arc(1), tolerance=0.01)
@@ -275,17 +276,17 @@ class Field(Shape):
 
     @property
     def bounds(self) -> Box:
-        """The lowest and highest corner of a box that holds the shape; infinite where none is known."""
+        """The lowest and highest corner of a box that contains the shape; infinite on sides without a known bound."""
         (a, b, c), (d, e, f) = self._value.bounds
         return (a, b, c), (d, e, f)
 
     def within(self, low: Sequence[SupportsFloat], high: Sequence[SupportsFloat]) -> Field:
-        """The same shape, cut off at a box for whatever is made of it."""
+        """The same shape; meshes and other results of it are cut off at a box."""
         least, most = _box("box", (low, high))
-        known = _chordal.region_of(self._source)
-        if known is not None:
-            least = [max(a, b) for a, b in zip(least, known[0], strict=True)]
-            most = [min(a, b) for a, b in zip(most, known[1], strict=True)]
+        region = _chordal.region_of(self._source)
+        if region is not None:
+            least = [max(a, b) for a, b in zip(least, region[0], strict=True)]
+            most = [min(a, b) for a, b in zip(most, region[1], strict=True)]
         cut = self._uncut.source(_box("box", (least, most)))
         recipe: Recipe = (Field.within, (self, tuple(map(float, low)), tuple(map(float, high))), {})
         return Field(self._value, cut, recipe, self._uncut)
@@ -318,7 +319,7 @@ class Field(Shape):
     def offset(self, by: SupportsFloat) -> Field:
         """The shape grown by a distance, or shrunk by a negative one: `shapes.offset`.
 
-        Raises `ValueError` where the value is no distance on that side.
+        Raises `ValueError` if the value is not a distance on that side.
         """
         return called("offset", self, by)  # type: ignore[no-any-return]
 
@@ -327,7 +328,7 @@ class Field(Shape):
         return called("shell", self, thickness)  # type: ignore[no-any-return]
 
     def __add__(self, other: object) -> NoReturn:
-        """Refused: `|` is both shapes together."""
+        """Refused: the union of shapes is `|`."""
         raise TypeError("shapes are not added: a | b is both together, a & b what is in both, a - b what is only in a")
 
     def __radd__(self, other: object) -> NoReturn:
@@ -358,11 +359,11 @@ class Field(Shape):
         return f"<Field: outside {outside}, inside {inside}, {self._value.terms} terms>"
 
 
-def _spread(given: tuple[Any, ...]) -> Sequence[Any]:
-    """Numbers, or those of one vector."""
-    one = given[0] if len(given) == 1 else given
-    parts: Sequence[Any] = one.tolist() if hasattr(one, "tolist") else one
-    return parts if isinstance(parts, (list, tuple)) else given
+def _spread(args: tuple[Any, ...]) -> Sequence[Any]:
+    """Arguments that are numbers, or the components of a single vector."""
+    vector = args[0] if len(args) == 1 else args
+    parts: Sequence[Any] = vector.tolist() if hasattr(vector, "tolist") else vector
+    return parts if isinstance(parts, (list, tuple)) else args
 
 
 def _only_fields(other: object) -> None:
@@ -378,12 +379,12 @@ def _box(name: str, value: Any) -> list[list[float]]:
     except (TypeError, ValueError):
         rows = np.zeros(0)
     if rows.shape != (2, 3):
-        given = f"numbers of shape {rows.shape}" if rows.size or rows.ndim == 0 else repr(value)
-        raise ValueError(f"{name}: a lowest and a highest corner, as in ((-1, -1, -1), (1, 1, 1)), not {given}")
+        description = f"numbers of shape {rows.shape}" if rows.size or rows.ndim == 0 else repr(value)
+        raise ValueError(f"{name}: a lowest and a highest corner, as in ((-1, -1, -1), (1, 1, 1)), not {description}")
     if not all(rows[0] < rows[1]):
         raise ValueError(f"{name}: the lowest corner is below the highest along x, y and z: {rows.tolist()}")
-    found: list[list[float]] = rows.tolist()
-    return found
+    corners: list[list[float]] = rows.tolist()
+    return corners
 
 
 @keywords_hinted
@@ -399,20 +400,20 @@ def field(
 ) -> Field:
     """A shape from a formula, or from a function of points.
 
-    A function is called with an array n × 3 of double precision, all points at a time that are asked for at once: from
-    one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. `iso` is the value of the surface where
-    it is not 0, and `inside` is "high" where values are larger inside, as occupancies and densities are; what comes back has
-    its surface at 0 and is negative inside. It is called from other threads.
-    What it raises comes back as it is. `bounds` is a box that holds the shape, which is cut off there. With `lipschitz`
-    you promise that values of two points differ by no more than that many times their distance, and what is proved is proved under that
-    promise; without it a mesh is measured, at samples. `gradient` gives back the derivatives along x, y and z, n × 3;
-    without it they come from four values beside each point. `report["run"]["evaluations"]` of a mesh says how many
-    points were asked for.
+    A function is called with an n × 3 array in double precision: a batch of one to some hundred thousand points. It returns
+    n numbers: negative inside, NaN outside. If its surface is not at 0, `iso` is the value there; if its values are larger
+    inside, as of occupancies and densities, `inside` is "high". The resulting field has its surface at 0 and is negative
+    inside. The function is called from other threads, and an exception that it raises is passed on.
 
-    With `like`, an array of another library, the functions get such arrays instead of numpy's, of its type and on its
-    device: a tensor of PyTorch, or an array of JAX, CuPy or whatever knows the array API, padded to a power of two, so that
-    JAX compiles for few lengths. A module of PyTorch gets tensors like its parameters without that, and no gradients are
-    recorded. Values of single precision are worth no more than that.
+    `bounds` is a box that contains the shape, which is cut off there. With `lipschitz` you promise that the values of two
+    points differ by no more than this number times their distance; proofs then assume it. Without it, meshes are measured
+    at samples. `gradient` is a function that returns the derivatives along x, y and z, n × 3; without it they are estimated
+    from four values near each point. `report["run"]["evaluations"]` of a mesh is the number of points that were evaluated.
+
+    With `like`, an array of another library, the functions are called with such arrays instead of numpy's, of its type and on
+    its device: a tensor of PyTorch, or an array of JAX, CuPy or any library with the array API, padded to a power of two so
+    that JAX compiles for few lengths. A module of PyTorch is called with tensors like its parameters even without `like`, and
+    no gradients are recorded. Values in single precision keep their rounding errors.
 
     >>> import chordal, numpy
     >>> ball = chordal.field(lambda p: numpy.linalg.norm(p, axis=1) - 1, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
@@ -441,8 +442,8 @@ def field(
         try_at_points(what, None if bounds is None else _box("bounds", bounds))
     sided = None if is_plain else Sided(level, is_high)
     values = of_bytes(what, "function", lambda n: ((n,), (n, 1)), like, None if sided is None else sided.value)
-    turned = None if sided is None else sided.slope
-    slopes = None if gradient is None else of_bytes(gradient, "gradient", lambda n: ((n, 3),), like, turned)
+    turn = None if sided is None else sided.slope
+    slopes = None if gradient is None else of_bytes(gradient, "gradient", lambda n: ((n, 3),), like, turn)
     words = {"bounds": bounds, "lipschitz": lipschitz, "gradient": gradient, "like": like, "iso": level, "inside": inside}
     recipe: Recipe = (field, (what,), words)
     uncut = _chordal.ScriptValue.callable(values, slopes, slope)
@@ -450,7 +451,8 @@ def field(
         return Field(uncut, None, recipe)
     box = _box("bounds", bounds)
     warn_of_complement(values, box)
-    # A network is anything far from what it has learned: what is made of this one alone does not rest on the box.
+    # Far from its training data a network may have any value: results of this field alone are cut off at the box, and do not
+    # rely on the promise that the shape lies within it.
     return Field(uncut.with_bounds(box), uncut.source(box), recipe, uncut)
 
 
@@ -467,40 +469,40 @@ def _field_by(shape: Shape) -> str:
 def script(source: str, **parameters: SupportsFloat) -> Field:
     """The shape of a shape script: a few lines of Starlark, run within limits and without any files.
 
-    Keyword arguments set the script's parameters. Raises `ReadError` with line and column; gives a
-    `UserWarning` for a line that is likely to mean something else, as in `a | b - c`.
+    Keyword arguments set the script's parameters. Raises `ReadError` with line and column; warns with a
+    `UserWarning` of a line that is likely a mistake, as `a | b - c`.
 
     >>> import chordal
     >>> chordal.script("box(2, 2, 1) - cylinder(param('r', 0.4), 2)", r=0.5)([[0, 0, 0]])
     array([0.5])
     """
-    found = _text("source", source)
-    if found is None:
+    script_text = _text("source", source)
+    if script_text is None:
         raise TypeError("source: a text, not None")
-    value, _, oddities = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
-    for line, message in oddities:
+    value, _, likely_mistakes = _chordal.script(script_text, [(name, float(value)) for name, value in parameters.items()])
+    for line, message in likely_mistakes:
         warnings.warn(f"line {line}: {message}", stacklevel=2)
     return Field(value, None, (script, (source,), dict(parameters)))
 
 
-#: Larger whole powers are rare, and cost a multiplication for each bit.
+#: The largest exponent that is expanded. Chosen: larger whole powers are rare, and cost a multiplication for each bit.
 _LARGEST_POWER = 1024
 
 
 def _power(base: Formula, exponent: int) -> Formula:
-    """By squaring, so that equal factors are shared."""
-    made: Formula | None = None
+    """A whole power by squaring, so that equal factors are shared."""
+    product: Formula | None = None
     while exponent:
         if exponent & 1:
-            made = base if made is None else made * base
+            product = base if product is None else product * base
         exponent >>= 1
         if exponent:
             base = base * base
-    assert made is not None
-    return made
+    assert product is not None
+    return product
 
 
-#: What numpy calls otherwise, or what stands for it, by its names.
+#: Equivalents of functions that formulas do not have, by their names in numpy.
 _INSTEAD: dict[str, str] = {
     "clip": "minimum(maximum(x, low), high)",
     "where": "minimum and maximum",
@@ -519,7 +521,7 @@ _INSTEAD: dict[str, str] = {
 
 
 def _no_function(name: str) -> TypeError:
-    """What is raised for a function of numpy that formulas have not."""
+    """The error for a function of numpy that formulas do not have."""
     way = f"; here it is {_INSTEAD[name]}" if name in _INSTEAD else ""
     return TypeError(f"formulas have no {name}{way}; they have {', '.join(_OF_LANGUAGE)}, abs, +, -, *, / and **")
 
@@ -540,8 +542,8 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
     "fabs": abs,
     "power": pow,
     "float_power": pow,
-    "square": lambda one: one * one,
-    "reciprocal": lambda one: 1 / one,
+    "square": lambda value: value * value,
+    "reciprocal": lambda value: 1 / value,
     "hypot": lambda a, b: called("sqrt", a * a + b * b),
     "arcsin": _named("asin"),
     "arccos": _named("acos"),

@@ -1,4 +1,4 @@
-"""Files: only regular ones are read, and whole; one is replaced only by a complete one."""
+"""Files: reads only regular files, as a whole, and replaces files atomically."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def shown(path: Path) -> str:
 
 
 def read(path: Path) -> bytes:
-    """All bytes of a file. What is no file is refused before it is opened: a pipe would wait for its other end."""
+    """All bytes of a file. Anything but a regular file is refused before it is opened: a pipe would wait for its other end."""
     _refuse_irregular(os.stat(path), path)
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     with open(os.open(path, flags), "rb") as file:
@@ -44,7 +44,7 @@ def read(path: Path) -> bytes:
 
 
 def read_open(file: Readable) -> tuple[str | None, bytes]:
-    """All that is left in an open binary file, and its name, if it has one."""
+    """The remaining bytes of an open binary file, and its name, if it has one."""
     content = file.read(_chordal.MOST_BYTES + 1)
     if not isinstance(content, (bytes, bytearray, memoryview)):
         kind = type(content).__name__
@@ -57,19 +57,21 @@ def read_open(file: Readable) -> tuple[str | None, bytes]:
 
 
 def slices_of(folder: Path) -> tuple[str, bytes]:
-    """The list of the files in a folder, which stands for the slices of DICOM in it, with a name in it. As the command does."""
+    """The list of files in a folder with slices of DICOM, as the content of a file that stands for them, and a name for it. The
+    command does the same.
+    """
     names = [entry.name for entry in os.scandir(folder) if entry.is_file() and not entry.name.startswith(".")]
-    own = os.fspath(folder)
-    if not any(_is_slice(os.path.join(own, name)) for name in names):
+    path = os.fspath(folder)
+    if not any(_is_slice(os.path.join(path, name)) for name in names):
         message = f"{os.strerror(errno.EISDIR)}: of folders those with slices of DICOM are read, and this has none"
         raise IsADirectoryError(errno.EISDIR, message, shown(folder))
     # The first line is defined by `dicom::slice_list`.
     lines = ["#dicom-slices", *sorted(name for name in names if "\n" not in name and "\r" not in name), ""]
-    return shown(os.path.join(own, "slices")), "\n".join(lines).encode()
+    return shown(os.path.join(path, "slices")), "\n".join(lines).encode()
 
 
 def _is_slice(path: str) -> bool:
-    # The mark of a slice is at byte 128 (DICOM PS3.10, 2024).
+    # The magic number of DICOM is at byte 128 (DICOM PS3.10, 2024).
     try:
         with open(path, "rb") as file:
             return file.read(132)[128:] == b"DICM"
@@ -77,22 +79,22 @@ def _is_slice(path: str) -> bool:
         return False
 
 
-def _refuse_irregular(found: os.stat_result, path: Path) -> None:
-    if stat.S_ISDIR(found.st_mode):
+def _refuse_irregular(status: os.stat_result, path: Path) -> None:
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), shown(path))
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise ReadError("not-a-file", None, "this is a device, pipe or socket, not a file", shown(path))
 
 
 def refuse_irregular_target(target: str, path: Path) -> None:
-    """Raise `OSError` where the name of a file to be written is that of a folder or of a device."""
+    """Raise `OSError` if the path of a file to be written is a folder or a device."""
     if os.path.lexists(target) and not os.path.isfile(target):
         kind = errno.EISDIR if os.path.isdir(target) else errno.EINVAL
         raise OSError(kind, os.strerror(kind), shown(path))
 
 
 def replace(path: Path, content: bytes) -> None:
-    """Give a file this content: written aside, synced, renamed, so that the name only ever shows a whole one."""
+    """Replace a file atomically: the content is written to a temporary file, synced and renamed, so that no reader sees a part."""
     target = os.path.realpath(path)
     refuse_irregular_target(target, path)
     folder = os.path.dirname(target)
@@ -105,7 +107,7 @@ def replace(path: Path, content: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         with contextlib.suppress(OSError):
-            # Who could read the old file can read the new one.
+            # Keep the permissions of the old file.
             os.chmod(aside, stat.S_IMODE(os.stat(target).st_mode))
         os.replace(aside, target)
     except BaseException:

@@ -1,4 +1,4 @@
-"""Names of other libraries, by what they belong to here, with the call that does the same."""
+"""Names of other libraries, by the class or module here on which they are tried, with the equivalent call."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _ELSE = "Chordal has none"
 _BACK = "meshes come back by Mesh.from_"
 _INSIDE_OUT = "chordal.Mesh(mesh.vertices, mesh.faces[:, ::-1])"
 
-#: What files are called by, as in `to_stl`.
+#: Extensions in names of methods, as in `to_stl`.
 _EXTENSIONS = ("stl", "obj", "ply", "glb", "gltf", "3mf")
 
-#: What all shapes do.
+#: Names that apply to all shapes.
 _VERBS: dict[str, str] = {
     **dict.fromkeys(
         ("simplify", "decimate", "decimate_pro", "reduce", "remesh", "tessellate", "triangulate", "to_mesh")
@@ -59,7 +59,7 @@ _VERBS: dict[str, str] = {
     **dict.fromkeys(("screenshot", "save_image", "picture"), 'shape.render(…).export("a.png")'),
 }
 
-#: What only a mesh does or has.
+#: Names that apply to meshes alone.
 _MESHES: dict[str, str] = {
     **dict.fromkeys(("plot", "view", "display"), 'mesh.show(), in a notebook; else mesh.render().export("a.png")'),
     **dict.fromkeys(("n_faces", "n_cells", "num_faces", "n_triangles", "num_tri", "number_of_cells"), "len(mesh.faces)"),
@@ -222,7 +222,7 @@ _MESHES: dict[str, str] = {
     ),
 }
 
-#: What a mesh of other libraries does and ours does not: the way there.
+#: Operations that only meshes of other libraries have: the conversion to them.
 _ELSEWHERE: dict[str, str] = {
     **{
         name: f"{_ELSE}: mesh.to_trimesh().{name}, or the like of mesh.to_pyvista(); {_BACK}"
@@ -238,7 +238,7 @@ _ELSEWHERE: dict[str, str] = {
     "sample_points_uniformly": f"{_ELSE}: mesh.to_trimesh().sample(count)",
 }
 
-#: What else these libraries do with a mesh.
+#: Further operations of these libraries.
 _OF_LIBRARIES: dict[str, str] = {
     name: f"{_ELSE}: mesh.{library}().{name}; {_BACK}"
     for library, names in NAMES.items()
@@ -326,7 +326,7 @@ _DEVIATIONS: dict[str, str] = {
     **dict.fromkeys(("mean", "rms"), "mesh.vertex_deviation(other).mean(), of vertices alone"),
 }
 
-#: What shapes do and what has a `shape()` does not.
+#: Methods of shapes that curves and cages only have after `shape()`.
 _OF_SHAPES = ("mesh", "lod", "inspect", "deviation", "bake", "render", "show", "export", "to_bytes", "to_field", "union")
 
 _CURVES: dict[str, str] = {
@@ -507,7 +507,7 @@ _BOUNDS: dict[str, str] = {
     **dict.fromkeys(("holds", "within", "meets", "ok"), "bound.is_within(length)"),
 }
 
-#: By classes and modules here: what they answer.
+#: The tables of hints, by classes and modules here.
 NOUNS: dict[str, tuple[Mapping[str, str], ...]] = {
     "Field": (_FIELDS, _VERBS, _CLASSES),
     "Volume": (_VOLUMES, _VERBS, _CLASSES),

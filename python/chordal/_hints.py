@@ -1,4 +1,4 @@
-"""What things are called elsewhere, and the call that does them here: for names and keywords that somebody guesses."""
+"""Hints for guessed names and keywords: equivalents of names of other libraries."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from chordal._guessed_names import NOUNS
 P = ParamSpec("P")
 R = TypeVar("R")
 
-#: Keywords of other libraries, by what stands for them here.
+#: Keywords of other libraries, by their equivalents here.
 _KEYWORDS: dict[str, tuple[str, ...]] = {
     "triangles=": ("faces", "n_faces", "face_count", "target_count", "target_number_of_triangles", "max_triangles")
     + ("max_faces", "count", "n_triangles", "num_faces"),
@@ -53,7 +53,7 @@ _KEYWORDS: dict[str, tuple[str, ...]] = {
 }
 
 
-#: Keywords of other libraries for which no single one stands here: the way there, where a function has one of these.
+#: Keywords of other libraries without a single equivalent: keywords, an argument that the function must have, and the hint.
 _ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
     (
         ("ratio", "percent", "fraction", "target_reduction", "keep", "reduction"),
@@ -86,49 +86,51 @@ _ANSWERS: tuple[tuple[tuple[str, ...], str, str], ...] = (
 
 
 def found_hint(owner: str, name: str) -> str | None:
-    """The call that does here what a name does elsewhere; None where nothing is known of it."""
+    """The equivalent here of a name of another library; None if there is none."""
     tables = NOUNS.get(owner, ())
-    found = next((table[name] for table in tables if name in table), None)
-    if found is None and owner == "Field":
+    hint = next((table[name] for table in tables if name in table), None)
+    if hint is None and owner == "Field":
         from chordal import shapes
 
-        # What scripts do with a shape stands beside it.
-        found = f"chordal.shapes.{name}(…)" if name in shapes.__all__ else None
-    return found
+        # Operations of scripts are functions of `chordal.shapes`, not methods.
+        hint = f"chordal.shapes.{name}(…)" if name in shapes.__all__ else None
+    return hint
 
 
 def no_attribute(owner: str, title: str, name: str, thing: object) -> AttributeError:
-    """What is raised for a name that is not there."""
+    """The error for a missing attribute, with a hint if there is one."""
     sentence = f"{title} has no attribute {name!r}"
     if not name.startswith("_"):
         hint = found_hint(owner, name)
         if hint is None:
-            # Those that begin alike: who asks `hasattr` does not read it, and is not to wait for it.
+            # Only names with the same beginning are compared: `hasattr` discards the message, and should not wait for it.
             owned = thing if isinstance(thing, (type, types.ModuleType)) else type(thing)
-            near = difflib.get_close_matches(name, [known for known in _names_in(owned) if known[:3] == name[:3]], 1)
+            near = difflib.get_close_matches(name, [other for other in _names_in(owned) if other[:3] == name[:3]], 1)
             hint = f"is {near[0]} meant?" if near else None
         sentence += "" if hint is None else f": {hint}"
     return AttributeError(sentence)
 
 
-#: The names of classes and modules, once they were asked for.
+#: The names in classes and modules, by identity, computed once.
 _OWN_NAMES: dict[int, list[str]] = {}
 
 
 def _names_in(owner: object) -> list[str]:
-    # Classes and modules stay, so that their numbers do.
+    # Classes and modules are never freed, so their identities stay valid.
     if id(owner) not in _OWN_NAMES:
         _OWN_NAMES[id(owner)] = dir(owner)
     return _OWN_NAMES[id(owner)]
 
 
 def owner_of(kind: type) -> str:
-    """The name of a class, or of the first of those that it is made of, that the table knows."""
+    """The name of the first class in the inheritance order that has a table of hints."""
     return next((base.__name__ for base in kind.__mro__ if base.__name__ in NOUNS), "")
 
 
 class Guessed:
-    """What says of a name that it has not what is meant. Type checkers see nothing of that, so that they refuse such names."""
+    """A base of classes whose errors for missing attributes have hints. Type checkers do not see the method, and so still refuse
+    such names.
+    """
 
     __slots__ = ()
 
@@ -137,13 +139,13 @@ class Guessed:
         def __getattr__(self, name):
             kind = type(self)
             if any(name in base.__dict__ for base in kind.__mro__):
-                # It is there, and what it raised is an AttributeError: that one.
+                # The attribute exists, and its property raised an AttributeError: raise that one again.
                 return object.__getattribute__(self, name)
             raise no_attribute(owner_of(kind), kind.__name__, name, self)
 
 
 class GuessedType(type):
-    """The same for names of the class itself, as in `Mesh.from_trimesh`."""
+    """The same for attributes of a class itself, as in `Mesh.from_trimesh`."""
 
     if not TYPE_CHECKING:
 
@@ -152,23 +154,23 @@ class GuessedType(type):
 
 
 def keywords_hinted(function: Callable[P, R]) -> Callable[P, R]:
-    """A function that says of a keyword that it has not what is meant."""
-    all_of_them = inspect.signature(function).parameters.values()
-    by_kind = {kind: [one.name for one in all_of_them if one.kind is kind] for kind in inspect._ParameterKind}
-    one_kind = inspect.Parameter
-    if by_kind[one_kind.VAR_KEYWORD]:
+    """Wraps a function so that its errors for unknown keywords have hints."""
+    parameters = inspect.signature(function).parameters.values()
+    by_kind = {kind: [p.name for p in parameters if p.kind is kind] for kind in inspect._ParameterKind}
+    kinds = inspect.Parameter
+    if by_kind[kinds.VAR_KEYWORD]:
         return function
-    placed, named_only = by_kind[one_kind.POSITIONAL_OR_KEYWORD], by_kind[one_kind.KEYWORD_ONLY]
-    known = frozenset(placed + named_only) - {"self"}
-    most = len(placed) + len(by_kind[one_kind.POSITIONAL_ONLY])
-    needed = [one.name for one in all_of_them if one.name in placed and one.default is one.empty]
-    is_counted = bool(named_only) and not by_kind[one_kind.VAR_POSITIONAL]
+    positional, named_only = by_kind[kinds.POSITIONAL_OR_KEYWORD], by_kind[kinds.KEYWORD_ONLY]
+    known = frozenset(positional + named_only) - {"self"}
+    most = len(positional) + len(by_kind[kinds.POSITIONAL_ONLY])
+    needed = [p.name for p in parameters if p.name in positional and p.default is p.empty]
+    is_counted = bool(named_only) and not by_kind[kinds.VAR_POSITIONAL]
 
     @functools.wraps(function)
     def hinted(*args: P.args, **named: P.kwargs) -> R:
         if not named.keys() <= known:
-            wrong = next(name for name in named if name not in known)
-            raise TypeError(f"{_title(function)}() has no argument {wrong!r}: {meant_keyword(wrong, known)}")
+            unknown = next(name for name in named if name not in known)
+            raise TypeError(f"{_title(function)}() has no argument {unknown!r}: {meant_keyword(unknown, known)}")
         if is_counted and len(args) > most:
             raise TypeError(f"{_title(function)}() takes these by name: " + ", ".join(f"{name}=" for name in named_only))
         title = _title(function)
@@ -183,7 +185,7 @@ def _title(function: Callable[..., Any]) -> str:
     return function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
 
 
-#: Who makes what of what, for those who call a class.
+#: The functions that create instances, for callers of a class.
 _MAKERS: dict[str, str] = {
     "Mesh": "Mesh(vertices, faces) takes arrays; chordal.load reads files, chordal.Mesh.from_ takes meshes of other libraries",
     "Volume": "chordal.volume(array, spacing=…) makes it, chordal.load of a file, and .bake of another shape",
@@ -195,32 +197,32 @@ _MAKERS: dict[str, str] = {
 
 
 def refuse_own(made: object, given: object, wanted: type) -> None:
-    """Raises `TypeError` where a class is called whose things functions make, and says which."""
+    """Raises `TypeError` if a user calls a class whose instances come from functions, and names these functions."""
     if not isinstance(given, wanted):
         title = type(made).__name__
         raise TypeError(f"{title} is not made of {type(given).__name__}: {_MAKERS.get(title, _MAKERS['Shape'])}")
 
 
 def hint_keywords_of(kind: type) -> None:
-    """The same for the keywords by which a dataclass is made."""
+    """The same for the keywords of a dataclass."""
     kind.__init__ = keywords_hinted(kind.__init__)  # type: ignore[misc]
 
 
 def meant_keyword(wrong: str, known: Iterable[str]) -> str:
-    """What stands for a keyword of another library, among those that a function has."""
+    """A hint for an unknown keyword, among the `known` ones of a function."""
     names = sorted(known)
     for words, needed, answer in _ANSWERS:
         if wrong in words and needed in known:
             return answer
-    for own, others in _KEYWORDS.items():
-        if wrong in others and own.rstrip("=") in names:
-            return f"here it is {own}"
+    for keyword, others in _KEYWORDS.items():
+        if wrong in others and keyword.rstrip("=") in names:
+            return f"here it is {keyword}"
     near = difflib.get_close_matches(wrong, names, 1)
     return f"is {near[0]}= meant?" if near else "it has " + ", ".join(f"{name}=" for name in names)
 
 
 def module_hint(module: str, name: str, thing: object) -> AttributeError:
-    """What is raised for a name that a module has not."""
+    """The error for a missing name of a module, with a hint if there is one."""
     from chordal import shapes
 
     if module == "chordal" and name in shapes.__all__:

@@ -1,5 +1,5 @@
-"""Images of other libraries as volumes, and volumes as theirs. Nothing of these libraries is imported before it is asked
-for: an object is known by what it says of itself.
+"""Conversion of volumes from and to images of other libraries. Libraries are imported only for conversions to them: their
+objects are recognized by their attributes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Lattice:
-    """Samples, the matrix that takes their indices to space, and the unit of that."""
+    """Samples, the matrix that maps their indices to space, and the unit of space."""
 
     array: Any
     affine: NDArray[np.float64]
@@ -26,13 +26,13 @@ class Lattice:
 
 
 def lattice_of(thing: Any) -> Lattice | None:
-    """What an image of another library says; None for anything else."""
-    return next((read(thing) for is_one, read in _KNOWN if is_one(thing)), None)
+    """The lattice of an image of another library; None for anything else."""
+    return next((read(thing) for is_of_library, read in _KNOWN if is_of_library(thing)), None)
 
 
 def lattice_like(thing: Any) -> bool:
-    """Whether it is an image of another library."""
-    return any(is_one(thing) for is_one, _ in _KNOWN)
+    """Whether an object is an image of another library."""
+    return any(is_of_library(thing) for is_of_library, _ in _KNOWN)
 
 
 def _has(*names: str) -> Callable[[Any], bool]:
@@ -48,8 +48,9 @@ def _of_nibabel(image: Any) -> Lattice:
 
 
 def nibabel_facts(image: Any) -> tuple[bool, str | None]:
-    """Whether its numbers are meant as they are stored, since nothing scales them; and the unit of its coordinates."""
-    # A header that was read has lost these; an image that was made of an array has none.
+    """Whether the stored numbers are the values, without a scale; and the unit of the coordinates."""
+    # The scale is an attribute of the data object, since the header of a file no longer has it once it is read. An image from an
+    # array has none.
     slope, inter = getattr(image.dataobj, "slope", 1), getattr(image.dataobj, "inter", 0)
     unit = None
     if hasattr(image.header, "get_xyzt_units"):
@@ -88,20 +89,20 @@ def _of_xarray(data: Any) -> Lattice:
         affine[axis, 3] = places[0]
         affine[axis, axis] = (places[-1] - places[0]) / len(steps) if len(steps) else 1.0
     units = {str(data.coords[name].attrs.get("units")) for name in names if name in data.coords}
-    known = {"um", "mm", "cm", "m", "km", "in", "ft"}
-    turned = data.transpose(*names)
-    # An array of Dask stays one.
-    values = turned.data if hasattr(turned, "data") else turned.values
-    return Lattice(values, affine, units.pop() if len(units) == 1 and units <= known else None)
+    known_units = {"um", "mm", "cm", "m", "km", "in", "ft"}
+    transposed = data.transpose(*names)
+    # `data` keeps a Dask array as it is, while `values` would load it.
+    values = transposed.data if hasattr(transposed, "data") else transposed.values
+    return Lattice(values, affine, units.pop() if len(units) == 1 and units <= known_units else None)
 
 
 def _of_vtk(image: Any) -> Lattice:
-    """An image of VTK, which PyVista's are, too: its samples are counted from where its extent begins."""
+    """The lattice of an image of VTK or PyVista. Indices are relative to the start of its extent."""
     import numpy as np
 
     values = _scalars_of_vtk(image)
     shape = tuple(int(side) for side in image.GetDimensions())
-    # Scalars of cells are one less along each axis, and stand at their middles.
+    # There is one cell less than points along each axis, and scalars of cells are samples at their centres.
     is_of_cells = len(values) != int(np.prod(shape))
     if is_of_cells:
         shape = tuple(max(side - 1, 1) for side in shape)
@@ -115,7 +116,7 @@ def _of_vtk(image: Any) -> Lattice:
 
 
 def _scalars_of_vtk(image: Any) -> NDArray[Any]:
-    """The active scalars of points, else of cells; of PyVista's those that it calls active."""
+    """The active scalars: PyVista's own choice, else those of points, else those of cells."""
     import numpy as np
 
     if hasattr(image, "active_scalars"):
@@ -125,8 +126,8 @@ def _scalars_of_vtk(image: Any) -> NDArray[Any]:
         values = None if scalars is None else library("vtkmodules.util.numpy_support").vtk_to_numpy(scalars)
     if values is None:
         raise ValueError("array: this image has no active scalars")
-    found: NDArray[Any] = np.asarray(values)
-    return found
+    scalars_array: NDArray[Any] = np.asarray(values)
+    return scalars_array
 
 
 _KNOWN: tuple[tuple[Callable[[Any], bool], Callable[[Any], Lattice]], ...] = (
@@ -138,7 +139,7 @@ _KNOWN: tuple[tuple[Callable[[Any], bool], Callable[[Any], Lattice]], ...] = (
 
 
 class Imaged:
-    """A volume as an image of another library."""
+    """Conversions of a volume to images of other libraries."""
 
     __slots__ = ()
     array: Any
@@ -146,12 +147,12 @@ class Imaged:
     unit: Any
 
     def to_nibabel(self) -> Any:
-        """An image of nibabel, with this volume's matrix as it is, and its unit where NIfTI has it."""
+        """An image of nibabel, with the matrix of this volume, and its unit if NIfTI has it."""
         nibabel = library("nibabel")
         import numpy as np
 
         array = self.array
-        # NIfTI-1 has these, and nibabel asks for 64-bit integers to be meant.
+        # NIfTI-1 has 64-bit integers, but nibabel wants the type to be stated for them.
         image = nibabel.Nifti1Image(np.asarray(array), self.affine, dtype=array.dtype)
         name = {"mm": "mm", "m": "meter", "um": "micron"}.get(self.unit)
         if name is not None:
@@ -161,7 +162,7 @@ class Imaged:
         return image
 
     def to_simpleitk(self) -> Any:
-        """An image of SimpleITK. Raises `ValueError` where the axes are not at right angles, which it cannot say."""
+        """An image of SimpleITK. Raises `ValueError` if the axes are not orthogonal, which SimpleITK cannot represent."""
         import numpy as np
         SimpleITK = library("SimpleITK")
 
@@ -177,27 +178,27 @@ class Imaged:
         return image
 
     def to_pyvista(self) -> Any:
-        """A `pyvista.ImageData` with the samples as point data "values". Its scalars are a copy."""
+        """A `pyvista.ImageData` with a copy of the samples as point data "values"."""
         pyvista = library("pyvista")
         import numpy as np
 
-        made = pyvista.ImageData(dimensions=self.array.shape)
-        made.index_to_physical_matrix = np.array(self.affine)
-        made.point_data["values"] = self.array.ravel(order="F")
-        made.set_active_scalars("values")
-        return made
+        image = pyvista.ImageData(dimensions=self.array.shape)
+        image.index_to_physical_matrix = np.array(self.affine)
+        image.point_data["values"] = self.array.ravel(order="F")
+        image.set_active_scalars("values")
+        return image
 
     def to_xarray(self) -> Any:
-        """A DataArray of xarray along x, y and z. Raises `ValueError` where the axes are turned, which it cannot say."""
+        """A DataArray of xarray along x, y and z. Raises `ValueError` if the axes are rotated, which xarray cannot represent."""
         import numpy as np
         xarray = library("xarray")
 
         steps = self.affine[:3, :3]
         if np.any(steps != np.diag(np.diag(steps))):
             raise ValueError("the axes are not those of space, and coordinates along dimensions cannot say that")
-        told = {} if self.unit is None else {"units": self.unit}
+        attributes = {} if self.unit is None else {"units": self.unit}
         coords = {
-            name: (name, self.affine[axis, 3] + steps[axis, axis] * np.arange(self.array.shape[axis]), told)
+            name: (name, self.affine[axis, 3] + steps[axis, axis] * np.arange(self.array.shape[axis]), attributes)
             for axis, name in enumerate("xyz")
         }
         return xarray.DataArray(self.array, dims=("x", "y", "z"), coords=coords)

@@ -1,6 +1,6 @@
 """The functions of shape scripts, by the same names: the text of a script also runs after `from chordal.shapes import *`.
 
-What each of them means, and what its value is worth as a distance, is on the page on shape scripts.
+The page on shape scripts describes each of them, and the quality of its value as a distance.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def _parts(name: str, vector: Any, y: object, least: int) -> Sequence[Any]:
-    """The numbers of a vector that is given in their place."""
+    """The components of a vector that is given in place of separate numbers."""
     parts = vector.tolist() if hasattr(vector, "tolist") else vector
     if y is not None or not isinstance(parts, (list, tuple)) or not least <= len(parts) <= 3:
         raise TypeError(f"{name}: x, y and z are three numbers, or one vector as in (1, 2, 3)")
@@ -566,6 +566,6 @@ def material(
 
 
 for _name, _function in list(globals().items()):
-    # Keywords that somebody guesses are answered, as in sphere(r=1).
+    # Guessed keywords, as in sphere(r=1), get an error that names the right one.
     if getattr(_function, "__module__", None) == __name__ and not _name.startswith("_"):
         globals()[_name] = keywords_hinted(_function)

@@ -15,7 +15,7 @@ from chordal._options import options
 from chordal._shape import Shape
 from chordal._sourced import plain_reading
 
-#: The share of each line that stands left of x = 0.
+#: The share of each line's advance width that lies left of x = 0.
 _ALIGNMENTS = {"left": 0.0, "center": 0.5, "right": 1.0}
 
 
@@ -27,12 +27,12 @@ def text(
     align: Literal["left", "center", "right"] = "left",
     **axes: SupportsFloat,
 ) -> Field:
-    """The letters of a text in a font, as a shape of the plane: the exact distance to polygons within `tolerance` of the
-    outlines, and a lower bound where outlines overlap. `em` is the length of the font's em; `align`
-    says whether lines start at x = 0, or by their advance widths are centred there or end there; `axes` say where those of a
-    variable font are, as in `wght=700`. `Field.notes` has the distance of the polygons.
+    """The letters of a text in a font, as a plane shape: the exact distance to polygons within `tolerance` of the outlines, or a
+    lower bound where outlines overlap. `em` is the length of the font's em. Lines start at x = 0, or are centred or end there by
+    their advance widths, as `align` says. `axes` are coordinates of a variable font, as in `wght=700`. `Field.notes` has the
+    distance of the polygons from the outlines.
 
-    Raises `ReadError` for what the font cannot set, and `OSError` where there is none.
+    Raises `ReadError` for a text that the font cannot set, and `OSError` if the font cannot be read.
     """
     length = number("tolerance", tolerance)
     if align not in _ALIGNMENTS:
@@ -46,10 +46,10 @@ def text(
 
 
 def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
-    """What a drawing fills, as a shape of the plane with y up: the exact distance to polygons within `tolerance` of its
-    curves, and a lower bound where they overlap. `Field.notes` has the distance of the polygons.
+    """The filled regions of a drawing, as a plane shape with y up: the exact distance to polygons within `tolerance` of its
+    curves, or a lower bound where they overlap. `Field.notes` has the distance of the polygons from the curves.
 
-    Raises `ReadError` where the file is no drawing, and `OSError` where there is none.
+    Raises `ReadError` if the file is not a drawing, and `OSError` if it cannot be read.
     """
     length = number("tolerance", tolerance)
     drawing = load(name, format="svg")
@@ -57,6 +57,6 @@ def svg(name: str | os.PathLike[str], tolerance: SupportsFloat) -> Field:
 
 
 def _filled(drawing: Shape, name: str, tolerance: float) -> Field:
-    """What a drawing fills."""
+    """The field of a drawing's filled regions."""
     value = _chordal.drawing_field(drawing._source, name, tolerance)
     return Field(value, None, (_filled, (drawing, name, tolerance), {}))

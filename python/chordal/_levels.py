@@ -39,9 +39,9 @@ class Level:
 
     #: Its triangles.
     mesh: Mesh
-    #: How far they are from the shape itself.
+    #: The distance of its triangles from the shape itself.
     bound: Bound
-    #: From this distance of the eye to the shape's box on it may be shown; None where no distance is far enough.
+    #: The least distance from the eye to the shape's box at which it may be shown; None if no distance is large enough.
     distance: float | None
 
     def __repr__(self) -> str:
@@ -50,10 +50,10 @@ class Level:
 
 
 class Levels(Sequence[Level], Guessed, Remakeable):
-    """Levels of detail, the finest first, each proved against the shape itself. `Shape.lod` makes them.
+    """Levels of detail, the finest first, each proved against the shape itself. `Shape.lod` returns them.
 
-    `levels.at(distance)` is the one to show; `export` writes all as one glTF or as 3D Tiles. Distances are in units, from the
-    eye to the shape's box.
+    `levels.at(distance)` is the level to show; `export` writes all levels as one glTF or as 3D Tiles. Distances are in units,
+    from the eye to the shape's box.
 
     >>> import chordal
     >>> levels = chordal.shapes.sphere(1).lod(pixels=1, tol=0.02)
@@ -63,27 +63,27 @@ class Levels(Sequence[Level], Guessed, Remakeable):
     True
     """
 
-    __slots__ = ("_facts", "_levels", "_own", "_recipe")
+    __slots__ = ("_cached", "_facts", "_levels", "_recipe")
 
     def __init__(self, levels: _chordal.Levels, recipe: Recipe | None = None) -> None:
         self._recipe: Recipe | None = recipe
         self._levels: Final = levels
         self._facts: Final[dict[str, Any]] = json.loads(levels.report)
-        self._own: dict[int, Level] = {}
+        self._cached: dict[int, Level] = {}
 
     @property
     def report(self) -> Report:
-        """The report of `chordal lod --json`, which `docs/schema` describes. It is yours to change."""
+        """The report of `chordal lod --json`, which `docs/schema` describes. You may change it."""
         return Report(json.loads(self._levels.report))
 
     @property
     def bound(self) -> Bound:
-        """That of the finest level."""
+        """The bound of the finest level."""
         return bound_of(self._facts["certificate"]["bound"])
 
     @property
     def distances(self) -> tuple[float | None, ...]:
-        """For each level the distance from the eye to the box from which on it may be shown."""
+        """For each level, the least distance from the eye to the box at which it may be shown."""
         return tuple(level["distance"] for level in self._rows())
 
     def _rows(self) -> list[dict[str, Any]]:
@@ -91,10 +91,10 @@ class Levels(Sequence[Level], Guessed, Remakeable):
         return rows
 
     def at(self, distance: SupportsFloat) -> Level:
-        """The coarsest level that may be shown from a distance; the finest where none may."""
-        far = number("distance", distance)
-        shown = [k for k, start in enumerate(self.distances) if start is not None and start <= far]
-        return self[max(shown, default=0)]
+        """The coarsest level that may be shown at a distance; the finest if none may."""
+        eye_distance = number("distance", distance)
+        allowed = [k for k, start in enumerate(self.distances) if start is not None and start <= eye_distance]
+        return self[max(allowed, default=0)]
 
     def __len__(self) -> int:
         return len(self._rows())
@@ -107,25 +107,25 @@ class Levels(Sequence[Level], Guessed, Remakeable):
 
     def __getitem__(self, index: int | slice) -> Level | list[Level]:
         chosen = range(len(self))[index]
-        return self._one(chosen) if isinstance(chosen, int) else [self._one(k) for k in chosen]
+        return self._level(chosen) if isinstance(chosen, int) else [self._level(k) for k in chosen]
 
-    def _one(self, k: int) -> Level:
+    def _level(self, k: int) -> Level:
         from chordal._mesh import Mesh
 
-        if k not in self._own:
-            found = self._levels.level(k)
-            if found is None:
+        if k not in self._cached:
+            level = self._levels.level(k)
+            if level is None:
                 raise LookupError("the finest level is cut into tiles: export it as 3D Tiles")
-            source, facts = found
+            source, facts = level
             bound = bound_of(json.loads(facts))
-            self._own[k] = Level(Mesh._of_source(source, bound), bound, self.distances[k])
-        return self._own[k]
+            self._cached[k] = Level(Mesh._of_source(source, bound), bound, self.distances[k])
+        return self._cached[k]
 
     def export(self, path: str | os.PathLike[str]) -> Report:
-        """Write all levels and return the report: one glTF where the name ends in .glb or .gltf (`MSFT_lod`), else a folder
-        of 3D Tiles with its `tileset.json`.
+        """Write all levels and return the report: one glTF if the name ends in .glb or .gltf (`MSFT_lod`), else a folder of
+        3D Tiles with its `tileset.json`.
 
-        Files of these names are replaced, each by a whole one; `tileset.json` comes last.
+        Existing files are replaced atomically; `tileset.json` is the last one.
         """
         name = os.fspath(path)
         extension = os.path.splitext(name)[1].lower().lstrip(".")
@@ -138,8 +138,8 @@ class Levels(Sequence[Level], Guessed, Remakeable):
         else:
             content, beside = self._levels.tileset()
             os.makedirs(name, exist_ok=True)
-            for own, content_of_own in beside:
-                _files.replace(os.path.join(name, own), content_of_own)
+            for file_name, file_content in beside:
+                _files.replace(os.path.join(name, file_name), file_content)
             _files.replace(os.path.join(name, "tileset.json"), content)
         report["run"].update(output=_files.shown(path), bytes=len(content))
         return report
@@ -164,7 +164,7 @@ class Levels(Sequence[Level], Guessed, Remakeable):
 
 
 class Levelled(Sourced):
-    """What has levels of detail: shapes with a surface."""
+    """Shapes with a surface, which can have levels of detail."""
 
     __slots__ = ()
 
@@ -189,16 +189,19 @@ class Levelled(Sourced):
         compress: Literal["meshopt"] | None = None,
         progress: Progress | None = None,
     ) -> Levels:
-        """Levels of detail for every distance, each proved against the shape itself and at most `pixels` off on the screen.
+        """Levels of detail for every distance, each proved against the shape itself and with an error of at most `pixels` on
+        the screen.
 
-        `view` is the screen and the lens. `nearest` is how near the eye comes to the shape's box, or `tol` or `rel` what the
-        finest level may lose; without them the box fills the height of the screen there. `distances` adds rows to the
-        table in the report. `merge` makes one mesh of all parts, so that small ones can vanish into others. `tile_triangles`
-        cuts a finest level with more triangles in space, for 3D Tiles; `at` is where on the Earth these stand, as in
-        "47.37,8.54,400", and `errors` what they say of theirs: "scaled", so that the formula of viewers keeps the pixels
-        everywhere on the screen, or "plain". `quantize` and `compress` are as for `Mesh.export`.
+        `view` is the screen and the lens. `nearest` is the least distance of the eye from the shape's box; or `tol` or `rel` is
+        the budget of the finest level. Without any of them, the nearest eye is where the box fills the height of the screen.
+        `distances` adds rows to the table in the report. `merge` merges all parts into one mesh, so that small ones can vanish
+        into others.
 
-        Raises as `Shape.mesh`: `BudgetUnmet` with the levels where the finest is not within its length. Docs: `docs/lod.md`.
+        For 3D Tiles, `tile_triangles` cuts a finest level with more triangles into tiles; `at` is the place on the Earth, as
+        in "47.37,8.54,400"; and `errors` is the kind of geometric error: "scaled", with which the formula of viewers keeps the
+        error in pixels everywhere on the screen, or "plain". `quantize` and `compress` are as for `Mesh.export`.
+
+        Raises as `Shape.mesh`: `BudgetUnmet` with the levels if the finest is not within its budget. Docs: `docs/lod.md`.
 
         >>> import chordal
         >>> ring = chordal.shapes.arc(0.5, center=(2, 0)).revolve()

@@ -1,4 +1,4 @@
-"""Other libraries, imported when they are asked for."""
+"""Optional libraries, imported on demand."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ from typing import Any
 
 
 def library(name: str) -> Any:
-    """A library that this package does not need; `ImportError` where it is not installed."""
+    """Imports a library that the package does not require; raises `ImportError` if it is not installed."""
     return importlib.import_module(name)

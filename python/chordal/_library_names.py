@@ -1,10 +1,10 @@
-"""What trimesh, PyVista and Open3D do with a mesh and Chordal does not, by the methods that give a mesh to them."""
+"""Operations on meshes that trimesh, PyVista and Open3D have and Chordal has not, by the methods that convert a mesh."""
 
 from __future__ import annotations
 
 from typing import Final
 
-#: By the method of `Mesh`: names, as of trimesh 5.2, PyVista 0.49 and Open3D 0.20, which nothing of Chordal stands for.
+#: For each method of `Mesh`, the names without an equivalent in Chordal, as of trimesh 5.2, PyVista 0.49 and Open3D 0.20.
 NAMES: Final[dict[str, str]] = {
     "to_trimesh": """
         apply_obb bounding_cylinder bounding_primitive compute_stable_poses convex_decomposition edges_face edges_sorted

@@ -1,4 +1,4 @@
-"""`load`: what a file holds; and whatever else functions take for a shape."""
+"""`load`: reads a shape from a file, an open file or bytes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from chordal._volume import Volume
 File = str | os.PathLike[str] | bytes | bytearray | memoryview | _files.Readable
 
 if TYPE_CHECKING:
-    # The names of formats by what `load` makes of them.
+    # The names of formats by the class that `load` returns for them.
     _TriangleFormat = Literal[
         "stl", "ply", "off", "glb", "gltf", "3mf", "amf", "dae", "usdz", "usdc", "vtp", "vtu", "gii", "drc", "b3dm", "i3dm",
         "cmpt", "tileset"
@@ -122,23 +122,25 @@ def load(
     axes: Mapping[str, SupportsFloat] | None = None,
     index: SupportsIndex | None = None,
 ) -> Shape:
-    """Read a shape from a file, from an open one, or from the bytes of one: triangles as a `Mesh`, samples as a `Volume`, a script as a
-    `Field`, anything else as a `Shape`. Which of them it is no type checker knows of a path; `kind` says it, as in
-    `kind=chordal.Volume`, and what is of another class is a `ReadError` then.
+    """Read a shape from a file, an open file, or bytes: triangles as a `Mesh`, samples as a `Volume`, a script as a `Field`,
+    anything else as a `Shape`. Type checkers cannot know the class from a path; `kind` states it, as in
+    `kind=chordal.Volume`, and a shape of another class is then a `ReadError`.
 
-    A folder is read where it holds the slices of a series of DICOM: as one `Volume`.
+    A folder with the slices of a DICOM series is read as one `Volume`.
 
-    `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
+    `format` is an extension, as in "bpt" or "glb"; without it, the file's own extension counts, then its content.
     `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
-    `strict` refuses a glTF file for anything that Khronos' validator calls an error, also for what viewers accept,
-    and an .obj whose faces name normals or texture coordinates that it does not have; `lenient` only warns of what is
-    wrong without touching its geometry; not both. `drop_nonfinite` drops vertices that are not finite numbers, with
-    their faces, and counts them. `surface` is what the polygons of an .obj stand for; without it they are a
-    Catmull–Clark cage where the file has subdivision tags, else triangles. `text` is what a font sets, as a drawing;
-    `em` is the length of its em, 1 unless said, and `axes` says where axes of a variable font are, as in
-    `{"wght": 700}`. `index` is the volume, array or font to read of a file that holds several, counted from 0.
 
-    Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
+    `strict` refuses a glTF file for any error of Khronos' validator, even if viewers accept it, and an .obj whose faces refer
+    to missing normals or texture coordinates. `lenient` only warns of errors that do not affect the geometry. They exclude
+    each other. `drop_nonfinite` drops vertices with numbers that are not finite, and their faces, and counts them.
+
+    `surface` is the surface that the polygons of an .obj define; without it, they are a Catmull–Clark cage if the file has
+    subdivision tags, else triangles. For a font, `text` is the text to set, as a drawing; `em` is the length of its em, by
+    default 1, and `axes` has the coordinates of a variable font's axes, as in `{"wght": 700}`. `index` selects the volume,
+    array or font of a file that holds several, counted from 0.
+
+    Raises `ReadError` with the place of the error in the file, and `OSError` if the file cannot be read.
 
     >>> import chordal
     >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj", kind=chordal.Mesh)
@@ -183,20 +185,20 @@ def load(
     )
     given += [("axis", "axes", f"{tag}={number(f'axes, {tag}', value)!r}") for tag, value in (axes or {}).items()]
     reading: _chordal.Reading = {"name": name, "options": given, "align": 0.0}
-    found = read(content, reading)
-    if kind is not None and not isinstance(found, kind):
-        raise ReadError("other-kind", None, _other_kind(found, kind), name)
-    return found
+    shape = read(content, reading)
+    if kind is not None and not isinstance(shape, kind):
+        raise ReadError("other-kind", None, _other_kind(shape, kind), name)
+    return shape
 
 
-def _other_kind(found: Shape, kind: type[Shape]) -> str:
-    """What is said of a shape that is of another class than was asked for."""
-    way = ": mesh it, as in chordal.load(path).mesh(tol=0.01)" if kind is Mesh else ""
-    return f"this holds {found._source.kinds}, which are a {type(found).__name__} and not a {kind.__name__}{way}"
+def _other_kind(shape: Shape, kind: type[Shape]) -> str:
+    """The message for a shape of another class than the caller expects."""
+    hint = ": mesh it, as in chordal.load(path).mesh(tol=0.01)" if kind is Mesh else ""
+    return f"this holds {shape._source.kinds}, which are a {type(shape).__name__} and not a {kind.__name__}{hint}"
 
 
 def _warn_of_points(source: _chordal.Source) -> None:
-    """Says it where a file holds points and nothing between them."""
+    """Warns of a file that has points and no triangles."""
     parts = json.loads(_chordal.scene_facts(source))["parts"]
     n_points = sum(part["vertices"] for part in parts)
     if n_points and not any(part["faces"] for part in parts):
@@ -206,12 +208,12 @@ def _warn_of_points(source: _chordal.Source) -> None:
         )
 
 
-#: Files by which a folder is known as samples of Zarr (versions 3 and 2) or of Neuroglancer.
+#: Files that mark a folder as samples of Zarr (versions 3 and 2) or of Neuroglancer.
 _ARRAY_MARKS = ("zarr.json", ".zarray", ".zgroup", "info")
 
 
 def _who_takes(source: object) -> str:
-    """Which function takes what `load` does not."""
+    """A hint at the function that takes a source which `load` does not."""
     if mesh_like(source):
         return ": chordal.Mesh.from_ takes meshes of other libraries"
     if lattice_like(source) or hasattr(source, "__array_interface__"):
@@ -222,9 +224,9 @@ def _who_takes(source: object) -> str:
 
 
 def read(content: bytes, reading: _chordal.Reading) -> Shape:
-    """The shape of some bytes, of the class for what it is."""
+    """The shape in some bytes, as an instance of its class."""
     source = _chordal.Source(content, reading)
-    # Triangles and samples are pickled as they are; what else there is is small, and its bytes are kept for that.
+    # Triangles and samples are pickled by their arrays. Other shapes are pickled by the bytes of their files, which are small.
     if source.kind == "triangles":
         _warn_of_points(source)
         return Mesh._of_source(source)

@@ -1,4 +1,4 @@
-"""What the triangles of a mesh are painted with in a notebook: the colours of its vertices, its materials, or one for each part."""
+"""The colours of a mesh in a notebook: those of its vertices, of its materials, or one for each part."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ if TYPE_CHECKING:
 
     from chordal._mesh import Mesh
 
-#: The colour of what has none.
+#: The colour of triangles without a material.
 PLAIN: Final = "#9fb4cf"
-#: Defined: the golden section. Hues that are so far apart on their circle stay apart however many there are.
+#: The step between hues. Defined: the golden section, which keeps any number of hues apart on their circle.
 _STEP: Final = 0.6180339887498949
-#: Defined by IEC 61966-2-1: up to here sRGB is a line.
+#: The end of sRGB's linear segment. Defined by IEC 61966-2-1.
 _LINEAR_TO: Final = 0.0031308
 
 
 @dataclass(frozen=True)
 class Looks:
-    """Colours of vertices, or a group for each triangle and the colour of each group; nothing where all are alike."""
+    """Colours of vertices, or a group for each triangle and the colour of each group; all None or empty for a plain mesh."""
 
     colors: NDArray[Any] | None = None
     groups: NDArray[Any] | None = None
@@ -29,7 +29,7 @@ class Looks:
 
 
 def looks_of(mesh: Mesh) -> Looks:
-    """What a mesh is painted with."""
+    """The colours of a mesh."""
     import numpy as np
 
     parts, order = mesh.parts, _parts_in_order(mesh)
@@ -48,29 +48,29 @@ def looks_of(mesh: Mesh) -> Looks:
 
 
 def _parts_in_order(mesh: Mesh) -> list[int] | None:
-    """The part of each node in the order in which the triangles of the mesh stand; None where they do not add up."""
-    nodes, order, waiting = mesh.nodes, list[int](), list(reversed(mesh.roots))
-    while waiting:
-        node = nodes[waiting.pop()]
+    """The parts of nodes, in the order of the mesh's triangles; None if the numbers of triangles do not match."""
+    nodes, order, stack = mesh.nodes, list[int](), list(reversed(mesh.roots))
+    while stack:
+        node = nodes[stack.pop()]
         if node.part is not None:
             order.append(node.part)
-        waiting += reversed(node.children)
+        stack += reversed(node.children)
     counts = [facts["faces"] for facts in mesh._scene["parts"]]
     return order if sum(counts[k] for k in order) == len(mesh.faces) else None
 
 
 def _materials_of(part: Any) -> NDArray[Any]:
-    """The number of each triangle's material, counted from 1; 0 where it has none."""
+    """The number of each triangle's material, counted from 1; 0 if it has none."""
     import numpy as np
 
-    found = part.attribute("group", "material")
-    if found is None or found.domain != "face":
+    materials = part.attribute("group", "material")
+    if materials is None or materials.domain != "face":
         return np.zeros(len(part.faces), dtype=np.int64)
-    return np.asarray(found.values).reshape(-1).astype(np.int64)
+    return np.asarray(materials.values).reshape(-1).astype(np.int64)
 
 
 def _paint(material: dict[str, Any]) -> str:
-    """The colour of a material as a screen has it; without one it is white."""
+    """The colour of a material in sRGB; white if it has none."""
     linear = material.get("pbrMetallicRoughness", {}).get("baseColorFactor", (1, 1, 1, 1))[:3]
     return _hex([12.92 * x if x <= _LINEAR_TO else 1.055 * x ** (1 / 2.4) - 0.055 for x in linear])
 

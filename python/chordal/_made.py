@@ -1,4 +1,4 @@
-"""What was made within a budget: whether it meets it, and as a file."""
+"""Outcomes of budgets: checks whether they meet the budget, and adapts them to file formats."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from chordal._errors import BudgetUnmet
 if TYPE_CHECKING:
     from chordal import _chordal
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class Form:
-    """What a file is to be: its format, whether a glTF is quantized and by which codec it is compressed, and who is told of progress."""
+    """The form of a file: its format, for a glTF whether it is quantized and how it is compressed, and a callback for progress."""
 
     format: str
     packing: tuple[bool, str | None] = (False, None)
     progress: Callable[[str, int, int], object] | None = None
 
 
-def of_outcome(outcome: _chordal.Outcome, make: Callable[[_chordal.Outcome], Made]) -> Made:
-    """What was made, if it meets its budget; else `BudgetUnmet` carries it."""
-    made = make(outcome)
+def of_outcome(outcome: _chordal.Outcome, make: Callable[[_chordal.Outcome], Result]) -> Result:
+    """The result of an outcome, if it meets its budget; else `BudgetUnmet` carries it."""
+    result = make(outcome)
     if outcome.unmet is not None:
-        raise BudgetUnmet(outcome.unmet, made)
-    return made
+        raise BudgetUnmet(outcome.unmet, result)
+    return result
 
 
 def remade(
@@ -36,12 +36,14 @@ def remade(
     make: Callable[[_chordal.Outcome], object],
     form: Form,
 ) -> _chordal.Outcome:
-    """The same within the same budget for a format, whose rounding then counts; else `BudgetUnmet` carries what `make` makes."""
-    found = outcome.remake(form.format, form.packing, form.progress)
-    # The best of a budget that was not met may be written all the same: its owner knows.
+    """The outcome of the same budget for a format, including its rounding. If that is not met, `BudgetUnmet` carries the result
+    of `make`.
+    """
+    for_format = outcome.remake(form.format, form.packing, form.progress)
+    # If the budget was not met before, either, the caller knows, and may write the best result.
     if outcome.unmet is None:
-        of_outcome(found, make)
-    return found
+        of_outcome(for_format, make)
+    return for_format
 
 
 def counted(count: int, one: str, many: str) -> str:

@@ -1,4 +1,4 @@
-"""`Material`: what a surface looks like."""
+"""`Material`: the appearance of a surface."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from chordal._arguments import number
 from chordal._hints import hint_keywords_of
 from chordal._picture import Picture
 
-#: A file of PNG or JPEG, by its path or its bytes, or a picture.
+#: A PNG or JPEG file, by its path or its bytes, or a `Picture`.
 Image = str | os.PathLike[str] | bytes | Picture
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     #: Red, green and blue, and perhaps alpha, from 0 to 1, or a text as in "#d33" or "#dd3333".
     _Color: TypeAlias = str | Sequence[SupportsFloat] | NDArray[Any]
 
-#: How the files begin that glTF holds.
+#: The first bytes of image files that glTF can store, and their media types.
 _IMAGES = ((b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg"))
 
 
 @dataclass(frozen=True)
 class Material:
-    """What a surface looks like, in the terms of glTF. `Placed` gives one to a mesh.
+    """The appearance of a surface, in the terms of glTF. `Placed` assigns one to a mesh.
 
     >>> import chordal
     >>> red = chordal.Material("red", color="#d33", roughness=0.4)
@@ -39,28 +39,28 @@ class Material:
 
     #: Its name.
     name: str = ""
-    #: The colour: three or four numbers from 0 to 1, which are linear, as in glTF; or a text as in "#d33" or "#dd3333", which
-    #: is sRGB, as in CSS. It multiplies that of the texture.
+    #: The colour: three or four linear numbers from 0 to 1, as in glTF; or a text as in "#d33" or "#dd3333", in sRGB, as in
+    #: CSS. It is multiplied with the texture.
     color: _Color = (1.0, 1.0, 1.0)
-    #: How much of a metal it is, from 0 to 1.
+    #: The metallic factor, from 0 to 1.
     metallic: float = 0.0
-    #: How rough it is, from 0, a mirror, to 1.
+    #: The roughness, from 0 (a mirror) to 1.
     roughness: float = 1.0
-    #: The light that it gives by itself, as `color`.
+    #: The emitted light, as `color`.
     emissive: _Color = (0.0, 0.0, 0.0)
-    #: A picture of its colour, over the texture coordinates of the mesh.
+    #: An image of the colour, placed by the texture coordinates of the mesh.
     texture: Image | None = None
-    #: One of `roughness` in green and `metallic` in blue.
+    #: An image of `roughness` in green and `metallic` in blue.
     metallic_roughness_texture: Image | None = None
-    #: One of its normals.
+    #: A normal map.
     normal_texture: Image | None = None
-    #: One of the light that reaches it, in red.
+    #: An image of the ambient light that reaches the surface, in red.
     occlusion_texture: Image | None = None
-    #: One of `emissive`.
+    #: An image of `emissive`.
     emissive_texture: Image | None = None
-    #: Whether its back is drawn, too.
+    #: Whether the back is drawn, too.
     double_sided: bool = False
-    #: What alpha does: nothing; "mask", which leaves away what is below `cutoff`; or "blend".
+    #: The use of alpha: "opaque" ignores it, "mask" leaves out pixels below `cutoff`, "blend" mixes with the background.
     alpha: Literal["opaque", "mask", "blend"] = "opaque"
     #: The least alpha that is drawn, for "mask".
     cutoff: float = 0.5
@@ -68,31 +68,31 @@ class Material:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise TypeError(f"name: a text, not {type(self.name).__name__}")
-        own: dict[str, Any] = {"color": _color("color", self.color, 4), "emissive": _color("emissive", self.emissive, 3)}
+        values: dict[str, Any] = {"color": _color("color", self.color, 4), "emissive": _color("emissive", self.emissive, 3)}
         for name in ("metallic", "roughness", "cutoff"):
-            own[name] = _share(name, getattr(self, name))
+            values[name] = _share(name, getattr(self, name))
         if self.alpha not in ("opaque", "mask", "blend"):
             raise ValueError(f"alpha: opaque, mask or blend, not {self.alpha!r}")
-        for name, value in own.items():
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
-        said = [repr(self.name)] if self.name else []
-        for one in fields(self)[1:]:
-            value = getattr(self, one.name)
+        arguments = [repr(self.name)] if self.name else []
+        for field in fields(self)[1:]:
+            value = getattr(self, field.name)
             if isinstance(value, tuple):
-                # Alpha that is 1 is not said.
+                # An alpha of 1 is left out.
                 value = value[:3] if value[3:] == (1.0,) else value
-            if value != one.default:
-                said.append(f"{one.name}={f'<{len(value):,} bytes>' if isinstance(value, bytes) else repr(value)}")
-        return f"Material({', '.join(said)})"
+            if value != field.default:
+                arguments.append(f"{field.name}={f'<{len(value):,} bytes>' if isinstance(value, bytes) else repr(value)}")
+        return f"Material({', '.join(arguments)})"
 
 
 hint_keywords_of(Material)
 
 
 def image_of(name: str, image: object) -> tuple[bytes, str]:
-    """A file of a picture, with the name of its format."""
+    """The content of an image file, and its media type."""
     if isinstance(image, Picture):
         content = image.to_bytes("png")
     elif isinstance(image, (bytes, bytearray, memoryview)):
@@ -108,37 +108,37 @@ def image_of(name: str, image: object) -> tuple[bytes, str]:
 
 
 def gltf_of(material: Material, texture: Any) -> dict[str, Any]:
-    """A material as glTF describes it, where `texture` makes the number of a picture by its name and itself."""
+    """A material as glTF describes it. `texture` returns the number of an image, from its name and itself."""
     color, emissive = list(material.color), list(material.emissive)
     surface: dict[str, Any] = {"metallicFactor": material.metallic, "roughnessFactor": material.roughness}
     surface |= {} if color == [1.0] * 4 else {"baseColorFactor": color}
-    found: dict[str, Any] = {"name": material.name} if material.name else {}
-    found["pbrMetallicRoughness"] = surface
-    places = (
+    gltf: dict[str, Any] = {"name": material.name} if material.name else {}
+    gltf["pbrMetallicRoughness"] = surface
+    slots = (
         ("texture", surface, "baseColorTexture"),
         ("metallic_roughness_texture", surface, "metallicRoughnessTexture"),
-        ("normal_texture", found, "normalTexture"),
-        ("occlusion_texture", found, "occlusionTexture"),
-        ("emissive_texture", found, "emissiveTexture"),
+        ("normal_texture", gltf, "normalTexture"),
+        ("occlusion_texture", gltf, "occlusionTexture"),
+        ("emissive_texture", gltf, "emissiveTexture"),
     )
-    for name, place, title in places:
+    for name, holder, key in slots:
         image = getattr(material, name)
         if image is not None:
-            place[title] = {"index": texture(name, image)}
-    found |= {} if emissive == [0.0] * 3 else {"emissiveFactor": emissive}
-    found |= {"doubleSided": True} if material.double_sided else {}
+            holder[key] = {"index": texture(name, image)}
+    gltf |= {} if emissive == [0.0] * 3 else {"emissiveFactor": emissive}
+    gltf |= {"doubleSided": True} if material.double_sided else {}
     if material.alpha != "opaque":
-        found["alphaMode"] = material.alpha.upper()
+        gltf["alphaMode"] = material.alpha.upper()
     if material.alpha == "mask":
-        found["alphaCutoff"] = material.cutoff
-    return found
+        gltf["alphaCutoff"] = material.cutoff
+    return gltf
 
 
 def _share(name: str, value: object) -> float:
-    found = number(name, value)
-    if not 0 <= found <= 1:
-        raise ValueError(f"{name}: from 0 to 1, not {found:g}")
-    return found
+    share = number(name, value)
+    if not 0 <= share <= 1:
+        raise ValueError(f"{name}: from 0 to 1, not {share:g}")
+    return share
 
 
 def _color(name: str, color: object, width: int) -> tuple[float, ...]:
@@ -153,7 +153,7 @@ def _color(name: str, color: object, width: int) -> tuple[float, ...]:
 
 
 def _of_text(name: str, text: str) -> tuple[float, ...]:
-    """The numbers of "#rgb", "#rrggbb" or "#rrggbbaa", with light instead of sRGB."""
+    """The numbers of "#rgb", "#rrggbb" or "#rrggbbaa", converted from sRGB to linear light."""
     digits = text.removeprefix("#")
     digits = "".join(2 * digit for digit in digits) if len(digits) == 3 else digits
     if (
@@ -163,6 +163,6 @@ def _of_text(name: str, text: str) -> tuple[float, ...]:
     ):
         raise ValueError(f'{name}: a text as in "#d33" or "#dd3333", not {text!r}')
     shares = [int(digits[k : k + 2], 16) / 255 for k in range(0, len(digits), 2)]
-    # The curve of sRGB (IEC 61966-2-1:1999); six digits, so that it is the same number everywhere.
+    # The transfer function of sRGB (IEC 61966-2-1:1999), rounded to six digits so that it is the same on every machine.
     light = [share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares[:3]]
     return (*(round(share, 6) for share in light), *shares[3:])

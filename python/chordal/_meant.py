@@ -1,4 +1,4 @@
-"""Which surface of a volume is meant."""
+"""Options that select a surface of a volume."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from chordal._options import options
 
 
 def meant_of(known: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """What was said of a surface before, and what is said now, which counts."""
-    said = {name: value for name, value in given.items() if value is not None}
-    # A level takes the place of labels, and they that of a level.
-    others = {"iso": ("labels",), "labels": ("iso", "inside")}
-    replaced = {name for own in said for name in others.get(own, ())}
-    return {**{name: value for name, value in known.items() if name not in replaced}, **said}
+    """The earlier options of a surface, overridden by the ones given now."""
+    options = {name: value for name, value in given.items() if value is not None}
+    # A level replaces labels, and labels replace a level.
+    replaces = {"iso": ("labels",), "labels": ("iso", "inside")}
+    replaced = {name for option in options for name in replaces.get(option, ())}
+    return {**{name: value for name, value in known.items() if name not in replaced}, **options}
 
 
 def meant(
@@ -30,13 +30,13 @@ def meant(
     labels: Sequence[SupportsIndex] | SupportsIndex | Literal["all"] | None,
     smooth: str | SupportsFloat | None,
 ) -> _chordal.Source:
-    """A volume with the surface that is meant; the same shape where nothing is said of one."""
+    """A volume with the chosen surface; the same shape if no option is given."""
     words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
-    said = [name for name, value in words.items() if value is not None]
-    if not said:
+    names = [name for name, value in words.items() if value is not None]
+    if not names:
         return source
     if source.kind != "volume":
-        raise TypeError(f"{', '.join(said)}: for samples on a lattice; these are {source.kind}")
+        raise TypeError(f"{', '.join(names)}: for samples on a lattice; these are {source.kind}")
     if border not in (None, "capped", "open"):
         raise ValueError(f"border: 'capped' or 'open', not {border!r}")
     listed = labels if labels is None or isinstance(labels, str) and labels == "all" else ",".join(map(str, _labels(labels)))
@@ -47,13 +47,13 @@ def meant(
     return source.surface(given)
 
 
-#: Where more than this share of the ends of a lattice are on the side that is taken for inside, it is said. Chosen: a body reaches
-#: the first and last layers of a scan, and less than that of all ends.
+#: The share of samples at the ends of a lattice on the inner side from which on there is a warning. Chosen: a scanned body
+#: reaches the first and last layers, which is less than this share of all ends.
 _UNCLEAR = 1 / 3
 
 
 def _warn_of_unclear_sides(source: _chordal.Source, level: float | None) -> None:
-    """Says it where the samples alone tell which side of 0 is inside, and the ends of the lattice are on both."""
+    """Warns if the inside at level 0 follows from the samples alone, and the ends of the lattice have both signs."""
     import numpy as np
 
     samples = np.asarray(_chordal.samples(source)[0])
@@ -72,18 +72,18 @@ def _warn_of_unclear_sides(source: _chordal.Source, level: float | None) -> None
 
 
 def _labels(labels: Sequence[SupportsIndex] | SupportsIndex | str) -> list[int]:
-    found = label_list("labels", labels)
-    if not found:
+    numbers = label_list("labels", labels)
+    if not numbers:
         raise ValueError("labels: one label at least, or 'all'")
-    return found
+    return numbers
 
 
 def label_list(name: str, labels: Any) -> list[int]:
-    """Labels that are given one by one, or as one number; floats that are whole numbers will do, as those of numpy's unique."""
+    """Labels from a sequence or a single number. Floats that are whole numbers are accepted, as numpy's `unique` returns them."""
     if isinstance(labels, str):
         raise TypeError(f"{name}: labels as whole numbers, as in {name}=[1, 2], not {labels!r}")
-    given = labels if isinstance(labels, Iterable) else [labels]
-    return [_label(name, label) for label in given]
+    sequence = labels if isinstance(labels, Iterable) else [labels]
+    return [_label(name, label) for label in sequence]
 
 
 def _label(name: str, label: Any) -> int:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Mendable(Sourced):
-    """What can be mended: shapes of triangles."""
+    """Shapes of triangles, which can be repaired."""
 
     __slots__ = ()
 
@@ -37,18 +37,19 @@ class Mendable(Sourced):
         drop_unused: bool = False,
         progress: Progress | None = None,
     ) -> Mesh:
-        """The triangles after the repairs that are asked for, in the order of this list; nothing else is changed.
+        """The triangles after the chosen repairs, in the order of the arguments; nothing else is changed.
 
-        `all` is every one, exactly, with all holes: what a print needs. `weld` makes vertices with equal coordinates one,
-        or those within a length of each other. `drop_duplicates` drops faces that repeat an earlier one, whichever way they
-        are wound ("any"), or only those wound "alike". `resolve_t_junctions` cuts faces where a vertex lies in the middle
-        of their edge, exactly or within a length. `orient` turns closed pieces outwards; one within another that faces the
-        same way stays solid (`nested` is "keep") or becomes a "cavity". `fill_holes` fills all, or those with at most so many edges.
+        `all` applies every repair, without tolerance and to all holes, as a 3D print needs it. `weld` merges vertices with equal
+        coordinates, or within a length of each other. `drop_duplicates` drops faces that repeat an earlier one, with either
+        winding ("any") or with the same winding ("alike"). `resolve_t_junctions` splits faces that have a vertex on one of
+        their edges, exactly or within a length. `orient` orients closed pieces outwards; a piece inside another one with the
+        same orientation stays solid (`nested` is "keep") or becomes a "cavity". `fill_holes` fills all holes, or those with at
+        most so many edges.
 
-        A `UserWarning` says how many holes are left where they were to be filled.
+        A `UserWarning` tells how many holes are left if they were to be filled.
 
-        The bound says how far the surface moved, and `report["certificate"]["mended"]` what each repair changed. Raises
-        `Refused` for what has no triangles, and where nothing would be left. Docs: `docs/mend.md`.
+        The bound is the distance by which the surface moved, and `report["certificate"]["mended"]` lists the changes of each
+        repair. Raises `Refused` for shapes without triangles, and if nothing would be left. Docs: `docs/mend.md`.
 
         >>> import chordal
         >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -59,12 +60,12 @@ class Mendable(Sourced):
         """
         from chordal._mesh import Mesh
 
-        which = None if drop_duplicates is False else "any" if drop_duplicates is True else drop_duplicates
+        winding = None if drop_duplicates is False else "any" if drop_duplicates is True else drop_duplicates
         holes = None if fill_holes is False else 0 if fill_holes is True else whole("fill_holes", fill_holes)
         arguments: _chordal.MendArguments = {
             "all": bool(all),
             "weld": _closeness("weld", weld),
-            "drop_duplicates": which,
+            "drop_duplicates": winding,
             "drop_degenerate": bool(drop_degenerate),
             "resolve_t_junctions": _closeness("resolve_t_junctions", resolve_t_junctions),
             "split_nonmanifold": bool(split_nonmanifold),
@@ -76,15 +77,15 @@ class Mendable(Sourced):
         repairs = [value for name, value in arguments.items() if name != "nested"]
         if not [value for value in repairs if value is not None and value is not False]:
             raise ValueError("name a repair: all=True, weld=True, orient=True, fill_holes=True, …")
-        made = Mesh._of(_chordal.mend(self._source, arguments, "ply", function("progress", progress)))
+        mended = Mesh._of(_chordal.mend(self._source, arguments, "ply", function("progress", progress)))
         if arguments["all"] or holes is not None:
-            _warn_of_holes(made, holes)
-        return made
+            _warn_of_holes(mended, holes)
+        return mended
 
 
-def _warn_of_holes(made: Mesh, most: int | None) -> None:
-    """Says how many holes are left of a mesh whose holes were to be filled, and what would close them."""
-    valid = made._valid
+def _warn_of_holes(mesh: Mesh, most: int | None) -> None:
+    """Warns of holes that are left after filling, and tells how to close them."""
+    valid = mesh._valid
     count = valid["boundary_loops"] + valid["boundary_chains"]
     if count == 0:
         return
@@ -92,8 +93,8 @@ def _warn_of_holes(made: Mesh, most: int | None) -> None:
     if most:
         warn(f"{left}: fill_holes=True fills those of more than {most} edges, too")
         return
-    low, high = made.bounds
-    # A millionth of the size: what single precision keeps of coordinates.
+    low, high = mesh.bounds
+    # A millionth of the size: about the rounding of coordinates in single precision.
     near = float(max(high - low)) * 1e-6
     warn(
         f"{left}: no face fits them as the vertices are; join those that are nearly one first, as in "
@@ -102,7 +103,7 @@ def _warn_of_holes(made: Mesh, most: int | None) -> None:
 
 
 def _closeness(name: str, value: bool | Length) -> str | None:
-    """Nothing, an empty text for exact, or a length."""
+    """The argument of a repair with a tolerance: None for no repair, an empty text for an exact one, or a length."""
     if isinstance(value, bool):
         return "" if value else None
     return length(name, value)

@@ -1,4 +1,4 @@
-"""A mesh to turn in a notebook: a page of its own in a frame, which needs no network and no package beside this one."""
+"""Interactive views of meshes in notebooks: an HTML page in a frame, which needs no network and no other package."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
     from chordal._mesh import Mesh
 
-#: More triangles than these make a notebook slow to open: it gets a picture of them. Chosen: some 10 MB in the file.
+#: The most triangles of an interactive view; a larger mesh is a picture, since notebooks would open slowly. Chosen: about 10 MB
+#: in the file.
 MOST_FACES: Final = 250_000
 
-#: The script, once it was read.
+#: The viewer's script, once it was read.
 _VIEWER: Final[list[str]] = []
 
 _PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Mesh</title><style>
@@ -37,7 +38,7 @@ white-space:nowrap;overflow:hidden}} #scale{{flex:none;width:120px;height:10px;b
 
 
 class Shown:
-    """A mesh as a notebook shows it. `Mesh.show` makes it."""
+    """The view of a mesh in a notebook. `Mesh.show` returns it."""
 
     __slots__ = ("_html", "_mesh")
 
@@ -53,7 +54,7 @@ class Shown:
 
 
 def _viewer() -> str | None:
-    """The viewer's script; None in a package that was built without it."""
+    """The viewer's script; None if the package was built without it."""
     if _VIEWER:
         return _VIEWER[0]
     path = os.path.join(os.path.dirname(__file__), "viewer.js")
@@ -72,35 +73,35 @@ def _base64(array: NDArray[Any], kind: str) -> str:
 
 
 def page_of(mesh: Mesh, *, wire: bool, deviation: SampledDeviation | None) -> str | None:
-    """The page of a mesh, for a frame or a file, with the distances from another shape; None without the viewer."""
+    """The page of a mesh, for a frame or a file, with the distances from another shape if there is one; None without the viewer."""
     script = _viewer()
     if script is None:
         return None
-    # Small beside large coordinates would be lost in single precision.
+    # Relative to the middle, since single precision loses the details of a mesh far from the origin.
     middle = mesh.bounds.mean(axis=0)
-    own = {"positions": _base64(mesh.vertices - middle, "<f4"), "faces": _base64(mesh.faces, "<u4")}
+    geometry = {"positions": _base64(mesh.vertices - middle, "<f4"), "faces": _base64(mesh.faces, "<u4")}
     facts: dict[str, Any] = {"wire": wire, "values": None, "range": [0.0, 1.0], "what": "", "edges": None}
     facts |= {"colors": None, "groups": None, "paints": []}
     scale = ""
     if deviation is None:
         normals, looks = mesh._vertex_rows("normal"), looks_of(mesh)
-        facts |= own
+        facts |= geometry
         facts["colors"] = None if looks.colors is None else _base64(looks.colors, "<f4")
         facts["groups"] = None if looks.groups is None else _base64(looks.groups, "<u4")
         facts["paints"] = list(looks.paints)
     else:
-        normals, high, what = deviation.normals, float(deviation.values.max()) or 1.0, "off, at samples"
+        normals, high, caption = deviation.normals, float(deviation.values.max()) or 1.0, "off, at samples"
         facts |= {"positions": _base64(deviation.vertices - middle, "<f4"), "faces": _base64(deviation.faces, "<u4")}
-        facts |= {"values": _base64(deviation.values, "<f4"), "range": [0.0, high], "what": what, "edges": own}
-        scale = f'<span>0</span><span id="scale"></span><span>{high:.3g} {html.escape(what)}</span>'
+        facts |= {"values": _base64(deviation.values, "<f4"), "range": [0.0, high], "what": caption, "edges": geometry}
+        scale = f'<span>0</span><span id="scale"></span><span>{high:.3g} {html.escape(caption)}</span>'
     facts["normals"] = None if normals is None else _base64(normals, "<f4")
-    # No sign in it may end the element that it stands in.
+    # Escaped, so that no text in it can end the script element.
     data = json.dumps(facts).replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
     name = html.escape(mesh._size(), quote=True)
     return _PAGE.format(name=name, scale=scale, data=data, script=script)
 
 
-#: Parts beyond these are counted. Chosen, so that the table stays on a screen.
+#: The most parts that are listed; further ones are counted. Chosen so that the table fits on a screen.
 _MOST_PARTS: Final = 8
 
 
@@ -109,22 +110,22 @@ def _table(mesh: Mesh) -> str:
     if mesh.materials:
         names = [str(material.get("name") or k) for k, material in enumerate(mesh.materials[:_MOST_PARTS])]
         rows.append(("materials", ", ".join(names)))
-    own, parts = table("Mesh", rows), mesh.parts
+    mesh_table, parts = table("Mesh", rows), mesh.parts
     if len(parts) < 2:
-        return own
+        return mesh_table
     listed = [
         (part.name or str(k), f"{len(part.faces):,}", f"{len(part.vertices):,}") for k, part in enumerate(parts[:_MOST_PARTS])
     ]
     if len(parts) > _MOST_PARTS:
         listed.append((f"and {len(parts) - _MOST_PARTS:,} more", "", ""))
-    return own + columns(f"{len(parts):,} parts", ("part", "triangles", "vertices"), listed)
+    return mesh_table + columns(f"{len(parts):,} parts", ("part", "triangles", "vertices"), listed)
 
 
 def html_of(mesh: Mesh, *, wire: bool = False, against: Any = None, height: int = 380) -> str:
-    """A mesh as a notebook shows it: a frame to turn it in, or a picture where there are too many triangles or no viewer."""
-    shown = _table(mesh)
+    """The HTML of a mesh in a notebook: an interactive frame, or a picture if there are too many triangles or no viewer."""
+    summary = _table(mesh)
     if len(mesh.faces) == 0:
-        return shown
+        return summary
     page = None
     if len(mesh.faces) <= MOST_FACES and _viewer() is not None:
         deviation = None if against is None else sampled_deviation(mesh, mesh._distances_to(against, None))
@@ -132,8 +133,8 @@ def html_of(mesh: Mesh, *, wire: bool = False, against: Any = None, height: int 
     if page is None:
         show: Any = {"show": "deviation", "against": against} if against is not None else {"show": "wire" if wire else "shaded"}
         picture = base64.b64encode(mesh.render(size=(640, height), **show).to_bytes("png")).decode()
-        return f'<img alt="{html.escape(mesh._size(), quote=True)}" src="data:image/png;base64,{picture}">{shown}'
+        return f'<img alt="{html.escape(mesh._size(), quote=True)}" src="data:image/png;base64,{picture}">{summary}'
     frame = html.escape(page, quote=True)
     style = f"width:100%;max-width:720px;height:{height}px;border:1px solid #8884;border-radius:4px"
     title = html.escape(mesh._size(), quote=True)
-    return f'<iframe sandbox="allow-scripts" title="{title}" style="{style}" srcdoc="{frame}"></iframe>{shown}'
+    return f'<iframe sandbox="allow-scripts" title="{title}" style="{style}" srcdoc="{frame}"></iframe>{summary}'

@@ -1,4 +1,4 @@
-"""`Picture`: what a shape looks like."""
+"""`Picture`: a rendered image of a shape."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     _Style = Literal["shaded", "flat", "wire", "normals", "zebra", "overshade", "deviation", "comb"]
 
 
-#: Columns and rows, pixels, and what is said of them: what goes to another process.
+#: The state of a picture for another process: columns and rows, pixels, and facts about them.
 PictureState = tuple[tuple[int, int], bytes, list[tuple[str, str]], str, str, float | None]
 
 
 class Picture(Guessed):
-    """A picture of a shape, with the bound of the triangles that it shows. `Shape.render` makes it; notebooks show it.
+    """A picture of a shape, with the bound of the triangles that it shows. `Shape.render` returns it; notebooks display it.
 
     >>> import chordal
     >>> picture = chordal.shapes.sphere(1).render(size=(64, 48))
@@ -45,7 +45,7 @@ class Picture(Guessed):
 
     @property
     def array(self) -> NDArray[np.uint8]:
-        """Red, green, blue and alpha: height × width × 4, from the top left. Not copied, for reading only."""
+        """Red, green, blue and alpha: height × width × 4, from the top left. Not copied, read-only."""
         import numpy as np
 
         array: NDArray[np.uint8] = np.asarray(self._picture.array())
@@ -56,12 +56,12 @@ class Picture(Guessed):
 
     @property
     def view(self) -> View:
-        """The view that it was taken from: the same picture again."""
+        """The view of the picture, with which it can be rendered again."""
         return View(self._picture.view)
 
     @property
     def darkest(self) -> float | None:
-        """The distance of the darkest colour, where distances are shown."""
+        """The distance that the darkest colour stands for, if distances are shown."""
         return self._picture.darkest
 
     @property
@@ -70,11 +70,11 @@ class Picture(Guessed):
         return Report(json.loads(self._picture.report))
 
     def to_bytes(self, format: Literal["png", "jpg", "webp"] = "png") -> bytes:
-        """The picture as a file, with the certificate in it."""
+        """The picture as a file, which includes the certificate."""
         return self._picture.write(format)
 
     def export(self, path: str | os.PathLike[str]) -> Report:
-        """Write it as PNG, JPEG or WebP, as the name says, and return the report."""
+        """Write the picture as PNG, JPEG or WebP, by the extension of the name, and return the report."""
         extension = os.path.splitext(os.fspath(path))[1].lstrip(".").lower()
         content = self._picture.write(extension)
         _files.replace(path, content)
@@ -100,12 +100,12 @@ class Picture(Guessed):
 
 
 def _again(state: PictureState) -> Picture:
-    """A picture that was pickled."""
+    """Restores a pickled picture."""
     return Picture(_chordal.Picture.of_state(state))
 
 
 class Pictured(Sourced):
-    """What can be looked at: shapes with a surface, and drawings."""
+    """Shapes that can be rendered: those with a surface, and drawings."""
 
     __slots__ = ()
 
@@ -123,13 +123,13 @@ class Pictured(Sourced):
         tol: Length | None = None,
         progress: Progress | None = None,
     ) -> Picture:
-        """A picture, ray traced: smooth shapes are meshed within half a pixel of it, or within `pixels` or `tol`; fields are
-        traced themselves.
+        """A ray-traced picture. Smooth shapes are meshed within half a pixel, or within `pixels` or `tol`; fields are traced
+        directly.
 
-        `show` is what one sees: "shaded", "flat" (no smooth normals), "wire" (edges), "normals", "zebra" (reflected stripes),
+        `show` is the style: "shaded", "flat" (no smooth normals), "wire" (edges), "normals", "zebra" (reflected stripes),
         "overshade" (how often a graphics processor shades each pixel), "comb" (the curvature of a drawing), or "deviation"
-        from the shape `against`, whose darkest colour is for the distance `darkest`, or for the largest. `view` is the
-        camera, as in "1280x960 fov=30 eye=4,-6,3 target=0,0,1"; without it one that frames the shape, of a `size` in pixels.
+        from the shape `against`; its darkest colour is for the distance `darkest`, by default the largest. `view` is the
+        camera, as in "1280x960 fov=30 eye=4,-6,3 target=0,0,1"; by default it frames the shape, in a `size` in pixels.
 
         Raises as `Shape.mesh`.
 

@@ -1,4 +1,4 @@
-"""Meshes in pieces, and pieces as one mesh."""
+"""Splitting a mesh into pieces, and concatenating meshes."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 
 class Splittable:
-    """A mesh that may have several pieces."""
+    """A mesh that can be split into pieces."""
 
     __slots__ = ()
 
     def split(self) -> list[Mesh]:
-        """Its pieces that no edge and no vertex joins, each a mesh with its attributes, materials and unit, in the order of
-        their first faces. Pieces are triangles that are given: the bound of the whole is not theirs.
+        """The connected components, which share no edge and no vertex, each a mesh with its attributes, materials and unit, in
+        the order of their first faces. They count as given triangles and do not inherit the bound of the whole mesh.
 
         >>> import chordal
         >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (5, 0, 0), (6, 0, 0), (5, 1, 0)]
@@ -39,25 +39,24 @@ class Splittable:
         return [state.piece(node, faces) for node in state.shown for faces in state.groups(state.nodes[node]["part"])]
 
     def __add__(self, other: Shape | Any) -> Mesh:
-        """The triangles of both, next to each other: `concatenate`. For one closed mesh of both use `|`."""
+        """The triangles of both meshes, unmerged: `concatenate`. For the union as one closed mesh, use `|`."""
         from chordal._interop import mesh_of
         from chordal._mesh import Mesh
 
         assert isinstance(self, Mesh)
-        found = other if isinstance(other, Mesh) else mesh_of(other)
-        if found is None:
+        other_mesh = other if isinstance(other, Mesh) else mesh_of(other)
+        if other_mesh is None:
             return NotImplemented
-        return concatenate([self, found])
+        return concatenate([self, other_mesh])
 
 
 def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) -> Mesh:
-    """The triangles of meshes, files or meshes of other libraries, next to each other as one part, of a list or one after
-    the other. Nothing is cut or joined:
-    `union` makes one closed mesh of solids.
+    """The triangles of meshes, files or meshes of other libraries as one part. The meshes are given as a list or one by one.
+    Nothing is cut or merged: `union` combines solids to one closed mesh.
 
-    Normals, texture coordinates and colours stay where every mesh has them for its vertices; materials stay behind, which a
-    `UserWarning` tells: `scene` keeps them. The bound is the largest of all. Raises `ValueError` where units differ, or where
-    there is no mesh.
+    Normals, texture coordinates and colours are kept if every mesh has them for its vertices. Materials are dropped with a
+    `UserWarning`; `scene` keeps them. The bound is the largest of all. Raises `ValueError` if units differ, or if there is no
+    mesh.
 
     >>> import chordal
     >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -71,64 +70,66 @@ def concatenate(meshes: Iterable[Shape | Any] | Shape, /, *more: Shape | Any) ->
     from chordal._shape import Shape
     from chordal._verbs import shaped
 
-    several = [meshes, *more] if more or isinstance(meshes, Shape) else meshes
-    given = [shaped("meshes", one) for one in several]
-    found = [one for one in given if isinstance(one, Mesh)]
-    if len(found) < len(given):
-        other = next(one for one in given if not isinstance(one, Mesh))
+    things = [meshes, *more] if more or isinstance(meshes, Shape) else meshes
+    shapes = [shaped("meshes", thing) for thing in things]
+    joined = [shape for shape in shapes if isinstance(shape, Mesh)]
+    if len(joined) < len(shapes):
+        other = next(shape for shape in shapes if not isinstance(shape, Mesh))
         raise TypeError(f"meshes: triangles, not {other._source.kinds}: mesh them first")
-    if not found:
+    if not joined:
         raise ValueError("meshes: there is none")
-    units = {one._metres() for one in found}
+    units = {mesh._metres() for mesh in joined}
     if len(units) > 1:
-        names = ", ".join(sorted(str(one.unit) for one in found))
+        names = ", ".join(sorted(str(mesh.unit) for mesh in joined))
         raise ValueError(f"meshes: they are in different units ({names}); to_unit makes them one")
-    counts = [len(one.vertices) for one in found]
+    counts = [len(mesh.vertices) for mesh in joined]
     starts = np.cumsum([0, *counts[:-1]])
-    faces = np.concatenate([one.faces.astype(np.uint32) + np.uint32(start) for one, start in zip(found, starts, strict=True)])
-    states = [_State(one) for one in found]
-    ties = np.concatenate([state.ties() + start for state, start in zip(states, starts, strict=True)]).astype(np.uint32)
-    _warn_of_materials(found)
-    blocks = [np.concatenate([one.vertices for one in found]).tobytes(), faces.tobytes(), ties.tobytes()]
+    faces = np.concatenate([mesh.faces.astype(np.uint32) + np.uint32(start) for mesh, start in zip(joined, starts, strict=True)])
+    states = [_State(mesh) for mesh in joined]
+    position_ids = np.concatenate([state.position_ids() + start for state, start in zip(states, starts, strict=True)])
+    _warn_of_materials(joined)
+    vertices = np.concatenate([mesh.vertices for mesh in joined])
+    blocks = [vertices.tobytes(), faces.tobytes(), position_ids.astype(np.uint32).tobytes()]
     attributes = []
-    for kind, of in (("normal", None), ("uv", 0), ("color", 0)):
-        rows = [one._vertex_rows(kind) for one in found]  # type: ignore[arg-type]
+    for kind, set_index in (("normal", None), ("uv", 0), ("color", 0)):
+        rows = [mesh._vertex_rows(kind) for mesh in joined]  # type: ignore[arg-type]
         if all(row is not None for row in rows) and len({row.shape[1] for row in rows}) == 1:
             width = rows[0].shape[1]
-            attributes.append({"kind": kind, "of": of, "domain": "vertex", "width": width, "block": len(blocks)})
+            attributes.append({"kind": kind, "of": set_index, "domain": "vertex", "width": width, "block": len(blocks)})
             blocks.append(np.concatenate(rows).tobytes())
     part = {"name": "triangles", "positions": 0, "faces": 1, "position_id": 2, "attributes": attributes}
     has_uv = any(attribute["kind"] == "uv" for attribute in attributes)
     frame = {"texture_origin": "lower-left" if has_uv else None, "metres_per_unit": units.pop()}
     state = json.dumps({"parts": [part], "frame": frame})
-    source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [one._source for one in found], None)
-    # What stands below nodes is rounded where they put it.
-    offs = [_chordal.composed_bound(one._source, []) for one in found]
-    made = Mesh._of_source(source, _largest([_moved_by(one.bound, off) for one, off in zip(found, offs, strict=True)]))
-    made._is_given = made._bound is None
-    return made
+    source = _chordal.scene_of_parts(_chordal.scene_of_state(state, blocks, None), [mesh._source for mesh in joined], None)
+    # The transforms of nodes round the positions of the parts below them.
+    roundings = [_chordal.composed_bound(mesh._source, []) for mesh in joined]
+    bound = _largest([_moved_by(mesh.bound, rounding) for mesh, rounding in zip(joined, roundings, strict=True)])
+    result = Mesh._of_source(source, bound)
+    result._is_given = bound is None
+    return result
 
 
 def _warn_of_materials(meshes: list[Mesh]) -> None:
-    if any(one.materials for one in meshes):
+    if any(mesh.materials for mesh in meshes):
         warn("materials: these stay behind, for all becomes one part; chordal.scene(a, b) keeps them")
 
 
-def _moved_by(bound: Bound, off: float) -> Bound:
-    """The bound of what was moved by no more than a length."""
-    if off == 0 or bound.at_most is None:
+def _moved_by(bound: Bound, distance: float) -> Bound:
+    """The bound of a shape after its points moved by no more than a distance."""
+    if distance == 0 or bound.at_most is None:
         return bound
-    return replace(bound, at_least=0.0, at_most=math.nextafter(bound.at_most + off, math.inf))
+    return replace(bound, at_least=0.0, at_most=math.nextafter(bound.at_most + distance, math.inf))
 
 
 def _largest(bounds: list[Bound]) -> Bound | None:
-    """The bound of all together: none of their points is farther than it would be alone. Nothing where all are the truth."""
+    """The bound of several meshes together, the largest of theirs. None if all of them count as the true shape."""
     if all(bound.at_most == 0 and bound.evidence == "proved" for bound in bounds):
         return None
     kinds = ("proved", "proved-if", "measured", "estimated")
     metric = _weakest([bound.metric for bound in bounds])
     if metric == "solid" and any(bound.metric != "solid" and bound.at_most != 0 for bound in bounds):
-        # How far a surface is says nothing of sides.
+        # A bound on distances between surfaces says nothing about the volumes between them.
         bounds = [*bounds, Bound(0.0, None, "estimated", "solid", bounds[0].reference)]
     tops = [bound.at_most for bound in bounds if bound.at_most is not None]
     references = list(dict.fromkeys(bound.reference for bound in bounds))
@@ -146,13 +147,13 @@ def _largest(bounds: list[Bound]) -> Bound | None:
 
 
 def _weakest(metrics: list[str]) -> str:
-    """The metric in which all that is known holds."""
-    found = set(metrics)
-    return metrics[0] if len(found) == 1 else next((one for one in ("solid", "one-sided") if one in found), "hausdorff")
+    """The weakest of some metrics, in which the bounds of all hold."""
+    distinct = set(metrics)
+    return metrics[0] if len(distinct) == 1 else next((m for m in ("solid", "one-sided") if m in distinct), "hausdorff")
 
 
 class _State:
-    """A scene as a text and blocks of numbers, as it is pickled."""
+    """The state of a scene, as it is pickled: a JSON text, and blocks of numbers."""
 
     def __init__(self, mesh: Any) -> None:
         text, self.blocks = _chordal.scene_state(mesh._source)
@@ -162,21 +163,21 @@ class _State:
 
     def _shown(self) -> list[int]:
         """The nodes that show a part, in the order of the tree."""
-        found, waiting = [], list(reversed(self.facts["roots"]))
-        while waiting:
-            node = waiting.pop()
+        shown, stack = [], list(reversed(self.facts["roots"]))
+        while stack:
+            node = stack.pop()
             if self.nodes[node]["part"] is not None:
-                found.append(node)
-            waiting += reversed(self.nodes[node]["children"])
-        return found
+                shown.append(node)
+            stack += reversed(self.nodes[node]["children"])
+        return shown
 
     def numbers(self, block: int, kind: str, width: int) -> NDArray[Any]:
         import numpy as np
 
         return np.frombuffer(self.blocks[block], kind).reshape(-1, width)
 
-    def ties_of(self, part: int) -> NDArray[np.int64]:
-        """For each vertex of a part the first one that is the same position."""
+    def position_ids_of(self, part: int) -> NDArray[np.int64]:
+        """For each vertex of a part, the first vertex with the same position."""
         import numpy as np
 
         facts = self.facts["parts"][part]
@@ -184,38 +185,39 @@ class _State:
         if facts["position_id"] is not None:
             ids = self.numbers(facts["position_id"], "u4", 1).ravel()
             _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
-            found: NDArray[np.int64] = first[inverse.ravel()]
-            return found
+            representatives: NDArray[np.int64] = first[inverse.ravel()]
+            return representatives
         return np.arange(len(positions)) if facts["indexed"] else firsts_of(positions)
 
-    def ties(self) -> NDArray[np.int64]:
-        """The same for all that is shown."""
+    def position_ids(self) -> NDArray[np.int64]:
+        """The same for the vertices of all visible parts, one after the other."""
         import numpy as np
 
-        found: list[NDArray[np.int64]] = [np.zeros(0, np.int64)]
+        ids_of_parts: list[NDArray[np.int64]] = [np.zeros(0, np.int64)]
         start = 0
         for node in self.shown:
-            ties = self.ties_of(self.nodes[node]["part"])
-            found.append(ties + start)
-            start += len(ties)
-        return np.concatenate(found)
+            ids = self.position_ids_of(self.nodes[node]["part"])
+            ids_of_parts.append(ids + start)
+            start += len(ids)
+        return np.concatenate(ids_of_parts)
 
     def groups(self, part: int) -> list[NDArray[np.int64]]:
         """The faces of each piece of a part, in the order of their first faces."""
         import numpy as np
 
         faces = self.numbers(self.facts["parts"][part]["faces"], "u4", 3)
-        ties = self.ties_of(part)
-        corners = ties[faces]
-        lowest = np.arange(len(ties))
-        # The lowest vertex that is known to hang together with each: over a face, then over what was found so far.
+        ids = self.position_ids_of(part)
+        corners = ids[faces]
+        # Union-find on arrays: `lowest` maps each vertex to a lower one of the same piece. Each round links the representatives
+        # of a face's corners, then shortens all chains to a single step.
+        lowest = np.arange(len(ids))
         while True:
-            seen = lowest[corners]
-            least = seen.min(axis=1)
-            if np.array_equal(seen, np.broadcast_to(least[:, None], seen.shape)):
+            representatives = lowest[corners]
+            least = representatives.min(axis=1)
+            if np.array_equal(representatives, np.broadcast_to(least[:, None], representatives.shape)):
                 break
             for corner in range(3):
-                np.minimum.at(lowest, seen[:, corner], least)
+                np.minimum.at(lowest, representatives[:, corner], least)
             while not np.array_equal(lowest, lowest[lowest]):
                 lowest = lowest[lowest]
         _, first, numbers = np.unique(least, return_index=True, return_inverse=True)
@@ -226,7 +228,7 @@ class _State:
         return sorted(pieces, key=lambda piece: int(piece[0]))
 
     def piece(self, node: int, chosen: NDArray[np.int64]) -> Mesh:
-        """Some faces of what a node shows, with everything else of the scene."""
+        """The chosen faces of a node's part, with everything else of the scene."""
         import numpy as np
 
         from chordal._mesh import Mesh
@@ -241,7 +243,7 @@ class _State:
 
         faces = self.numbers(part["faces"], "u4", 3)[chosen]
         kept, numbers = np.unique(faces, return_inverse=True)
-        ties = self.ties_of(self.nodes[node]["part"])[kept]
+        ids = self.position_ids_of(self.nodes[node]["part"])[kept]
         for attribute in part["attributes"]:
             rows = self.numbers(attribute["block"], "f8", attribute["width"])
             if attribute["domain"] == "vertex":
@@ -252,12 +254,12 @@ class _State:
                 rows = rows.reshape(-1, 3, attribute["width"])[chosen]
             attribute["block"] = put(rows)
         if part["position_id"] is not None:
-            _, first, inverse = np.unique(ties, return_index=True, return_inverse=True)
+            _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
             part["position_id"] = put(first[inverse.ravel()].astype(np.uint32))
         part["positions"] = put(self.numbers(part["positions"], "f8", 3)[kept])
         part["faces"] = put(numbers.reshape(-1, 3).astype(np.uint32))
         part["marks"] = []
-        for number, one in enumerate(facts["nodes"]):
-            one["part"] = 0 if number == node else None
+        for number, node_facts in enumerate(facts["nodes"]):
+            node_facts["part"] = 0 if number == node else None
         facts |= {"parts": [part], "certificate": None, "composed": None, "sha256": None, "n_bytes": None}
         return Mesh._of_source(_chordal.scene_of_state(json.dumps(facts), blocks, None))

@@ -1,4 +1,4 @@
-"""`plot_error`: what half the error costs, of any shape."""
+"""`plot_error`: the number of triangles or segments that an error costs, for any shape."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ErrorCurve:
-    """Error against triangles, or against segments of curves. `plot_error` makes it.
+    """The error against the number of triangles, or of segments for curves. `plot_error` returns it.
 
     >>> import chordal
     >>> found = chordal.plot_error(chordal.shapes.sphere(1), rel=[0.03, 0.01])
@@ -27,13 +27,13 @@ class ErrorCurve:
     (True, True)
     """
 
-    #: How many of them, ascending.
+    #: The numbers of triangles or segments, ascending.
     counts: NDArray[np.int64]
-    #: The proved or measured error of each.
+    #: The proved or measured error for each number.
     errors: NDArray[np.float64]
-    #: The slope of a straight line through them by decades: near -1 for surfaces, -2 for curves.
+    #: The slope of a straight line through them on logarithmic scales: near -1 for surfaces, -2 for curves.
     slope: float
-    #: The axes of matplotlib that they are drawn in; None where it is not installed.
+    #: The axes of matplotlib with the plot; None if matplotlib is not installed.
     axes: Any
 
     def _repr_html_(self) -> str:
@@ -51,10 +51,10 @@ def plot_error(
     axes: Any | None = None,
     progress: Callable[[str, int, int], object] | None = None,
 ) -> ErrorCurve:
-    """Meshes a shape, or flattens a curve, within each share `rel` of its diagonal, and draws error against triangles or
-    segments on logarithmic scales, with a straight line through them. It costs a mesh for each.
+    """Meshes a shape, or flattens a curve, within each share `rel` of its diagonal, and plots the error against the number of
+    triangles or segments on logarithmic scales, with a straight line through them. The cost is one mesh for each share.
 
-    Without matplotlib nothing is drawn, and the numbers are the same.
+    Without matplotlib nothing is plotted, and the numbers are the same.
 
     >>> import chordal
     >>> found = chordal.plot_error(chordal.shapes.bezier([(0, 0), (0, 1), (1, 1), (1, 0)]), rel=[0.01, 0.0025, 0.001])
@@ -68,11 +68,11 @@ def plot_error(
     for share in rel:
         tolerance = number("rel", share)
         try:
-            made = _made(shape, is_curve, tolerance, progress)
+            result = _approximated(shape, is_curve, tolerance, progress)
         except BudgetUnmet as unmet:
-            made = unmet.best
-        error = made.bound.at_most if made.bound.at_most is not None else made.bound.at_least
-        count = made.report["certificate"]["output"]["segments"] if is_curve else len(made.faces)
+            result = unmet.best
+        error = result.bound.at_most if result.bound.at_most is not None else result.bound.at_least
+        count = result.report["certificate"]["output"]["segments"] if is_curve else len(result.faces)
         if error > 0:
             rows.append((int(count), float(error)))
     rows = sorted(set(rows))
@@ -83,12 +83,12 @@ def plot_error(
     return ErrorCurve(counts, errors, slope, _drawn(counts, errors, slope, "segments" if is_curve else "triangles", axes))
 
 
-def _made(shape: Any, is_curve: bool, rel: float, progress: Any) -> Any:
+def _approximated(shape: Any, is_curve: bool, rel: float, progress: Any) -> Any:
     return (shape.flatten if is_curve else shape.mesh)(rel=rel, progress=progress)
 
 
-def _drawn(counts: Any, errors: Any, slope: float, what: str, axes: Any | None) -> Any:
-    """The points and their line, in axes of matplotlib."""
+def _drawn(counts: Any, errors: Any, slope: float, counted: str, axes: Any | None) -> Any:
+    """The axes of matplotlib with the points and their line; None without matplotlib."""
     import numpy as np
 
     if axes is None:
@@ -101,7 +101,7 @@ def _drawn(counts: Any, errors: Any, slope: float, what: str, axes: Any | None) 
     if np.isfinite(slope):
         middle = np.exp(np.mean(np.log(errors)) - slope * np.mean(np.log(counts)))
         axes.loglog(counts, middle * counts.astype(float) ** slope, "--", label=f"slope {slope:.2f}")
-    axes.set_xlabel(what)
+    axes.set_xlabel(counted)
     axes.set_ylabel("error, in units")
     axes.legend()
     return axes

@@ -1,4 +1,4 @@
-"""`Polylines`: straight lines with their bound."""
+"""`Polylines`: flattened curves with their bound."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class Polyline:
     (True, (8, 2))
     """
 
-    #: The points, n × 2 or n × 3. A closed polyline does not repeat its first point. For reading only.
+    #: The points, n × 2 or n × 3. A closed polyline does not repeat its first point. Read-only.
     points: NDArray[np.float64]
-    #: For each point where it lies on its curve: the index of the piece, plus the parameter in it.
+    #: The place of each point on its curve: the index of the piece, plus the parameter in it.
     places: NDArray[np.float64]
     #: Whether the last point is joined to the first.
     closed: bool
@@ -51,9 +51,9 @@ class Polyline:
 
 
 class Polylines(Convertible, Sequence[Polyline], Guessed):
-    """Points joined by straight segments, one polyline for each curve or subpath, with the bound of all.
+    """One polyline for each curve or subpath, with a bound for all of them.
 
-    `points` of a single curve are its polyline's; of several, `lines[i].points` are those of each.
+    `points` has the points of all polylines; `lines[i].points` has those of one.
 
     >>> import chordal
     >>> two = chordal.shapes.bezier([[(0, 0), (0, 1), (1, 1), (1, 0)], [(0, 0), (1, 0), (2, 0), (3, 0)]])
@@ -67,49 +67,49 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
            [3., 0.]])
     """
 
-    __slots__ = ("_arrays", "_file", "_outcome", "_told")
+    __slots__ = ("_arrays", "_file", "_outcome", "_report_text")
 
     def __init__(self, outcome: _chordal.Outcome) -> None:
         self._outcome: _chordal.Outcome | None = outcome
-        self._told: str | None = None
+        self._report_text: str | None = None
         self._arrays: dict[str, Any] = {}
         self._file: bytes = b""
 
     @classmethod
     def _of(cls, outcome: _chordal.Outcome) -> Polylines:
-        """Lines that were made, if they meet their budget."""
+        """The polylines of an outcome, if they meet their budget."""
         return of_outcome(outcome, cls)
 
     @property
     def _text(self) -> str:
-        if self._told is None:
+        if self._report_text is None:
             assert self._outcome is not None
-            self._told = self._outcome.report
-        return self._told
+            self._report_text = self._outcome.report
+        return self._report_text
 
     @property
     def bound(self) -> Bound:
-        """How far the farthest of them is from its curve, and how that is known."""
+        """The largest distance between a polyline and its curve, and how it is known."""
         return bound_of(self.report["certificate"]["bound"])
 
     @property
     def report(self) -> Report:
-        """The report of `chordal mesh --json`, which `docs/schema` describes. It is yours to change."""
+        """The report of `chordal mesh --json`, which `docs/schema` describes. You may change it."""
         return Report(json.loads(self._text))
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """The points of all polylines, n × 2 or n × 3. Not copied, for reading only."""
+        """The points of all polylines, n × 2 or n × 3. Not copied, read-only."""
         return self._array("points")
 
     @property
     def places(self) -> NDArray[np.float64]:
-        """For each point where it lies on its curve: the index of the piece, plus the parameter in it."""
+        """The place of each point on its curve: the index of the piece, plus the parameter in it."""
         return self._array("places")
 
     @property
     def starts(self) -> NDArray[np.int64]:
-        """For each polyline the index of its first point, and at the end the number of points."""
+        """For each polyline, the index of its first point; finally the number of points."""
         return self._array("starts")
 
     def __len__(self) -> int:
@@ -125,12 +125,12 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
         starts, closed, sources = self.starts, self._array("closed"), self._array("sources")
         points, places = self.points, self.places
 
-        def one(i: int) -> Polyline:
+        def polyline(i: int) -> Polyline:
             rows = slice(starts[i], starts[i + 1])
             return Polyline(points[rows], places[rows], bool(closed[i]), int(sources[i]))
 
         chosen = range(len(self))[index]
-        return one(chosen) if isinstance(chosen, int) else [one(i) for i in chosen]
+        return polyline(chosen) if isinstance(chosen, int) else [polyline(i) for i in chosen]
 
     def _array(self, name: str) -> NDArray[Any]:
         import numpy as np
@@ -138,15 +138,15 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
         if name not in self._arrays:
             assert self._outcome is not None
             self._arrays[name] = np.asarray(self._outcome.array(name))
-        found: NDArray[Any] = self._arrays[name]
-        return found
+        array: NDArray[Any] = self._arrays[name]
+        return array
 
     def _written(self, form: Form, tol: Any, rel: Any) -> Written:
         if tol is not None or rel is not None:
             raise TypeError("tol, rel: these lines were made within a budget already")
         if self._outcome is not None:
             return remade(self._outcome, Polylines, form)
-        # It comes from another process, as the file of it.
+        # Polylines from another process have their JSON file instead of an outcome.
         if form.format == "json" and form.packing == (False, None):
             return _Kept(self._file, self._text)
         source = _chordal.Source(self._file, plain_reading("json"))
@@ -170,7 +170,7 @@ class Polylines(Convertible, Sequence[Polyline], Guessed):
 
 
 class _Kept:
-    """A file that is there already."""
+    """A file whose content is known already."""
 
     names_files: Final = False
 
@@ -186,7 +186,7 @@ class _Kept:
 
 
 def _again(report: str, arrays: dict[str, Any], content: bytes) -> Polylines:
-    """Lines that were pickled."""
-    made = Polylines.__new__(Polylines)
-    made._outcome, made._told, made._arrays, made._file = None, report, arrays, content
-    return made
+    """Restores pickled polylines."""
+    restored = Polylines.__new__(Polylines)
+    restored._outcome, restored._report_text, restored._arrays, restored._file = None, report, arrays, content
+    return restored

@@ -1,8 +1,8 @@
-"""How a shape came about, so that it can be made again in another process: what `pickle` and `copy` do with shapes.
+"""Recipes, by which shapes are pickled and rebuilt in another process.
 
-A recipe is a function of this package with its arguments. Those may be shapes with recipes of their own: all of them
-together are written as a list, each once and after what it is made of, so that a shape of ten thousand steps takes no deep
-stack.
+A recipe is a function of this package with its arguments, which may be shapes with recipes of their own. A shape is
+pickled as a list of all recipes, each once and after those that it depends on, so that a shape of ten thousand steps
+needs no deep recursion.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Step(NamedTuple):
 
 
 class Remakeable:
-    """What has a recipe and does not change."""
+    """An immutable object with a recipe."""
 
     __slots__ = ()
     _recipe: Recipe | None
@@ -37,41 +37,42 @@ class Remakeable:
 
 
 def _direct(value: Any) -> list[Any]:
-    """What has recipes in a value and its lists."""
+    """The objects with recipes in a value, or in its lists."""
     if isinstance(value, Remakeable):
         return [value]
     if isinstance(value, (list, tuple)):
-        return [found for item in value for found in _direct(item)]
+        return [shape for item in value for shape in _direct(item)]
     return []
 
 
 def steps_of(last: Remakeable) -> list[Recipe]:
-    """All steps to a shape, each after those that it takes; the last of them gives the shape."""
+    """All steps to a shape in topological order: each after those that it depends on, and the shape itself last."""
     numbers: dict[int, int] = {}
     steps: list[Recipe] = []
-    waiting: list[tuple[Any, bool]] = [(last, False)]
-    while waiting:
-        one, is_ready = waiting.pop()
-        if id(one) in numbers:
+    # Depth-first search with a stack: each shape is visited before its operands, and again, ready, after them.
+    stack: list[tuple[Any, bool]] = [(last, False)]
+    while stack:
+        shape, is_ready = stack.pop()
+        if id(shape) in numbers:
             continue
-        recipe = one._recipe if isinstance(one, Remakeable) else None
+        recipe = shape._recipe if isinstance(shape, Remakeable) else None
         if recipe is None:
-            if one is last:
-                raise TypeError(f"{type(one).__name__}: nothing is known of how it was made, so it cannot be pickled")
+            if shape is last:
+                raise TypeError(f"{type(shape).__name__}: nothing is known of how it was made, so it cannot be pickled")
             continue
         function, args, named = recipe
-        needed = _direct(list(args)) + _direct(list(named.values()))
+        operands = _direct(list(args)) + _direct(list(named.values()))
         if is_ready:
-            numbers[id(one)] = len(steps)
+            numbers[id(shape)] = len(steps)
             steps.append((function, _numbered(args, numbers), {k: _numbered(v, numbers) for k, v in named.items()}))
         else:
-            waiting.append((one, True))
-            waiting += [(other, False) for other in needed if id(other) not in numbers]
+            stack.append((shape, True))
+            stack += [(operand, False) for operand in operands if id(operand) not in numbers]
     return steps
 
 
 def _numbered(value: Any, numbers: dict[int, int]) -> Any:
-    """A value with steps in place of shapes."""
+    """A value in which shapes are replaced by the numbers of their steps."""
     if isinstance(value, Remakeable) and id(value) in numbers:
         return Step(numbers[id(value)])
     if type(value) in (list, tuple):
@@ -80,16 +81,16 @@ def _numbered(value: Any, numbers: dict[int, int]) -> Any:
 
 
 def made_again(steps: list[Recipe]) -> Any:
-    """What such steps lead to."""
-    made: list[Any] = []
+    """Runs the steps, and returns the result of the last."""
+    results: list[Any] = []
 
     def filled(value: Any) -> Any:
         if isinstance(value, Step):
-            return made[value.number]
+            return results[value.number]
         if type(value) in (list, tuple):
             return type(value)(filled(item) for item in value)
         return value
 
     for function, args, named in steps:
-        made.append(function(*filled(args), **{name: filled(value) for name, value in named.items()}))
-    return made[-1]
+        results.append(function(*filled(args), **{name: filled(value) for name, value in named.items()}))
+    return results[-1]

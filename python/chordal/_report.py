@@ -1,4 +1,4 @@
-"""`Report`: all that is known of a result, of which a few lines are shown."""
+"""`Report`: everything known about a result, shown in a few lines."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any
 from chordal._bound import Bound, bound_of
 from chordal._table import table
 
-#: What is said of triangles where it holds, by the names of the report.
+#: The properties of triangles that are listed if they hold, by their names in the report.
 _VALID = ("closed", "manifold", "oriented")
-#: More texts than these are counted. Chosen, so that what is shown stays on a screen.
+#: The most texts that are listed; further ones are counted. Chosen so that a report fits on a screen.
 _MOST_LISTED = 3
 
 
 class Report(dict[str, Any]):
-    """The report on what was made or written: a dictionary as of JSON, that `docs/schema` describes, of which a few lines are
-    shown. It is yours to change.
+    """The report on a result or a written file: a dictionary in the form of JSON, which `docs/schema` describes. Only a few lines
+    of it are shown. You may change it.
 
     >>> import chordal, json
     >>> report = chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj").mesh(tol=1).report
@@ -34,8 +34,8 @@ class Report(dict[str, Any]):
 
     @property
     def bound(self) -> Bound | None:
-        """The bound that it speaks of; None where nothing was made, or where not all of it is there."""
-        facts = _found(self, "certificate", "bound")
+        """The bound in the report; None if there is none, or if it is incomplete."""
+        facts = _value_at(self, "certificate", "bound")
         try:
             return None if facts is None else bound_of(facts)
         except (KeyError, TypeError, ValueError):
@@ -52,35 +52,35 @@ class Report(dict[str, Any]):
         return Report({**other, **self}) if isinstance(other, Mapping) else NotImplemented
 
     def rows(self) -> list[tuple[str, str]]:
-        """What is shown of it: titles and texts."""
-        found: list[tuple[str, str]] = []
-        verdict = self.get("verdict", _found(self, "deviation", "verdict"))
+        """The lines that are shown, as pairs of a title and a text."""
+        rows: list[tuple[str, str]] = []
+        verdict = self.get("verdict", _value_at(self, "deviation", "verdict"))
         if isinstance(verdict, str):
-            found.append(("verdict", verdict))
+            rows.append(("verdict", verdict))
         if self.bound is not None:
-            found.append(("bound", self.bound.sentence()))
-        found.append(("output", _counts(_found(self, "certificate", "output"))))
-        levels = _found(self, "certificate", "levels", "levels")
+            rows.append(("bound", self.bound.sentence()))
+        rows.append(("output", _counts(_value_at(self, "certificate", "output"))))
+        levels = _value_at(self, "certificate", "levels", "levels")
         if isinstance(levels, list):
-            found.append(("levels", f"{len(levels):,}"))
-        valid = _found(self, "certificate", "valid")
+            rows.append(("levels", f"{len(levels):,}"))
+        valid = _value_at(self, "certificate", "valid")
         if isinstance(valid, dict):
-            found.append(("valid", ", ".join(word for word in _VALID if valid.get(word)) or "no"))
-        box = _found(self, "inspection", "box")
+            rows.append(("valid", ", ".join(word for word in _VALID if valid.get(word)) or "no"))
+        box = _value_at(self, "inspection", "box")
         if isinstance(box, list) and len(box) == 2:
-            found.append(("box", " to ".join(f"({', '.join(f'{x:.6g}' for x in corner)})" for corner in box)))
-        output, n_bytes = _found(self, "run", "output"), _found(self, "run", "bytes")
+            rows.append(("box", " to ".join(f"({', '.join(f'{x:.6g}' for x in corner)})" for corner in box)))
+        output, n_bytes = _value_at(self, "run", "output"), _value_at(self, "run", "bytes")
         if output is not None:
-            found.append(("file", output if n_bytes is None else f"{output}, {n_bytes:,} bytes"))
-        findings = _found(self, "inspection", "findings")
-        found.append(("found", _listed(_told(findings, "{count:,} {words}"), ", ")))
-        warnings = _found(self, "certificate", "input", "warnings")
-        found.append(("warnings", _listed(_told(warnings, "{message} ({count:,})"), "; ")))
-        found.append(("notes", _listed(_told(_found(self, "certificate", "notes"), "{}"), "; ")))
-        return [(title, text) for title, text in found if text]
+            rows.append(("file", output if n_bytes is None else f"{output}, {n_bytes:,} bytes"))
+        findings = _value_at(self, "inspection", "findings")
+        rows.append(("found", _listed(_formatted(findings, "{count:,} {words}"), ", ")))
+        warnings = _value_at(self, "certificate", "input", "warnings")
+        rows.append(("warnings", _listed(_formatted(warnings, "{message} ({count:,})"), "; ")))
+        rows.append(("notes", _listed(_formatted(_value_at(self, "certificate", "notes"), "{}"), "; ")))
+        return [(title, text) for title, text in rows if text]
 
     def _title(self) -> str:
-        verb, kind = _found(self, "run", "verb"), _found(self, "certificate", "input", "kind")
+        verb, kind = _value_at(self, "run", "verb"), _value_at(self, "certificate", "input", "kind")
         return " of ".join(str(word) for word in (verb, kind) if word)
 
     def __repr__(self) -> str:
@@ -97,8 +97,8 @@ class Report(dict[str, Any]):
         return table(f"Report: {self._title()}", self.rows())
 
 
-def _found(facts: Any, *path: str) -> Any:
-    """What stands at the end of a path; None where it does not lead so far."""
+def _value_at(facts: Any, *path: str) -> Any:
+    """The value at a path of keys; None if the path does not exist."""
     for name in path:
         if not isinstance(facts, dict):
             return None
@@ -106,15 +106,15 @@ def _found(facts: Any, *path: str) -> Any:
     return facts
 
 
-def _told(entries: Any, form: str) -> list[str]:
-    """Each entry of a list in a form; those that lack what it names are passed over: a report may have been changed."""
-    found = []
-    for one in entries if isinstance(entries, list) else ():
+def _formatted(entries: Any, template: str) -> list[str]:
+    """Each entry of a list in a template. Entries without its keys are skipped, since a report may have been changed."""
+    texts = []
+    for entry in entries if isinstance(entries, list) else ():
         try:
-            found.append(form.format(**one) if isinstance(one, dict) else form.format(one))
+            texts.append(template.format(**entry) if isinstance(entry, dict) else template.format(entry))
         except (LookupError, TypeError, ValueError):
             continue
-    return found
+    return texts
 
 
 def _counts(output: Any) -> str:
@@ -128,7 +128,7 @@ def _counts(output: Any) -> str:
         "segments": "segment",
         "faces": "face",
     }
-    # Positions are there beside vertices, for files in which these differ.
+    # Positions are listed only if their number differs from that of vertices.
     counts = [
         (name, n)
         for name, n in output.items()
@@ -138,6 +138,6 @@ def _counts(output: Any) -> str:
 
 
 def _listed(texts: list[str], between: str) -> str:
-    """The first of some texts, and how many more there are."""
+    """The first texts, and the number of further ones."""
     more = len(texts) - _MOST_LISTED
     return between.join([*texts[:_MOST_LISTED], *([f"and {more:,} more"] if more > 0 else [])])

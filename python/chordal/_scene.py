@@ -1,4 +1,4 @@
-"""What is in a scene: `Part`, `Node`, and the `Attribute` of a part."""
+"""The content of a scene: `Part`, `Node`, and the `Attribute` of a part."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Attribute:
-    """What a mesh says beside its positions.
+    """Data of a mesh's vertices, corners or faces, other than positions.
 
     >>> import chordal
     >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], uv=[(0, 0), (1, 0), (0, 1)])
@@ -29,14 +29,14 @@ class Attribute:
     (<Attribute: uv, one row for each vertex, (3, 2)>,)
     """
 
-    #: What it is: "normal", "tangent", "uv", "color", "group" (the number of a material or group), "custom" (anything else
-    #: of the file), or "blended" (morph targets and weights of joints).
+    #: The kind of data: "normal", "tangent", "uv", "color", "group" (the number of a material or group), "custom" (any other
+    #: data of the file), or "blended" (morph targets and weights of joints).
     kind: _Kind
-    #: Which one: the number of a set of texture coordinates or colours, or a name.
+    #: The number of the set of texture coordinates or colours, or a name.
     of: int | str | None
-    #: What its rows belong to: "vertex"; "corner", three rows for each face; or "face".
+    #: The elements that have a row: "vertex"; "corner", with three rows for each face; or "face".
     domain: _Domain
-    #: The rows: n, or n × k. Not copied, for reading only.
+    #: The rows: n, or n × k. Not copied, read-only.
     values: NDArray[np.float64]
 
     def __repr__(self) -> str:
@@ -46,7 +46,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Node:
-    """A node of a scene: where a part stands.
+    """A node of a scene, which places a part.
 
     >>> import chordal
     >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -65,7 +65,7 @@ class Node:
 
 
 class Part(Guessed):
-    """One mesh of a scene, in its own coordinates. `Mesh.parts` are all of them.
+    """One mesh of a scene, in its own coordinates. `Mesh.parts` has all of them.
 
     >>> import chordal
     >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -87,36 +87,36 @@ class Part(Guessed):
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """The positions, n × 3. Not copied, for reading only."""
+        """The positions, n × 3. Not copied, read-only."""
         return self._array("vertices")
 
     @property
     def faces(self) -> NDArray[np.int32]:
-        """The vertices of each face, m × 3, counter-clockwise from its front. Not copied, for reading only."""
+        """The vertices of each face, m × 3, counter-clockwise from its front. Not copied, read-only."""
         return self._array("faces")
 
     @property
     def attributes(self) -> tuple[Attribute, ...]:
-        """Normals, texture coordinates, colours, materials, and whatever else the file says."""
+        """Normals, texture coordinates, colours, materials, and any other data of the file."""
         return attributes_of(self._facts, lambda k: self._array("attribute", k))
 
     def attribute(self, kind: _Kind, of: int | str | None = None) -> Attribute | None:
-        """The attribute of that kind, the first or that of a number or name; None where there is none."""
+        """The attribute of a kind, the first one or the one with a number or name; None if there is none."""
         return first_of(self.attributes, kind, of)
 
     @property
     def normals(self) -> NDArray[np.float64] | None:
-        """Its normals: n × 3, or 3 m × 3 for corners; None where there are none."""
+        """Its normals: n × 3, or 3 m × 3 for corners; None if there are none."""
         return self._values("normal")
 
     @property
     def uv(self) -> NDArray[np.float64] | None:
-        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2, with v up; None where there are none."""
+        """Its first texture coordinates, n × 2 or, for corners, 3 m × 2, with v up; None if there are none."""
         return self._values("uv")
 
     @property
     def colors(self) -> NDArray[np.float64] | None:
-        """Its first colours, n × 3 or n × 4, from 0 to 1; None where there are none."""
+        """Its first colours, n × 3 or n × 4, from 0 to 1; None if there are none."""
         return self._values("color")
 
     @property
@@ -134,17 +134,17 @@ class Part(Guessed):
         # Of the scene its own part goes along and no other.
         text, blocks = _chordal.scene_state(self._source)
         facts = json.loads(text)
-        own = facts["parts"][self._index]
+        part = facts["parts"][self._index]
         kept: list[bytes] = []
-        for holder, key in numbers_in(own):
+        for holder, key in numbers_in(part):
             kept.append(blocks[holder[key]])
             holder[key] = len(kept) - 1
-        state = {"parts": [own], "frame": facts["frame"]}
+        state = {"parts": [part], "frame": facts["frame"]}
         return _again, (json.dumps(state), kept)
 
     def _values(self, kind: _Kind) -> NDArray[np.float64] | None:
-        found = self.attribute(kind)
-        return None if found is None else found.values
+        attribute = self.attribute(kind)
+        return None if attribute is None else attribute.values
 
     def _array(self, name: str, attribute: int | None = None) -> NDArray[Any]:
         import numpy as np
@@ -164,21 +164,21 @@ class Part(Guessed):
 
 
 def _again(state: str, blocks: list[bytes]) -> Part:
-    """A part that was pickled: the only one of its scene."""
+    """Restores a pickled part, as the only one of its scene."""
     source = _chordal.scene_of_state(state, blocks, None)
     return Part(source, 0, json.loads(_chordal.scene_facts(source))["parts"][0])
 
 
 def numbers_in(part: dict[str, Any]) -> list[tuple[dict[str, Any], str]]:
-    """Where the state of a part names blocks of numbers: dictionaries with a key of theirs."""
-    own = [(part, name) for name in ("positions", "faces", "position_id") if part.get(name) is not None]
+    """The entries of a part's state that refer to blocks of numbers, as pairs of a dictionary and a key."""
+    geometry = [(part, name) for name in ("positions", "faces", "position_id") if part.get(name) is not None]
     marks = [accessor for mark in part.get("marks", ()) for accessor in mark["accessors"]]
-    return own + [(holder, "block") for holder in (*part["attributes"], *marks)]
+    return geometry + [(holder, "block") for holder in (*part["attributes"], *marks)]
 
 
 class SeveralPartsError(AttributeError, ValueError):
-    """What the only part of a scene says, asked of a scene with another number of them. An `AttributeError`, so that what
-    looks at all attributes of a thing passes over it.
+    """The error for data of the only part of a scene, if the scene has another number of parts. It is an `AttributeError`, so
+    that code which inspects all attributes of an object skips it.
     """
 
     def __init__(self, count: int) -> None:
@@ -187,17 +187,17 @@ class SeveralPartsError(AttributeError, ValueError):
 
 
 def attributes_of(part: dict[str, Any], values: Callable[[int], NDArray[Any]]) -> tuple[Attribute, ...]:
-    """The attributes of a part, whose values are those of a number; texture coordinates with v up, whatever the file has."""
+    """The attributes of a part; `values` returns the rows of the k-th. Texture coordinates have v up, whatever the file has."""
 
     def read(k: int, kind: str) -> NDArray[Any]:
         import numpy as np
 
-        found = values(k)
+        rows = values(k)
         if kind != "uv" or not part["v_is_down"]:
-            return found
-        turned: NDArray[Any] = np.array([0.0, 1.0]) + found * np.array([1.0, -1.0])
-        turned.flags.writeable = False
-        return turned
+            return rows
+        flipped: NDArray[Any] = np.array([0.0, 1.0]) + rows * np.array([1.0, -1.0])
+        flipped.flags.writeable = False
+        return flipped
 
     return tuple(
         Attribute(facts["kind"], facts["of"], facts["domain"], read(k, facts["kind"]))
@@ -206,14 +206,14 @@ def attributes_of(part: dict[str, Any], values: Callable[[int], NDArray[Any]]) -
 
 
 def first_of(attributes: tuple[Attribute, ...], kind: _Kind, of: int | str | None = None) -> Attribute | None:
-    """The attribute of that kind, the first or that of a number or name."""
-    wanted = of if of is not None or kind not in ("uv", "color") else 0
-    found = (a for a in attributes if a.kind == kind and (wanted is None or a.of == wanted))
-    return next(found, None)
+    """The attribute of a kind, the first one or the one with a number or name."""
+    number_or_name = of if of is not None or kind not in ("uv", "color") else 0
+    matches = (a for a in attributes if a.kind == kind and (number_or_name is None or a.of == number_or_name))
+    return next(matches, None)
 
 
 def bounds_of(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The lowest and the highest corner of the box of points."""
+    """The lowest and the highest corner of the bounding box of points."""
     import numpy as np
 
     if len(vertices) == 0:

@@ -1,4 +1,4 @@
-"""What a shape script says of itself: its parameters, the boxes of its shapes, and what it checks."""
+"""Functions of shape scripts that are not shapes: parameters, boxes of shapes, and checks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from chordal._field import Field
 
 
 def param(name: str, default: SupportsFloat) -> float:
-    """A number that a shape script can be given from outside. In Python it is its default: assign another.
+    """A parameter of a shape script. In Python it has its default value: assign another one instead.
 
     >>> import chordal
     >>> chordal.shapes.param("r", 0.4)
@@ -19,11 +19,11 @@ def param(name: str, default: SupportsFloat) -> float:
 
 
 def box_of(shape: Field) -> dict[str, list[float]]:
-    """A box that holds a shape: its lowest and highest corner as `"min"` and `"max"`, its `"size"` and its `"center"`, each
-    of three numbers, or of two for a shape without an end along z. It may be larger than need be: it is that of
-    `Field.bounds`, which for a cut or a turned shape is the box of what it was made of.
+    """A box that contains a shape: its lowest and highest corner as `"min"` and `"max"`, its `"size"` and its `"center"`, each
+    of three numbers, or of two for a shape without an end along z. It may be larger than the shape: it is `Field.bounds`,
+    which for a cut or rotated shape follows from the boxes of its parts.
 
-    Raises `ValueError` for a shape without points, and for one whose ends are not known.
+    Raises `ValueError` for a shape without points, and for one without known bounds.
 
     >>> from chordal.shapes import box, box_of, move
     >>> [round(x, 6) for x in box_of(move(box(2, 2, 1), 0, 0, 4))["max"]]
@@ -34,7 +34,7 @@ def box_of(shape: Field) -> dict[str, list[float]]:
     low, high = shape.bounds
     if any(a > b for a, b in zip(low, high, strict=True)):
         raise ValueError("box_of() needs a shape with points, and this one has none")
-    # A shape of the plane has no end along z, and points of the plane are of two numbers.
+    # A plane shape is unbounded along z, and points of the plane have two coordinates.
     count = 2 if math.isinf(low[2]) and math.isinf(high[2]) else 3
     ends = [(low[k], high[k]) for k in range(count)]
     if not all(math.isfinite(a) and math.isfinite(b) for a, b in ends):
@@ -50,11 +50,11 @@ def box_of(shape: Field) -> dict[str, list[float]]:
 
 
 def check(condition: object, message: str) -> None:
-    """Ends a shape script with a sentence unless a condition holds: here, by a `ValueError`."""
+    """Ends a shape script with a message unless a condition holds. In Python it raises `ValueError`."""
     if not condition:
         fail(message)
 
 
 def fail(message: str) -> None:
-    """Ends a shape script with a sentence: here, by a `ValueError`."""
+    """Ends a shape script with a message. In Python it raises `ValueError`."""
     raise ValueError(message)

@@ -1,4 +1,4 @@
-"""`Shape`: what a file holds, and all that can be done with it."""
+"""`Shape`: the content of a file, and the operations on it."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ if TYPE_CHECKING:
     from chordal._field import Field
     from chordal._mesh import Mesh
 
-#: Told about progress: the name of the stage, the steps that are done, and those in all.
+#: Called with progress: the name of the stage, the number of steps done, and the total.
 Progress = Callable[[str, int, int], object]
 
 
 class Shape(
     Combinable, Bakeable, Mendable, Levelled, Pictured, Convertible, Remakeable, Guessed, metaclass=GuessedType
 ):
-    """What a file holds: patches, a cage, a drawing, or curves; triangles, samples and fields have classes of their own.
+    """A shape from a file: patches, a cage, a drawing, or curves. Triangles, samples and fields have classes of their own.
 
-    `load` makes it; it does not change.
+    `load` reads it. It is immutable.
 
     >>> import chordal
     >>> square = b"v 0 0 0\\nv 1 0 0\\nv 1 1 0\\nv 0 1 0\\nf 1 2 3 4\\n"
@@ -62,7 +62,7 @@ class Shape(
 
     @property
     def kind(self) -> str:
-        """What it is: "patches", "surfaces", "triangles", "cage", "drawing", "curves", "volume" or "field"."""
+        """The kind of shape: "patches", "surfaces", "triangles", "cage", "drawing", "curves", "volume" or "field"."""
         return self._source.kind
 
     @property
@@ -72,10 +72,10 @@ class Shape(
 
     @property
     def history(self) -> dict[str, Any]:
-        """How it came about, as far as that is proved: `steps`, each with its bound, and `total`, how far it is from the first
-        shape, as in the certificate of a report. Of a file it is what its certificate says, if that is of this very geometry;
-        `begins` says why there is no earlier step. Of a mesh that was moved or put together, `composed` has the histories of
-        its parts, where `total` counts them.
+        """The steps that led to this shape, as far as they are proved: `steps`, each with its bound, and `total`, the distance
+        from the first shape, as in the certificate of a report. For a file it is the history in its certificate, if that is a
+        certificate of exactly this geometry; `begins` says why there is no earlier step. For a mesh that was moved or
+        assembled, `composed` has the histories of its parts, and `total` counts from the shapes that these began with.
 
         >>> import chordal, tempfile, os
         >>> with tempfile.TemporaryDirectory() as folder:
@@ -85,11 +85,11 @@ class Shape(
         >>> total["reference"], 0 < total["at_most"] <= 0.1
         ('field', True)
         """
-        found: dict[str, Any] = json.loads(_chordal.history(self._source))
-        return found
+        history: dict[str, Any] = json.loads(_chordal.history(self._source))
+        return history
 
     def inspect(self) -> Report:
-        """The report of `chordal inspect`: what it is, its size, its warnings, and whether it is sound."""
+        """The report of `chordal inspect`: the kind of the shape, its size, its warnings and its defects."""
         return Report(json.loads(self._source.inspect()))
 
     @keywords_hinted
@@ -102,14 +102,15 @@ class Shape(
         max: Length | None = None,
         progress: Progress | None = None,
     ) -> Deviation:
-        """How far this shape and another one are apart, both ways: an interval that is proved. The other may be a file or a
-        mesh of another library.
+        """The distance between this shape and another one, in both directions, as a proved interval. The other shape may also
+        be a file or a mesh of another library.
 
-        The upper end is at most the share `relative` above the lower one, or the length `absolute`. With `max` only the
-        side of that limit matters, and `verdict` says it. Lengths are in units, or texts as in "0.1mm" or "0.05%", a
-        share of the diagonal of the other shape's box. Patches are meshed on the way, which is added at both ends.
+        The upper end exceeds the lower one by at most the share `relative`, or by the length `absolute`. With `max`, the
+        search stops once it is known on which side of that limit the distance is; `verdict` says so. Lengths are in units, or
+        texts as in "0.1mm", or "0.05%" of the diagonal of the other shape's box. Patches are meshed first, and the interval
+        is widened by the error of these meshes at both ends.
 
-        Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` where a shape has no surface.
+        Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` if a shape has no surface.
 
         >>> import chordal
         >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -148,31 +149,34 @@ class Shape(
     ) -> Mesh:
         """Triangles within a budget, with the bound that was reached. A drawing is filled.
 
-        `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
-        of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
-        the most triangles: the best mesh with no more than these; of triangles and volumes, `effort` "fast" mostly takes
-        about a tenth of the time, for two to three times the error. `angle`, beside one of them and for smooth surfaces, is the
-        largest angle between the triangles' normals and the shape's, in degrees. `uv_error` and
-        `normal_error`, beside `tol`, `rel` or `pixels`, are for triangles that have texture coordinates and normals: the
-        largest distance to those of the input, where 1 is the texture's side, and the largest angle, in degrees; both are
-        measured. All that are given hold. `require` is the
-        evidence that a field's mesh needs: "proved"; "measured", which is sooner there; or "estimated", for a draft that is there
-        at once and whose distance nobody knows. Unless it is said, a proof
-        where there is anything to prove with, and a measurement for functions without a Lipschitz constant. `effort` "best"
-        takes the proof of a field to its end. `within`, for fields, is after how long the best so far is taken, in seconds or
-        as in "2m": measured, its places without a proof in `report["certificate"]["bound"]["open"]`. Unless it is said that is
-        after 60 seconds, and never where a proof is asked for by `require` "proved" or `effort` "best". `extrude` is
-        the height to which a drawing or letters are raised, as a closed solid that stands on z = 0, and `bevel` how wide
-        the edges of both its ends are cut off at 45 degrees: less than half of the height.
+        `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` is the same as a share
+        of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is the
+        largest number of triangles: the result is the best mesh with no more. For triangles and volumes, `effort` "fast"
+        usually takes about a tenth of the time, for two to three times the error.
 
-        The words from `iso` to `smooth` say which surface of a volume is meant, as for `Volume.surface`. A volume needs no
-        budget: without any the bound is what its lattice allows.
+        Further limits can be added to these; all given limits hold. `angle`, for smooth surfaces, is the largest angle between
+        the normals of triangles and of the shape, in degrees. `uv_error` and `normal_error`, with `tol`, `rel` or `pixels`,
+        are for triangles with texture coordinates and normals: the largest difference from the input's texture coordinates,
+        where 1 is the side of the texture, and the largest angle between normals, in degrees; both are measured.
 
-        Other Python threads run meanwhile. Ctrl-C ends it within a tenth of a second. `progress` is called with the
-        name of a stage, the steps done and those in all; what it raises ends the work and comes back unchanged.
+        For fields, `require` is the evidence that the mesh needs: "proved"; "measured", which is faster; or "estimated", a
+        draft that is ready at once and whose error is unknown. By default the bound is proved if the field allows it, and
+        measured for functions without a Lipschitz constant. `effort` "best" carries the proof to its end. `within` is a time
+        limit, in seconds or as in "2m", after which the best mesh so far is returned with a measured bound; the places
+        without a proof are in `report["certificate"]["bound"]["open"]`. By default it is 60 seconds, or none if a proof is
+        requested by `require` "proved" or `effort` "best".
 
-        Raises `BudgetError` for a budget without sense, `BudgetUnmet` with the best mesh where it was not reached,
-        and `Refused` where it cannot be.
+        For drawings and letters, `extrude` is the height of a closed solid that stands on z = 0, and `bevel` the width by
+        which the edges of both its ends are cut off at 45 degrees: less than half of the height.
+
+        The arguments from `iso` to `smooth` select the surface of a volume, as for `Volume.surface`. A volume needs no
+        budget: without one, the bound is as tight as its lattice allows.
+
+        Other Python threads keep running. Ctrl-C ends the call within a tenth of a second. `progress` is called with the
+        name of a stage, the number of steps done, and the total; an exception that it raises ends the work and is passed on.
+
+        Raises `BudgetError` for a budget that makes no sense, `BudgetUnmet` with the best mesh if the budget was not met,
+        and `Refused` if the shape cannot be meshed.
 
         >>> import chordal
         >>> shape = chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
@@ -184,9 +188,9 @@ class Shape(
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
         words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
-        known: dict[str, Any] = getattr(self, "_meant", {})
-        is_said = any(value is not None for value in words.values())
-        source = meant(self._source, **dict.fromkeys(words) | meant_of(known, words)) if is_said else self._source
+        earlier: dict[str, Any] = getattr(self, "_meant", {})
+        is_given = any(value is not None for value in words.values())
+        source = meant(self._source, **dict.fromkeys(words) | meant_of(earlier, words)) if is_given else self._source
         limits = (tol, rel, pixels, view, angle, uv_error, normal_error, triangles, extrude, bevel, require)
         if source.kind == "volume" and all(limit is None for limit in limits):
             budget = []
@@ -210,11 +214,11 @@ class Shape(
         return Mesh._of(source.mesh(budget, "ply", function("progress", progress)))
 
     def to_field(self, *, tol: Length | None = None, rel: Share | None = None) -> Field:
-        """The signed distance to the triangles, negative inside, as a `Field` that can be cut, blended, and asked at points.
+        """The signed distance to the triangles, negative inside, as a `Field` that can be cut, blended, and evaluated at points.
 
-        Of a mesh that is a solid it is exact; of one that is open the sides are where its winding number is above a half, and
-        only they count. Other shapes are meshed first, within `tol` or `rel`, and the field is that of these triangles. Docs:
-        `docs/meshes-in-fields.md`.
+        For a mesh that is a solid, the distance is exact. For an open mesh, inside is where its winding number is above a
+        half, and only the sign of the value can be relied on. Other shapes are meshed first, within `tol` or `rel`, and the
+        field is the distance to these triangles. Docs: `docs/meshes-in-fields.md`.
 
         >>> import chordal
         >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -255,9 +259,9 @@ class Shape(
         spacing: Literal["fewest", "even"] = "fewest",
         progress: Progress | None = None,
     ) -> Polylines:
-        """The curves of a drawing as straight lines within a budget, one polyline for each subpath.
+        """The curves of a drawing as polylines within a budget, one for each subpath.
 
-        Everything is as for `Curve.flatten`. `Polyline.source` is the number of the element in the file.
+        The arguments are those of `Curve.flatten`. `Polyline.source` is the number of the element in the file.
 
         >>> import chordal
         >>> circle = chordal.load(b'<svg xmlns="http://www.w3.org/2000/svg"><circle r="1"/></svg>')

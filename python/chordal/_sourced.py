@@ -1,4 +1,4 @@
-"""`Sourced`: what the compiled part knows."""
+"""`Sourced`: objects with a shape of the compiled part."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from chordal._options import options
 
 
 class Sourced:
-    """Something that the compiled part holds as a shape."""
+    """An object whose shape is held by the compiled part."""
 
     __slots__ = ()
 
@@ -18,5 +18,5 @@ class Sourced:
 
 
 def plain_reading(format: str, unit: str | None = None) -> _chordal.Reading:
-    """How bytes of our own are read: of that format, and as they are."""
+    """The options for reading bytes that we wrote ourselves: the format, and defaults."""
     return {"name": None, "options": options(READING, format=format, unit=unit), "align": 0.0}

@@ -25,11 +25,11 @@ def surface(
     """A rational B-spline surface (NURBS) with these control points, rows × columns × 3: `u` runs along a row, `v` from
     row to row.
 
-    `weights` are rows × columns, and 1 unless said. `degrees` are those along `u` and `v`, from 1 to 30. `knots` are the
-    knots along `u` and along `v`, as many as there are control points, plus the degree, plus 1; without them they are
+    `weights` are rows × columns, by default 1. `degrees` are the degrees along `u` and `v`, from 1 to 30. `knots` are two
+    lists, along `u` and along `v`, each with as many knots as control points plus the degree plus 1; by default they are
     uniform, and the surface ends at its outer control points.
 
-    Raises `ValueError` where the numbers are no such surface.
+    Raises `ValueError` if the numbers do not define such a surface.
 
     >>> import chordal
     >>> flat = chordal.shapes.surface([[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 1)]], degrees=(1, 1))
@@ -44,23 +44,23 @@ def surface(
     if points.ndim != 3 or points.shape[2] != 3:
         raise ValueError(f"control: rows of points in space, as in (rows, columns, 3), not {points.shape}")
     n_rows, n_columns, _ = points.shape
-    heavy = np.ones((n_rows, n_columns)) if weights is None else coordinates("weights", weights)
-    if heavy.shape != (n_rows, n_columns):
-        raise ValueError(f"weights: one for each control point, {(n_rows, n_columns)}, not {heavy.shape}")
+    weight_rows = np.ones((n_rows, n_columns)) if weights is None else coordinates("weights", weights)
+    if weight_rows.shape != (n_rows, n_columns):
+        raise ValueError(f"weights: one for each control point, {(n_rows, n_columns)}, not {weight_rows.shape}")
     if len(degrees) != 2:
         raise ValueError(f"degrees: two of them, along u and along v, not {len(degrees)}")
     along_u, along_v = (whole("degrees", degree) for degree in degrees)
-    both = None
+    knot_lists = None
     if knots is not None:
         if len(knots) != 2:
             raise ValueError(f"knots: two lists of them, along u and along v, not {len(knots)}")
         first, second = (coordinates("knots", row).ravel().tolist() for row in knots)
-        both = (first, second)
-    of: _chordal.SurfaceArguments = {
+        knot_lists = (first, second)
+    arguments: _chordal.SurfaceArguments = {
         "shape": (n_columns, n_rows),
         "degrees": (along_u, along_v),
-        "knots": both,
+        "knots": knot_lists,
         "unit": text("unit", unit),
     }
-    named = {"weights": heavy, "knots": both, "degrees": (along_u, along_v), "unit": unit}
-    return Shape(_chordal.surface(points.tobytes(), heavy.tobytes(), of), (surface, (points,), named))
+    named = {"weights": weight_rows, "knots": knot_lists, "degrees": (along_u, along_v), "unit": unit}
+    return Shape(_chordal.surface(points.tobytes(), weight_rows.tobytes(), arguments), (surface, (points,), named))

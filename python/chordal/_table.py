@@ -1,4 +1,4 @@
-"""A result as a table of HTML, for notebooks: without colours of its own, so that it is read in light themes and in dark ones."""
+"""Results as HTML tables for notebooks, without colours, so that they are readable in light and dark themes."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 
 
 def table(title: str, rows: Iterable[tuple[str, str]]) -> str:
-    """Texts with their titles, under one of all."""
+    """A table of titled texts, under a common title."""
     head = f'<caption style="caption-side:top;text-align:left;font-weight:bold;color:inherit">{html.escape(title)}</caption>'
     cells = "".join(f"<tr>{_heading(name, 'row')}{_cell(text)}</tr>" for name, text in rows)
     return f"<table>{head}<tbody>{cells}</tbody></table>"
 
 
 def columns(title: str, names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Rows of texts, under the names of their columns."""
+    """A table of rows, under the names of the columns."""
     head = f'<caption style="caption-side:top;text-align:left;font-weight:bold;color:inherit">{html.escape(title)}</caption>'
     first = "".join(_heading(name, "col") for name in names)
     cells = "".join("<tr>" + "".join(_cell(text) for text in row) + "</tr>" for row in rows)

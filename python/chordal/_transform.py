@@ -1,4 +1,4 @@
-"""Meshes moved, turned and scaled, with everything that they say beside their triangles."""
+"""Affine transforms of meshes, with all of their attributes."""
 
 from __future__ import annotations
 
@@ -27,32 +27,32 @@ _Rows = list[list[float]]
 
 
 class Transformable:
-    """A mesh that can be somewhere else."""
+    """A mesh that can be transformed."""
 
     __slots__ = ()
 
     def transform(self, matrix: ArrayLike) -> Mesh:
-        """The mesh under an affine map: `matrix` is 4 × 4, or its first three rows, and takes (x, y, z, 1) to its new place.
+        """The mesh under an affine map: `matrix` is 4 × 4, or its first three rows, and maps (x, y, z, 1) to the new position.
 
-        Texture coordinates, colours, materials, parts and the unit stay, normals and tangents turn along, and where the map
-        mirrors, the faces are wound the other way round, so that the front stays the front. The bound is scaled by the
-        largest factor by which the map lengthens, and holds the rounding, too. Where the file has nodes of its own, or moves
-        in time, a node above all others has the map, and `parts` stay as they are.
+        Texture coordinates, colours, materials, parts and the unit are kept; normals and tangents are transformed. If the map
+        mirrors, the winding of faces is reversed, so that the front stays the front. The bound is scaled by the largest factor
+        by which the map stretches a length, and includes the rounding. If the file has nodes of its own or animations, a new
+        root node gets the map, and `parts` stay as they are.
 
-        Raises `ValueError` for a matrix that is not affine, or flattens.
+        Raises `ValueError` for a matrix that is not affine, or is singular.
 
         >>> import chordal
         >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
         >>> one.transform([(-2, 0, 0, 0), (0, 2, 0, 0), (0, 0, 2, 5), (0, 0, 0, 1)]).vertices[1]
         array([-2.,  0.,  5.])
         """
-        found = coordinates("matrix", matrix)
-        if found.shape not in ((3, 4), (4, 4)) or (len(found) == 4 and found[3].tolist() != [0, 0, 0, 1]):
+        rows = coordinates("matrix", matrix)
+        if rows.shape not in ((3, 4), (4, 4)) or (len(rows) == 4 and rows[3].tolist() != [0, 0, 0, 1]):
             raise ValueError("matrix: 4 × 4 with a last row of 0, 0, 0, 1, or its first three rows")
-        return self._moved([[float(entry) for entry in row] for row in found[:3].tolist()], keeps_angles=False)
+        return self._moved([[float(entry) for entry in row] for row in rows[:3].tolist()], keeps_angles=False)
 
     def translate(self, *by: SupportsFloat | _Vector) -> Mesh:
-        """The mesh moved by a vector, or by three numbers; as for `transform`.
+        """The mesh translated by a vector, or by three numbers; see `transform`.
 
         >>> import chordal
         >>> chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]).translate((0, 0, 3)).bounds[0]
@@ -62,8 +62,7 @@ class Transformable:
         return self._moved([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]], keeps_angles=True)
 
     def scale(self, *by: SupportsFloat | _Vector, about: _Vector = (0.0, 0.0, 0.0)) -> Mesh:
-        """The mesh scaled by a number, or by three along x, y and z, around a point; as for `transform`. A negative one
-        mirrors.
+        """The mesh scaled about a point by one factor, or by three along x, y and z; see `transform`. Negative factors mirror.
 
         >>> import chordal
         >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -78,8 +77,8 @@ class Transformable:
     def rotate(
         self, axis: Literal["x", "y", "z"] | _Vector, degrees: SupportsFloat, *, about: _Vector = (0.0, 0.0, 0.0)
     ) -> Mesh:
-        """The mesh turned about an axis through a point, counter-clockwise for an eye that the axis points at; as for
-        `transform`. `axis` is a letter or a vector. Quarter turns about a letter are exact.
+        """The mesh rotated about an axis through a point, counter-clockwise as seen from the tip of the axis; see `transform`.
+        `axis` is a letter or a vector. Multiples of 90 degrees about a letter are exact.
 
         >>> import chordal
         >>> one = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -92,12 +91,12 @@ class Transformable:
 
     @property
     def unit(self) -> str | None:
-        """The unit of the coordinates, as in "mm"; None where nothing says it, or it has no name."""
+        """The unit of the coordinates, as in "mm"; None if it is unknown or has no name."""
         return unit_of(self._metres())
 
     def to_unit(self, unit: Literal["um", "mm", "cm", "m", "km", "in", "ft"]) -> Mesh:
-        """The same lengths in another unit; as for `transform`. Raises `ValueError` where nothing says the unit of the
-        coordinates: `load(…, unit=)` and `Mesh(…, unit=)` do.
+        """The same lengths in another unit; see `transform`. Raises `ValueError` if the unit of the coordinates is unknown:
+        `load(…, unit=)` and `Mesh(…, unit=)` state it.
 
         >>> import chordal
         >>> inches = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], unit="in")
@@ -113,8 +112,8 @@ class Transformable:
         return self._moved(_about([[factor if j == k else 0.0 for j in range(3)] for k in range(3)], (0, 0, 0)), True, unit)
 
     def _metres(self) -> float | None:
-        found: float | None = self._scene["metres_per_unit"]  # type: ignore[attr-defined]
-        return found
+        metres: float | None = self._scene["metres_per_unit"]  # type: ignore[attr-defined]
+        return metres
 
     def _moved(self, rows: _Rows, keeps_angles: bool, unit: str | None = None) -> Mesh:
         from chordal._mesh import Mesh
@@ -133,27 +132,27 @@ class Transformable:
         angle = bound.angle_deg if keeps_angles else None
         moved = replace(bound, at_least=least, at_most=most, pixels=None, angle_deg=angle, at=at)
         if most is not None and not math.isfinite(most):
-            # Out of range, nothing is known.
+            # Beyond the range of doubles, nothing is known about the distance.
             moved = replace(moved, at_most=None, evidence="estimated")
         return Mesh._of_source(source, moved)
 
 
 def _volume_of(rows: _Rows) -> float:
-    """The determinant of the linear part, for its sign: scaled by the largest entry, so that it does not underflow."""
+    """The determinant of the linear part, of which only the sign is used: scaled by the largest entry against underflow."""
     largest = max(abs(entry) for row in rows for entry in row[:3]) or 1.0
     (a, b, c), (d, e, f), (g, h, i) = ([entry / largest for entry in row[:3]] for row in rows)
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def _about(linear: _Rows, about: _Vector) -> _Rows:
-    """A linear map around a point. In Python's own numbers, whose sums are the same on every machine."""
+    """A linear map about a point. Computed with Python's own numbers, whose sums are the same on every machine."""
     point = vector("about", (about,))
-    turned = [row[0] * point[0] + row[1] * point[1] + row[2] * point[2] for row in linear]
-    return [[*row, point[k] - turned[k]] for k, row in enumerate(linear)]
+    image = [row[0] * point[0] + row[1] * point[1] + row[2] * point[2] for row in linear]
+    return [[*row, point[k] - image[k]] for k, row in enumerate(linear)]
 
 
 def _turn(axis: str | _Vector, degrees: float) -> _Rows:
-    """Rodrigues' rotation; its sine and cosine are those of scripts, the same on every machine."""
+    """Rodrigues' rotation. Sine and cosine are those of shape scripts, which are the same on every machine."""
     from chordal._field import called
 
     letters = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -170,9 +169,9 @@ def _turn(axis: str | _Vector, degrees: float) -> _Rows:
     quarters = {0: (0.0, 1.0), 90: (1.0, 0.0), 180: (0.0, -1.0), 270: (-1.0, 0.0)}
     angle = called("radians", degrees)
     sine, cosine = quarters.get(degrees % 360) or (called("sin", angle), called("cos", angle))  # type: ignore[call-overload]
-    rest = 1 - cosine
+    versine = 1 - cosine
     return [
-        [cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y],
-        [rest * y * x + sine * z, cosine + rest * y * y, rest * y * z - sine * x],
-        [rest * z * x - sine * y, rest * z * y + sine * x, cosine + rest * z * z],
+        [cosine + versine * x * x, versine * x * y - sine * z, versine * x * z + sine * y],
+        [versine * y * x + sine * z, cosine + versine * y * y, versine * y * z - sine * x],
+        [versine * z * x - sine * y, versine * z * y + sine * x, cosine + versine * z * z],
     ]

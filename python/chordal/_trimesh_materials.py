@@ -1,4 +1,4 @@
-"""Materials of trimesh as ours, and ours as trimesh's. Both have glTF's terms."""
+"""Conversion of materials from and to trimesh. Both use the terms of glTF."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from chordal._material import Material
 if TYPE_CHECKING:
     from chordal._mesh import Mesh
 
-#: Our names of pictures, and those of glTF and trimesh.
+#: Our names of textures, and those of glTF and trimesh.
 _PICTURES = {
     "texture": "baseColorTexture",
     "metallic_roughness_texture": "metallicRoughnessTexture",
@@ -19,90 +19,91 @@ _PICTURES = {
     "occlusion_texture": "occlusionTexture",
     "emissive_texture": "emissiveTexture",
 }
-#: The colour of a material of trimesh that says nothing: of those for .obj.
-_UNSAID = [102, 102, 102, 255]
+#: The default colour of trimesh's materials for .obj.
+_DEFAULT_COLOR = [102, 102, 102, 255]
 
 
 def with_material_of(thing: Any, mesh: Mesh) -> Mesh:
-    """A mesh with the material that one of trimesh has, if that says anything."""
+    """A mesh with the material of an object of trimesh, unless that is trimesh's default."""
     visual = getattr(thing, "visual", None)
-    theirs = getattr(visual, "material", None) if getattr(visual, "kind", None) == "texture" else None
-    if theirs is None or not hasattr(theirs, "main_color") or _says_nothing(theirs):
+    material = getattr(visual, "material", None) if getattr(visual, "kind", None) == "texture" else None
+    if material is None or not hasattr(material, "main_color") or _is_default(material):
         return mesh
     from chordal._assembly import Placed, scene
 
-    return scene(Placed(mesh, name="triangles", material=material_of(theirs, has_uv=mesh.uv is not None)))
+    return scene(Placed(mesh, name="triangles", material=material_of(material, has_uv=mesh.uv is not None)))
 
 
-def _says_nothing(theirs: Any) -> bool:
-    """Whether it is what trimesh puts where nothing was said: grey, with a tiny picture of one colour."""
-    if hasattr(theirs, "baseColorFactor"):
-        pictures = (getattr(theirs, name, None) for name in _PICTURES.values())
-        numbers = (getattr(theirs, name, None) for name in ("baseColorFactor", "metallicFactor", "roughnessFactor", "emissiveFactor"))
+def _is_default(material: Any) -> bool:
+    """Whether it is trimesh's default for meshes without a material: grey, with a tiny image of one colour."""
+    if hasattr(material, "baseColorFactor"):
+        pictures = (getattr(material, name, None) for name in _PICTURES.values())
+        factors = ("baseColorFactor", "metallicFactor", "roughnessFactor", "emissiveFactor")
+        numbers = (getattr(material, name, None) for name in factors)
         return all(value is None for value in (*pictures, *numbers))
-    image = getattr(theirs, "image", None)
+    image = getattr(material, "image", None)
     is_blank = image is None or max(image.size) <= 2 and len(image.getcolors() or ()) == 1
-    return is_blank and list(getattr(theirs, "diffuse", _UNSAID)) == _UNSAID
+    return is_blank and list(getattr(material, "diffuse", _DEFAULT_COLOR)) == _DEFAULT_COLOR
 
 
 def material_to_trimesh(mesh: Mesh) -> Any:
-    """The material of all faces of a mesh of one part, as trimesh has it, whose colours are bytes; None where there is no such
-    one."""
+    """The material of all faces of a mesh of one part, as a material of trimesh, whose colours are bytes; None if there is no
+    such material."""
     import numpy as np
 
-    groups = [one for one in (mesh.attributes if len(mesh.parts) == 1 else ()) if (one.kind, one.of) == ("group", "material")]
+    groups = [row for row in (mesh.attributes if len(mesh.parts) == 1 else ()) if (row.kind, row.of) == ("group", "material")]
     numbers = np.unique(groups[0].values) if groups else np.zeros(0)
     if len(numbers) != 1 or numbers[0] < 1 or numbers[0] > len(mesh.materials):
         return None
-    said = mesh.materials[int(numbers[0]) - 1]
-    pbr = said.get("pbrMetallicRoughness", {})
+    gltf = mesh.materials[int(numbers[0]) - 1]
+    pbr = gltf.get("pbrMetallicRoughness", {})
     pictures: dict[str, Any] = {}
-    for own in _PICTURES.values():
-        place = pbr.get(own, said.get(own))
-        image = None if place is None else mesh.images[mesh.textures[place["index"]].get("source", 0)]
-        pictures[own] = None if image is None else library("PIL.Image").open(io.BytesIO(image))
+    for name in _PICTURES.values():
+        reference = pbr.get(name, gltf.get(name))
+        image = None if reference is None else mesh.images[mesh.textures[reference["index"]].get("source", 0)]
+        pictures[name] = None if image is None else library("PIL.Image").open(io.BytesIO(image))
     return library("trimesh").visual.material.PBRMaterial(
-        name=said.get("name") or None,
+        name=gltf.get("name") or None,
         baseColorFactor=pbr.get("baseColorFactor"),
         metallicFactor=pbr.get("metallicFactor"),
         roughnessFactor=pbr.get("roughnessFactor"),
-        emissiveFactor=said.get("emissiveFactor"),
-        doubleSided=said.get("doubleSided", False),
-        alphaMode=said.get("alphaMode"),
-        alphaCutoff=said.get("alphaCutoff"),
+        emissiveFactor=gltf.get("emissiveFactor"),
+        doubleSided=gltf.get("doubleSided", False),
+        alphaMode=gltf.get("alphaMode"),
+        alphaCutoff=gltf.get("alphaCutoff"),
         **pictures,
     )
 
 
 def material_of(theirs: Any, has_uv: bool) -> Material:
-    """A material of trimesh, which has glTF's terms, or only colours."""
+    """Converts a material of trimesh, which has the terms of glTF or only colours."""
     pbr = theirs if hasattr(theirs, "baseColorFactor") else theirs.to_pbr()
-    # Without coordinates no picture is seen.
-    found = {own: _png(getattr(pbr, name, None)) for own, name in _PICTURES.items() if has_uv}
+    # Without texture coordinates, no texture is visible.
+    textures = {own_name: _png(getattr(pbr, name, None)) for own_name, name in _PICTURES.items() if has_uv}
 
-    def said(name: str, otherwise: Any) -> Any:
+    def value_of(name: str, default: Any) -> Any:
         value = getattr(pbr, name, None)
-        return otherwise if value is None else value
+        return default if value is None else value
 
-    color = [float(x) for x in said("baseColorFactor", (1.0, 1.0, 1.0, 1.0))]
-    # Bytes of a factor, which is linear as in glTF.
+    color = [float(x) for x in value_of("baseColorFactor", (1.0, 1.0, 1.0, 1.0))]
+    # Factors in bytes are linear, as in glTF.
     bytes_like = getattr(getattr(pbr, "baseColorFactor", None), "dtype", None)
     color = [x / 255 for x in color] if bytes_like is not None and bytes_like.kind in "iu" else color
     return Material(
         str(getattr(theirs, "name", None) or ""),
         color=color,
-        metallic=float(said("metallicFactor", 1.0)),
-        roughness=float(said("roughnessFactor", 1.0)),
-        emissive=[float(x) for x in said("emissiveFactor", (0.0, 0.0, 0.0))],
-        double_sided=bool(said("doubleSided", False)),
-        alpha=str(said("alphaMode", "OPAQUE")).lower(),  # type: ignore[arg-type]
-        cutoff=float(said("alphaCutoff", 0.5)),
-        **found,
+        metallic=float(value_of("metallicFactor", 1.0)),
+        roughness=float(value_of("roughnessFactor", 1.0)),
+        emissive=[float(x) for x in value_of("emissiveFactor", (0.0, 0.0, 0.0))],
+        double_sided=bool(value_of("doubleSided", False)),
+        alpha=str(value_of("alphaMode", "OPAQUE")).lower(),  # type: ignore[arg-type]
+        cutoff=float(value_of("alphaCutoff", 0.5)),
+        **textures,
     )
 
 
 def _png(image: Any) -> bytes | None:
-    """A picture of Pillow as a file."""
+    """An image of Pillow as a PNG file."""
     if image is None:
         return None
     content = io.BytesIO()

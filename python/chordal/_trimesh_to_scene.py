@@ -1,4 +1,4 @@
-"""Scenes of trimesh as ours: meshes with their places and materials."""
+"""Conversion of scenes from trimesh: meshes with their transforms and materials."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
 
 
 def is_trimesh_scene(thing: Any) -> bool:
-    """Whether it is a scene of trimesh; its class says it, as of meshes."""
+    """Whether an object is a scene of trimesh, by the attributes of its class."""
     return all(hasattr(type(thing), name) for name in ("add_geometry", "to_mesh", "dump"))
 
 
 def scene_of_trimesh(thing: Any, *, weld: bool, unit: str | None) -> Mesh:
-    """All meshes of a scene, each a part that its nodes show. What is no mesh stays behind, with a warning."""
+    """All meshes of a scene, each as a part with its nodes. Other geometry is dropped with a warning."""
     import numpy as np
 
     from chordal._assembly import Placed, scene
     from chordal._interop import mesh_of
 
-    meshes = {name: mesh_of(one, weld=weld, is_bare=True) for name, one in thing.geometry.items()}
+    meshes = {name: mesh_of(geometry, weld=weld, is_bare=True) for name, geometry in thing.geometry.items()}
     others = sorted({type(thing.geometry[name]).__name__ for name, mesh in meshes.items() if mesh is None})
     if others:
         warn(f"{', '.join(others)}: these stay behind, for a scene is of triangles")
@@ -35,11 +35,11 @@ def scene_of_trimesh(thing: Any, *, weld: bool, unit: str | None) -> Mesh:
         if mesh is None:
             continue
         visual = getattr(thing.geometry[name], "visual", None)
-        own = getattr(visual, "material", None)
-        if id(own) not in materials:
-            materials[id(own)] = None if own is None else material_of(own, has_uv=mesh.uv is not None)
+        material = getattr(visual, "material", None)
+        if id(material) not in materials:
+            materials[id(material)] = None if material is None else material_of(material, has_uv=mesh.uv is not None)
         at = None if np.array_equal(matrix, np.eye(4)) else matrix
-        placed.append(Placed(mesh, at, name=str(node), material=materials[id(own)]))
+        placed.append(Placed(mesh, at, name=str(node), material=materials[id(material)]))
     if not placed:
         raise ValueError("thing: there is no mesh in this scene")
     return scene(placed, unit=unit)  # type: ignore[arg-type]

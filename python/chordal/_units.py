@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-#: Metres in a unit; exact by definition.
+#: Metres in a unit. Defined exactly.
 METRES = {
     "um": Fraction(1, 10**6),
     "mm": Fraction(1, 1000),
@@ -17,11 +17,11 @@ METRES = {
 }
 
 
-#: The same with that of volumes under electron microscopes, which meshes have no name for.
+#: The same with nanometres, the unit of volumes from electron microscopes, which meshes do not support.
 VOLUME_METRES = {"nm": Fraction(1, 10**9), **METRES}
 
 
-#: What trimesh calls them; the first of each is what it is given.
+#: The names of units in trimesh; the first of each is the one that is written.
 TRIMESH_NAMES = {
     "um": ("microns", "micrometers", "um"),
     "mm": ("millimeters", "millimeter", "mm"),
@@ -34,11 +34,11 @@ TRIMESH_NAMES = {
 
 
 def unit_of(metres: float | None) -> str | None:
-    """The name of a unit of that length; None where it has none."""
+    """The name of the unit with a length in metres; None if it has none."""
     return next((unit for unit, exact in METRES.items() if float(exact) == metres), None)
 
 
 def refuse_unknown(unit: object, known: Mapping[str, Fraction] = METRES) -> None:
-    """Raise `ValueError` for what is no unit."""
+    """Raise `ValueError` for an unknown unit."""
     if unit not in known:
         raise ValueError(f"unit: one of {', '.join(known)}, not {unit!r}")

@@ -1,4 +1,4 @@
-"""The verbs as functions: of a shape, or of a file."""
+"""The verbs as functions, of shapes or files."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 
 
 def shaped(name: str, thing: Any) -> Shape:
-    """A shape, whatever it is that stands for it."""
+    """The shape that a thing is, or that it can be read or converted to."""
     if isinstance(thing, Shape):
         return thing
     if isinstance(thing, (Curve, Cage)):
         return thing.shape()
     if isinstance(thing, (str, os.PathLike, bytes, bytearray, memoryview)) or hasattr(thing, "read"):
         return load(thing)
-    found = mesh_of(thing)
-    if found is None:
+    converted = mesh_of(thing)
+    if converted is None:
         hint = ""
         if isinstance(thing, BlockVolume):
             hint = ": mesh it first, as in volume.mesh(iso=…)"
@@ -45,30 +45,30 @@ def shaped(name: str, thing: Any) -> Shape:
         elif callable(thing):
             hint = ": chordal.field makes one of functions"
         raise TypeError(f"{name}: a shape, a path, bytes, or a mesh of another library, not {type(thing).__name__}{hint}")
-    return found
+    return converted
 
 
 def _verb(
     method: Callable[Concatenate[Shape, P], R],
 ) -> Callable[[Callable[..., object]], Callable[Concatenate[_Shaped, P], R]]:
-    """Makes the function of a method of shapes: of the name, and with the text, of what it decorates. Type checkers take its
-    type from the method, and that it is one from the `def`.
+    """Decorates a function so that it calls a method of shapes. It keeps its name and docstring, and takes the signature of the
+    method, also for type checkers.
     """
 
     def of_shape(title: Callable[..., object]) -> Callable[Concatenate[_Shaped, P], R]:
         @functools.wraps(title)
         def verb(shape: _Shaped, *args: P.args, **named: P.kwargs) -> R:
-            # By its name, for a kind of shape may have a method of its own.
-            found: R = getattr(shaped("shape", shape), method.__name__)(*args, **named)
-            return found
+            # By its name, since a subclass may override the method.
+            result: R = getattr(shaped("shape", shape), method.__name__)(*args, **named)
+            return result
 
-        own = _inspect.signature(method)
+        method_signature = _inspect.signature(method)
         first = _inspect.Parameter("shape", _inspect.Parameter.POSITIONAL_ONLY)
-        signature = own.replace(parameters=[first, *list(own.parameters.values())[1:]])
+        signature = method_signature.replace(parameters=[first, *list(method_signature.parameters.values())[1:]])
         verb.__signature__ = signature  # type: ignore[attr-defined]
         verb.__module__ = "chordal"
         if ">>>" not in (title.__doc__ or ""):
-            # The examples are tried where the method is.
+            # The examples are tested with the method itself.
             verb.__doc__ = f"{title.__doc__}\n\n{_without_examples(method)}"
         return verb  # type: ignore[return-value]
 
@@ -116,7 +116,7 @@ def render() -> None:
 
 @_verb(Shape.deviation)
 def deviation() -> None:
-    """How far two shapes are apart, both ways: `Shape.deviation`, of shapes or files. Raises as that does.
+    """The distance between two shapes, in both directions: `Shape.deviation`, of shapes or files. Raises as that does.
 
     >>> import chordal
     >>> triangle = chordal.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -128,12 +128,12 @@ def deviation() -> None:
 
 @_verb(Shape.export)
 def convert() -> None:
-    """Write a shape, or a file, in the format that the name of `path` says, as it is: `Shape.export`.
+    """Write a shape, or a file, unchanged in the format that the extension of `path` names: `Shape.export`.
 
-    Nothing is made simpler, and the report says what the format does not hold. What is no mesh yet needs a budget: `mesh`.
+    Nothing is simplified, and the report lists data that the format cannot store. Shapes that are no meshes need a budget: `mesh`.
 
-    Raises `WriteError` where the format cannot hold the shape, `Refused` for what has to be meshed first, and `OSError` of
-    the disk.
+    Raises `WriteError` if the format cannot store the shape, `Refused` for shapes that have to be meshed first, and `OSError`
+    for errors of the disk.
 
     >>> import chordal, tempfile, os
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -152,9 +152,9 @@ def union(
     within: Time | None = None,
     progress: Progress | None = None,
 ) -> Mesh:
-    """What is in any of some solids, or of those in a list, as one closed mesh: `Shape.combine`.
+    """The union of solids, given one by one or as a list, as one closed mesh: `Shape.combine`.
 
-    Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
+    Shapes that are not closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
 
     >>> import chordal
     >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -176,9 +176,9 @@ def difference(
     within: Time | None = None,
     progress: Progress | None = None,
 ) -> Mesh:
-    """A solid without others, as one closed mesh: `Shape.combine`.
+    """The difference of a solid and others, as one closed mesh: `Shape.combine`.
 
-    Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
+    Shapes that are not closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
 
     >>> import chordal
     >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -200,9 +200,9 @@ def intersection(
     within: Time | None = None,
     progress: Progress | None = None,
 ) -> Mesh:
-    """What is in all of some solids, as one closed mesh: `Shape.combine`.
+    """The intersection of solids, as one closed mesh: `Shape.combine`.
 
-    Shapes that are no closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
+    Shapes that are not closed triangles need `tol` or `rel`. Raises as `Shape.combine`.
 
     >>> import chordal
     >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -225,6 +225,6 @@ def _combined(
     within: Time | None,
     progress: Progress | None,
 ) -> Mesh:
-    one, *more = one_by_one((first, *others))
+    first_shape, *more = one_by_one((first, *others))
     steps = [(operation, shaped("others", other)) for other in more]
-    return shaped("first", one).combine(*steps, tol=tol, rel=rel, within=within, progress=progress)
+    return shaped("first", first_shape).combine(*steps, tol=tol, rel=rel, within=within, progress=progress)

@@ -20,7 +20,7 @@ from chordal._verbs import shaped
 
 __all__ = ["verify"]
 
-# The exit codes of the command with a verdict in its report.
+# The exit codes with which the command prints a report with a verdict.
 _JUDGED = (0, 1, 6)
 
 
@@ -33,15 +33,16 @@ def verify(
     options: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Prove the certificate of a file again, from all that it was made of: files, shapes, and meshes of other libraries.
+    """Prove the certificate of a file again, against everything that it was computed from: files, shapes, and meshes of other
+    libraries.
 
-    `certificate` is a report, or the file of one, for formats that hold none. The verdict is "re-proved", "not re-proved" or
-    "refuted"; every claim has one of its own. Of a mesh that was moved, joined or put in a scene, `against` is the mesh as it
-    was before, and what that was made of. Files alone are judged by the command in a process of its own; `options` are more
-    options of it by their names, as in `{"surface": "catmull-clark"}`; `{"effort": "best"}` goes on with every look to its end.
-    `progress` is as for `Shape.mesh`.
+    `certificate` is a report, or the file of one, for formats that cannot store it. The verdict is "re-proved", "not
+    re-proved" or "refuted"; every claim has its own verdict. For a mesh that was moved, joined or put in a scene, `against`
+    has the mesh before that, and its own inputs. If all inputs are files, the command verifies them in its own process;
+    `options` are further options of the command by name, as in `{"surface": "catmull-clark"}`, and `{"effort": "best"}`
+    carries every check to its end. `progress` is as for `Shape.mesh`.
 
-    Raises `ReadError` where there is no certificate.
+    Raises `ReadError` if there is no certificate.
 
     >>> import chordal, tempfile, os
     >>> ball = chordal.shapes.sphere(1)
@@ -55,13 +56,13 @@ def verify(
     """
     is_one = isinstance(against, (str, bytes, os.PathLike, Shape)) or not isinstance(against, Iterable)
     tell = function("progress", progress)
-    given: list[Any] = [against] if is_one else list(against)  # type: ignore[arg-type]
-    if isinstance(path, Shape) or any(not isinstance(one, (str, os.PathLike)) for one in given):
+    inputs: list[Any] = [against] if is_one else list(against)  # type: ignore[arg-type]
+    if isinstance(path, Shape) or any(not isinstance(item, (str, os.PathLike)) for item in inputs):
         if options:
             raise TypeError("options: they are of the command, which judges files alone: load says how a file is read")
-        # Files last: what is none of all this is said before any is opened.
-        shapes = [one if isinstance(one, (str, os.PathLike)) else shaped("against", one) for one in given]
-        sources = [shaped("against", one)._source for one in shapes]
+        # Files are read last, so that a wrong argument is reported before any file is opened.
+        shapes = [item if isinstance(item, (str, os.PathLike)) else shaped("against", item) for item in inputs]
+        sources = [shaped("against", shape)._source for shape in shapes]
         try:
             text = _chordal.verified(shaped("path", path)._source, _text_of(certificate), sources, tell)
             return Report(json.loads(text))
@@ -72,8 +73,8 @@ def verify(
             name = os.path.join(folder, "report.json")
             with open(name, "w", encoding="utf-8") as file:
                 json.dump(certificate, file)
-            return _by_command((path, given, name), options, tell)
-    return _by_command((path, given, certificate), options, tell)
+            return _by_command((path, inputs, name), options, tell)
+    return _by_command((path, inputs, certificate), options, tell)
 
 
 def _text_of(certificate: str | os.PathLike[str] | Mapping[str, Any] | None) -> str | None:
@@ -83,9 +84,9 @@ def _text_of(certificate: str | os.PathLike[str] | Mapping[str, Any] | None) -> 
         return file.read()
 
 
-#: A file, what it is judged against, and where its certificate is, if not in it.
+#: A file, the files that it is verified against, and the file of its certificate unless it has one itself.
 _Files = tuple[str | os.PathLike[str], list[Any], str | os.PathLike[str] | None]
-#: After so many seconds without a word progress is told again, as by the compiled part.
+#: The seconds after which progress is reported again, as the compiled part does.
 _SILENCE = 1.0
 
 
@@ -96,27 +97,27 @@ def _by_command(files: _Files, options: Mapping[str, str] | None, tell: Progress
     if certificate is not None:
         words += ["--certificate", os.fspath(certificate)]
     words += ["--against", *(os.fspath(file) for file in against)]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         try:
-            out, error = _heard(running, tell)
+            out, error = _output_of(process, tell)
         except BaseException:
-            running.kill()
+            process.kill()
             raise
-    if running.returncode not in _JUDGED:
+    if process.returncode not in _JUDGED:
         raise ReadError("unverifiable", None, error.strip().removeprefix("chordal: "))
     return Report(json.loads(out))
 
 
-def _heard(running: subprocess.Popen[str], tell: Progress | None) -> tuple[str, str]:
-    """What a command says, and progress meanwhile."""
+def _output_of(process: subprocess.Popen[str], tell: Progress | None) -> tuple[str, str]:
+    """The output and the errors of a command; progress is reported while it runs."""
     if tell is None:
-        return running.communicate()
+        return process.communicate()
     tell("verify", 0, 1)
     while True:
         try:
-            said = running.communicate(timeout=_SILENCE)
+            output = process.communicate(timeout=_SILENCE)
         except subprocess.TimeoutExpired:
             tell("verify", 0, 1)
         else:
             tell("verify", 1, 1)
-            return said
+            return output

@@ -1,4 +1,4 @@
-"""`View`: from where a shape is seen."""
+"""`View`: the camera and the screen."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from chordal._errors import BudgetError
 
 
 class View:
-    """From where a shape is seen, and how large the screen is. Pixels are device pixels.
+    """The camera from which a shape is seen, and the size of the screen in device pixels.
 
-    The text is that of the command's `--view`; `closest` and `camera` make it from numbers.
+    The text has the syntax of the command's `--view`; `closest` and `camera` build it from numbers.
 
     >>> from chordal import View
     >>> View("1920x1080 fov=45 dist=4") == View.closest(distance=4, fov_deg=45, size_px=(1920, 1080))
@@ -40,9 +40,9 @@ class View:
         height: SupportsFloat | None = None,
         size_px: tuple[SupportsInt, SupportsInt],
     ) -> View:
-        """An eye anywhere, looking anywhere, but no nearer than `distance` to the shape's box.
+        """Any camera that is not nearer than `distance` to the shape's box, in any direction.
 
-        `fov_deg` is the vertical field of view in degrees. With `height` instead, rays are parallel, the picture is
+        `fov_deg` is the vertical field of view in degrees. With `height` instead, the projection is parallel, the picture is
         so many units high, and no distance is needed.
         """
         words = [_size(size_px), *_projection(fov_deg, height)]
@@ -62,7 +62,7 @@ class View:
         height: SupportsFloat | None = None,
         size_px: tuple[SupportsInt, SupportsInt],
     ) -> View:
-        """One eye at one place. Without `up`, z is up, or y for an eye that looks along z."""
+        """A camera at a fixed place. Without `up`, z is up, or y for a camera that looks along z."""
         words = [_size(size_px), *_projection(fov_deg, height)]
         words += [f"eye={_point('eye', eye)}", f"target={_point('target', target)}"]
         if up is not None:
@@ -93,7 +93,7 @@ class View:
 
 
 def words_of(view: View | str) -> str:
-    """The text of a view, if it begins as one: with the size of the screen."""
+    """The text of a view. Raises `BudgetError` if it does not begin with the size of the screen."""
     if not isinstance(view, (str, View)):
         raise TypeError(f"view: a chordal.View or the text of one, not {type(view).__name__}")
     if isinstance(view, str) and not view.lstrip()[:1].isdigit():

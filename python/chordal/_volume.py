@@ -1,4 +1,4 @@
-"""`volume`, `labels` and `Volume`: samples on a lattice, and the surfaces of them."""
+"""`volume`, `labels` and `Volume`: samples on a lattice, and their surfaces."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TYPES |= {"u8": "uint64", "i8": "int64", "f4": "float", "f8": "double", "b1": "
 
 
 class Volume(Shape, Imaged):
-    """Samples on a lattice. `volume` makes it of an array, `load` of a file, and `bake` of another shape.
+    """Samples on a lattice: `volume` takes them from an array, `load` from a file, and `bake` samples another shape.
 
     >>> import chordal, numpy
     >>> i, j, k = numpy.indices((9, 9, 9)) - 4.0
@@ -55,14 +55,15 @@ class Volume(Shape, Imaged):
         super().__init__(source)
         self._report = report
         self._meant = meant or {}
-        # An .npy in C order is kept as it lies in memory, where its last index runs fastest: that is x of the lattice, and z here.
+        # An .npy in C order is kept as it lies in memory. Its last index runs fastest there, which is x of the lattice; for numpy
+        # and for `array` it is z.
         is_reversed = source.format in ("npy", "npz") and _chordal.samples(source)[1] == _LAST_FASTEST
         self._runs_backwards = is_reversed if runs_backwards is None else runs_backwards
 
     @property
     def array(self) -> NDArray[Any]:
-        """The samples in their own type: `array[i, j, k]` is that at x = i, y = j, z = k of the lattice, and of an .npy as numpy has
-        it. Not copied, for reading only; x runs fastest in memory, but for an .npy in C order.
+        """The samples in their own type: `array[i, j, k]` is the one at x = i, y = j, z = k of the lattice; an .npy is indexed as
+        in numpy. Not copied, read-only; x runs fastest in memory, except for an .npy in C order.
         """
         import numpy as np
 
@@ -75,7 +76,7 @@ class Volume(Shape, Imaged):
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """How many samples there are along i, j and k."""
+        """The number of samples along i, j and k."""
         i, j, k = self.array.shape
         return i, j, k
 
@@ -86,16 +87,16 @@ class Volume(Shape, Imaged):
 
     @property
     def affine(self) -> NDArray[np.float64]:
-        """The 4 × 4 matrix that takes (i, j, k, 1) to space."""
+        """The 4 × 4 matrix that maps (i, j, k, 1) to space."""
         import numpy as np
 
         rows = _chordal.samples(self._source)[1]
-        found = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
-        return found[:, [2, 1, 0, 3]] if self._runs_backwards else found
+        matrix = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+        return matrix[:, [2, 1, 0, 3]] if self._runs_backwards else matrix
 
     @property
     def spacing(self) -> tuple[float, float, float]:
-        """The distance of neighbours along i, j and k."""
+        """The distances between neighbours along i, j and k."""
         import numpy as np
 
         i, j, k = np.linalg.norm(self.affine[:3, :3], axis=0)
@@ -103,13 +104,13 @@ class Volume(Shape, Imaged):
 
     @property
     def origin(self) -> tuple[float, float, float]:
-        """Where the first sample is."""
+        """The position of the first sample."""
         x, y, z = self.affine[:3, 3]
         return float(x), float(y), float(z)
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The lowest and the highest corner of the box of all places of samples, 2 × 3."""
+        """The lowest and the highest corner of the bounding box of all samples, 2 × 3."""
         import numpy as np
 
         corners = np.array(np.meshgrid(*[(0, size - 1) for size in self.shape])).reshape(3, -1)
@@ -118,17 +119,17 @@ class Volume(Shape, Imaged):
 
     @property
     def unit(self) -> str | None:
-        """The unit of its places, as in "mm"; None where nothing says it, or it has no name."""
+        """The unit of its coordinates, as in "mm"; None if it is unknown or has no name."""
         return unit_of(_chordal.samples(self._source)[2])
 
     @property
     def report(self) -> Report | None:
-        """The report of `chordal bake`, where the samples are baked: what distances and sides rest on."""
+        """The report of `chordal bake`, if the samples are baked: the errors of the distances, and how inside was decided."""
         return None if self._report is None else Report(json.loads(self._report))
 
     @property
     def bound(self) -> Bound | None:
-        """How far the surface where the interpolant vanishes is from the shape that was baked, where that is proved."""
+        """The distance between the zero surface of the interpolant and the shape that was baked, if it is proved."""
         facts = None if self._report is None else json.loads(self._report)["certificate"]["bound"]
         return None if facts is None else bound_of(facts)
 
@@ -142,15 +143,17 @@ class Volume(Shape, Imaged):
         labels: Sequence[SupportsIndex] | SupportsIndex | Literal["all"] | None = None,
         smooth: str | SupportsFloat | None = None,
     ) -> Volume:
-        """The same samples with the surface of them that is meant by `mesh`, `lod`, `render` and the rest.
+        """The same samples, with the surface that `mesh`, `lod`, `render` and other methods use.
 
-        It is that of the level `iso`: without one it is 0.5 for masks and occupancies and 0 for distances; anything else is
-        `Refused`. `inside` says on which side of the level the shape is: above it unless that is said, but at level 0 of samples
-        on both sides, where what is at most ends of the lattice is outside, be they distances or a scan in air. A shape that
-        reaches the border is closed there, unless `border` is "open". With `labels`, one, a list or "all", every label has a
-        surface of its own; within a budget two that meet still have the same triangles there, and a count of triangles is
-        for all together. `smooth`, as in "1.5mm", "0.8vox" or 1.5, is the standard deviation of a Gaussian over a mask; the
-        bound stays against the unsmoothed mask, and `report["certificate"]["smoothed"]` has what smoothing cost.
+        It is the isosurface at the level `iso`: by default 0.5 for masks and occupancies and 0 for distances; other samples
+        without a level are `Refused`. `inside` is the side of the level that is inside: by default the high one. At level 0 of
+        samples with both signs, the default is that the sign of most samples at the ends of the lattice is outside, as for
+        distances or for a scan in air. A shape that reaches the border is closed there, unless `border` is "open".
+
+        With `labels` (one, a list or "all") every label has its own surface. Within a budget, two labels that meet still share
+        the triangles between them; a number of triangles is the total of all labels. `smooth`, as in "1.5mm", "0.8vox" or
+        1.5, is the standard deviation of a Gaussian filter of a mask. The bound is still against the unsmoothed mask, and
+        `report["certificate"]["smoothed"]` is the error that smoothing added.
 
         >>> import chordal, numpy
         >>> i, j, k = numpy.indices((9, 9, 9)) - 4.0
@@ -159,9 +162,9 @@ class Volume(Shape, Imaged):
         True
         """
         words = {"iso": iso, "inside": inside, "border": border, "labels": labels, "smooth": smooth}
-        said = meant_of(self._meant, words)
-        source = meant(self._source, **dict.fromkeys(words) | said)
-        return Volume(source, self._report, said, self._runs_backwards)
+        options = meant_of(self._meant, words)
+        source = meant(self._source, **dict.fromkeys(words) | options)
+        return Volume(source, self._report, options, self._runs_backwards)
 
     def __reduce__(self) -> Any:
         content = _chordal.convert(self._source, "nrrd", (False, None), None, None).write()
@@ -185,14 +188,14 @@ class Volume(Shape, Imaged):
         return f"<Volume: {i} × {j} × {k} of {self.dtype}, spacing {steps}>"
 
 
-#: The rows of the map from a lattice to space whose last index is x.
+#: The rows of the map from lattice to space if the last index is x.
 _LAST_FASTEST = [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
 
 
 def _again(content: bytes, report: str | None, words: dict[str, Any], runs_backwards: bool = False) -> Volume:
-    """A volume that was pickled."""
-    made = Volume(_chordal.Source(content, plain_reading("nrrd")), report, None, runs_backwards)
-    return made.surface(**words) if words else made
+    """Restores a pickled volume."""
+    restored = Volume(_chordal.Source(content, plain_reading("nrrd")), report, None, runs_backwards)
+    return restored.surface(**words) if words else restored
 
 
 @keywords_hinted
@@ -206,12 +209,13 @@ def volume(
 ) -> Volume:
     """A volume from an array of three axes: `array[i, j, k]` is the sample at x = i, y = j, z = k.
 
-    `spacing` is the step along each axis, one number or three, and `origin` the place of the first sample; or `affine`
-    is the 4 × 4 matrix, or its first three rows, that takes (i, j, k, 1) to space. The samples are copied in their own
-    type; 64-bit integers must fit in 32. NaN is outside, and so are masked samples of a masked array of floats.
+    `spacing` is the step along each axis, one number or three, and `origin` the position of the first sample. Or `affine`
+    is the 4 × 4 matrix, or its first three rows, that maps (i, j, k, 1) to space. The samples are copied in their own
+    type; 64-bit integers must fit in 32 bits. NaN is outside, and so are masked samples of a masked array of floats.
 
-    It also takes a file, an image of nibabel, SimpleITK or PyVista, and a DataArray of xarray, which say where their samples are:
-    nibabel's in its own coordinates (right, front, head), SimpleITK's in its own (left, back, head), both in millimetres.
+    `array` may also be a file, an image of nibabel, SimpleITK or PyVista, or a DataArray of xarray, which know the positions of
+    their samples: nibabel in its own coordinates (right, front, head), SimpleITK in its own (left, back, head), both in
+    millimetres.
 
     >>> import chordal, numpy
     >>> chordal.volume(numpy.eye(4)[:, :, None] * numpy.ones(4), spacing=2)
@@ -221,25 +225,25 @@ def volume(
 
     if isinstance(array, (str, os.PathLike)):
         return _of_file(array, spacing, origin, affine, unit)
-    known = lattice_of(array)
-    if known is not None:
+    lattice = lattice_of(array)
+    if lattice is not None:
         if affine is not None or spacing is not None or origin is not None:
             raise TypeError("spacing, origin, affine: this image says them already; pass its array to say others")
-        array, affine, unit = known.array, known.affine, unit or known.unit
-    found = np.asanyarray(array)
-    kind = f"{found.dtype.kind}{found.dtype.itemsize}"
-    if found.ndim != 3:
-        one = "; of several volumes take one, as in array[..., 0] or image.slicer[..., 0]" if found.ndim > 3 else ""
-        raise ValueError(f"array: three axes, not {found.ndim}{one}")
-    if min(found.shape) < 2:
-        sizes = ", ".join(f"{size} along {axis}" for axis, size in zip("xyz", found.shape, strict=True) if size < 2)
+        array, affine, unit = lattice.array, lattice.affine, unit or lattice.unit
+    samples = np.asanyarray(array)
+    kind = f"{samples.dtype.kind}{samples.dtype.itemsize}"
+    if samples.ndim != 3:
+        hint = "; of several volumes take one, as in array[..., 0] or image.slicer[..., 0]" if samples.ndim > 3 else ""
+        raise ValueError(f"array: three axes, not {samples.ndim}{hint}")
+    if min(samples.shape) < 2:
+        sizes = ", ".join(f"{size} along {axis}" for axis, size in zip("xyz", samples.shape, strict=True) if size < 2)
         raise ValueError(f"array: 2 samples or more along each axis, not {sizes}")
-    if isinstance(found, np.ma.MaskedArray):
-        found = _filled(found)
+    if isinstance(samples, np.ma.MaskedArray):
+        samples = _filled(samples)
     if kind == "f2":
-        found, kind = found.astype(np.float32), "f4"
+        samples, kind = samples.astype(np.float32), "f4"
     if kind not in _TYPES:
-        raise TypeError(f"array: samples are numbers of up to 64 bits, not {found.dtype}")
+        raise TypeError(f"array: samples are numbers of up to 64 bits, not {samples.dtype}")
     steps = _steps(spacing, origin, affine)
     vectors = [",".join(repr(float(number)) for number in row) for row in steps]
     header = "\n".join(
@@ -248,7 +252,7 @@ def volume(
             f"type: {_TYPES[kind]}",
             "dimension: 3",
             "space dimension: 3",
-            "sizes: " + " ".join(map(str, found.shape)),
+            "sizes: " + " ".join(map(str, samples.shape)),
             "space directions: " + " ".join(f"({row})" for row in vectors[:3]),
             "endian: little",
             "encoding: raw",
@@ -258,19 +262,20 @@ def volume(
         ]
     )
     try:
-        source = _chordal.Source(_with_samples(header, found), plain_reading("nrrd", text("unit", unit)))
+        source = _chordal.Source(_with_samples(header, samples), plain_reading("nrrd", text("unit", unit)))
     except ReadError as error:
-        # Its place is one in the bytes that were made here.
+        # The place of the error is in the file that was written here, which the caller has never seen.
         raise ValueError(f"array: {error.message}") from None
     return Volume(source)
 
 
-#: Rows that are turned at once: some fit a cache. Measured on 256³ samples, a seventh of the time of the whole at once.
+#: The rows that are transposed at once, so that they fit a cache. Measured on 256³ samples: a seventh of the time of a single
+#: transposition.
 _TURNED = 32
 
 
 def _with_samples(header: str, samples: NDArray[Any]) -> bytes:
-    """A header and the samples behind it, x fastest and little-endian."""
+    """A header followed by the samples, x fastest and little-endian."""
     import numpy as np
 
     turned = np.empty(samples.shape[::-1], samples.dtype.newbyteorder("<"))
@@ -281,7 +286,7 @@ def _with_samples(header: str, samples: NDArray[Any]) -> bytes:
 
 
 def _filled(masked: Any) -> Any:
-    """Samples without a mask: NaN, which is outside, in place of those that are masked."""
+    """The samples without a mask: masked ones become NaN, which is outside."""
     import numpy as np
 
     if not np.any(masked.mask):
@@ -304,8 +309,8 @@ def labels(
     unit: str | None = None,
     only: Sequence[SupportsIndex] | SupportsIndex | None = None,
 ) -> Volume:
-    """A volume of labels, each with a surface of its own: `volume(…)` with `surface(labels=…)`, all but 0 or `only` some,
-    one or several. Whole numbers may be floats, as those of nibabel's `get_fdata` are.
+    """A volume of labels, each with its own surface: `volume(…)` with `surface(labels=…)`, for all labels but 0, or for one or
+    several in `only`. Labels may be whole numbers stored as floats, as nibabel's `get_fdata` returns them.
 
     >>> import chordal, numpy
     >>> halves = numpy.ones((6, 6, 6), numpy.uint8)
@@ -313,19 +318,19 @@ def labels(
     >>> [part.name for part in chordal.labels(halves).mesh().parts]
     ['label 1', 'label 2']
     """
-    found = volume(array, spacing=spacing, origin=origin, affine=affine, unit=unit)
-    return found.surface(labels="all" if only is None else only)
+    labelled = volume(array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+    return labelled.surface(labels="all" if only is None else only)
 
 
 def _of_file(path: Any, spacing: Any, origin: Any, affine: Any, unit: str | None) -> Volume:
     from chordal._load import load
 
-    found = load(path, unit=unit)
-    if not isinstance(found, Volume):
-        raise TypeError(f"array: {os.fspath(path)} holds {found.kind}, not samples on a lattice: load it")
+    shape = load(path, unit=unit)
+    if not isinstance(shape, Volume):
+        raise TypeError(f"array: {os.fspath(path)} holds {shape.kind}, not samples on a lattice: load it")
     if spacing is None and origin is None and affine is None:
-        return found
-    return volume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+        return shape
+    return volume(shape.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
 
 
 def _steps(spacing: Any, origin: Any, affine: Any) -> Any:
@@ -344,9 +349,9 @@ def _steps(spacing: Any, origin: Any, affine: Any) -> Any:
     step = coordinates("spacing", 1.0 if spacing is None else spacing)
     if step.shape not in ((), (3,)):
         raise ValueError("spacing: one number or three")
-    none = [axis for axis, size in zip("xyz", np.broadcast_to(step, 3), strict=True) if size == 0]
-    if none:
-        raise ValueError(f"spacing: a step of 0 along {' and '.join(none)} leads nowhere")
+    zero_axes = [axis for axis, size in zip("xyz", np.broadcast_to(step, 3), strict=True) if size == 0]
+    if zero_axes:
+        raise ValueError(f"spacing: a step of 0 along {' and '.join(zero_axes)} leads nowhere")
     first = coordinates("origin", (0.0, 0.0, 0.0) if origin is None else origin)
     if first.shape != (3,):
         raise ValueError("origin: three numbers")

@@ -1,4 +1,4 @@
-"""The words of shape scripts: shapes, curves, formulas, and what combines and moves them.
+"""The functions of shape scripts: shapes, curves, formulas, and operations on them.
 
 The text of a script also runs in Python after `from chordal.shapes import *`.
 

@@ -160,7 +160,7 @@ def test_guesses_leave_copies_pickles_and_lists_of_names_as_they_are() -> None:
         assert "simplify" not in dir(thing) and not hasattr(thing, "__array_struct__")
     assert pickle.loads(pickle.dumps(chordal.shapes.sphere)) is chordal.shapes.sphere
     assert getattr(SOLID, "simplify", None) is None
-    with pytest.raises(AttributeError, match="_told"):
+    with pytest.raises(AttributeError, match="_report_text"):
         chordal.Mesh.__new__(chordal.Mesh)._text
     with pytest.raises(ImportError):
         from chordal import marching_cubes  # type: ignore[attr-defined]  # noqa: F401

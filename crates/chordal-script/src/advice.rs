@@ -1,10 +1,10 @@
-//! What to write instead, where a script says what other languages would take.
+//! Advice for scripts with code that other languages would accept: what to write instead.
 use crate::ScriptError;
 
-/// What stands for a power.
+/// How to write a power, for which the language has no operator.
 pub(crate) const POWERS: &str = "write x * x for a square, and exp(b * log(a)) for a to the power of b";
 
-/// An error of the parser with what to write instead.
+/// Replaces an error of the parser by advice, if there is any.
 pub(crate) fn with_advice(error: ScriptError) -> ScriptError {
     if !error.message.contains("unexpected symbol '**'") {
         return error;
@@ -12,7 +12,8 @@ pub(crate) fn with_advice(error: ScriptError) -> ScriptError {
     ScriptError { message: format!("there is no '**': {POWERS}"), ..error }
 }
 
-/// The rest of a sentence "the script's value must be a shape, and is nothing: …" for a text.
+/// Why a script has no value: the end of the sentence "the script's value must be a shape, and is nothing:
+/// …".
 pub(crate) fn why_nothing(text: &str) -> String {
     let last = text.lines().rfind(|line| starts_statement(line)).unwrap_or("");
     let word: String = last.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
@@ -41,17 +42,17 @@ fn without_return(name: &str) -> String {
     format!("{name}() returns nothing: let it end with 'return' and a shape")
 }
 
-/// A message about nothing where a shape is needed, with the functions of a text that return nothing.
+/// Adds the functions of a script that return nothing to a message about None in place of a shape.
 pub(crate) fn with_missing_return(message: String, text: &str) -> String {
     if !message.contains("what a function without 'return' gives") {
         return message;
     }
     let heads = text.lines().filter_map(|line| line.strip_prefix("def ")?.split('(').next());
     let names = heads.map(str::trim).filter(|name| returns_nothing(text, name));
-    names.fold(message, |said, name| format!("{said}; {}", without_return(name)))
+    names.fold(message, |message, name| format!("{message}; {}", without_return(name)))
 }
 
-/// Whether a line starts a statement of the script itself: it is not indented, and closes nothing.
+/// Whether a line starts a top-level statement: it is neither indented nor a comment, and closes no bracket.
 fn starts_statement(line: &str) -> bool {
     line.chars().next().is_some_and(|first| !first.is_whitespace() && !"#)]}".contains(first))
 }
@@ -63,7 +64,7 @@ fn returns_nothing(text: &str, name: &str) -> bool {
     if lines.next().is_none() {
         return false;
     }
-    // What stands behind the head on its own line is not looked at: such a function has one statement.
+    // A body on the same line as the `def` is not looked at: it has a single statement.
     !lines.take_while(|line| !starts_statement(line)).any(|line| line.trim_start().starts_with("return"))
 }
 
@@ -83,8 +84,8 @@ mod tests {
             ("# nothing\n", "no last line that is a shape"),
             ("print(\n    3,\n)\n", "must be an expression whose value is a shape"),
         ] {
-            let told = why_nothing(text);
-            assert!(told.contains(wanted), "{text}: {told}");
+            let advice = why_nothing(text);
+            assert!(advice.contains(wanted), "{text}: {advice}");
         }
     }
 }

@@ -40,8 +40,8 @@ fn extremum<'v>(
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<Value<'v>> {
     let values = match values.items.as_slice() {
-        [one] => iterate(*one, eval)?,
-        many => many.to_vec(),
+        [list] => iterate(*list, eval)?,
+        values => values.to_vec(),
     };
     let Some((first, rest)) = values.split_first() else {
         return Err(fault(CallError("there is nothing to choose from".to_owned())));
@@ -55,37 +55,37 @@ fn extremum<'v>(
     Ok(best)
 }
 
-/// A whole number, where one is required.
+/// The value as a whole number, or an error.
 fn as_integer(value: Value) -> starlark::Result<i32> {
     value
         .unpack_i32()
         .ok_or_else(|| fault(CallError(format!("a whole number is needed, not {}", arg_of(value).kind()))))
 }
 
-/// The fault of a file that a function names.
+/// The error of a function whose file cannot be used.
 fn unusable(function: &str, name: &str, why: &str) -> starlark::Error {
     starlark::Error::new_other(FileError(format!("{function}(): '{name}' cannot be used: {why}")))
 }
 
-/// How lines of a text can be aligned, and the share of each that is left of x = 0.
+/// The alignments of text, and the share of each line's advance width that lies left of x = 0.
 const ALIGNMENTS: [(&str, f64); 3] = [("left", 0.0), ("center", 0.5), ("right", 1.0)];
 
-/// A row of what a script reads of a box.
+/// An entry of the dictionary that `box_of` returns.
 type BoxRow = (&'static str, Vec<f64>);
 
-/// What a script reads of a box, or why there is nothing to read.
+/// The entries that `box_of` returns for a box, or the reason why it has none.
 fn box_rows(bounds: &Box3) -> Result<[BoxRow; 4], &'static str> {
     if bounds.is_empty() {
         return Err("needs a shape with points, and this one has none");
     }
     let has_ends = |k: usize| bounds.min[k].is_finite() && bounds.max[k].is_finite();
-    // A shape of the plane has no end along z, and points of the plane are of two numbers.
+    // A plane shape is unbounded along z, and points of the plane have two coordinates.
     let n_axes = if bounds.min[2].is_infinite() && bounds.max[2].is_infinite() { 2 } else { 3 };
     if !(0..n_axes).all(has_ends) {
         return Err("needs a shape whose ends are known, and this one has none on some side: \
                     what is common with a box has them");
     }
-    let row = |name, of: &dyn Fn(usize) -> f64| (name, (0..n_axes).map(of).collect());
+    let row = |name, value: &dyn Fn(usize) -> f64| (name, (0..n_axes).map(value).collect());
     let centre = bounds.centre();
     Ok([
         row("min", &|k| bounds.min[k]),
@@ -120,9 +120,10 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let meter = Meter::from_eval(eval);
         let value = meter.set.get(name).copied().unwrap_or(default);
         let mut parameters = meter.parameters.borrow_mut();
-        match parameters.iter().find(|known| known.name == name) {
-            Some(known) if known.default.to_bits() != default.to_bits() => {
-                let message = format!("parameter '{name}' has two defaults, {} and {default}", known.default);
+        match parameters.iter().find(|parameter| parameter.name == name) {
+            Some(earlier) if earlier.default.to_bits() != default.to_bits() => {
+                let message =
+                    format!("parameter '{name}' has two defaults, {} and {default}", earlier.default);
                 return Err(fault(CallError(message)));
             }
             Some(_) => {}
@@ -163,7 +164,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     }
 
     fn key__<'v>(#[starlark(args)] key: UnpackTuple<Value<'v>>) -> starlark::Result<Value<'v>> {
-        // The items of a tuple arrive one by one, since its parentheses are those of the call.
+        // A key that is a tuple arrives as several arguments, since its parentheses become those of the call.
         let wrong = |found: &str| {
             fault(CallError(format!("the key of a dictionary is a text or a number, not {found}")))
         };
@@ -180,7 +181,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     ) -> starlark::Result<NoneType> {
         let texts = values.items.iter().map(|value| text_of(*value, eval));
         let line = texts.collect::<starlark::Result<Vec<_>>>()?.join(" ");
-        Meter::from_eval(eval).say(&line);
+        Meter::from_eval(eval).print(&line);
         Ok(NoneType)
     }
 
@@ -218,8 +219,8 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             return Err(fault(CallError("svg() needs a length above 0 for its curves".to_owned())));
         };
         check_name(name).map_err(|why| fault(CallError(format!("svg(): {why}"))))?;
-        let wanted = FileUse::Drawing { tolerance: length };
-        let field = Meter::from_eval(eval).shape_of(name, wanted);
+        let file_use = FileUse::Drawing { tolerance: length };
+        let field = Meter::from_eval(eval).shape_of(name, file_use);
         let field = field.map_err(|why| unusable("svg", name, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
@@ -243,15 +244,15 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let Some((_, align)) = ALIGNMENTS.into_iter().find(|(name, _)| align == Some(*name)) else {
             return Err(wrong("align is \"left\", \"center\" or \"right\"".to_owned()));
         };
-        let place = |(name, value): (String, Value<'v>)| match number(value) {
+        let coordinate = |(name, value): (String, Value<'v>)| match number(value) {
             Some(value) => Ok((name, value)),
             None if name == "halign" => Err(wrong("here it is align=, as in align=\"center\"".to_owned())),
             None => Err(wrong(format!("the axis {name} needs a number, not {}", arg_of(value).kind()))),
         };
-        let axes = axes.into_iter().map(place).collect::<starlark::Result<_>>()?;
+        let axes = axes.into_iter().map(coordinate).collect::<starlark::Result<_>>()?;
         check_name(font).map_err(wrong)?;
-        let wanted = FileUse::Letters(FontText { text: text.to_owned(), em, axes, tolerance, align });
-        let field = Meter::from_eval(eval).shape_of(font, wanted);
+        let file_use = FileUse::Letters(FontText { text: text.to_owned(), em, axes, tolerance, align });
+        let field = Meter::from_eval(eval).shape_of(font, file_use);
         let field = field.map_err(|why| unusable("text", font, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
@@ -276,8 +277,8 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             return Err(wrong("the height of white above black and the base below it are lengths above 0"));
         };
         check_name(name).map_err(|why| wrong(&why))?;
-        let wanted = FileUse::Heights { size: [x, y], height, base };
-        let field = Meter::from_eval(eval).shape_of(name, wanted);
+        let file_use = FileUse::Heights { size: [x, y], height, base };
+        let field = Meter::from_eval(eval).shape_of(name, file_use);
         let field = field.map_err(|why| unusable("heightmap", name, &why))?;
         to_starlark(Arg::shape(field), eval)
     }
@@ -304,7 +305,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
         let is_shape = matches!(value.downcast_ref(), Some(StarlarkShape(Arg::Shape(_))));
-        // A script that calls this itself can give any number.
+        // Scripts can call this function themselves, with any number.
         if let Some(is_cut) = Meter::from_eval(eval).cuts.borrow_mut().get_mut(number) {
             *is_cut |= is_shape;
         }
@@ -315,12 +316,13 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] value: Value<'v>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        if let Some(whole) = value.unpack_i32() {
-            return Ok(eval.heap().alloc(i64::from(whole).abs()));
+        if let Some(integer) = value.unpack_i32() {
+            // In 64 bits, so that the most negative number has an absolute value.
+            return Ok(eval.heap().alloc(i64::from(integer).abs()));
         }
         let arg = arg_of(value);
         match operate("abs", &arg, &arg) {
-            Some(made) => to_starlark(made.map_err(fault)?, eval),
+            Some(result) => to_starlark(result.map_err(fault)?, eval),
             None => Err(fault(CallError(format!("abs() has no meaning for {}", arg.kind())))),
         }
     }
@@ -365,8 +367,8 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         if step == 0 {
             return Err(fault(CallError("range() needs a step other than 0".to_owned())));
         }
-        let (way, stride) = (i64::from(end) - i64::from(start), i64::from(step));
-        let count = if way.signum() == stride.signum() { (way.abs() - 1) / stride.abs() + 1 } else { 0 };
+        let (span, stride) = (i64::from(end) - i64::from(start), i64::from(step));
+        let count = if span.signum() == stride.signum() { (span.abs() - 1) / stride.abs() + 1 } else { 0 };
         Meter::charge(eval, usize::try_from(count).unwrap_or(usize::MAX))?;
         let numbers = (0..count).map(|k| i64::from(start) + k * stride);
         Ok(eval.heap().alloc(AllocList(numbers)))
@@ -429,12 +431,12 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             if value.downcast_ref::<StarlarkShape>().is_some()
                 || sum.downcast_ref::<StarlarkShape>().is_some()
             {
-                let Some(made) = operate("+", &arg_of(sum), &arg_of(value)) else {
+                let Some(result) = operate("+", &arg_of(sum), &arg_of(value)) else {
                     return Err(fault(CallError(
                         "sum() adds numbers and formulas; union() joins shapes".to_owned(),
                     )));
                 };
-                sum = to_starlark(made.map_err(fault)?, eval)?;
+                sum = to_starlark(result.map_err(fault)?, eval)?;
             } else if number(value).is_some() {
                 sum = of_numbers("+", sum, value, eval.heap())?;
             } else {

@@ -1,5 +1,5 @@
-//! Metered comparison of numbers, texts and lists of them. Lists of lists are not compared: lists that share
-//! parts can stand for more elements than there are atoms.
+//! Metered comparison of numbers, texts and lists of them. Lists of lists are not compared: nested lists that
+//! share sublists have exponentially many elements.
 use crate::language::CallError;
 use crate::meter::Meter;
 use crate::values::{elements, fault, number};
@@ -30,8 +30,8 @@ pub(crate) fn equal<'v>(
 }
 
 fn equal_simple<'v>(a: Value<'v>, b: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<bool> {
-    let text = a.unpack_str().map_or(0, str::len);
-    Meter::charge(eval, 1 + text)?;
+    let length = a.unpack_str().map_or(0, str::len);
+    Meter::charge(eval, 1 + length)?;
     if elements(a).is_some() || elements(b).is_some() {
         return Ok(false);
     }
@@ -56,7 +56,7 @@ pub(crate) fn order<'v>(
     Err(fault(CallError(format!("{} and {} have no order", a.get_type(), b.get_type()))))
 }
 
-/// Whether it may be the key of a dictionary: a text or a number, which are compared at once.
+/// Whether a value may be the key of a dictionary: a text, number or truth value, which are quick to compare.
 pub(crate) fn is_key(value: Value) -> bool {
     value.unpack_str().is_some() || number(value).is_some() || value.unpack_bool().is_some()
 }

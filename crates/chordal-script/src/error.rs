@@ -1,4 +1,4 @@
-//! `ScriptError`: what is wrong with a script, and where.
+//! `ScriptError`: an error in a script, with its position.
 use std::fmt;
 
 /// A stable error code, a source position, and one sentence.
@@ -7,11 +7,11 @@ pub struct ScriptError {
     /// Stable, for programs: `script-syntax`, `script-error`, `script-limit`, `script-value`,
     /// `script-file`, `unknown-parameter` or `cancelled`.
     pub code: &'static str,
-    /// Line and column, counted from 1, where the position is known.
+    /// Line and column, counted from 1, if the position is known.
     pub place: Option<(u64, u64)>,
     /// The cause, in one sentence.
     pub message: String,
-    /// The line of the script, where the position is known.
+    /// The line of the script, if the position is known.
     pub line: Option<String>,
 }
 
@@ -20,7 +20,7 @@ impl ScriptError {
         Self { code, place: None, message: message.into(), line: None }
     }
 
-    /// The error of a file that a script loads: its position becomes a part of the sentence.
+    /// The same as an error of a file that a script loads: name and position become part of the sentence.
     pub(crate) fn of_file(self, name: &str) -> Self {
         if name.is_empty() {
             return self;
@@ -45,7 +45,8 @@ impl ScriptError {
         Self { place: Some((line as u64 + 1, column as u64 + 1)), line: shown, ..self }
     }
 
-    /// The line with a mark below the column; `None` where either is unknown or the column is cut off.
+    /// The line with a mark below the column; `None` if either is unknown or the column is beyond the end
+    /// that is kept.
     #[must_use]
     pub fn excerpt(&self) -> Option<String> {
         let (line, (_, column)) = (self.line.as_ref()?, self.place?);
@@ -63,7 +64,7 @@ pub(crate) fn position(text: &str, offset: usize) -> (usize, usize) {
     (before.matches('\n').count(), before[start..].chars().count())
 }
 
-/// The most characters of a line that an error carries.
+/// The most characters of a line that an error carries. Chosen: longer than lines of readable code.
 const LONGEST_LINE: usize = 200;
 
 impl fmt::Display for ScriptError {

@@ -1,69 +1,69 @@
-//! Files beside a script: what it may ask for, and who opens them.
+//! Files beside a script: how scripts use them, and the trait that opens them.
 use chordal::Job;
 use chordal::implicit::Field;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What a script wants of a file.
+/// How a script uses a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileUse {
-    /// Its text, as another script.
+    /// As another script, by its text.
     Script,
-    /// The regions that a drawing fills, as a shape of the plane: its curves as polygons within a length.
+    /// As a drawing: the regions that it fills, as a plane shape whose curves are polygons.
     Drawing {
-        /// The length.
+        /// The largest distance between curves and polygons.
         tolerance: f64,
     },
-    /// The letters of a text in a font, as a shape of the plane.
+    /// As a font: the letters of a text, as a plane shape.
     Letters(FontText),
-    /// Its triangles as a shape.
+    /// As a mesh: its triangles, as a shape.
     Mesh,
-    /// The solid below the heights that the greys of a picture are.
+    /// As a height map: the solid below the heights that the grey values of a picture stand for.
     Heights {
-        /// How wide it is along x and y.
+        /// Its sizes along x and y.
         size: [f64; 2],
-        /// How far white is above black.
+        /// The height of white above black.
         height: f64,
-        /// How far black is above the floor, which is at z = 0.
+        /// The height of black above the floor, which is at z = 0.
         base: f64,
     },
 }
 
-/// What a script has a font set.
+/// A text to be set in a font.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FontText {
     /// The text.
     pub text: String,
     /// The length of the em.
     pub em: f64,
-    /// Where axes of the font are, by their tags.
+    /// The coordinates on the axes of a variable font, by their tags.
     pub axes: Vec<(String, f64)>,
-    /// The length within which curves are polygons.
+    /// The largest distance between curves and the polygons that approximate them.
     pub tolerance: f64,
-    /// The share of each line's advance width that stands left of x = 0.
+    /// The share of each line's advance width that lies left of x = 0.
     pub align: f64,
 }
 
-/// What a file was found to be.
+/// The content of an opened file.
 #[derive(Clone, Debug)]
 pub enum OpenedFile {
     /// The text of a script.
     Script(String),
-    /// A shape, and sentences about what it was made of.
+    /// A shape, and notes about how it was built, in sentences.
     Shape(Field, Vec<String>),
 }
 
-/// Opens the files that a script names beside it. The names are relative paths without `..`, with `/` between
-/// their parts; whoever opens them sees to it that no link leads elsewhere.
+/// Opens the files that a script refers to. Names are relative paths without `..`, with `/` between their
+/// parts; an implementation has to ensure that no link leads out of the folder.
 pub trait ScriptFiles {
-    /// A file by its name, within the limits of the job.
+    /// Opens a file, within the limits of the job.
     ///
     /// # Errors
-    /// As a sentence without the name: why it cannot be had, or what is wrong with it.
-    fn open(&self, name: &str, wanted: FileUse, job: &Job) -> Result<OpenedFile, String>;
+    /// In a sentence without the name: why the file cannot be opened, or what is wrong with it.
+    fn open(&self, name: &str, file_use: FileUse, job: &Job) -> Result<OpenedFile, String>;
 }
 
-/// No files at all, for scripts that come from nowhere.
+/// Refuses all files: for scripts that are in no folder.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
@@ -76,7 +76,7 @@ impl ScriptFiles for NoFiles {
 /// The name of the script itself, which no file can have.
 pub(crate) const MAIN: &str = "";
 
-/// A file cannot be had.
+/// The error of a file that cannot be used.
 #[derive(Debug)]
 pub(crate) struct FileError(pub String);
 
@@ -88,16 +88,17 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
-/// The most files that one script opens, those of its files included. Chosen.
+/// The most files that one script opens, including those that its files load. Chosen: more than scripts by
+/// hand need; larger values let a small script keep its host reading.
 pub(crate) const MOST_FILES: usize = 64;
 
-/// A file that was opened as a shape: its name, and in words what it was opened for.
+/// The key of a file that was opened as a shape: its name, and its `FileUse` in `Debug` form.
 pub(crate) type ShapeKey = (String, String);
 
 /// The shapes of the files that were opened so far.
 pub(crate) type OpenedShapes = BTreeMap<ShapeKey, Field>;
 
-/// Whether it is the path of a file beside the script or below its folder.
+/// Checks that a name is the relative path of a file in the script's folder, or below it.
 pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let shown: String = name.chars().take(80).collect();
     let is_plain = |part: &str| !part.is_empty() && part != "." && part != "..";

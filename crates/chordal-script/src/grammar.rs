@@ -16,11 +16,11 @@ use std::collections::HashMap;
 pub(crate) struct Program {
     pub module: AstModule,
     pub source: ScriptSource,
-    /// Where in the text the right operands of `a | b - c` stand, in the order of their numbers.
+    /// The right operands of `a | b - c`, as offsets in the text, in the order of their numbers.
     pub cuts: Vec<usize>,
 }
 
-/// Parses the text of a file into a program, whose cuts are counted from `first_cut` on.
+/// Parses the text of a file into a program, whose cuts are numbered from `first_cut` on.
 pub(crate) fn parse(
     text: &str,
     name: &str,
@@ -31,7 +31,7 @@ pub(crate) fn parse(
         let message = format!("{} bytes are over the limit of {} for a script", text.len(), limits.bytes);
         return Err(ScriptError::new("script-limit", message));
     }
-    // With one kind of line end, strings and comments are the same here and for the parser.
+    // With one kind of line end, our scans and the parser agree on where strings and comments end.
     let text = text.replace("\r\n", "\n");
     if let Some(at) = text.find('\r') {
         return Err(ScriptError::new("script-syntax", "a carriage return ends no line here").at(&text, at));
@@ -51,31 +51,32 @@ pub(crate) fn parse(
         ..Dialect::Standard
     };
     let parsed = |source: &ScriptSource| {
-        AstModule::parse(name, source.written.clone(), &dialect)
+        AstModule::parse(name, source.rewritten.clone(), &dialect)
             .map_err(|error| with_advice(source.translate_error("script-syntax", &error)))
     };
     let plain = ScriptSource::new(text);
     let module = parsed(&plain)?;
-    let mut search = ProgramScan::default();
-    statement(module.statement(), &mut search);
-    module.statement().visit_expr(|expr| expression(expr, &mut search));
-    if let Some((span, what)) = search.found {
-        return Err(plain.error("script-syntax", what, span));
+    let mut scan = ProgramScan::default();
+    statement(module.statement(), &mut scan);
+    module.statement().visit_expr(|expr| expression(expr, &mut scan));
+    if let Some((span, reason)) = scan.refusal {
+        return Err(plain.error("script-syntax", reason, span));
     }
     let mut calls: Vec<MeteredPart> =
-        search.calls.into_iter().map(|(span, through)| (plain.extent(span), through)).collect();
+        scan.calls.into_iter().map(|(span, function)| (plain.extent(span), function)).collect();
     calls.sort_by_key(|(part, _)| part.start);
-    // Starlark prints the callee in its errors, which would never end for a list of shared lists.
+    // Callees are wrapped too: Starlark prints them in its errors, which would never end for nested shared
+    // lists.
     let mut changes: Vec<TextChange> =
-        calls.iter().flat_map(|(part, through)| ScriptSource::wrap(part, through, "")).collect();
-    for (target, operator, statement) in search.assignments {
+        calls.iter().flat_map(|(part, function)| ScriptSource::wrap(part, function, "")).collect();
+    for (target, operator, statement) in scan.assignments {
         let change = plain.assignment(&target, &operator, statement, &calls);
-        let unread =
+        let unreadable =
             || plain.error("script-syntax", "this assignment cannot be read: write it out", statement);
-        changes.extend(change.ok_or_else(unread)?);
+        changes.extend(change.ok_or_else(unreadable)?);
     }
     let mut cuts = Vec::new();
-    for operands in search.cuts {
+    for operands in scan.cuts {
         if let Some(cut) = plain.bare_right_operand(operands) {
             changes.extend(ScriptSource::wrap(&cut, LAST_OPERAND, &format!(", {}", first_cut + cuts.len())));
             cuts.push(cut.start);
@@ -86,57 +87,58 @@ pub(crate) fn parse(
     if source.is_changed() {
         check_rewritten(&module, &source)?;
     }
-    // Only looked up: no order depends on it. No name of a script can be an operator.
+    // The order of the map does not matter: it is only looked up. No name of a script can be an operator.
     let functions: HashMap<String, String> = OPERATORS.map(|op| (op.to_owned(), op.to_owned())).into();
     module.replace_binary_operators(&functions);
     Ok(Program { module, source, cuts })
 }
 
-/// Refuses a program that does what no meter sees, whatever rewriting its text has made of it.
+/// Refuses a rewritten program that still has an unmetered construct, in case the rewriting itself was wrong.
 fn check_rewritten(module: &AstModule, source: &ScriptSource) -> Result<(), ScriptError> {
     let mut scan = ProgramScan::default();
     statement(module.statement(), &mut scan);
     module.statement().visit_expr(|expr| expression(expr, &mut scan));
     let assignment = scan.assignments.first().map(|(_, _, span)| (*span, "an assignment".to_owned()));
     let unmetered = scan.unmetered.map(|span| (span, "a call or an index".to_owned()));
-    match scan.found.or(assignment).or(unmetered) {
-        Some((span, what)) => {
-            Err(source.error("script-syntax", format!("{what} cannot be read here: write it out"), span))
+    match scan.refusal.or(assignment).or(unmetered) {
+        Some((span, construct)) => {
+            Err(source.error("script-syntax", format!("{construct} cannot be read here: write it out"), span))
         }
         None => Ok(()),
     }
 }
 
-/// The function that every call goes through. Scripts can use its name themselves, but gain nothing by it.
+/// The function that checks the callee of every call. Scripts can call it themselves, but gain nothing by it.
 const CALLED: &str = "called__";
 
-/// The function that every index goes through, for the same reason.
+/// The function that checks every index, as `CALLED` checks callees.
 const INDEX: &str = "index__";
 
-/// The function that every key of a dictionary goes through: those that take long to compare are none.
+/// The function that checks every key of a dictionary: it refuses keys that take long to compare.
 const KEY: &str = "key__";
 
-/// The function that `b - c` in `a | b - c` goes through, with a number: it tells which are shapes.
+/// The function that records whether `b - c` in `a | b - c` is a shape; its second argument numbers the
+/// place.
 const LAST_OPERAND: &str = "last_operand__";
 
-/// What a scan of the program finds.
+/// The findings of a scan through a program.
 #[derive(Default)]
 struct ProgramScan {
-    /// The first construct that scripts may not use, with its position.
-    found: Option<(Span, String)>,
+    /// The first construct that scripts may not use, with the reason.
+    refusal: Option<(Span, String)>,
     /// Augmented assignments: targets, operators and the whole statements.
     assignments: Vec<(AstAssignTarget, String, Span)>,
     /// Expressions to wrap in a function, and which function.
     calls: Vec<(Span, &'static str)>,
     /// The operands of each `|` whose right one is a difference.
     cuts: Vec<[Span; 2]>,
-    /// A call or an index that does not go through its function; every one does once the text is rewritten.
+    /// The first call, index or key that is not wrapped in its function; after the rewriting there is none.
     unmetered: Option<Span>,
 }
 
 impl ProgramScan {
-    fn refuse(&mut self, span: Span, what: &str) {
-        self.found.get_or_insert_with(|| (span, what.to_owned()));
+    fn refuse(&mut self, span: Span, reason: &str) {
+        self.refusal.get_or_insert_with(|| (span, reason.to_owned()));
     }
 
     fn key(&mut self, key: &AstExpr) {
@@ -155,40 +157,40 @@ impl ProgramScan {
 }
 
 fn is_named(expr: &AstExpr, name: &str) -> bool {
-    matches!(&expr.node, ExprP::Identifier(known) if known.node.ident == name)
+    matches!(&expr.node, ExprP::Identifier(identifier) if identifier.node.ident == name)
 }
 
 fn is_call_of(expr: &AstExpr, name: &str) -> bool {
     matches!(&expr.node, ExprP::Call(function, _) if is_named(function, name))
 }
 
-fn statement(stmt: &AstStmt, search: &mut ProgramScan) {
+fn statement(stmt: &AstStmt, scan: &mut ProgramScan) {
     match &stmt.node {
-        StmtP::AssignModify(changed, op, _) => {
+        StmtP::AssignModify(lhs, op, _) => {
             let operator = op.to_string().trim().trim_end_matches('=').to_owned();
-            target(changed, search);
-            search.assignments.push((changed.clone(), operator, stmt.span));
+            target(lhs, scan);
+            scan.assignments.push((lhs.clone(), operator, stmt.span));
         }
-        StmtP::Assign(assign) => target(&assign.lhs, search),
-        StmtP::For(turn) => target(&turn.var, search),
-        StmtP::Def(def) => parameters(&def.params, search),
+        StmtP::Assign(assign) => target(&assign.lhs, scan),
+        StmtP::For(for_loop) => target(&for_loop.var, scan),
+        StmtP::Def(def) => parameters(&def.params, scan),
         _ => {}
     }
-    stmt.visit_stmt(|inner| statement(inner, search));
+    stmt.visit_stmt(|inner| statement(inner, scan));
 }
 
-fn parameters(parameters: &[AstParameter], search: &mut ProgramScan) {
+fn parameters(parameters: &[AstParameter], scan: &mut ProgramScan) {
     for parameter in parameters {
         if matches!(parameter.node, ParameterP::Args(..) | ParameterP::KwArgs(..)) {
-            search.refuse(parameter.span, "a function takes a list instead of any number of arguments");
+            scan.refuse(parameter.span, "a function takes a list instead of any number of arguments");
         }
     }
 }
 
-fn expression(expr: &AstExpr, search: &mut ProgramScan) {
+fn expression(expr: &AstExpr, scan: &mut ProgramScan) {
     /// Bytes of the longest whole number: 2^60 has 19 digits.
     const LONGEST_NUMBER: u32 = 20;
-    let what = match &expr.node {
+    let reason = match &expr.node {
         ExprP::Dot(_, name) if name.node != "append" => {
             Some("nothing here has attributes, but lists have append()")
         }
@@ -207,42 +209,42 @@ fn expression(expr: &AstExpr, search: &mut ProgramScan) {
         }
         _ => None,
     };
-    if let Some(what) = what {
-        search.refuse(expr.span, what);
-    } else if search.found.is_none() {
+    if let Some(reason) = reason {
+        scan.refuse(expr.span, reason);
+    } else if scan.refusal.is_none() {
         if let ExprP::Lambda(lambda) = &expr.node {
-            parameters(&lambda.params, search);
+            parameters(&lambda.params, scan);
         }
         if let ExprP::Call(function, _) = &expr.node
             && !matches!(function.node, ExprP::Dot(..))
         {
-            search.calls.push((function.span, CALLED));
+            scan.calls.push((function.span, CALLED));
             let names = [CALLED, INDEX, KEY, LAST_OPERAND];
             if !names.iter().any(|name| is_named(function, name)) && !is_call_of(function, CALLED) {
-                search.unmetered.get_or_insert(function.span);
+                scan.unmetered.get_or_insert(function.span);
             }
         }
         match &expr.node {
-            ExprP::Index(parts) => search.index(&parts.1),
-            ExprP::Dict(entries) => entries.iter().for_each(|(key, _)| search.key(key)),
-            ExprP::DictComprehension(entry, ..) => search.key(&entry.0),
+            ExprP::Index(parts) => scan.index(&parts.1),
+            ExprP::Dict(entries) => entries.iter().for_each(|(key, _)| scan.key(key)),
+            ExprP::DictComprehension(entry, ..) => scan.key(&entry.0),
             _ => {}
         }
         if let ExprP::Op(left, BinOp::BitOr, right) = &expr.node
             && matches!(right.node, ExprP::Op(_, BinOp::Subtract, _))
         {
-            search.cuts.push([left.span, right.span]);
+            scan.cuts.push([left.span, right.span]);
         }
-        expr.visit_expr(|inner| expression(inner, search));
+        expr.visit_expr(|inner| expression(inner, scan));
     }
 }
 
 /// Finds indexed elements among assignment targets, also in tuples.
-fn target(target: &AstAssignTarget, search: &mut ProgramScan) {
+fn target(target: &AstAssignTarget, scan: &mut ProgramScan) {
     match &target.node {
-        AssignTargetP::Index(parts) => search.index(&parts.1),
-        AssignTargetP::Tuple(targets) => targets.iter().for_each(|one| self::target(one, search)),
-        AssignTargetP::Dot(..) => search.refuse(target.span, "nothing here has attributes"),
+        AssignTargetP::Index(parts) => scan.index(&parts.1),
+        AssignTargetP::Tuple(targets) => targets.iter().for_each(|item| self::target(item, scan)),
+        AssignTargetP::Dot(..) => scan.refuse(target.span, "nothing here has attributes"),
         AssignTargetP::Identifier(_) => {}
     }
 }

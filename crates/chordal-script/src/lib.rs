@@ -1,8 +1,9 @@
 //! Shape scripts: runs a few lines of Starlark, Python's syntax in a sandbox, and returns a field.
 //!
-//! The value of the last expression is the shape, or several by name. Scripts have no clock and no randomness, and
-//! of files those beside them, which whoever runs them opens ([`ScriptFiles`]).
-//! [`Limits`] bound their time and memory, and every failure is one [`ScriptError`] with line and column.
+//! The value of the last expression is the shape, or a dictionary or list of shapes. Scripts have no clock
+//! and no randomness; the only files that they can read are those that the caller opens for them
+//! ([`ScriptFiles`]). [`Limits`] bound their time and memory, and every failure is one [`ScriptError`] with
+//! line and column.
 //!
 //! ```
 //! use chordal_script::{RunOptions, run};

@@ -1,13 +1,14 @@
-//! The files that a script loads, parsed in the order in which they are evaluated.
+//! `Library`: a script and the files that it loads, parsed, in the order of their evaluation.
 use crate::files::{FileUse, MAIN, MOST_FILES, OpenedFile, ScriptFiles, check_name};
 use crate::grammar::{Program, parse};
 use crate::{Limits, ScriptError};
 use chordal::Job;
 
-/// A script and all that it loads, each after what it loads itself; the script is the last.
+/// A script and the files that it loads. Each program follows those that it loads itself; the main script is
+/// the last.
 pub(crate) struct Library {
     pub programs: Vec<(String, Program)>,
-    /// How many differences are right operands of a `|`, in all of them.
+    /// The number of differences that are right operands of a `|`, in all programs.
     pub n_cuts: usize,
 }
 
@@ -22,45 +23,46 @@ impl Library {
         Ok(library)
     }
 
+    /// Adds a file after the files that it loads. `loading` is the chain of files that are being loaded.
     fn add(
         &mut self,
         name: &str,
         text: &str,
         limits: &Limits,
         (files, job): (&dyn ScriptFiles, &Job),
-        open: &mut Vec<String>,
+        loading: &mut Vec<String>,
     ) -> Result<(), ScriptError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let program = parse(text, name, self.n_cuts, limits).map_err(|error| error.of_file(name))?;
         self.n_cuts += program.cuts.len();
-        open.push(name.to_owned());
+        loading.push(name.to_owned());
         let loads: Vec<_> =
             program.module.loads().iter().map(|load| (load.module_id.to_owned(), load.span.span)).collect();
-        for (wanted, span) in loads {
-            let refused = |code, why: String| program.source.error(code, why, span).of_file(name);
-            check_name(&wanted).map_err(|why| refused("script-file", why))?;
-            if self.programs.iter().any(|(known, _)| *known == wanted) {
+        for (path, span) in loads {
+            let error = |code, why: String| program.source.error(code, why, span).of_file(name);
+            check_name(&path).map_err(|why| error("script-file", why))?;
+            if self.programs.iter().any(|(loaded, _)| *loaded == path) {
                 continue;
             }
-            if open.contains(&wanted) {
-                let why = format!("'{wanted}' is loaded while it is being loaded itself");
-                return Err(refused("script-file", why));
+            if loading.contains(&path) {
+                let why = format!("'{path}' is loaded while it is being loaded itself");
+                return Err(error("script-file", why));
             }
-            if open.len() + self.programs.len() >= MOST_FILES {
-                return Err(refused("script-limit", format!("more than {MOST_FILES} files are loaded")));
+            if loading.len() + self.programs.len() >= MOST_FILES {
+                return Err(error("script-limit", format!("more than {MOST_FILES} files are loaded")));
             }
-            let text = match files.open(&wanted, FileUse::Script, job) {
+            let text = match files.open(&path, FileUse::Script, job) {
                 Ok(OpenedFile::Script(text)) => text,
                 Ok(OpenedFile::Shape(..)) => {
-                    return Err(refused("script-file", format!("'{wanted}' is no script")));
+                    return Err(error("script-file", format!("'{path}' is no script")));
                 }
                 Err(why) => {
-                    return Err(refused("script-file", format!("'{wanted}' cannot be loaded: {why}")));
+                    return Err(error("script-file", format!("'{path}' cannot be loaded: {why}")));
                 }
             };
-            self.add(&wanted, &text, limits, (files, job), open)?;
+            self.add(&path, &text, limits, (files, job), loading)?;
         }
-        open.pop();
+        loading.pop();
         self.programs.push((name.to_owned(), program));
         Ok(())
     }

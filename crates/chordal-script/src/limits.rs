@@ -16,12 +16,12 @@ pub struct Limits {
     pub calls: usize,
     /// Elements that built-in functions and operators may read or create, in total.
     pub work: u64,
-    /// Terms of the shape's expression. All steps together may make four times as many.
+    /// Terms of the shape's expression. All steps together may add four times as many.
     pub terms: u64,
 }
 
 impl Default for Limits {
-    /// What a laptop does in less than two seconds.
+    /// Limits within which a laptop evaluates a script in less than two seconds.
     fn default() -> Self {
         Self {
             bytes: 1 << 18,

@@ -1,4 +1,4 @@
-//! `Meter`: resource use of a script, beyond what the interpreter counts itself.
+//! `Meter`: the resources that a script uses, beyond those that the interpreter counts itself.
 use crate::files::{FileUse, MOST_FILES, OpenedFile, OpenedShapes, ScriptFiles};
 use crate::language::Arg;
 use crate::{Limits, Parameter};
@@ -15,37 +15,41 @@ use std::fmt;
 #[derive(ProvidesStaticType)]
 pub(crate) struct Meter<'e> {
     pub limits: Limits,
-    /// What files hold, and the conditions of work that takes long.
+    /// Opens the files that the script names.
     files: &'e dyn ScriptFiles,
+    /// The limits and the cancellation of long operations.
     pub job: &'e Job,
-    /// Where bounds were taken as distances: offsets in the parsed text.
+    /// Calls that took a lower bound for a distance, as offsets in the parsed text.
     pub bounded: RefCell<Vec<usize>>,
-    /// What calls made, with their offsets in the parsed text: the first of them.
+    /// The first shapes that calls returned, with the offsets of the calls in the parsed text.
     pub steps: RefCell<Vec<(usize, Field)>>,
     /// Parameter values set by the caller, by name.
     pub set: BTreeMap<String, f64>,
     /// The parameters that the script has read.
     pub parameters: RefCell<Vec<Parameter>>,
-    /// For each difference that is the right operand of a `|`, whether it has been one of shapes.
+    /// For each difference that is the right operand of a `|`, whether its value has been a shape.
     pub cuts: RefCell<Vec<bool>>,
     /// The lines that the script has printed.
-    pub said: RefCell<Vec<String>>,
-    /// Sentences about the files.
+    pub printed: RefCell<Vec<String>>,
+    /// Notes about files and shapes, in sentences.
     pub notes: RefCell<Vec<String>>,
     /// The shapes of files, so that each is read once.
     shapes: RefCell<OpenedShapes>,
+    /// Elements of lists and texts that were read or created so far.
     work: Cell<u64>,
-    made: Cell<u64>,
+    /// Terms that all steps together have added so far.
+    terms: Cell<u64>,
 }
 
 /// The most lines that a script prints. Chosen: more than a report should hold.
 const MOST_LINES: usize = 100;
-/// The most shapes whose lines are kept. Chosen: more lines than a part has, and some megabytes at most.
+/// The most shapes that are kept with their lines. Chosen: more than a part has lines, and a few megabytes at
+/// most.
 const MOST_STEPS: usize = 4096;
-/// The most characters of a line.
+/// The most characters of a printed line. Chosen: some lines of a terminal.
 const LONGEST_LINE: usize = 500;
 
-/// Why a script was stopped: it exceeded a limit.
+/// The error of a script that exceeded a limit.
 #[derive(Debug)]
 pub(crate) struct LimitError(pub String);
 
@@ -72,11 +76,11 @@ impl<'e> Meter<'e> {
             set,
             parameters: RefCell::default(),
             cuts: RefCell::new(vec![false; n_cuts]),
-            said: RefCell::default(),
+            printed: RefCell::default(),
             notes: RefCell::default(),
             shapes: RefCell::default(),
             work: Cell::new(0),
-            made: Cell::new(0),
+            terms: Cell::new(0),
         }
     }
 
@@ -85,22 +89,22 @@ impl<'e> Meter<'e> {
         eval.extra.and_then(|extra| extra.downcast_ref()).expect("every run has its meter")
     }
 
-    /// Keeps what a call at an offset of the parsed text made.
-    pub fn keep_step(&self, at: usize, made: &Arg) {
+    /// Keeps the result of a call at an offset of the parsed text, if it is a shape.
+    pub fn keep_step(&self, offset: usize, result: &Arg) {
         let mut steps = self.steps.borrow_mut();
-        if let Arg::Shape(solid) = made
+        if let Arg::Shape(solid) = result
             && steps.len() < MOST_STEPS
         {
-            steps.push((at, solid.field.clone()));
+            steps.push((offset, solid.field.clone()));
         }
     }
 
     /// Charges for reading, or creating, that many elements.
     pub fn charge(eval: &mut Evaluator<'_, '_, 'e>, elements: usize) -> starlark::Result<()> {
         let meter = Self::from_eval(eval);
-        let all = meter.work.get().saturating_add(elements as u64);
-        meter.work.set(all);
-        if all > meter.limits.work {
+        let work = meter.work.get().saturating_add(elements as u64);
+        meter.work.set(work);
+        if work > meter.limits.work {
             return Err(exceeded(format!(
                 "the script handles more than {} elements of lists",
                 meter.limits.work
@@ -115,19 +119,19 @@ impl<'e> Meter<'e> {
         Ok(())
     }
 
-    /// The shape in a file.
-    pub fn shape_of(&self, name: &str, wanted: FileUse) -> Result<Field, String> {
-        // Numbers in words are told apart where they differ.
-        let key = (name.to_owned(), format!("{wanted:?}"));
+    /// The shape of a file, which is opened once for each use.
+    pub fn shape_of(&self, name: &str, file_use: FileUse) -> Result<Field, String> {
+        // Floats have no order; their `Debug` form differs whenever they do.
+        let key = (name.to_owned(), format!("{file_use:?}"));
         if let Some(field) = self.shapes.borrow().get(&key) {
             return Ok(field.clone());
         }
-        // A font sets many texts, and is one file.
+        // Counts files and not keys: a font that sets many texts is one file.
         let names: BTreeSet<String> = self.shapes.borrow().keys().map(|(name, _)| name.clone()).collect();
         if names.len() >= MOST_FILES && !names.contains(name) {
             return Err(format!("it is one of more than {MOST_FILES} files"));
         }
-        match self.files.open(name, wanted, self.job)? {
+        match self.files.open(name, file_use, self.job)? {
             OpenedFile::Shape(field, sentences) => {
                 let sentences = sentences.into_iter().map(|sentence| format!("{name}: {sentence}"));
                 self.notes.borrow_mut().extend(sentences);
@@ -139,20 +143,21 @@ impl<'e> Meter<'e> {
     }
 
     /// Keeps a printed line, unless there are too many.
-    pub fn say(&self, line: &str) {
-        let mut said = self.said.borrow_mut();
-        match said.len().cmp(&MOST_LINES) {
-            Ordering::Less => said.push(line.chars().take(LONGEST_LINE).collect()),
-            Ordering::Equal => said.push("further lines are left out".to_owned()),
+    pub fn print(&self, line: &str) {
+        let mut printed = self.printed.borrow_mut();
+        match printed.len().cmp(&MOST_LINES) {
+            Ordering::Less => printed.push(line.chars().take(LONGEST_LINE).collect()),
+            Ordering::Equal => printed.push("further lines are left out".to_owned()),
             Ordering::Greater => {}
         }
     }
 
     /// Charges for a new value of the language.
     pub fn charge_arg(&self, arg: &Arg) -> starlark::Result<()> {
-        let all = self.made.get().saturating_add(arg.step_weight());
-        self.made.set(all);
-        if arg.weight() > self.limits.terms || all / 4 > self.limits.terms {
+        let terms = self.terms.get().saturating_add(arg.step_weight());
+        self.terms.set(terms);
+        // All steps together may add four times as many terms as the shape may have (`Limits::terms`).
+        if arg.weight() > self.limits.terms || terms / 4 > self.limits.terms {
             return Err(exceeded(format!("the shape has more than {} terms", self.limits.terms)));
         }
         Ok(())

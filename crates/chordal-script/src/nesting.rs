@@ -29,7 +29,8 @@ struct NestingScan {
     depth: u32,
     /// The columns of the open blocks.
     indents: Vec<usize>,
-    /// The branches of the longest `elif` chain: each nests within the one before.
+    /// The `elif` branches so far. Each nests within the one before, so their number bounds the longest
+    /// chain.
     branches: u32,
 }
 
@@ -41,7 +42,9 @@ impl NestingScan {
         }
     }
 
-    fn forget(&mut self) {
+    /// Resets the count at a comma or at the end of a statement or bracket: later parts do not nest in
+    /// earlier ones.
+    fn reset(&mut self) {
         if let Some(top) = self.open.last_mut() {
             self.depth -= *top;
             *top = 0;
@@ -57,12 +60,12 @@ fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
             scan.open.push(0);
         }
         b')' | b']' | b'}' if scan.open.len() > 1 => {
-            scan.forget();
+            scan.reset();
             scan.open.pop();
         }
-        b',' | b';' => scan.forget(),
+        b',' | b';' => scan.reset(),
         b'\n' | b'\r' if scan.open.len() == 1 => {
-            scan.forget();
+            scan.reset();
             return indentation(bytes, at + 1, scan);
         }
         b if b.is_ascii_alphanumeric() || b == b'_' => {
@@ -135,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nests_is_counted_and_what_stands_beside_each_other_is_not() {
+    fn counts_nested_parts_and_not_adjacent_ones() {
         assert_eq!(depth("a"), 1);
         assert_eq!(depth(&"a, ".repeat(500)), 1);
         assert_eq!(depth(&"x = -1\n".repeat(500)), 3);

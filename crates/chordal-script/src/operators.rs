@@ -1,5 +1,5 @@
-//! Metered operators. Those of Starlark can make a list of 16 GB in one step, before any limit is checked, so
-//! that every operator is called through here.
+//! Metered operators. A single operator of Starlark can allocate a list of 16 GB before any limit is checked,
+//! so every operator is called through this module.
 use crate::compare::{contains, equal, order};
 use crate::language::{CallError, operate};
 use crate::meter::{Meter, exceeded};
@@ -49,13 +49,13 @@ impl<'v> StarlarkValue<'v> for StarlarkOperator {
             ">=" => order(a, b, eval)? != Ordering::Less,
             "in" => contains(b, a, eval)?,
             "not in" => !contains(b, a, eval)?,
-            operator => return applied(operator, a, b, eval),
+            operator => return apply(operator, a, b, eval),
         };
         Ok(Value::new_bool(truth))
     }
 }
 
-fn applied<'v>(
+fn apply<'v>(
     operator: &'static str,
     a: Value<'v>,
     b: Value<'v>,
@@ -64,7 +64,7 @@ fn applied<'v>(
     if a.downcast_ref::<StarlarkShape>().is_some() || b.downcast_ref::<StarlarkShape>().is_some() {
         let (left, right) = (arg_of(a), arg_of(b));
         return match operate(operator, &left, &right) {
-            Some(made) => to_starlark(made.map_err(fault)?, eval),
+            Some(result) => to_starlark(result.map_err(fault)?, eval),
             None => Err(undefined_operator(operator, &left, &right)),
         };
     }
@@ -72,8 +72,8 @@ fn applied<'v>(
         return of_numbers(operator, a, b, eval.heap());
     }
     if let (Some(template), "%") = (a.unpack_str(), operator) {
-        let made = formatted(template, b, eval)?;
-        return Ok(eval.heap().alloc(made));
+        let text = formatted(template, b, eval)?;
+        return Ok(eval.heap().alloc(text));
     }
     let length =
         |value: Value<'v>| value.unpack_str().map(str::len).or_else(|| elements(value).map(<[_]>::len));
@@ -83,17 +83,13 @@ fn applied<'v>(
             a.add(b, eval.heap())
         }
         ("*", Some(length), None) | ("*", None, Some(length)) => {
-            let times = if length_is_of_b(a) { a.unpack_i32() } else { b.unpack_i32() };
+            let times = if number(a).is_some() { a.unpack_i32() } else { b.unpack_i32() };
             let Some(times) = times else { return Err(undefined_operator(operator, &arg_of(a), &arg_of(b))) };
             Meter::charge(eval, length.saturating_mul(usize::try_from(times).unwrap_or(0)))?;
             a.mul(b, eval.heap())
         }
         _ => Err(undefined_operator(operator, &arg_of(a), &arg_of(b))),
     }
-}
-
-fn length_is_of_b(a: Value) -> bool {
-    number(a).is_some()
 }
 
 /// Applies an operator to two numbers.
@@ -103,7 +99,8 @@ pub(crate) fn of_numbers<'v>(
     b: Value<'v>,
     heap: Heap<'v>,
 ) -> starlark::Result<Value<'v>> {
-    // Whole numbers are handled up to here; beyond, products grow without end.
+    // The largest whole number. Chosen: Starlark's have no limit, so repeated products would grow without
+    // end.
     const MOST: f64 = (1_u64 << 60) as f64;
     let large = |value: Value| value.get_type() == "int" && number(value).is_none_or(|n| n.abs() > MOST);
     if large(a) || large(b) {

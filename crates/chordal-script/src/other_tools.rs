@@ -1,24 +1,27 @@
-//! Names of other tools (OpenSCAD, CadQuery, build123d, ManifoldCAD, SDF libraries), and what does the same here.
+//! Function names of other tools (OpenSCAD, CadQuery, build123d, ManifoldCAD, SDF libraries), and their
+//! equivalents.
 use crate::language::{self, Function};
 
-/// What stands here for a name that a script does not know: calls as they are written here, in half a sentence. Tools differ
-/// in capitals and underscores as well, so that a name counts as it is spelled first, and by its letters then.
-pub(crate) fn here_instead(name: &str) -> Option<String> {
-    let known = |is_same: &dyn Fn(&str) -> bool| {
-        let row = NAMES.iter().find(|(names, _)| names.iter().any(|known| is_same(known)));
-        row.map(|(_, here)| (*here).to_owned())
+/// The equivalent of a name that scripts do not have: the calls to write, in half a sentence. Tools also
+/// differ in capitals and underscores, so names are compared as they are spelled first, and then by their
+/// letters alone.
+pub(crate) fn equivalent_of(name: &str) -> Option<String> {
+    let in_table = |is_same: &dyn Fn(&str) -> bool| {
+        let row = NAMES.iter().find(|(names, _)| names.iter().any(|other| is_same(other)));
+        row.map(|(_, equivalent)| (*equivalent).to_owned())
     };
     let letters = letters_of(name);
     let is_alike = |other: &str| letters_of(other) == letters;
-    let own = || language::functions().find(|function| is_alike(function.name)).map(Function::usage);
-    known(&|other| other == name).or_else(own).or_else(|| known(&is_alike))
+    let in_language = || language::functions().find(|function| is_alike(function.name)).map(Function::usage);
+    in_table(&|other| other == name).or_else(in_language).or_else(|| in_table(&is_alike))
 }
 
 fn letters_of(name: &str) -> String {
     name.chars().filter(|c| *c != '_').map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// Names by what does the same. Signatures and names are those of the language, which a test holds them to.
+/// Names of other tools, with the call that does the same. A test checks that the calls exist in the
+/// language.
 pub(crate) const NAMES: &[(&[&str], &str)] = &[
     (&["ball", "Sphere", "sdSphere", "geodesic_sphere"], "sphere(radius)"),
     (

@@ -1,17 +1,23 @@
-//! `Parentheses`: the pairs of round brackets of a text. The parser's spans leave out the brackets around an
-//! expression, and with them those at the ends of a longer one: that of `(a) - (b)` is `a) - (b`.
+//! `Parentheses`: the pairs of round brackets of a text. The parser's spans omit the brackets around an
+//! operand, even at the ends of a longer expression:
+//!
+//! ```text
+//! (a) - (b)
+//!  ^^^^^^^    the parser's span
+//! ^^^^^^^^^   the expression, as `balanced` restores it
+//! ```
 use crate::nesting;
 use std::ops::Range;
 
 /// The pairs of round brackets outside of strings and comments.
 #[derive(Debug)]
 pub(crate) struct Parentheses {
-    /// Offsets of brackets, in order, each with that of its partner.
+    /// The offsets of all brackets, in order, each with the offset of its partner.
     partners: Vec<(usize, usize)>,
 }
 
 impl Parentheses {
-    /// Those of a text that has been parsed, so that every bracket has its partner.
+    /// The pairs of a text that has been parsed, so that every bracket has a partner.
     pub fn new(text: &str) -> Self {
         let bytes = text.as_bytes();
         let (mut partners, mut open, mut at) = (Vec::new(), Vec::new(), 0);
@@ -38,11 +44,11 @@ impl Parentheses {
         &self.partners[first..end.max(first)]
     }
 
-    /// The smallest range around this one that has each bracket with its partner.
-    pub fn whole(&self, span: Range<usize>) -> Range<usize> {
+    /// The smallest range that contains a span and the partners of all its brackets.
+    pub fn balanced(&self, span: Range<usize>) -> Range<usize> {
         self.within(&span)
             .iter()
-            .fold(span.clone(), |whole, (_, partner)| whole.start.min(*partner)..whole.end.max(*partner + 1))
+            .fold(span.clone(), |range, (_, partner)| range.start.min(*partner)..range.end.max(*partner + 1))
     }
 
     /// Whether a bracket opens in the range.
@@ -57,7 +63,7 @@ mod tests {
 
     #[test]
     fn a_span_is_extended_to_the_partners_of_its_brackets() {
-        for (text, part, whole) in [
+        for (text, span, expected) in [
             ("(a) - (b)", "a) - (b", "(a) - (b)"),
             ("(a - b)", "a - b", "a - b"),
             ("((a) - b) | c", "a) - b", "(a) - b"),
@@ -65,8 +71,8 @@ mod tests {
             ("f((a), ')') - (b)", "f((a), ')') - (b", "f((a), ')') - (b)"),
             ("(a # )\n) - b", "a # )\n) - b", "(a # )\n) - b"),
         ] {
-            let at = text.find(part).unwrap();
-            assert_eq!(&text[Parentheses::new(text).whole(at..at + part.len())], whole, "{text}");
+            let at = text.find(span).unwrap();
+            assert_eq!(&text[Parentheses::new(text).balanced(at..at + span.len())], expected, "{text}");
         }
         assert!(Parentheses::new("a | (b)").opens_in(&(1..5)));
         assert!(!Parentheses::new("(a) | b").opens_in(&(2..6)));

@@ -39,12 +39,12 @@ pub struct ScriptBody {
     pub field: Field,
 }
 
-/// What a line of a script made: a whole shape, or a part of one.
+/// A shape that a call in a script returned: the final shape, or an intermediate one.
 #[derive(Clone, Debug)]
 pub struct ScriptStep {
     /// The number of the line, from 1.
     pub line: u64,
-    /// The shape, as it stood then.
+    /// The shape that the call returned.
     pub field: Field,
 }
 
@@ -53,19 +53,20 @@ pub struct ScriptStep {
 pub struct Script {
     /// The value of its last expression; the union of several shapes.
     pub field: Field,
-    /// The shapes of a dictionary, by their names, or of a list, which are numbered from 1. Empty for a single shape.
+    /// The shapes of a dictionary, by their names, or of a list, which are numbered from 1. Empty for a
+    /// single shape.
     pub bodies: Vec<ScriptBody>,
     /// Its parameters, in the order in which it reads them.
     pub parameters: Vec<Parameter>,
-    /// What it says and is likely not to mean, in the order of its text.
+    /// Likely mistakes, in the order of the text.
     pub warnings: Vec<ScriptWarning>,
-    /// The lines that it prints, and what its files were made of.
+    /// Notes about its shapes and files, then the lines that it prints.
     pub said: Vec<String>,
-    /// What its calls made, in the order of their evaluation: the first few thousand.
+    /// The shapes that its calls returned, in the order of evaluation: the first few thousand.
     pub steps: Vec<ScriptStep>,
 }
 
-/// Runs a script that has no files beside it; otherwise as [`run_with`].
+/// Runs a script without access to files; otherwise as [`run_with`].
 ///
 /// # Errors
 /// As for [`run_with`]; also when it names a file.
@@ -80,7 +81,8 @@ pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, Script
 ///
 /// # Errors
 /// When the text is not a valid script, exceeds a limit, or ends without a shape; when a parameter is set
-/// that the script does not have; when a file cannot be had, or is loaded in a circle; when the job is cancelled.
+/// that the script does not have; when a file cannot be opened, or files load each other in a cycle; when the
+/// job is cancelled.
 pub fn run_with(
     text: &str,
     options: &RunOptions,
@@ -102,28 +104,30 @@ struct Evaluated {
     bodies: Vec<ScriptBody>,
 }
 
-/// The places of the cuts in the script itself, each with its number.
+/// The cuts (`b - c` in `a | b - c`) of the main script, as offsets with their numbers; and its source.
 type CutPlaces = (Vec<(usize, usize)>, ScriptSource);
 
-/// Evaluates all files of a library, the script last.
+/// Evaluates all files of a library, the main script last.
 fn evaluate(library: Library, meter: &Meter, job: &Job) -> Result<(Evaluated, CutPlaces), ScriptError> {
     let globals = globals();
     let mut loaded = LoadedModules::default();
-    let (mut sources, mut first) = (Vec::new(), 0);
+    let (mut sources, mut first_cut) = (Vec::new(), 0);
     for (name, Program { module, source, cuts }) in library.programs {
         sources.push((name.clone(), source));
-        let numbered: Vec<(usize, usize)> = cuts.iter().enumerate().map(|(k, at)| (*at, first + k)).collect();
-        first += cuts.len();
-        let frozen = Module::with_temp_heap(|environment| {
+        let numbered_cuts: Vec<(usize, usize)> =
+            cuts.iter().enumerate().map(|(k, offset)| (*offset, first_cut + k)).collect();
+        first_cut += cuts.len();
+        // `Err` is the value of the main script, which no file loads and which is therefore not frozen.
+        let outcome = Module::with_temp_heap(|environment| {
             let value = {
                 let mut eval = Evaluator::new(&environment);
                 let limits = &meter.limits;
-                let set = (|| {
+                let limited = (|| {
                     eval.set_max_callstack_size(limits.calls)?;
                     eval.set_max_tick_count(limits.ticks)?;
                     eval.set_max_heap_size(limits.heap)
                 })();
-                set.map_err(|error| ScriptError::new("script-limit", error.to_string()))?;
+                limited.map_err(|error| ScriptError::new("script-limit", error.to_string()))?;
                 eval.disable_gc();
                 eval.set_check_cancelled(Box::new(|| job.is_cancelled()));
                 eval.before_stmt_for_dap(BeforeStmtFunc::Dyn(Box::new(StatementHook)));
@@ -137,16 +141,16 @@ fn evaluate(library: Library, meter: &Meter, job: &Job) -> Result<(Evaluated, Cu
                     sources.last().map_or("", |(_, source): &(String, ScriptSource)| source.text.as_str());
                 return Ok(Err(value_of(value, text, &meter.limits)?));
             }
-            let frozen = environment.freeze();
-            frozen.map(Ok).map_err(|error| ScriptError::new("script-value", format!("{name}: {error:?}")))
+            let module = environment.freeze();
+            module.map(Ok).map_err(|error| ScriptError::new("script-value", format!("{name}: {error:?}")))
         })?;
-        match frozen {
-            Ok(frozen) => {
-                loaded.0.insert(name, frozen);
+        match outcome {
+            Ok(module) => {
+                loaded.0.insert(name, module);
             }
-            Err(value) => {
+            Err(evaluated) => {
                 let (_, source) = sources.pop().unwrap_or_else(|| unreachable!("it was just added"));
-                return Ok((value, (numbered, source)));
+                return Ok((evaluated, (numbered_cuts, source)));
             }
         }
     }
@@ -160,33 +164,35 @@ fn script_of(
     options: &RunOptions,
 ) -> Result<Script, ScriptError> {
     let parameters = meter.parameters.into_inner();
-    if let Some(name) = options.set.keys().find(|name| !parameters.iter().any(|known| known.name == **name)) {
-        let names: Vec<&str> = parameters.iter().map(|known| known.name.as_str()).collect();
-        let known =
+    let is_parameter = |name: &str| parameters.iter().any(|parameter| parameter.name == name);
+    if let Some(name) = options.set.keys().find(|name| !is_parameter(name)) {
+        let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        let hint =
             if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
-        let message = format!("the script has no parameter '{name}'; {known}");
+        let message = format!("the script has no parameter '{name}'; {hint}");
         return Err(ScriptError::new("unknown-parameter", message));
     }
-    let are_cut = meter.cuts.into_inner();
+    // `a | b - c` is a likely mistake only if the operands were shapes, which the meter has recorded.
+    let is_shape = meter.cuts.into_inner();
     let mut cuts: Vec<usize> =
-        cuts.into_iter().filter_map(|(at, number)| are_cut[number].then_some(at)).collect();
+        cuts.into_iter().filter_map(|(offset, number)| is_shape[number].then_some(offset)).collect();
     cuts.sort_unstable();
     let places = source.lines_and_columns(&cuts);
     let mut warnings: Vec<ScriptWarning> = places.into_iter().map(ScriptWarning::last_operand_cut).collect();
     let mut bounded = meter.bounded.into_inner();
     bounded.sort_unstable();
     bounded.dedup();
-    let offsets: Vec<usize> = bounded.into_iter().map(|at| source.place(at)).collect();
+    let offsets: Vec<usize> = bounded.into_iter().map(|offset| source.place(offset)).collect();
     warnings
         .extend(source.lines_and_columns(&offsets).into_iter().map(ScriptWarning::bound_taken_as_distance));
     warnings.sort_by_key(|warning| warning.place);
     let steps = steps_by_line(meter.steps.into_inner(), &source);
-    let said = meter.notes.into_inner().into_iter().chain(meter.said.into_inner()).collect();
+    let said = meter.notes.into_inner().into_iter().chain(meter.printed.into_inner()).collect();
     let Evaluated { field, bodies } = evaluated;
     Ok(Script { field, bodies, parameters, warnings, said, steps })
 }
 
-/// Shapes with their lines instead of offsets in the parsed text.
+/// Replaces the offsets of shapes in the parsed text by lines of the script.
 fn steps_by_line(steps: Vec<(usize, Field)>, source: &ScriptSource) -> Vec<ScriptStep> {
     let offsets: Vec<usize> = steps.iter().map(|(offset, _)| source.place(*offset)).collect();
     let mut in_order_of_text = offsets.clone();
@@ -198,7 +204,7 @@ fn steps_by_line(steps: Vec<(usize, Field)>, source: &ScriptSource) -> Vec<Scrip
     offsets.iter().copied().zip(steps).map(with_line).collect()
 }
 
-/// The files that were evaluated, by their names.
+/// The modules of the files that were evaluated, by name.
 #[derive(Default)]
 struct LoadedModules(BTreeMap<String, FrozenModule>);
 
@@ -241,7 +247,8 @@ pub(crate) fn globals() -> Globals {
     globals.build()
 }
 
-/// The most shapes that one script gives. Chosen.
+/// The most shapes that one script may return. Chosen: more than the parts of a hand-written assembly; larger
+/// values let a short script ask for more meshes than anybody waits for.
 const MOST_BODIES: usize = 1000;
 
 /// The shape of a value, or those of a dictionary or list.
@@ -256,11 +263,11 @@ fn value_of(value: Value, text: &str, limits: &Limits) -> Result<Evaluated, Scri
             .map(|(name, shape)| (name.unpack_str().map_or_else(|| name.to_str(), str::to_owned), shape))
             .collect(),
         (None, Some(list)) => {
-            list.iter().enumerate().map(|(k, one)| (format!("part {}", k + 1), *one)).collect()
+            list.iter().enumerate().map(|(k, shape)| (format!("part {}", k + 1), *shape)).collect()
         }
         _ => return Ok(Evaluated { field: field_of(value, limits)?, bodies: Vec::new() }),
     };
-    let wrong = |what: String| Err(ScriptError::new("script-value", what));
+    let wrong = |message: String| Err(ScriptError::new("script-value", message));
     if named.is_empty() || named.len() > MOST_BODIES {
         return wrong(format!(
             "the script's value holds {} shapes, and must hold 1 to {MOST_BODIES}",
@@ -313,10 +320,10 @@ fn translated(
     job: &Job,
 ) -> ScriptError {
     let file = error.span().map(|span| span.file.filename().to_owned());
-    // Without a place it is that of the file that is being evaluated.
-    let of_place = |(name, _): &&(String, ScriptSource)| file.as_ref().is_some_and(|file| file == name);
-    let known = sources.iter().find(of_place).or(sources.last());
-    let Some((name, source)) = known else { return ScriptError::new("script-error", error.to_string()) };
+    // An error without a span belongs to the file that is being evaluated, which is the last one.
+    let is_origin = |(name, _): &&(String, ScriptSource)| file.as_ref().is_some_and(|file| file == name);
+    let origin = sources.iter().find(is_origin).or(sources.last());
+    let Some((name, source)) = origin else { return ScriptError::new("script-error", error.to_string()) };
     translated_in(source, error, limits, job).of_file(name)
 }
 
@@ -324,7 +331,8 @@ fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits
     if job.is_cancelled() {
         return cancelled();
     }
-    let said = error.without_diagnostic().to_string();
+    // The interpreter has no error kinds for its own limits: they are known by their text.
+    let message = error.without_diagnostic().to_string();
     let limit = match error.kind() {
         ErrorKind::Other(cause) if cause.is::<LimitError>() => None,
         ErrorKind::Other(cause) if cause.is::<FileError>() => {
@@ -333,21 +341,21 @@ fn translated_in(source: &ScriptSource, error: &starlark::Error, limits: &Limits
         ErrorKind::Other(cause) if cause.is::<CallError>() => {
             return source.translate_error("script-error", error);
         }
-        _ if said.contains("call stack overflow") || said.contains("recursion") => {
+        _ if message.contains("call stack overflow") || message.contains("recursion") => {
             Some(format!("more than {} functions wait for each other", limits.calls))
         }
-        _ if said.starts_with("Execution duration limit") => {
+        _ if message.starts_with("Execution duration limit") => {
             Some(format!("the script takes more than {} calls and turns of loops", limits.ticks))
         }
-        _ if said.starts_with("Heap memory limit") => {
+        _ if message.starts_with("Heap memory limit") => {
             Some(format!("the script's values take more than {} bytes", limits.heap))
         }
-        _ if said.contains("`pow` not found") => {
-            let told = source.translate_error("script-error", error);
-            return ScriptError { message: format!("there is no pow(): {POWERS}"), ..told };
+        _ if message.contains("`pow` not found") => {
+            let translation = source.translate_error("script-error", error);
+            return ScriptError { message: format!("there is no pow(): {POWERS}"), ..translation };
         }
         _ => return source.translate_error("script-error", error),
     };
-    let told = source.translate_error("script-limit", error);
-    ScriptError { message: limit.unwrap_or(told.message), ..told }
+    let translation = source.translate_error("script-limit", error);
+    ScriptError { message: limit.unwrap_or(translation.message), ..translation }
 }

@@ -1,7 +1,7 @@
-//! `ScriptSource`: the text of a script, what is parsed in its place, and the way back from there.
+//! `ScriptSource`: the text of a script, the rewritten text that is parsed, and the map back to the script.
 use crate::advice::with_missing_return;
 use crate::error::position;
-use crate::other_tools::here_instead;
+use crate::other_tools::equivalent_of;
 use crate::parentheses::Parentheses;
 use crate::{ScriptError, nesting};
 use starlark::codemap::Span;
@@ -14,14 +14,16 @@ use std::ops::Range;
 pub(crate) struct ScriptSource {
     pub(crate) text: String,
     parentheses: Parentheses,
-    pub(crate) written: String,
+    /// The text that is parsed.
+    pub(crate) rewritten: String,
+    /// The differences between both texts, in order.
     edits: Vec<TextEdit>,
 }
 
-/// The range of an expression that goes through a function, and which.
+/// The range of an expression that is wrapped in a call, and the name of the function.
 pub(crate) type MeteredPart = (Range<usize>, &'static str);
 
-/// Bytes that replace others.
+/// The range of a replaced part in the script, and of its replacement in the rewritten text.
 #[derive(Debug)]
 struct TextEdit {
     old: Range<usize>,
@@ -46,41 +48,43 @@ impl ScriptSource {
         Self {
             text: text.to_owned(),
             parentheses: Parentheses::new(text),
-            written: text.to_owned(),
+            rewritten: text.to_owned(),
             edits: Vec::new(),
         }
     }
 
-    /// Whether another text is parsed in its place.
+    /// Whether the parsed text differs from the script.
     pub(crate) fn is_changed(&self) -> bool {
         !self.edits.is_empty()
     }
 
-    /// An expression's range, without brackets around it and with those at its ends.
+    /// The range of an expression, with the parentheses of operands at its ends, but without those around all
+    /// of it.
     pub(crate) fn extent(&self, span: Span) -> Range<usize> {
-        self.parentheses.whole(range(span))
+        self.parentheses.balanced(range(span))
     }
 
     /// Applies the changes.
     pub(crate) fn with_changes(self, changes: Vec<TextChange>) -> Self {
-        let (written, edits) = self.changed(&(0..self.text.len()), changes);
-        Self { written, edits, ..self }
+        let (rewritten, edits) = self.changed(&(0..self.text.len()), changes);
+        Self { rewritten, edits, ..self }
     }
 
-    /// A part of the text with changes, and where they stand in it.
+    /// Applies changes to a part of the text. Returns the new text and its edits.
     fn changed(&self, part: &Range<usize>, mut changes: Vec<TextChange>) -> (String, Vec<TextEdit>) {
-        // Of two that end at one position the inner one, which starts later, comes first.
+        // At one position, closing brackets come before opening ones, the inner call closes first, and the
+        // outer one opens first: `wrap` chooses the ranks so.
         changes.sort_by_key(|change| (change.old.start, change.rank));
-        let (mut written, mut edits, mut done) = (String::new(), Vec::new(), part.start);
+        let (mut rewritten, mut edits, mut copied_to) = (String::new(), Vec::new(), part.start);
         for TextChange { old, new, .. } in changes {
-            written.push_str(&self.text[done..old.start]);
-            let start = written.len();
-            written.push_str(&new);
-            done = old.end;
-            edits.push(TextEdit { old, new: start..written.len() });
+            rewritten.push_str(&self.text[copied_to..old.start]);
+            let start = rewritten.len();
+            rewritten.push_str(&new);
+            copied_to = old.end;
+            edits.push(TextEdit { old, new: start..rewritten.len() });
         }
-        written.push_str(&self.text[done..part.end]);
-        (written, edits)
+        rewritten.push_str(&self.text[copied_to..part.end]);
+        (rewritten, edits)
     }
 
     /// Rewrites `a += b`.
@@ -95,39 +99,48 @@ impl ScriptSource {
         let first = calls.partition_point(|(part, _)| part.start < target.start);
         let inside = calls[first..].iter().take_while(|(part, _)| part.start <= target.end);
         let inside = inside.filter(|(part, _)| part.end <= target.end);
-        let changes = inside.flat_map(|(part, through)| Self::wrap(part, through, "")).collect();
-        let again = self.changed(&target, changes).0;
-        let written = format!("{operator}=");
+        let changes = inside.flat_map(|(part, function)| Self::wrap(part, function, "")).collect();
+        let target_text = self.changed(&target, changes).0;
+        let assignment = format!("{operator}=");
         let (mut start, end) = (target.end, range(statement).end);
-        // Only spaces and line ends in brackets stand before the operator; comments are stepped over.
-        while start < end && !self.text.get(start..end)?.starts_with(&written) {
+        // Only spaces, comments, and line ends inside brackets can stand before the operator. A comment is
+        // one token, so an operator in it is not found.
+        while start < end && !self.text.get(start..end)?.starts_with(&assignment) {
             start = nesting::token_end(self.text.as_bytes(), start);
         }
         if start >= end {
             return None;
         }
-        // In brackets, so that line ends and comments of the target stay within the statement.
-        let new = format!("= ({again}) {operator} (");
+        // The brackets keep line ends and comments of the target within the statement.
+        let new = format!("= ({target_text}) {operator} (");
         Some([
-            TextChange { old: start..start + written.len(), new, rank: 0 },
+            TextChange { old: start..start + assignment.len(), new, rank: 0 },
             TextChange { old: end..end, new: ")".to_owned(), rank: i64::MAX },
         ])
     }
 
-    /// Puts a range into a call, with more arguments after it.
-    pub(crate) fn wrap(part: &Range<usize>, through: &str, more: &str) -> [TextChange; 2] {
+    /// Wraps a range in a call, with more arguments after it.
+    pub(crate) fn wrap(part: &Range<usize>, function: &str, more_args: &str) -> [TextChange; 2] {
         [
-            // The outer one opens first and closes last.
+            //     f(a)(b)                       the callees are `f(a)` and, within it, `f`
+            //     called__(called__(f)(a))(b)   both calls open at the same offset
+            //
+            // The outer of two calls has the larger end and thus opens first; the inner has the larger start
+            // and thus closes first. All closing ranks are below all opening ones.
             TextChange {
                 old: part.start..part.start,
-                new: format!("{through}("),
+                new: format!("{function}("),
                 rank: i64::MAX / 2 - part.end as i64,
             },
-            TextChange { old: part.end..part.end, new: format!("{more})"), rank: -(part.start as i64) - 1 },
+            TextChange {
+                old: part.end..part.end,
+                new: format!("{more_args})"),
+                rank: -(part.start as i64) - 1,
+            },
         ]
     }
 
-    /// The extent of the right one of two operands, unless it stands in parentheses of its own.
+    /// The extent of the right operand, unless it is parenthesized.
     pub(crate) fn bare_right_operand(&self, [left, right]: [Span; 2]) -> Option<Range<usize>> {
         let (left, right) = (self.extent(left), self.extent(right));
         (!self.parentheses.opens_in(&(left.end..right.start))).then_some(right)
@@ -145,26 +158,26 @@ impl ScriptSource {
 
     /// Lines and columns of offsets in the script, counted from 1; the offsets are in order.
     pub(crate) fn lines_and_columns(&self, offsets: &[usize]) -> Vec<(u64, u64)> {
-        let (mut from, mut at) = (0, (0, 0));
-        let mut found = Vec::with_capacity(offsets.len());
+        let (mut from, mut place) = (0, (0, 0));
+        let mut places = Vec::with_capacity(offsets.len());
         for offset in offsets {
             let (lines, column) = position(&self.text[from..], offset - from);
-            at = (at.0 + lines, if lines == 0 { at.1 + column } else { column });
+            place = (place.0 + lines, if lines == 0 { place.1 + column } else { column });
             from = *offset;
-            found.push((at.0 as u64 + 1, at.1 as u64 + 1));
+            places.push((place.0 as u64 + 1, place.1 as u64 + 1));
         }
-        found
+        places
     }
 
-    pub(crate) fn error(&self, code: &'static str, what: impl Into<String>, span: Span) -> ScriptError {
-        ScriptError::new(code, what).at(&self.text, self.place(span.begin().get() as usize))
+    pub(crate) fn error(&self, code: &'static str, message: impl Into<String>, span: Span) -> ScriptError {
+        ScriptError::new(code, message).at(&self.text, self.place(span.begin().get() as usize))
     }
 
     /// An error of the interpreter with its position.
     pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
         let message = error.without_diagnostic().to_string();
         let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
-        let message = with_missing_return(with_name_of_here(message), &self.text);
+        let message = with_missing_return(with_equivalent(message), &self.text);
         match error.span() {
             Some(span) => self.error(code, message, span.span),
             None => ScriptError::new(code, message),
@@ -172,17 +185,17 @@ impl ScriptSource {
     }
 }
 
-/// The message of a name that is not known, with what does the same here where other tools have the name: the
-/// interpreter offers what is spelled alike.
-fn with_name_of_here(message: String) -> String {
+/// Names the equivalent of another tool's function in the message of an unknown name. The interpreter itself
+/// only suggests names that are spelled alike.
+fn with_equivalent(message: String) -> String {
     let name = message.strip_prefix("Variable `").and_then(|rest| rest.split('`').next());
-    match name.and_then(|name| Some((name, here_instead(name)?))) {
-        Some((name, here)) if message.contains("not found") => {
-            format!("Variable `{name}` not found: here it is {here}")
+    match name.and_then(|name| Some((name, equivalent_of(name)?))) {
+        Some((name, equivalent)) if message.contains("not found") => {
+            format!("Variable `{name}` not found: here it is {equivalent}")
         }
         _ => message,
     }
 }
 
-/// The most characters of a message.
+/// The most characters of a message. Chosen: some lines of a terminal.
 const LONGEST_MESSAGE: usize = 500;

@@ -1,18 +1,19 @@
-//! Texts: what values look like, and texts with values put into them.
+//! Values as text, and formatting with `%`.
 use crate::language::CallError;
 use crate::meter::Meter;
 use crate::values::{arg_of, elements, fault, number};
 use starlark::eval::Evaluator;
 use starlark::values::Value;
 
-/// A value as a text: numbers as they are written, lists within brackets, shapes by their kind.
+/// A value as text: numbers as Starlark prints them, lists in brackets, shapes by their kind.
 pub(crate) fn text_of<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<String> {
     text_within(value, 2, eval)
 }
 
+/// The text of a value with lists that are nested up to the given depth; deeper ones are named by their kind.
 fn text_within<'v>(
     value: Value<'v>,
-    lists: u32,
+    depth: u32,
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<String> {
     if let Some(text) = value.unpack_str() {
@@ -22,37 +23,37 @@ fn text_within<'v>(
     if number(value).is_some() || value.unpack_bool().is_some() || value.is_none() {
         return Ok(value.to_str());
     }
-    let Some(list) = elements(value).filter(|_| lists > 0) else {
+    let Some(list) = elements(value).filter(|_| depth > 0) else {
         return Ok(arg_of(value).kind().to_owned());
     };
     Meter::charge(eval, list.len())?;
-    let parts = list.iter().map(|part| text_within(*part, lists - 1, eval));
-    let parts = parts.collect::<starlark::Result<Vec<_>>>()?.join(", ");
+    let items = list.iter().map(|item| text_within(*item, depth - 1, eval));
+    let items = items.collect::<starlark::Result<Vec<_>>>()?.join(", ");
     let [open, close] = if value.get_type() == "tuple" { ["(", ")"] } else { ["[", "]"] };
     let comma = if value.get_type() == "tuple" && list.len() == 1 { "," } else { "" };
-    Ok(format!("{open}{parts}{comma}{close}"))
+    Ok(format!("{open}{items}{comma}{close}"))
 }
 
-/// The most digits after the point. Defined: a double has no more that mean anything.
+/// The most digits after the decimal point. Defined: 17 significant digits identify any double.
 const MOST_DIGITS: usize = 17;
 
-/// `template % values`: `%s` any value, `%d` a number without its fraction, `%f` or `%.2f` with so many digits,
-/// `%%` the sign itself.
+/// `template % values`: `%s` takes any value, `%d` a number without its fraction, `%f` or `%.2f` a number
+/// with that many digits after the point; `%%` is a percent sign.
 pub(crate) fn formatted<'v>(
     template: &str,
     values: Value<'v>,
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<String> {
-    let wrong = |what: &str| fault(CallError(what.to_owned()));
+    let wrong = |message: &str| fault(CallError(message.to_owned()));
     Meter::charge(eval, template.len())?;
-    let all: Vec<Value<'v>> = match elements(values).filter(|_| values.get_type() == "tuple") {
-        Some(all) => all.to_vec(),
+    let values: Vec<Value<'v>> = match elements(values).filter(|_| values.get_type() == "tuple") {
+        Some(items) => items.to_vec(),
         None => vec![values],
     };
-    let (mut next, mut made) = (all.iter(), String::new());
+    let (mut values, mut text) = (values.iter(), String::new());
     let mut rest = template;
     while let Some((before, after)) = rest.split_once('%') {
-        made.push_str(before);
+        text.push_str(before);
         let (digits, after) = match after.strip_prefix('.') {
             Some(after) => {
                 let n = after.bytes().take_while(u8::is_ascii_digit).count();
@@ -65,23 +66,23 @@ pub(crate) fn formatted<'v>(
             after.chars().next().ok_or_else(|| wrong("a text ends with '%': write '%%' for the sign"))?;
         rest = &after[kind.len_utf8()..];
         if kind == '%' {
-            made.push('%');
+            text.push('%');
             continue;
         }
-        let value = *next.next().ok_or_else(|| wrong("the text has more '%' than there are values"))?;
-        let of_number = || number(value).ok_or_else(|| wrong("'%d' and '%f' need a number"));
+        let value = *values.next().ok_or_else(|| wrong("the text has more '%' than there are values"))?;
+        let needed_number = || number(value).ok_or_else(|| wrong("'%d' and '%f' need a number"));
         match kind {
-            's' => made.push_str(&text_of(value, eval)?),
-            'd' => made.push_str(&format!("{:.0}", of_number()?.trunc())),
-            // Six as in Python. Defined by C.
-            'f' => made.push_str(&format!("{:.*}", digits.unwrap_or(6), of_number()?)),
+            's' => text.push_str(&text_of(value, eval)?),
+            'd' => text.push_str(&format!("{:.0}", needed_number()?.trunc())),
+            // Six digits, as in Python. Defined by the C standard.
+            'f' => text.push_str(&format!("{:.*}", digits.unwrap_or(6), needed_number()?)),
             _ => return Err(wrong("a text is filled in at '%s', '%d', '%f' and '%.2f'")),
         }
-        Meter::charge(eval, made.len() / 64)?;
+        Meter::charge(eval, text.len() / 64)?;
     }
-    if next.next().is_some() {
+    if values.next().is_some() {
         return Err(wrong("there are more values than '%' in the text"));
     }
-    made.push_str(rest);
-    Ok(made)
+    text.push_str(rest);
+    Ok(text)
 }

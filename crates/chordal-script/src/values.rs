@@ -27,16 +27,17 @@ impl fmt::Display for StarlarkShape {
 #[starlark_value(type = "shape")]
 impl<'v> StarlarkValue<'v> for StarlarkShape {
     fn minus(&self, heap: Heap<'v>) -> starlark::Result<Value<'v>> {
-        // The additional term is charged at its next use, and loop iterations are limited.
+        // The meter is out of reach here: the additional term is charged when the value is used. Until then
+        // the limit on loop iterations bounds how many there are.
         match operate("neg", &self.0, &self.0) {
-            Some(made) => Ok(heap.alloc(Self(made.map_err(fault)?))),
+            Some(result) => Ok(heap.alloc(Self(result.map_err(fault)?))),
             None => Err(undefined_operator("neg", &self.0, &self.0)),
         }
     }
 }
 
-/// What is said where one of two operands is nothing.
-const OF_NOTHING: &str = ": nothing is what a function without 'return' gives";
+/// The hint of an operator with an operand of None.
+const NOTHING_HINT: &str = ": nothing is what a function without 'return' gives";
 
 /// The error for an operator that is undefined for these values.
 pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::Error {
@@ -45,14 +46,14 @@ pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::
         (_, Arg::Shape(_), Arg::Number(_)) | (_, Arg::Number(_), Arg::Shape(_)) => {
             ": see scale, offset and move for what numbers do to shapes"
         }
-        (_, Arg::Nothing, _) | (_, _, Arg::Nothing) => OF_NOTHING,
+        (_, Arg::Nothing, _) | (_, _, Arg::Nothing) => NOTHING_HINT,
         _ => "",
     };
-    let what = match operator {
+    let message = match operator {
         "neg" => format!("'-' has no meaning for {}", a.kind()),
         _ => format!("'{operator}' has no meaning between {} and {}{hint}", a.kind(), b.kind()),
     };
-    fault(CallError(what))
+    fault(CallError(message))
 }
 
 pub(crate) fn fault(fault: CallError) -> starlark::Error {
@@ -88,27 +89,27 @@ impl<'v> StarlarkValue<'v> for StarlarkFunction {
             by_name.push((name.as_str().to_owned(), charged_arg(value, eval)?));
         }
         let meter = Meter::from_eval(eval);
-        let place = eval.call_stack_top_location().filter(|place| place.filename() == MAIN);
-        let offset = place.map(|place| place.span.begin().get() as usize);
+        let location = eval.call_stack_top_location().filter(|location| location.filename() == MAIN);
+        let offset = location.map(|location| location.span.begin().get() as usize);
         if let Some(offset) = offset.filter(|_| self.0.moves_by_bound(&by_position, &by_name)) {
             meter.bounded.borrow_mut().push(offset);
         }
         let notes = &mut meter.notes.borrow_mut();
-        let made = self.0.call_within(by_position, by_name, meter.job, notes).map_err(fault)?;
+        let result = self.0.call_within(by_position, by_name, meter.job, notes).map_err(fault)?;
         if let Some(offset) = offset {
-            meter.keep_step(offset, &made);
+            meter.keep_step(offset, &result);
         }
-        to_starlark(made, eval)
+        to_starlark(result, eval)
     }
 }
 
 /// Converts a value of the language to a Starlark value.
-pub(crate) fn to_starlark<'v>(made: Arg, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Value<'v>> {
-    match made {
-        Arg::Number(value) => Ok(eval.heap().alloc(value)),
-        made => {
-            Meter::from_eval(eval).charge_arg(&made)?;
-            Ok(eval.heap().alloc(StarlarkShape(made)))
+pub(crate) fn to_starlark<'v>(value: Arg, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Value<'v>> {
+    match value {
+        Arg::Number(number) => Ok(eval.heap().alloc(number)),
+        value => {
+            Meter::from_eval(eval).charge_arg(&value)?;
+            Ok(eval.heap().alloc(StarlarkShape(value)))
         }
     }
 }
@@ -141,19 +142,20 @@ pub(crate) fn arg_of(value: Value) -> Arg {
     arg_within(value, 2)
 }
 
-fn arg_within(value: Value, lists: u32) -> Arg {
-    if let Some(held) = value.downcast_ref::<StarlarkShape>() {
-        held.0.clone()
+/// Converts a value with lists that are nested up to the given depth.
+fn arg_within(value: Value, depth: u32) -> Arg {
+    if let Some(StarlarkShape(shape)) = value.downcast_ref() {
+        shape.clone()
     } else if let Some(number) = number(value) {
         Arg::Number(number)
-    } else if let Some(holds) = value.unpack_bool() {
-        Arg::Truth(holds)
+    } else if let Some(truth) = value.unpack_bool() {
+        Arg::Truth(truth)
     } else if value.is_none() {
         Arg::Nothing
     } else if let Some(text) = value.unpack_str() {
         Arg::Text(text.chars().take(LONGEST_NAME).collect())
-    } else if let Some(list) = elements(value).filter(|_| lists > 0) {
-        Arg::List(list.iter().map(|value| arg_within(*value, lists - 1)).collect())
+    } else if let Some(list) = elements(value).filter(|_| depth > 0) {
+        Arg::List(list.iter().map(|value| arg_within(*value, depth - 1)).collect())
     } else {
         Arg::Other(match value.get_type() {
             "list" | "tuple" => "a list of lists of lists".to_owned(),
@@ -170,5 +172,5 @@ pub(crate) fn number(value: Value) -> Option<f64> {
     UnpackFloat::unpack_value(value).ok().flatten().map(|number| number.0)
 }
 
-/// The most characters of a text that are read.
+/// The most characters of a text argument; the rest is cut off. Chosen: longer than any name or colour.
 const LONGEST_NAME: usize = 200;

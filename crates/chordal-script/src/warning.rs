@@ -1,4 +1,4 @@
-//! `ScriptWarning`: what a script says and is likely not to mean.
+//! `ScriptWarning`: code that is valid and likely a mistake.
 use std::fmt;
 
 /// A stable code, a source position, and one sentence.
@@ -8,7 +8,7 @@ pub struct ScriptWarning {
     pub code: &'static str,
     /// Line and column, counted from 1.
     pub place: (u64, u64),
-    /// What it does, and what to write instead.
+    /// The effect of the code, and what to write instead.
     pub message: &'static str,
 }
 

@@ -1,16 +1,17 @@
-//! The words of a script beside the functions of the language: what Starlark itself gives, constants and keywords.
+//! The words of a script other than the functions of the language: built-in functions, constants and
+//! keywords.
 use crate::language::{self, FunctionParameter, ParameterDefault, defaulting, optional, required, variadic};
 
-/// A function that scripts have from Starlark, or that reads a file or a parameter.
+/// A built-in function: one of Starlark's, or one that reads a file, a parameter or a shape's box.
 #[derive(Debug)]
 pub struct BuiltIn {
     /// Its name.
     pub name: &'static str,
     /// Its parameters, in order.
     pub parameters: &'static [FunctionParameter],
-    /// What it returns or does.
+    /// Its result or its effect, in one sentence or two.
     pub about: &'static str,
-    /// How far the result's value can be trusted as a distance; empty where the result is no shape.
+    /// How far the result's value can be trusted as a distance; empty if the result is not a shape.
     pub distance: &'static str,
 }
 
@@ -30,7 +31,7 @@ const VALUE: &[FunctionParameter] = &[required("value")];
 const VALUES: &[FunctionParameter] = &[required("values")];
 const ANY: &[FunctionParameter] = &[variadic("values")];
 
-/// Every such function: first those that are Chordal's own.
+/// Every built-in function: Chordal's own first, then Starlark's.
 pub const BUILT_INS: &[BuiltIn] = &[
     plain(
         "param",
@@ -109,7 +110,7 @@ pub const BUILT_INS: &[BuiltIn] = &[
     ),
 ];
 
-/// Names with a value: the coordinates, and what Starlark calls so.
+/// The names that stand for a value: the coordinates, pi, and Starlark's constants.
 pub const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "True", "False", "None"];
 
 /// The keywords that a script can use, in the order of the alphabet.
@@ -129,25 +130,25 @@ mod tests {
     #[test]
     fn a_script_has_these_words_and_no_others() {
         let globals = globals();
-        // Names that end so are what calls and indices are rewritten to.
-        let is_own = |name: &str| !name.ends_with("__") && !OPERATORS.contains(&name);
-        let known: BTreeSet<String> =
-            globals.names().map(|name| name.as_str().to_owned()).filter(|name| is_own(name)).collect();
-        let told: Vec<&str> = language::functions()
+        // Calls, indices and keys are rewritten to calls of functions whose names end in underscores.
+        let is_documented = |name: &str| !name.ends_with("__") && !OPERATORS.contains(&name);
+        let defined: BTreeSet<String> =
+            globals.names().map(|name| name.as_str().to_owned()).filter(|name| is_documented(name)).collect();
+        let documented: Vec<&str> = language::functions()
             .map(|function| function.name)
             .chain(BUILT_INS.iter().map(|built_in| built_in.name))
             .chain(CONSTANTS.iter().copied())
             .collect();
-        assert_eq!(told.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>(), known);
-        assert_eq!(told.len(), known.len(), "none twice");
+        assert_eq!(documented.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>(), defined);
+        assert_eq!(documented.len(), defined.len(), "none twice");
     }
 
     #[test]
     fn keywords_are_no_names() {
         for word in KEYWORDS {
-            let refused =
+            let result =
                 run(&format!("{word} = 1\nsphere({word})\n"), &RunOptions::default(), &Default::default());
-            assert_eq!(refused.unwrap_err().code, "script-syntax", "{word}");
+            assert_eq!(result.unwrap_err().code, "script-syntax", "{word}");
         }
         assert!(KEYWORDS.is_sorted());
     }
@@ -202,10 +203,10 @@ mod tests {
             .chain(BUILT_INS.iter().map(|function| function.name))
             .collect();
         let mut seen = BTreeSet::new();
-        for (names, here) in crate::other_tools::NAMES {
-            let words = called(here);
-            assert!(!words.is_empty() || here.contains("fillet="), "{here}");
-            words.iter().for_each(|word| assert!(known.contains(word), "{word} in '{here}'"));
+        for (names, equivalent) in crate::other_tools::NAMES {
+            let words = called(equivalent);
+            assert!(!words.is_empty() || equivalent.contains("fillet="), "{equivalent}");
+            words.iter().for_each(|word| assert!(known.contains(word), "{word} in '{equivalent}'"));
             for name in *names {
                 assert!(seen.insert(*name), "{name} twice");
                 assert!(!known.contains(name), "{name} is a function of the language");

@@ -1,1 +1,1 @@
-"""Volumes that are read a block at a time, and surfaces of them that are never in one place."""
+"""Volumes that are read block by block, and their surfaces, which never have to fit in memory as a whole."""

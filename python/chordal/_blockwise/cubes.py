@@ -1,4 +1,4 @@
-"""`Cubes`: the blocks of a volume, eights of these, and so on to one: what parts of a surface are joined in."""
+"""`Cubes`: the blocks of a volume, cubes of eight blocks, and so on up to a single one: an octree in which parts are joined."""
 
 from __future__ import annotations
 
@@ -9,22 +9,24 @@ from itertools import product
 
 from chordal._blockwise.tasks import Block, Index, named
 
-#: The most triangles of a part, about: parts that together have twice as many get coarser before they are joined. As in
-#: the levels of a mesh in memory.
+#: About the most triangles of a part: parts that together have more than twice as many are simplified before they are joined.
+#: Chosen as for the levels of a mesh in memory.
 MOST = 65_536
-#: Coarser triangles that are more than this fraction of those that they replace are not taken. As there.
+#: A simplified part replaces the finer one if it has at most this fraction of its triangles. Chosen as for the levels of a mesh.
 WORTH_IT = 0.8
-#: How often parts get coarser before they are joined all the same: where their borders alone are too many. Chosen.
+#: How often parts are simplified before they are joined even if they are too large, as when their borders alone, which are
+#: kept, have too many triangles. Chosen: each try doubles the tolerance, so more would coarsen the parts without need.
 MOST_TRIES = 6
-#: The coarsest part has about so many triangles at most. As in the levels of a mesh in memory.
+#: About the most triangles of the coarsest part. Chosen as for the levels of a mesh in memory.
 ENOUGH = 64
-#: The first error beyond the finest, where nobody says one and triangles are exact, as a fraction of a cell. Chosen.
+#: The tolerance of the first coarser level if the finest is exact, as a fraction of a cell. Chosen: smaller values add levels
+#: that save few triangles, larger ones leave a gap between the levels.
 FIRST = 0.25
 
 
 @dataclass(frozen=True)
 class Cube:
-    """A block, or eight times eight … of them: its level, and its place among those of the level."""
+    """A block (level 0), or a cube of eight cubes of the level below: its level, and its place within the level."""
 
     level: int
     place: Index
@@ -50,7 +52,7 @@ class Cube:
 
 @dataclass(frozen=True)
 class Cubes:
-    """Those of a lattice. Levels beyond the root have one cube each, larger than the lattice."""
+    """The cubes of a lattice. Levels above the root have one cube each, larger than the lattice."""
 
     #: The samples of the lattice along each axis.
     shape: Index
@@ -64,22 +66,22 @@ class Cubes:
         return Cube(level, (0, 0, 0))
 
     def n_below(self, root: Cube) -> int:
-        """How many cubes there are, with the root."""
+        """The number of cubes, including the root."""
         return sum(math.prod(self.counts(level)) for level in range(root.level + 1))
 
     def counts(self, level: int) -> Index:
-        """How many cubes a level has along each axis."""
+        """The number of cubes of a level along each axis."""
         sizes = zip(self.shape, self.sides, strict=True)
         i, j, k = (-(-(n - 1) // (side << level)) for n, side in sizes)
         return i, j, k
 
     def of_level(self, level: int) -> Iterator[Cube]:
-        """All of a level, in the order of the array."""
+        """All cubes of a level, in the order of the array."""
         for i, j, k in product(*map(range, self.counts(level))):
             yield Cube(level, (i, j, k))
 
     def children(self, cube: Cube) -> Iterator[Cube]:
-        """The cubes of one, in the order of the array."""
+        """The children of a cube, in the order of the array."""
         counts = self.counts(cube.level - 1)
         for corner in product((0, 1), repeat=3):
             child = cube.child((corner[0], corner[1], corner[2]))
@@ -87,7 +89,7 @@ class Cubes:
                 yield child
 
     def sides_of(self, cube: Cube) -> Index:
-        """The cells of a cube along each axis, also where the lattice ends before."""
+        """The cells of a cube along each axis, including those beyond the end of the lattice."""
         i, j, k = (side << cube.level for side in self.sides)
         return i, j, k
 
@@ -97,13 +99,13 @@ class Cubes:
         return i, j, k
 
     def block(self, cube: Cube) -> Block:
-        """Its samples."""
+        """The samples of a cube, within the lattice."""
         low = self.low(cube)
         sizes = zip(low, self.sides_of(cube), self.shape, strict=True)
         i, j, k = (min(at + side, n - 1) for at, side, n in sizes)
         return Block(low, (i, j, k))
 
     def named(self, cube: Cube) -> str:
-        """A cube, as messages call it."""
+        """The name of a cube in messages."""
         block = self.block(cube)
         return named(block) if cube.level == 0 else f"the cube of blocks from {block.low} to {block.high}"

@@ -1,4 +1,4 @@
-"""What tells the files of samples from files that were written in their place later."""
+"""Identities of files of samples, which tell whether a file was replaced by another one."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import os
 from collections.abc import Iterator
 from typing import Final
 
-#: So many pieces of a file are read, each of so many bytes. Chosen: a megabyte, some milliseconds, of whatever file.
+#: The pieces of a file that are read, and the bytes of each. Chosen: a megabyte in total, some milliseconds for any file.
 _PIECES: Final = 64
 _PIECE_BYTES: Final = 16_384
 
 
 def known_of_files(path: str) -> str:
-    """Of a file its size, when it was written, and a digest of its first and last bytes and of some between; of a folder the
-    sizes and times of all files in it. Of an address nothing is known but itself.
+    """The identity of a file: its size, its modification time, and a digest of its first and last bytes and of some between.
+    For a folder it has the sizes and times of all files; for an address it is empty.
 
-    The time alone would not do: a file system may keep seconds, and a copy keeps that of what it replaces.
+    The time alone is not enough: a file system may store whole seconds, and a copy may keep the time of the original.
     """
     if os.path.isfile(path):
-        found = os.stat(path)
-        return f"{found.st_size} {found.st_mtime_ns} {_digest_of_pieces(path, found.st_size)}"
+        status = os.stat(path)
+        return f"{status.st_size} {status.st_mtime_ns} {_digest_of_pieces(path, status.st_size)}"
     if not os.path.isdir(path):
         return ""
     digest = hashlib.sha256()
@@ -40,8 +40,9 @@ def _digest_of_pieces(path: str, size: int) -> str:
 
 
 def _below(folder: str) -> Iterator[tuple[str, int, int]]:
-    for place, _, names in os.walk(folder):
+    """The name, size and modification time of each file below a folder."""
+    for directory, _, names in os.walk(folder):
         for name in names:
-            path = os.path.join(place, name)
-            found = os.stat(path)
-            yield os.path.relpath(path, folder), found.st_size, found.st_mtime_ns
+            path = os.path.join(directory, name)
+            status = os.stat(path)
+            yield os.path.relpath(path, folder), status.st_size, status.st_mtime_ns

@@ -1,4 +1,4 @@
-"""`KeptFolder`: what is done, in a folder, so that a later call goes on where one ended."""
+"""`KeptFolder`: finished results in a folder, from which a later call resumes."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _PLAN, _LOCK, _KEPT = "plan.json", "lock", ".chordal"
 
 
 def refuse_finished(document: str, holds: str) -> None:
-    """Raises `Error` for a folder whose document, which is written last, is there."""
+    """Raises `Error` for a folder that is complete: its document, the last file to be written, exists."""
     if os.path.exists(document):
         raise Error(f"{_files.shown(document)}: this folder holds {holds}; choose another, or remove it")
 
 
 class KeptFolder:
-    """A file for each result, with the digest of what is in it, under a plan that says of what. Several programs may be at
-    work in it, since each file is whole and the same whoever wrote it; where one `is_alone`, others are refused."""
+    """A file for each result, with a digest of its content, and a plan that describes the computation. Several programs may
+    work in it at once, since every file is written atomically and is the same for each writer; `is_alone` refuses others."""
 
     def __init__(self, folder: str | os.PathLike[str], plan: Mapping[str, Any], is_alone: bool = False) -> None:
         self._folder: Final = os.fspath(folder)
@@ -58,38 +58,38 @@ class KeptFolder:
     def _path(self, name: str) -> str:
         return os.path.join(self._folder, f"{name}{_KEPT}")
 
-    def write(self, name: str, made: bytes) -> None:
-        """Keeps a result: the file is whole or not there."""
-        written(self._path(name), _digest(made) + made)
+    def write(self, name: str, result: bytes) -> None:
+        """Keeps a result. The file is either complete or missing."""
+        written(self._path(name), _digest(result) + result)
 
     def read(self, name: str) -> bytes | None:
-        """A result that was kept; None where there is none, or where it is damaged."""
+        """A result that was kept; None if it is missing or damaged."""
         try:
             content = _files.read(self._path(name))
         except FileNotFoundError:
             return None
-        made = content[_DIGEST_BYTES:]
-        return made if _digest(made) == content[:_DIGEST_BYTES] else None
+        result = content[_DIGEST_BYTES:]
+        return result if _digest(result) == content[:_DIGEST_BYTES] else None
 
     def whole(self, name: str, title: str) -> bytes:
-        """A result that is to be there; `title` is what it is of."""
+        """A result that has to exist; raises `Error` otherwise. `title` names its block in the message."""
         content = self.read(name)
         if content is None:
             raise Error(f"what was kept of {title} is damaged or gone: the same call again does that part anew")
         return content
 
     def forget(self, name: str) -> None:
-        """Removes a result that is part of another one by now."""
+        """Removes a result that is now contained in another one."""
         with suppress(FileNotFoundError):
             os.unlink(self._path(name))
 
     def remove(self) -> None:
-        """Removes all that was kept, and the folder."""
+        """Removes all results, and the folder."""
         for name in os.listdir(self._folder):
             if _is_own(name) and name != _LOCK:
                 with suppress(FileNotFoundError):
                     os.unlink(os.path.join(self._folder, name))
-        # The lock at last; where it cannot be removed while it is open, it stays.
+        # The lock is the last. It stays on systems that cannot remove an open file.
         with suppress(OSError):
             os.unlink(os.path.join(self._folder, _LOCK))
             os.rmdir(self._folder)
@@ -100,27 +100,27 @@ def _is_own(name: str) -> bool:
 
 
 def is_left_over(name: str) -> bool:
-    """Whether a file is what a kill left of one that was being written."""
+    """Whether a file is the rest of an interrupted write."""
     return name.startswith(".chordal-") and name.endswith(".tmp")
 
 
 def left_over(folder: str) -> Iterator[str]:
     """The paths of such files below a folder."""
-    for place, _, names in os.walk(folder):
-        yield from (os.path.join(place, name) for name in names if is_left_over(name))
+    for directory, _, names in os.walk(folder):
+        yield from (os.path.join(directory, name) for name in names if is_left_over(name))
 
 
 def _locked(path: str) -> IO[bytes]:
-    """An open file that no other program has locked; the lock ends with the program, however that ends."""
+    """An open file that no other program has locked. The lock is released when the program ends, however it ends."""
     file = open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "rb+")
     try:
         import fcntl
     except ImportError:
-        # Windows has no such lock: two programs there are kept apart by whoever starts them.
+        # Windows has no such lock: there the user has to make sure that only one program works in the folder.
         return file
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        # Another program may have ended its work meanwhile and taken the file away.
+        # Another program may have finished meanwhile and removed the file.
         is_there = os.path.exists(path) and os.path.samestat(os.fstat(file.fileno()), os.stat(path))
         if not is_there:
             raise BlockingIOError(errno.EAGAIN, "the lock was removed")
@@ -136,11 +136,11 @@ def _locked(path: str) -> IO[bytes]:
 
 
 def written(path: str, content: bytes) -> None:
-    """Writes a file whole; the error of a disk that is full says which file it was."""
+    """Writes a file atomically. The error of a full disk names the file."""
     try:
         _files.replace(path, content)
     except OSError as error:
-        # A full disk has no name of its own.
+        # Errors of a write, unlike those of opening a file, carry no name.
         raise OSError(error.errno, error.strerror, path) from error
 
 

@@ -23,25 +23,25 @@ from chordal._bound import Bound
 class MeshLevel:
     """A level of a label's mesh, as `BlockVolume.precomputed_levels` wrote it."""
 
-    #: How far its triangles are from the label's true surface, as the file has them.
+    #: The distance of its triangles, as stored in the file, from the label's true surface.
     bound: Bound
-    #: Its triangles.
+    #: The number of its triangles.
     triangles: int
-    #: How many fragments they are in.
+    #: The number of its fragments.
     fragments: int
 
 
 class Fragment(NamedTuple):
-    """A label in a cube: what is known of its fragment."""
+    """The fragment of a label in a cube."""
 
     label: int
-    #: The length by which its part is simplified next, and the triangles of the part.
+    #: The tolerance of the next simplification of its part, and the number of the part's triangles.
     length: float
     n_faces: int
-    #: Those of the fragment, where some are cut.
+    #: The number of triangles in the fragment, where some of the part's are cut.
     triangles: int
     at_most: float
-    #: The eighths of the cube that have triangles, as bits.
+    #: The octants of the cube that have triangles, as bits.
     octants: int
     #: The bytes of the fragment.
     size: int
@@ -53,31 +53,32 @@ def fragments_of(cube: Cube) -> str:
 
 
 class LevelFiles:
-    """The levels of each label, and their files, by what is known of each cube of each level."""
+    """The levels of each label, and their files, from the fragments in each cube of each level."""
 
-    def __init__(self, cubes: Cubes, found: Sequence[Mapping[Cube, Sequence[Fragment]]]) -> None:
+    def __init__(self, cubes: Cubes, fragments: Sequence[Mapping[Cube, Sequence[Fragment]]]) -> None:
         self._cubes: Final = cubes
-        #: For each label and level the places of its fragments, along a Z-curve.
+        #: For each label and level, the fragments by their places, along a Z-curve.
         self.by_label: Final[dict[int, list[dict[Index, Fragment]]]] = {}
-        self._order: Final = [sorted(level, key=lambda cube: _on_curve(cube.place)) for level in found]
-        for level, places in enumerate(self._order):
-            for cube in places:
-                for one in found[level][cube]:
-                    levels = self.by_label.setdefault(one.label, [])
+        self._order: Final = [sorted(level, key=lambda cube: _on_curve(cube.place)) for level in fragments]
+        for level, sorted_cubes in enumerate(self._order):
+            for cube in sorted_cubes:
+                for fragment in fragments[level][cube]:
+                    levels = self.by_label.setdefault(fragment.label, [])
                     if len(levels) == level:
                         levels.append({})
-                    levels[level][cube.place] = one
+                    levels[level][cube.place] = fragment
+        # A coarsest level that saves few triangles over a single finer fragment is dropped.
         for levels in self.by_label.values():
             while len(levels) > 1 and len(levels[-2]) == 1 and _n_faces(levels[-1]) > WORTH_IT * _n_faces(levels[-2]):
                 levels.pop()
 
     def write(self, target: str, kept: KeptFolder, affine: Sequence[Sequence[float]]) -> None:
-        """The files of all labels: first those of fragments, which are read cube by cube."""
+        """Writes the files of all labels. Fragments are kept by cube, so they are appended to the files of their labels first."""
         step = least_step(affine)
         for path in left_over(target):
             os.unlink(path)
-        for level, places in enumerate(self._order):
-            for cube in places:
+        for level, sorted_cubes in enumerate(self._order):
+            for cube in sorted_cubes:
                 facts, arrays = unpacked(kept.whole(fragments_of(cube), self._cubes.named(cube)))
                 for row, content in zip(facts["fragments"], arrays, strict=True):
                     if level < len(self.by_label[row[0]]):
@@ -91,10 +92,10 @@ class LevelFiles:
 
     def _index(self, label: int, step: float) -> bytes:
         """The list of a label's levels and fragments."""
-        levels = [{place: one.size for place, one in level.items()} for level in self.by_label[label]]
+        levels = [{place: fragment.size for place, fragment in level.items()} for level in self.by_label[label]]
         for level in range(1, len(levels)):
             for place in _without_child(self.by_label[label][level], levels[level - 1]):
-                # Nothing is there at the finer level. Said so, it takes the place of what the coarser level has there.
+                # The finer level has no fragment here. An empty one tells viewers so: they show it in place of the coarser level.
                 levels[level - 1][place] = 0
         rows = [sorted(level.items(), key=lambda item: _on_curve(item[0])) for level in levels]
         n = len(rows)
@@ -109,60 +110,60 @@ class LevelFiles:
         return b"".join(parts)
 
     def _scales(self, label: int, step: float) -> list[float]:
-        """The error of each level in units of the lattice: a viewer shows it where that is a pixel, or what it is set to. Each
-        is above the one before in single precision."""
+        """The error of each level in units of the lattice. A viewer shows a level where its error is about a pixel, or as many
+        as it is set to. Errors increase from level to level, also in single precision."""
         scales: list[float] = []
         for level in self.by_label[label]:
-            least = _single_up(max(one.at_most for one in level.values()) / step)
+            least = _single_up(max(fragment.at_most for fragment in level.values()) / step)
             scales.append(max(least, _single_up(math.nextafter(scales[-1], math.inf))) if scales else least)
         return scales
 
     def facts(self) -> dict[int, tuple[MeshLevel, ...]]:
-        """What is said of each label."""
+        """The levels of each label, as they are returned."""
         return {label: tuple(map(_fact, self.by_label[label])) for label in sorted(self.by_label)}
 
 
 def _fact(level: Mapping[Index, Fragment]) -> MeshLevel:
-    at_most = max(one.at_most for one in level.values())
+    at_most = max(fragment.at_most for fragment in level.values())
     bound = Bound(0.0, at_most, "proved", "hausdorff", "trilinear interpolant")
-    return MeshLevel(bound, sum(one.triangles for one in level.values()), len(level))
+    return MeshLevel(bound, sum(fragment.triangles for fragment in level.values()), len(level))
 
 
 def _n_faces(level: Mapping[Index, Fragment]) -> int:
-    return sum(one.n_faces for one in level.values())
+    return sum(fragment.n_faces for fragment in level.values())
 
 
 def _aside(target: str, label: int) -> str:
-    """The name of a label's fragments while they are written."""
+    """The path of a label's fragments while they are being written."""
     return os.path.join(target, f".chordal-{label}.tmp")
 
 
 def _without_child(level: Mapping[Index, Fragment], below: Iterable[Index]) -> Iterator[Index]:
-    """The eighths of fragments that have triangles, while no fragment is there at the level below."""
-    known = set(below)
-    for (i, j, k), one in level.items():
-        for eighth in range(8):
-            place = (2 * i + (eighth & 1), 2 * j + (eighth >> 1 & 1), 2 * k + (eighth >> 2))
-            if one.octants >> eighth & 1 and place not in known:
+    """The octants of fragments that have triangles, but no fragment at the level below."""
+    finer = set(below)
+    for (i, j, k), fragment in level.items():
+        for octant in range(8):
+            place = (2 * i + (octant & 1), 2 * j + (octant >> 1 & 1), 2 * k + (octant >> 2))
+            if fragment.octants >> octant & 1 and place not in finer:
                 yield place
 
 
 def _on_curve(place: Index) -> int:
-    """Where a place is on a Z-curve: the bits of its indices by turns, that of i the lowest."""
-    at = 0
+    """The position of a place on a Z-curve (its Morton code): the bits of its indices interleaved, that of i the lowest."""
+    code = 0
     for bit in range(max(place).bit_length()):
         for axis in range(3):
-            at |= (place[axis] >> bit & 1) << (3 * bit + axis)
-    return at
+            code |= (place[axis] >> bit & 1) << (3 * bit + axis)
+    return code
 
 
 def least_step(affine: Sequence[Sequence[float]]) -> float:
-    """The least length that the longest of the lattice's steps seems to have, seen from any direction; no more than it.
+    """A lower bound of the apparent length of the lattice's longest step, seen from any direction.
 
-    A viewer takes the longest for the size of a cell on the screen. Let G be the matrix of the steps' scalar products, with
-    the eigenvalues a ≥ b ≥ c. Of three lengths the largest squared is at least a third of the sum of all squared, which
-    seen along one direction is less by at most a: it is at least (b + c) / 3, and for cubes no more than that. By the sum of
-    eigenvalues being 1, b + c = 1 - a ≥ (1 - b) (b + c) = (a + c) (b + c) ≥ ab + bc + ca."""
+    A viewer takes the longest projected step for the size of a cell on the screen. Let G be the matrix of the steps' scalar
+    products, with the eigenvalues a ≥ b ≥ c. The largest of three squared lengths is at least a third of their sum, and a
+    projection along a direction reduces the sum by at most a. So the square is at least (b + c) / 3, with equality for
+    cubes. With eigenvalues scaled to a sum of 1, b + c = 1 - a ≥ (1 - b) (b + c) = (a + c) (b + c) ≥ ab + bc + ca."""
     steps = [[row[k] for row in affine] for k in range(3)]
     products = [[sum(x * y for x, y in zip(u, v, strict=True)) for v in steps] for u in steps]
     total = products[0][0] + products[1][1] + products[2][2]
@@ -170,7 +171,7 @@ def least_step(affine: Sequence[Sequence[float]]) -> float:
     minors = sum(g[i][i] * g[j][j] - g[i][j] * g[j][i] for i, j in ((0, 1), (0, 2), (1, 2)))
     for _ in range(_SQUARED):
         g = [[sum(g[i][k] * g[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
-    # No eigenvalue is above the root of the sum of powers of all.
+    # The trace of a power of G is the sum of powers of its eigenvalues, so its root is an upper bound of the largest.
     largest = g[0][0] + g[1][1] + g[2][2]
     for _ in range(_SQUARED):
         largest = math.sqrt(largest)
@@ -178,14 +179,14 @@ def least_step(affine: Sequence[Sequence[float]]) -> float:
     return math.sqrt(total * rest / 3) * (1.0 - _SLACK)
 
 
-#: How often the matrix in `least_step` is squared: so the root of a sum of three equal powers is 3.5 % too large. Chosen.
+#: How often the matrix in `least_step` is squared. Chosen: the root of a sum of three equal powers is then 3.5 % too large.
 _SQUARED = 5
-#: Room for some hundred roundings of numbers up to 1 in `least_step`. Derived, and then some.
+#: Room for the roundings in `least_step`. Derived: some hundred roundings of numbers up to 1, and a margin.
 _SLACK = 2.0**-40
 
 
 def _single_up(x: float) -> float:
-    """The least number of single precision that is not below."""
+    """The smallest number in single precision that is not below `x`."""
     (nearest,) = struct.unpack("<f", struct.pack("<f", x))
     if nearest >= x:
         return float(nearest)

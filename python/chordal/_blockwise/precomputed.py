@@ -1,4 +1,4 @@
-"""Meshes of labels as Neuroglancer reads them: a fragment for each label and block, and a list of fragments for each label.
+"""Meshes of labels for Neuroglancer: a fragment for each label and block, and a list of fragments for each label.
 
 Source: Neuroglancer, *Precomputed mesh format*, the legacy single-resolution one.
 """
@@ -22,11 +22,11 @@ from chordal._errors import Refused
 if TYPE_CHECKING:
     from chordal._blockwise.workers import Task, Workers
 
-#: Nanometres of a metre, in which Neuroglancer's meshes are.
+#: Nanometres, the unit of Neuroglancer's meshes, in a metre.
 NANOMETRES = 1e9
-#: What a folder has that is done.
+#: The content of a complete folder, in messages.
 HOLDS = "meshes or samples"
-#: Where the results of tasks are meanwhile.
+#: The subfolder of results until all are done.
 _PARTS = "parts"
 
 
@@ -39,7 +39,9 @@ def write_fragments(
     workers: Workers,
     tell: Callable[[str, int, int], object] | None,
 ) -> dict[int, Bound]:
-    """All fragments, then the list of each label, then what says that these are meshes; the bound of each label."""
+    """Writes all fragments, then the list of each label, and finally `info`, which marks the folder as meshes. Returns the bound
+    of each label.
+    """
     target = os.fspath(folder)
     document = os.path.join(target, "info")
     surface, blocks, only, tolerance = tasks
@@ -50,14 +52,14 @@ def write_fragments(
         waiting: list[Task[int]] = []
         shared = workers.shared(array)
         for k in reversed(range(len(blocks))):
-            found = kept.read(f"block_{k}")
-            if found is None:
+            kept_result = kept.read(f"block_{k}")
+            if kept_result is None:
                 waiting.append((k, named(blocks[k]), (shared, blocks[k])))
             else:
-                done[k] = unpacked(found)[0]["labels"]
+                done[k] = unpacked(kept_result)[0]["labels"]
         call = partial(_fragments, surface, only, tolerance, metres * NANOMETRES)
-        for k, made in workers.run(waiting, call):
-            facts, fragments = unpacked(made)
+        for k, result in workers.run(waiting, call):
+            facts, fragments = unpacked(result)
             for (label, _), fragment in zip(facts["labels"], fragments, strict=True):
                 written(os.path.join(target, _fragment(label, blocks[k])), fragment)
             kept.write(f"block_{k}", packed({"labels": facts["labels"]}, []))
@@ -89,7 +91,7 @@ def _fragment(label: int, block: Block) -> str:
 def _fragments(
     surface: Surface, only: frozenset[int] | None, tolerance: float | None, scale: float, array: Any, block: Block
 ) -> bytes:
-    """What a worker makes of a block: a fragment for each label, and its bound with the rounding of coordinates."""
+    """The result of a worker for a block: a fragment for each label, and its bound, which includes the rounding of coordinates."""
     arguments = surface.arguments(block, block.low)
     labels: list[tuple[int, float]] = []
     fragments: list[bytes] = []

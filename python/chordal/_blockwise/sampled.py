@@ -1,5 +1,5 @@
-"""`FieldSamples`: the values of a field on a lattice that nobody holds: they are computed where they are read, and boxes in
-which intervals prove that there is no surface are not read at all.
+"""`FieldSamples`: the values of a field on a lattice, which are computed when they are read. Boxes in which intervals prove
+that there is no surface are not read at all.
 """
 
 from __future__ import annotations
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: So many samples along each axis tell a field from another. Chosen.
-_LOOKED_AT = 8
-#: How many points a field is asked for at once. Chosen: enough for numpy and for networks, a megabyte or so.
+#: The samples along each axis that identify a field. Chosen: more tell similar fields apart more often, and cost more time
+#: before the first block.
+_N_IDENTIFYING = 8
+#: The points that a field is evaluated at in one call. Chosen: enough for numpy and for networks, about a megabyte.
 _BATCH = 16_384
-#: By what share a length is taken to be longer, when its steps are counted: rounding of a sum and of a quotient, and room.
+#: The share by which a length is extended before its steps are counted: the rounding of a sum and of a quotient, and room.
 _ROUNDING = 2.0**-40
 
 
@@ -33,15 +34,15 @@ class FieldSamples:
     """An array whose samples are a field's values at the points of a lattice."""
 
     field: Field
-    #: Where the first sample is, and the step along each axis.
+    #: The position of the first sample, and the step along each axis.
     origin: tuple[float, float, float]
     steps: tuple[float, float, float]
     shape: Index
 
     @staticmethod
     def of(field: Field, steps: Sequence[float], origin: Sequence[float] | None) -> FieldSamples:
-        """The lattice over the box of a field, with a cell around it. Where the field is cut off at a box it has as many whole
-        steps as are in that."""
+        """The lattice over the box of a field, with a margin of a cell. If the field is cut off at a box, the lattice has as many
+        whole steps as fit in it."""
         cut = _chordal.region_of(field._source)
         low, high = field.bounds if cut is None else cut
         if not all(map(math.isfinite, (*low, *high))):
@@ -53,9 +54,9 @@ class FieldSamples:
         if any(a >= b for a, b in zip(first, high, strict=True)):
             raise ValueError(f"origin: below the highest corner of the field's box, {tuple(high)}")
         lengths = [(b - a) / step for a, b, step in zip(first, high, steps, strict=True)]
-        # A length that is so many steps but for rounding is that many.
-        whole = [math.floor(n * (1 + _ROUNDING)) if cut is not None else math.ceil(n) + room for n in lengths]
-        i, j, k = (n + 1 for n in whole)
+        # A length that is a whole number of steps but for rounding counts as that number.
+        n_steps = [math.floor(n * (1 + _ROUNDING)) if cut is not None else math.ceil(n) + room for n in lengths]
+        i, j, k = (n + 1 for n in n_steps)
         (x, y, z), (dx, dy, dz) = first, steps
         return FieldSamples(field, (x, y, z), (dx, dy, dz), (i, j, k))
 
@@ -71,8 +72,8 @@ class FieldSamples:
 
         indices = [np.arange(*place.indices(n)) for place, n in zip(places, self.shape, strict=True)]
         xs, ys, zs = (self._along(k, index) for k, index in enumerate(indices))
-        # The points of all would take three times the memory of the values. Each call has as many, since the last digits of
-        # a network depend on that, and blocks that share a point are to have the same value there.
+        # In batches, since all points would take three times the memory of the values. All batches have the same size: the last
+        # digits of a network's values depend on it, and blocks that share a point need the same value there.
         values = np.empty(len(xs) * len(ys) * len(zs))
         points = np.zeros((_BATCH, 3))
         for first in range(0, len(values), _BATCH):
@@ -85,17 +86,17 @@ class FieldSamples:
         return values.reshape(len(xs), len(ys), len(zs))
 
     def source(self) -> str:
-        """What tells it from others, for a folder of results."""
-        steps = [slice(None, None, max(1, n // _LOOKED_AT)) for n in self.shape]
-        known = self[steps[0], steps[1], steps[2]].tobytes()
-        # How it was made, where that can be written down: of a function its name.
+        """A text that identifies the samples, for a folder of results."""
+        steps = [slice(None, None, max(1, n // _N_IDENTIFYING)) for n in self.shape]
+        identity = self[steps[0], steps[1], steps[2]].tobytes()
+        # The recipe of the field, if it can be pickled; a function is pickled by its name.
         with contextlib.suppress(Exception):
-            known += pickle.dumps(self.field)
-        return f"{self.field!r} {self.origin} {self.steps} {hashlib.sha256(known).hexdigest()}"
+            identity += pickle.dumps(self.field)
+        return f"{self.field!r} {self.origin} {self.steps} {hashlib.sha256(identity).hexdigest()}"
 
     def crosses(self, blocks: Sequence[Block], surface: Surface) -> list[bool]:
-        """For each block whether it may have triangles. Of a field whose ranges rest on somebody's word all may have some,
-        since bounds of what is made do not tell of that."""
+        """For each block, whether it may have triangles. For a field whose ranges rest on a promise, every block may have some:
+        the bound of the result would not state that assumption."""
         import numpy as np
 
         if self.field.evidence != "proved":
@@ -103,20 +104,21 @@ class FieldSamples:
         corners = np.empty((len(blocks), 2, 3))
         for end, at in enumerate(("low", "high")):
             index = np.array([getattr(block, at) for block in blocks]).reshape(-1, 3)
-            # As the samples between are: rounding keeps their order.
+            # Computed as the positions of samples are: rounding is monotone, so no sample lies outside.
             corners[:, end] = np.stack([self._along(k, index[:, k]) for k in range(3)], axis=1)
         ends = np.frombuffer(self.field._value.ranges(corners.tobytes())).reshape(-1, 2)
         low, high = ends[:, 1] < surface.iso, ends[:, 0] > surface.iso
         filled, empty = (low, high) if surface.inside == "low" else (high, low)
         if surface.capped:
-            # What is filled up to the end of the lattice is closed there.
+            # A filled block at the end of the lattice gets the triangles that close the surface there.
             filled = filled & ~np.array([self._is_at_an_end(block) for block in blocks], dtype=bool)
-        found: list[bool] = (~(filled | empty)).tolist()
-        return found
+        crosses: list[bool] = (~(filled | empty)).tolist()
+        return crosses
 
     def _along(self, axis: int, index: NDArray[Any]) -> NDArray[np.float64]:
-        found: NDArray[np.float64] = index * self.steps[axis] + self.origin[axis]
-        return found
+        """The coordinates of samples along an axis."""
+        positions: NDArray[np.float64] = index * self.steps[axis] + self.origin[axis]
+        return positions
 
     def _is_at_an_end(self, block: Block) -> bool:
         ends = zip(block.low, block.high, self.shape, strict=True)
@@ -124,14 +126,15 @@ class FieldSamples:
 
 
 def crossed(array: Any, blocks: Sequence[Block], surface: Surface) -> list[Block]:
-    """The blocks of an array that may have triangles, of many at once where it is a field; of samples nobody knows it."""
+    """The blocks of an array that may have triangles: for stored samples all of them, since that is unknown before they are
+    read."""
     if not isinstance(array, FieldSamples):
         return list(blocks)
-    found: list[Block] = []
+    crossed_blocks: list[Block] = []
     for first in range(0, len(blocks), _AT_ONCE):
-        some = blocks[first : first + _AT_ONCE]
-        found += [block for block, is_crossed in zip(some, array.crosses(some, surface), strict=True) if is_crossed]
-    return found
+        batch = blocks[first : first + _AT_ONCE]
+        crossed_blocks += [block for block, crosses in zip(batch, array.crosses(batch, surface), strict=True) if crosses]
+    return crossed_blocks
 
 
 #: Boxes whose ranges are computed at once. Chosen: a megabyte or so of numbers.

@@ -1,7 +1,7 @@
-"""Where samples are that stay on disk: arrays by their path, and what their files say of the lattice.
+"""Arrays of samples that stay on disk, with the lattice that their files describe.
 
-Each is read by slices, along x, y and z, and is pickled as its path: whoever does a task opens it again. Sources: the
-formats' own specifications, NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0.5, and Neuroglancer's precomputed.
+Each is read by slices along x, y and z, and is pickled as its path: each worker opens it again. Sources: the
+specifications of the formats: NumPy's .npy, NIfTI-1, Zarr with OME-NGFF 0.4 and 0.5, and Neuroglancer's precomputed.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: Names of units in files, and the unit and factor by which they are one of ours.
+#: Names of units in files, each with a unit of ours and the factor that converts to it.
 _UNITS = {
     "micrometer": ("um", 1.0),
     "nanometer": ("um", 1e-3),
@@ -35,13 +35,13 @@ _UNITS = {
     "centimeter": ("cm", 1.0),
     "meter": ("m", 1.0),
 }
-#: Nanometres of a micrometre, in which precomputed volumes are.
+#: Micrometres in a nanometre, the unit of precomputed volumes.
 _NANOMETRES = 1e-3
 
 
 @dataclass(frozen=True)
 class Placed:
-    """Samples that are read by slices; the affine matrix (3 × 4) and the unit, where the file says them."""
+    """Samples that are read by slices, with the affine matrix (3 × 4) and the unit, if the file states them."""
 
     array: Any
     affine: tuple[tuple[float, ...], ...] | None = None
@@ -49,7 +49,7 @@ class Placed:
 
 
 def opened(path: str, level: int, channel: int | None) -> Placed:
-    """The samples of a file or folder. Raises `OSError` where there are none."""
+    """The samples of a file or folder. Raises `OSError` if there are none."""
     if path.endswith((".nii", ".nii.gz")):
         refuse_choice("level", level, "a NIfTI file")
         return _nifti(path, channel)
@@ -68,7 +68,7 @@ def opened(path: str, level: int, channel: int | None) -> Placed:
 
 
 def _chosen(channel: int | None, count: int, of: str) -> int:
-    """The one that is asked for of several. Raises where none is said, or one that there is not."""
+    """The index of the chosen channel or volume. Raises if the choice is missing or out of range."""
     if channel is None and count > 1:
         raise ValueError(f"channel: {of} has {count}, so say which, from 0 to {count - 1}")
     if channel is not None and not 0 <= channel < count:
@@ -77,24 +77,24 @@ def _chosen(channel: int | None, count: int, of: str) -> int:
 
 
 def refuse_choice(name: str, value: int | None, of: str) -> None:
-    """Raises where one of several is asked for of what has no several."""
+    """Raises if a caller chooses among several levels or channels of a source that has only one."""
     if value:
         raise ValueError(f"{name}: {of} has one alone, so 0 and not {value}")
 
 
 def source_of(array: Any) -> str:
-    """What tells samples from others: where they are and what is known of the files, or all of them where they are in memory."""
+    """A text that identifies samples: their location with the identity of its files, or a digest of all samples in memory."""
     if isinstance(array, (_Opened, FieldSamples)):
         return array.source()
     if not hasattr(array, "__array_interface__"):
-        # The name of an array of Dask has a digest of what it is made of.
+        # The name of a Dask array has a digest of its graph.
         return f"{type(array).__name__} {getattr(array, 'name', '')}".strip()
     import hashlib
 
     import numpy as np
 
-    known, digest = np.asarray(array), hashlib.sha256()
-    for layer in known:
+    samples, digest = np.asarray(array), hashlib.sha256()
+    for layer in samples:
         digest.update(np.ascontiguousarray(layer).data)
     return digest.hexdigest()
 
@@ -111,9 +111,9 @@ class _Opened:
         return str(vars(self)["_path"])
 
     def source(self) -> str:
-        """Its path, what of it is meant, and what is known of the files there: written anew they are other samples."""
-        told = {name: value for name, value in vars(self).items() if name not in ("shape", "dtype", "_token")}
-        return f"{sorted(told.items())!r} {known_of_files(self._place)}"
+        """Its path, its options, and the identity of its files, which changes if they are rewritten."""
+        options = {name: value for name, value in vars(self).items() if name not in ("shape", "dtype", "_token")}
+        return f"{sorted(options.items())!r} {known_of_files(self._place)}"
 
     def _array(self) -> Any:
         raise NotImplementedError
@@ -137,7 +137,7 @@ class _NpyFile(_Opened):
 
 
 class _MappedFile(_Opened):
-    """An array that is mapped from a file: it goes to others as the place in that file, and not as all that is there."""
+    """An array that is mapped from a file. It is pickled as the position in the file, without the samples."""
 
     def __init__(self, mapped: np.memmap[Any, Any]) -> None:
         self._path: Final = os.path.abspath(mapped.filename or "")
@@ -152,8 +152,8 @@ class _MappedFile(_Opened):
 
 
 def mapped_file(array: Any) -> Any:
-    """A whole array that numpy has mapped from a file as one that each process maps for itself; any other as it is. A part of
-    one, or one whose changes stay in memory, is an array like any other."""
+    """Replaces an array that numpy has mapped from a file by one that each process maps for itself. Other arrays are returned as
+    they are, also a part of a mapped array, and one whose changes stay in memory."""
     import numpy as np
 
     is_whole = isinstance(array, np.memmap) and isinstance(array.base, mmap.mmap)
@@ -163,8 +163,8 @@ def mapped_file(array: Any) -> Any:
 
 
 class _NiftiFile(_Opened):
-    """The samples of a volume of a NIfTI file, scaled as the header says. One that is not compressed is read by slices; a
-    compressed one is unpacked up to each of them."""
+    """The samples of a volume of a NIfTI file, scaled as in its header. An uncompressed file is read by slices; a compressed one
+    is decompressed up to the end of each slice."""
 
     def __init__(self, path: str, volume: int | None) -> None:
         import numpy as np
@@ -175,9 +175,9 @@ class _NiftiFile(_Opened):
         is_plain, _ = nibabel_facts(image)
         self.dtype = image.get_data_dtype() if is_plain else np.dtype(np.float64)
         more = tuple(int(n) for n in image.shape[3:])
-        one = _chosen(volume, math.prod(more), "the file")
-        # Volumes are counted as they lie in the file: the fourth axis first.
-        self._more: Final = tuple(int(n) for n in np.unravel_index(one, more, order="F")) if more else ()
+        number = _chosen(volume, math.prod(more), "the file")
+        # Volumes are numbered as they lie in the file: the fourth axis runs fastest.
+        self._more: Final = tuple(int(n) for n in np.unravel_index(number, more, order="F")) if more else ()
 
     def _array(self) -> Any:
         return library("nibabel").load(self._path).dataobj
@@ -196,7 +196,7 @@ def _nifti(path: str, volume: int | None) -> Placed:
 
 
 def nibabel_in_file(image: Any, volume: int | None) -> Placed | None:
-    """The samples of an image of nibabel that are in its file still, and can be read there by slices; None for others."""
+    """The samples of an image of nibabel that are still in its file and can be read there by slices; None for others."""
     import numpy as np
 
     if not (hasattr(image, "dataobj") and hasattr(image, "file_map")) or isinstance(image.dataobj, np.ndarray):
@@ -210,46 +210,46 @@ def nibabel_in_file(image: Any, volume: int | None) -> Placed | None:
 
 @dataclass(frozen=True)
 class _Axes:
-    """Which axes of an array are x, y and z, and the index along each of the others."""
+    """The axes of an array that are x, y and z, and the index along each of the others."""
 
     xyz: tuple[int, int, int]
     others: tuple[tuple[int, int], ...]
 
     def of(self, slices: Sequence[slice]) -> tuple[slice | int, ...]:
         """The index into the array for slices along x, y and z."""
-        index: list[slice | int] = [0] * (3 + len(self.others))
-        for axis, at in self.others:
-            index[axis] = at
+        indices: list[slice | int] = [0] * (3 + len(self.others))
+        for axis, index in self.others:
+            indices[axis] = index
         for axis, part in zip(self.xyz, slices, strict=True):
-            index[axis] = part
-        return tuple(index)
+            indices[axis] = part
+        return tuple(indices)
 
-    def turned(self, found: NDArray[Any]) -> NDArray[Any]:
-        """What was read, along x, y and z."""
+    def turned(self, samples: NDArray[Any]) -> NDArray[Any]:
+        """Samples that were read, with their axes in the order x, y, z."""
         order = sorted(self.xyz)
-        return found.transpose([order.index(axis) for axis in self.xyz])
+        return samples.transpose([order.index(axis) for axis in self.xyz])
 
 
-#: What this process has opened, by the token of the volume that says where it is: to open an array takes as long as to read a
-#: chunk, and a path may hold something else for another volume. A few, since tasks are of one or two.
+#: The arrays that this process has opened, by the tokens of their volumes: opening an array takes as long as reading a chunk.
+#: They are not found by path, since another volume may be written there later. A few, since tasks are about one or two.
 _opened_here: dict[str, Any] = {}
 _MOST_OPENED = 8
 _lock = threading.Lock()
 
 
 def _once(token: str, open_it: Callable[[], Any]) -> Any:
-    """An array, opened once by a process."""
+    """An array that is opened once in each process."""
     with _lock:
-        found = _opened_here.get(token)
-        if found is None:
+        array = _opened_here.get(token)
+        if array is None:
             while len(_opened_here) >= _MOST_OPENED:
                 del _opened_here[next(iter(_opened_here))]
-            found = _opened_here[token] = open_it()
-    return found
+            array = _opened_here[token] = open_it()
+    return array
 
 
 class _ZarrArray(_Opened):
-    """An array of Zarr, of a group where it has a name."""
+    """An array of Zarr: the one at the path, or the one with a name in the group there."""
 
     def __init__(self, path: str, name: str, axes: _Axes | None) -> None:
         self._path: Final = path if "://" in path else os.path.abspath(path)
@@ -274,7 +274,7 @@ class _ZarrArray(_Opened):
 
 
 def _ome(path: str, group: Any, level: int, channel: int | None) -> Placed:
-    """A level of an OME-Zarr pyramid: its scale and translation, its axes by name."""
+    """A level of an OME-Zarr pyramid, with its scale and translation and its axes by name."""
     import numpy as np
 
     facts = dict(group.attrs)
@@ -291,10 +291,10 @@ def _ome(path: str, group: Any, level: int, channel: int | None) -> Placed:
         raise ValueError(f"{path}: the axes {', '.join(names)} are not those of a volume")
     xyz = (names.index("x"), names.index("y"), names.index("z"))
     sizes = {name: int(group[levels[level]["path"]].shape[at]) for at, name in enumerate(names)}
-    one = _chosen(channel, sizes.get("c", 1), "the image")
+    channel_index = _chosen(channel, sizes.get("c", 1), "the image")
     if any(size > 1 for name, size in sizes.items() if name not in ("x", "y", "z", "c")):
         warn(f"{path}: the first along {', '.join(name for name in names if name not in ('x', 'y', 'z', 'c'))} is taken")
-    others = tuple((at, one if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
+    others = tuple((at, channel_index if name == "c" else 0) for at, name in enumerate(names) if name not in ("x", "y", "z"))
     instead = f"name an array, as in {path}/{levels[level]['path']}"
     steps, first = np.ones(len(names)), np.zeros(len(names))
     for transform in [*levels[level].get("coordinateTransformations", []), *image.get("coordinateTransformations", [])]:
@@ -306,19 +306,19 @@ def _ome(path: str, group: Any, level: int, channel: int | None) -> Placed:
         elif kind != "identity":
             raise ValueError(f"{path}: a transformation of the type {kind!r} is not read; {instead}, and say affine=")
     units = [_UNITS.get(axes[at][2] or "") for at in xyz]
-    known = [found for found in units if found is not None]
+    known_units = [known for known in units if known is not None]
     unit, factors = None, [1.0] * 3
-    if len(known) == len(units):
-        # Axes of several units are all in micrometres.
-        same = len({name for name, _ in known}) == 1
-        unit = known[0][0] if same else "um"
-        factors = [factor if same else factor * float(METRES[name] / METRES["um"]) for name, factor in known]
-    elif known or len({axes[at][2] for at in xyz}) > 1:
+    if len(known_units) == len(units):
+        # Axes with different units are all converted to micrometres.
+        is_same = len({name for name, _ in known_units}) == 1
+        unit = known_units[0][0] if is_same else "um"
+        factors = [factor if is_same else factor * float(METRES[name] / METRES["um"]) for name, factor in known_units]
+    elif known_units or len({axes[at][2] for at in xyz}) > 1:
         raise ValueError(f"{path}: the units of the axes are not all known; {instead}, and say spacing=")
-    turned = zip(xyz, factors, strict=True)
-    placed = [(steps[at] * factor, first[at] * factor) for at, factor in turned]
+    factor_of_axis = zip(xyz, factors, strict=True)
+    lattice = [(steps[at] * factor, first[at] * factor) for at, factor in factor_of_axis]
     array = _ZarrArray(path, levels[level]["path"], _Axes(xyz, others))
-    return Placed(array, _diagonal([step for step, _ in placed], [at for _, at in placed]), unit)
+    return Placed(array, _diagonal([step for step, _ in lattice], [origin for _, origin in lattice]), unit)
 
 
 def _axis(axis: str | Mapping[str, Any]) -> tuple[str, str | None, str | None]:
@@ -350,17 +350,18 @@ class _Precomputed(_Opened):
         return _once(self._token, lambda: _tensorstore(self._path, self._level))
 
     def __getitem__(self, slices: tuple[slice, ...]) -> Any:
-        there = [slice(part.start + at, part.stop + at) for part, at in zip(slices, self._first, strict=True)]
-        index = (*there, self._channel)
+        # The domain of a precomputed volume need not begin at 0.
+        shifted = [slice(part.start + at, part.stop + at) for part, at in zip(slices, self._first, strict=True)]
+        index = (*shifted, self._channel)
         return self._array()[index].read().result()
 
 
 def _precomputed(path: str, level: int, channel: int | None) -> Placed:
-    found = _Precomputed(path, level, channel)
-    store = found._array()
+    array = _Precomputed(path, level, channel)
+    store = array._array()
     steps = [float(unit.multiplier) * _NANOMETRES for unit in store.dimension_units[:3]]
-    first = [step * at for step, at in zip(steps, found._first, strict=True)]
-    return Placed(found, _diagonal(steps, first), "um")
+    first = [step * at for step, at in zip(steps, array._first, strict=True)]
+    return Placed(array, _diagonal(steps, first), "um")
 
 
 def _diagonal(steps: Sequence[float], first: Sequence[float]) -> tuple[tuple[float, ...], ...]:
@@ -371,5 +372,5 @@ def _diagonal(steps: Sequence[float], first: Sequence[float]) -> tuple[tuple[flo
 
 
 def matrix_rows(affine: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
-    """The first three rows of an affine matrix, as they are compared and pickled."""
+    """The first three rows of an affine matrix, as tuples that can be compared and pickled."""
     return tuple(tuple(float(x) for x in row) for row in affine[:3])

@@ -1,4 +1,4 @@
-"""What a worker does: reads a block of samples and makes its triangles, or makes fewer of those of several blocks."""
+"""The tasks of workers: reading a block of samples, meshing it, and simplifying the triangles of one or several blocks."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from chordal._volume import volume
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: What rounding to single precision moves a point by, in units of the sum of its coordinates' sizes: half a unit in the last
-#: place of each, twice.
+#: The distance by which rounding to single precision moves a point, in units of the sum of its absolute coordinates: half a
+#: unit in the last place of each, twice.
 ROUNDING = 2.0**-23
 #: Three numbers, as of an index.
 Index = tuple[int, int, int]
@@ -23,21 +23,21 @@ Index = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Block:
-    """A box of samples: `low` up to and with `high`, which neighbours share."""
+    """A box of samples from `low` to `high`, both included; neighbouring blocks share the samples at their ends."""
 
     #: The index of its first sample along i, j and k.
     low: Index
-    #: That of its last one.
+    #: The index of its last sample.
     high: Index
 
     @property
     def slices(self) -> tuple[slice, slice, slice]:
-        """Its place in the array."""
+        """The slices of the array with its samples."""
         i, j, k = (slice(low, high + 1) for low, high in zip(self.low, self.high, strict=True))
         return i, j, k
 
     def around(self, shape: Index) -> Block:
-        """The same with one sample more on each side, where there is one."""
+        """The block extended by one sample on each side, within the array."""
         low = [max(at - 1, 0) for at in self.low]
         high = [min(at + 1, n - 1) for at, n in zip(self.high, shape, strict=True)]
         return Block((low[0], low[1], low[2]), (high[0], high[1], high[2]))
@@ -45,20 +45,20 @@ class Block:
 
 @dataclass(frozen=True)
 class Surface:
-    """Which surface of a volume is meant: all that another process needs, but for the samples."""
+    """A surface of a volume: all that another process needs except the samples."""
 
     affine: tuple[tuple[float, ...], ...]
     shape: Index
     iso: float
     inside: str
     capped: bool
-    #: The length that the bound of a block is to be within: the half of what is asked of all.
+    #: The largest bound that a block should have, a share of the tolerance of the whole.
     wanted: float | None = None
     #: Whether vertices have normals, along the gradient of the samples.
     normals: bool = False
 
     def arguments(self, block: Block, offset: Index) -> _chordal.BlockArguments:
-        """Those of a block, whose samples begin at an index."""
+        """The arguments for a block whose samples begin at the index `offset`."""
         ends = [
             [self.capped and low == 0, self.capped and high + 1 == n]
             for low, high, n in zip(block.low, block.high, self.shape, strict=True)
@@ -73,18 +73,18 @@ class Surface:
         }
 
     def place(self, block: Block) -> _chordal.BoxArguments:
-        """Where a block is, and on which sides others are beside it."""
+        """The box of a block, and the sides on which it has neighbours."""
         sides = zip(block.low, block.high, self.shape, strict=True)
         goes_on = [[low > 0, high + 1 < n] for low, high, n in sides]
         return {"low": list(block.low), "high": list(block.high), "goes_on": goes_on}
 
     def extent(self) -> float:
-        """The diagonal of the box around the lattice, about."""
+        """About the diagonal of the bounding box of the lattice."""
         sizes = [n - 1 for n in self.shape]
         return math.hypot(*(sum(abs(row[k]) * sizes[k] for k in range(3)) for row in self.affine))
 
     def farthest(self) -> float:
-        """The largest sum of the coordinates' sizes in the lattice."""
+        """An upper bound of the sum of absolute coordinates, for all points of the lattice."""
         sizes = [n - 1 for n in self.shape]
         return sum(sum(abs(a) * n for a, n in zip(row, sizes, strict=False)) + abs(row[3]) for row in self.affine)
 
@@ -93,7 +93,7 @@ class Surface:
         return min(math.hypot(*(row[k] for row in self.affine)) for k in range(3))
 
     def plan(self, sides: Index, source: str) -> dict[str, Any]:
-        """What a folder of results is of."""
+        """The plan of a folder of results: the options that its results depend on."""
         return {
             "version": _chordal.VERSION,
             "source": source,
@@ -122,12 +122,13 @@ def read(array: Any, block: Block) -> NDArray[Any]:
 
 
 def samples_of(array: Any, block: Block) -> _chordal.Source:
-    """The same as a volume."""
+    """The samples of a block as a volume."""
     return volume(read(array, block))._source
 
 
 def labelled(array: Any, block: Block) -> tuple[_chordal.Source, NDArray[Any] | None]:
-    """The labels of a block as a volume; where they have 64 bits, their ranks among those of the block, and which they are."""
+    """The labels of a block as a volume. Labels beyond 32 bits are replaced by their ranks among the labels of the block, and
+    the sorted labels are returned, too."""
     import numpy as np
 
     samples = read(array, block)
@@ -136,66 +137,66 @@ def labelled(array: Any, block: Block) -> tuple[_chordal.Source, NDArray[Any] | 
         return volume(samples)._source, None
     if samples.min() < 0:
         raise Error(f"{named(block)} has the label {samples.min()}: labels are from 0 on")
-    # That of nothing is there always, and stays 0.
+    # Label 0, the background, is appended so that it is always there and has rank 0.
     names, ranks = np.unique(np.append(samples.ravel(), samples.dtype.type(0)), return_inverse=True)
     return volume(ranks.ravel()[:-1].reshape(samples.shape).astype(np.uint32))._source, names
 
 
 def label_named(label: int, names: NDArray[Any] | None) -> int:
-    """The label that has a rank."""
+    """The label with a rank."""
     return label if names is None else int(names[label])
 
 
 def named(block: Block) -> str:
-    """A block, as messages call it."""
+    """The name of a block in messages."""
     return f"the block at {block.low}"
 
 
 def meshed_block(surface: Surface, array: Any, block: Block) -> _chordal.Block:
-    """The triangles of a block with the keys that join them to others, bit for bit."""
+    """The triangles of a block, with the keys by which vertices are matched exactly with those of its neighbours."""
     return _chordal.block(samples_of(array, block), surface.arguments(block, block.low))
 
 
 def mesh_block(surface: Surface, array: Any, block: Block) -> bytes:
-    """The same as bytes."""
+    """The result of `meshed_block` as bytes."""
     arrays, bound = meshed_block(surface, array, block).state()
     return packed({"bound": bound}, arrays)
 
 
 def block_of(content: bytes) -> _chordal.Block:
-    """The same again."""
+    """Unpacks the bytes of `mesh_block`."""
     facts, arrays = unpacked(content)
     bound = facts["bound"]
     return _chordal.Block.of_state(arrays, None if bound is None else (bound[0], bound[1], bound[2]))
 
 
 def mesh_labels(surface: Surface, only: frozenset[int] | None, array: Any, block: Block) -> bytes:
-    """The triangles of each label of a block, of all but 0 or of `only` some."""
-    samples, known = labelled(array, block)
-    names: list[int] = []
+    """The triangles of each label of a block but 0, or of those in `only`, as bytes."""
+    samples, names = labelled(array, block)
+    labels: list[int] = []
     blocks: list[bytes] = []
-    for rank, found in _chordal.label_blocks(samples, surface.arguments(block, block.low)):
-        label = label_named(rank, known)
+    for rank, label_block in _chordal.label_blocks(samples, surface.arguments(block, block.low)):
+        label = label_named(rank, names)
         if only is None or label in only:
-            arrays, bound = found.state()
-            names.append(label)
+            arrays, bound = label_block.state()
+            labels.append(label)
             blocks.append(packed({"bound": bound}, arrays))
-    return packed({"labels": names}, blocks)
+    return packed({"labels": labels}, blocks)
 
 
 def labels_of(content: bytes) -> list[tuple[int, bytes]]:
-    """The same again: each label with its block as bytes."""
+    """Unpacks the bytes of `mesh_labels`: each label with the bytes of its block."""
     facts, arrays = unpacked(content)
     return list(zip(facts["labels"], arrays, strict=True))
 
 
 def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.BlockPart | None:
-    """The triangles of a block as a part that can be simplified; None where it has none."""
+    """The triangles of a block as a part that can be simplified; None if it has none."""
     arguments, place = surface.arguments(block, block.low), surface.place(block)
     if not surface.normals:
         return _chordal.part(samples_of(array, block), arguments, place, None)
-    # Normals take the samples beside a vertex. Triangles and their bound are of the block alone: what lies beyond it belongs
-    # to another part.
+    # Normals also need the samples around the block. Triangles and their bound are those of the block alone, since the
+    # triangles beyond it belong to other parts.
     around = block.around(surface.shape)
     samples = read(array, around)
     ranges = zip(block.low, block.high, around.low, strict=True)
@@ -205,7 +206,7 @@ def part_of_block(surface: Surface, array: Any, block: Block) -> _chordal.BlockP
 
 
 def simplified_block(surface: Surface, tolerance: float, array: Any, block: Block) -> bytes:
-    """Fewer triangles for a block, within a length of its surface where they can be."""
+    """The triangles of a block, simplified within a tolerance of its surface if the room allows it, as bytes."""
     part = part_of_block(surface, array, block)
     if part is not None and part.at_most < tolerance:
         part = part.simplified(tolerance - part.at_most)
@@ -221,7 +222,7 @@ def packed_part(part: _chordal.BlockPart | None) -> bytes:
 
 
 def part_of(content: bytes) -> _chordal.BlockPart | None:
-    """The same again."""
+    """Unpacks the bytes of `packed_part`."""
     facts, arrays = unpacked(content)
     bound = facts["bound"]
     return None if bound is None else _chordal.BlockPart.of_state(arrays[0], (bound[0], bound[1], bound[2]))

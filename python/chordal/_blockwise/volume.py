@@ -1,4 +1,4 @@
-"""`BlockVolume`: samples that stay where they are, meshed block by block, here or in other processes."""
+"""`BlockVolume`: samples that stay on disk or elsewhere, meshed block by block, in this process or in others."""
 
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ if TYPE_CHECKING:
     from chordal._mesh import Mesh
 
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
 class BlockVolume(Guessed):
-    """Samples on a lattice that are read a block at a time: those of a Zarr array, of a memory-mapped file, of Dask, or of
-    anything with a `shape`, a `dtype` and slices. `block_volume` makes it.
+    """Samples on a lattice that are read block by block: from a Zarr array, a memory-mapped file, a Dask array, or any object
+    with a `shape`, a `dtype` and slices. `block_volume` creates it.
 
     >>> import chordal, numpy
     >>> i, j, k = numpy.indices((20, 21, 22)) - 10.0
@@ -92,8 +92,8 @@ class BlockVolume(Guessed):
         import numpy as np
 
         if len(array.shape) != 3:
-            one = "; of several volumes take one, as in array[..., 0]" if len(array.shape) > 3 else ""
-            raise ValueError(f"array: three axes, not {len(array.shape)}{one}")
+            hint = "; of several volumes take one, as in array[..., 0]" if len(array.shape) > 3 else ""
+            raise ValueError(f"array: three axes, not {len(array.shape)}{hint}")
         self._array: Final = array
         rows = np.asarray(_steps(spacing, origin, affine), dtype=np.float64).T
         self._affine: Final = tuple(tuple(float(x) for x in row) for row in rows)
@@ -103,7 +103,7 @@ class BlockVolume(Guessed):
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """How many samples there are along i, j and k."""
+        """The number of samples along i, j and k."""
         i, j, k = (int(n) for n in self._array.shape)
         return i, j, k
 
@@ -117,13 +117,13 @@ class BlockVolume(Guessed):
 
     @property
     def affine(self) -> NDArray[np.float64]:
-        """The 4 × 4 matrix that takes (i, j, k, 1) to space."""
+        """The 4 × 4 matrix that maps (i, j, k, 1) to space."""
         import numpy as np
 
         return np.array([*self._affine, (0.0, 0.0, 0.0, 1.0)])
 
     def blocks(self, block: SupportsIndex | Sequence[SupportsIndex] = 256) -> Iterator[Block]:
-        """The blocks of so many cells a side, in the order of the array."""
+        """The blocks with `block` cells along a side, one number or three, in the order of the array."""
         sides = _sides(block)
         ranges = []
         for n, side in zip(self.shape, sides, strict=True):
@@ -147,25 +147,26 @@ class BlockVolume(Guessed):
         folder: str | os.PathLike[str] | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
-        """The surface at the level `iso`, block by block: bit for bit the vertices and triangles of
+        """The isosurface at the level `iso`, block by block: bit for bit the vertices and triangles of
         `volume(array).mesh(iso=…)`, closed and manifold across blocks, with a proved bound against the trilinear
-        interpolant. With `tol`, a length in the units of the volume or a text as in "0.1mm", it has fewer triangles, within that
-        length: each block is simplified where it is done, with the triangles between blocks as they are, and the whole at last.
+        interpolant. With `tol`, a length in the units of the volume or a text as in "0.1mm", the mesh is simplified within that
+        length: each block by its worker, which keeps the triangles between blocks, and finally the whole mesh.
 
-        What is above the level is inside, or below it where `inside` is "low", as for distances; at level 0 of samples that
-        may be negative one has to say which, since nobody looks at all samples first.
+        Samples above the level are inside, or those below it if `inside` is "low", as for distances. At level 0 of a type that
+        has negative numbers, `inside` is required, since a default would need a look at all samples.
 
-        `block` is the number of cells along a side, one or three; each task reads its own block and the samples that it
-        shares with its neighbours. Without more the blocks are done here one after the other, on all processors. `executor`
-        is anything with `submit`: a `ProcessPoolExecutor`, or a `dask.distributed.Client`; `cluster` is the address of a
-        Dask scheduler. The array is pickled for each task, so give one that says where its samples are: a path, or a Zarr array.
+        `block` is the number of cells along a side, one number or three; each task reads its own block and the samples that it
+        shares with its neighbours. By default the blocks are meshed in this process one after the other, on all processors.
+        `executor` is any object with `submit`: a `ProcessPoolExecutor`, or a `dask.distributed.Client`; `cluster` is the
+        address of a Dask scheduler. The array is pickled for each task, so pass one that refers to its samples: a path, or a
+        Zarr array.
 
-        With a `folder` each block that is done is kept there, and a later call goes on where one ended, of the same volume,
-        level and blocks; a file that is damaged is done again. Its results are removed by whoever made the folder.
+        With a `folder`, finished blocks are kept in it, and a later call for the same volume, level and blocks resumes there;
+        damaged files are computed again. Removing the folder is up to the caller.
 
-        Memory is that of the result, and of one block here or in each worker. Raises `Refused` where there is no surface,
-        `BudgetUnmet` with the best where `tol` is less than what the blocks themselves are off by, and `Error` with the place
-        of a block that cannot be read; what is done stays in the folder.
+        Memory: the result, and one block here or in each worker. Raises `Refused` if there is no surface, `BudgetUnmet` with
+        the best mesh if `tol` is less than the error of the blocks themselves, and `Error` with the place of a block that
+        cannot be read; finished blocks stay in the folder.
         """
         from chordal._mesh import Mesh
 
@@ -175,25 +176,26 @@ class BlockVolume(Guessed):
         length = self._tolerance(tol)
         if length is None:
             if executor is None and cluster is None and folder is None:
-                whole = self._here(crossed(self._array, blocks, surface), surface, function("progress", progress))
+                meshed = self._meshed_here(crossed(self._array, blocks, surface), surface, function("progress", progress))
             else:
                 call = partial(mesh_block, surface)
-                done = self._done(block, executor, cluster, folder, progress, surface, {}, call)
-                done.reverse()
-                # The bytes of each are let go when it is made.
-                whole = [block_of(done.pop()) for _ in range(len(done))]
-            source, bound = _chordal.joined([part for part in whole if part.n_faces], metres)
+                results = self._results(block, executor, cluster, folder, progress, surface, {}, call)
+                results.reverse()
+                # Popping frees the bytes of each block as soon as it is unpacked.
+                meshed = [block_of(results.pop()) for _ in range(len(results))]
+            source, bound = _chordal.joined([part for part in meshed if part.n_faces], metres)
             return Mesh._of_source(source, bound_of(json.loads(bound)))
-        # A quarter for the triangles of a block, another for fewer, and what is left for the lines between them.
+        # A quarter of the length is for the triangles of a block, another quarter for simplifying it, and the rest for
+        # simplifying the joined mesh, where the borders between blocks lose their triangles, too.
         surface = replace(surface, wanted=0.25 * length)
         call = partial(simplified_block, surface, 0.5 * length)
-        done = self._done(block, executor, cluster, folder, progress, surface, {"tol": length}, call)
-        done.reverse()
-        parts = [part for part in (part_of(done.pop()) for _ in range(len(done))) if part is not None]
+        results = self._results(block, executor, cluster, folder, progress, surface, {"tol": length}, call)
+        results.reverse()
+        parts = [part for part in (part_of(results.pop()) for _ in range(len(results))) if part is not None]
         if not parts:
             raise Refused("empty", "no block has a surface")
-        most = tuple(n - 1 for n in self.shape)
-        joined = _chordal.join_parts(parts, {"low": [0, 0, 0], "high": list(most), "goes_on": [[False, False]] * 3})
+        high = [n - 1 for n in self.shape]
+        joined = _chordal.join_parts(parts, {"low": [0, 0, 0], "high": high, "goes_on": [[False, False]] * 3})
         if joined.at_most < length:
             joined = joined.simplified(length - joined.at_most)
         source, bound = joined.source(metres)
@@ -215,11 +217,11 @@ class BlockVolume(Guessed):
         folder: str | os.PathLike[str] | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> dict[int, Mesh]:
-        """A mesh for each label but 0, or for `only` some, block by block: the triangles that `chordal.labels(array).mesh()`
-        has for it, closed and manifold across blocks, each with a proved bound against its own mask.
+        """A mesh for each label but 0, or for those in `only`, block by block: the triangles of `chordal.labels(array).mesh()`,
+        closed and manifold across blocks, each mesh with a proved bound against its own mask.
 
-        Two labels that meet have the same vertices between them. Samples are whole numbers from 0 to 2⁶⁴ - 1. The other
-        arguments are those of `mesh`; memory is that of all meshes, and of one block here or in each worker.
+        Two labels that meet share the vertices between them. Samples are whole numbers from 0 to 2⁶⁴ - 1. The other
+        arguments are those of `mesh`. Memory: all meshes, and one block here or in each worker.
 
         >>> import chordal, numpy
         >>> halves = numpy.ones((12, 12, 12), numpy.uint8)
@@ -234,10 +236,10 @@ class BlockVolume(Guessed):
         chosen = None if only is None else frozenset(label_list("only", only))
         call = partial(mesh_labels, surface, chosen)
         plan = {"labels": None if chosen is None else sorted(chosen)}
-        done = self._done(block, executor, cluster, folder, progress, surface, plan, call)
+        results = self._results(block, executor, cluster, folder, progress, surface, plan, call)
         blocks: dict[int, list[bytes]] = {}
-        for made in done:
-            for label, content in labels_of(made):
+        for result in results:
+            for label, content in labels_of(result):
                 blocks.setdefault(label, []).append(content)
         metres = self._metres()
         meshes = {}
@@ -259,13 +261,13 @@ class BlockVolume(Guessed):
         cluster: str | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> dict[int, Bound]:
-        """The meshes of labels in a folder that Neuroglancer reads (its legacy precomputed format), a fragment for each label
-        and block, so that none of them is in one place. Gives back the bound of each label, proved.
+        """Writes the meshes of labels to a folder for Neuroglancer (its legacy precomputed format): a fragment for each label
+        and block, so that no mesh has to fit in memory. Returns the proved bound of each label.
 
-        With `tol`, a length in the units of the volume, fragments have fewer triangles; those of one label fit, while two
-        labels that meet are simplified each by itself. The volume needs a unit, since these meshes are in nanometres.
-        What is done is kept in the subfolder `parts` until all is; the other arguments are those of `labels`. Raises
-        `BudgetUnmet` with the bounds where a label is off by more than `tol`; all files are there then, too.
+        With `tol`, a length in the units of the volume, fragments are simplified. Fragments of one label fit together, but two
+        labels that meet are simplified separately. The volume needs a unit, since these meshes are in nanometres. Finished
+        blocks are kept in the subfolder `parts` until all are done. The other arguments are those of `labels`. Raises
+        `BudgetUnmet` with the bounds if the error of a label exceeds `tol`; all files are written in this case, too.
 
         >>> import chordal, numpy, os, tempfile
         >>> halves = numpy.ones((12, 12, 12), numpy.uint8)
@@ -280,8 +282,8 @@ class BlockVolume(Guessed):
         tell = function("progress", progress)
         with Workers(executor, cluster) as workers:
             tasks = (surface, blocks, chosen, length)
-            made = write_fragments(folder, plan, tasks, self._array, float(self._metres() or 0.0), workers, tell)
-        return _within(length, made, list(made.values()))
+            bounds = write_fragments(folder, plan, tasks, self._array, float(self._metres() or 0.0), workers, tell)
+        return _within(length, bounds, list(bounds.values()))
 
     @keywords_hinted
     def precomputed_levels(
@@ -296,18 +298,18 @@ class BlockVolume(Guessed):
         cluster: str | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> dict[int, tuple[MeshLevel, ...]]:
-        """The meshes of labels in a folder that Neuroglancer reads, in its format of several levels: it loads few triangles for
-        what is far, and more where one comes near. Gives back the levels of each label, the finest first, with their bounds.
+        """Writes the meshes of labels to a folder for Neuroglancer, in its multi-resolution format, of which it loads coarse
+        fragments far away and finer ones nearby. Returns the levels of each label, the finest first, with their bounds.
 
-        The finest level is that of blocks, simplified within `tol`, in the units of the volume. At each level beyond, the
-        parts of a label in eight boxes are joined and simplified within twice the length, until one box has all of it in some
-        64 triangles. A level's bound is its proved distance to the label's own mask, as the file has it: cut and rounded.
-        Neuroglancer shows the coarsest level whose bound is at most as many pixels as its "Resolution (mesh)" says.
+        The finest level has the meshes of blocks, simplified within `tol`, in the units of the volume. At each coarser level,
+        the parts of a label in eight boxes are joined and simplified within twice the length, until one box has the whole
+        label in about 64 triangles. The bound of a level is its proved distance to the label's mask, as stored in the file:
+        cut and rounded. Neuroglancer shows the coarsest level whose bound is at most "Resolution (mesh)" pixels.
 
-        The levels of a label are closed, each by itself, but for borders that are left open. The volume needs a unit, since
-        these meshes are in nanometres, and fragments are compressed by the package `DracoPy`: `ImportError` where it is
-        missing. `BudgetUnmet`, with the levels, is raised as by `precomputed`. The other arguments are those of
-        `precomputed`; memory is that of a block and its parts here or in each worker, and here some numbers for each fragment.
+        Each level of a label is closed, except at borders that are left open. The volume needs a unit, since these meshes are
+        in nanometres. Fragments are compressed by the package `DracoPy`: `ImportError` if it is missing. `BudgetUnmet`, with
+        the levels, is raised as by `precomputed`, and the other arguments are those of `precomputed`. Memory: a block and its
+        parts here or in each worker, and a few numbers for each fragment.
 
         >>> import chordal, numpy, os, tempfile
         >>> i, j, k = numpy.indices((40, 40, 40)) - 20.0
@@ -319,11 +321,12 @@ class BlockVolume(Guessed):
         (True, ['1', '1.index', 'info'])
         """
         surface, chosen, length, plan = self._labels_in_nanometres(only, tol, border, block)
+        # Raises if an axis has no cells.
         next(self.blocks(block))
         tree = LabelTree(surface, Cubes(self.shape, _sides(block)), chosen, length, float(self._metres() or 0.0))
         with Workers(executor, cluster) as workers:
-            made = tree.build(folder, {**plan, "levels": True}, self._array, workers, function("progress", progress))
-        return _within(length, made, [levels[0].bound for levels in made.values()])
+            by_label = tree.build(folder, {**plan, "levels": True}, self._array, workers, function("progress", progress))
+        return _within(length, by_label, [levels[0].bound for levels in by_label.values()])
 
     @keywords_hinted
     def tileset(
@@ -340,20 +343,20 @@ class BlockVolume(Guessed):
         cluster: str | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Tileset:
-        """The surface at the level `iso` as 3D Tiles in a folder: it is never in one place, so that it may be larger than
-        memory. Each block is simplified within `tol`, in the units of the volume, and eight blocks are simplified together
-        within twice, four times that and so on until one tile shows all. Without `tol` the finest tiles have all triangles.
+        """Writes the isosurface at the level `iso` as 3D Tiles to a folder, also if it is larger than memory. Each block is
+        simplified within `tol`, in the units of the volume. Eight blocks are joined and simplified within twice that length,
+        and so on until one tile has the whole surface. Without `tol`, the finest tiles have all triangles.
 
-        Tiles meet without cracks whichever are shown: where blocks meet, their triangles stay as they are until these are
-        one block. The error of a tile, which viewers ask for, is its proved distance to the trilinear interpolant. With
-        `normals` vertices have the gradient's, the same on both sides of a block.
+        Tiles meet without cracks in any combination of levels: triangles at the border of two blocks are kept until the
+        blocks are joined. The geometric error of a tile, which viewers need, is its proved distance to the trilinear
+        interpolant. With `normals`, vertices have normals along the gradient, the same on both sides of a border.
 
-        Tiles are written as they are done and `tileset.json` at last; what is kept in the subfolder `parts` meanwhile lets a
-        later call go on where one ended. `block`, `executor`, `cluster` and `progress` are as for `mesh`. Memory is that of a
-        block and of its triangles, here or in each worker, and of a few numbers for each tile.
+        Tiles are written as soon as they are done, and `tileset.json` is the last file; the subfolder `parts` holds
+        intermediate results, from which a later call resumes. `block`, `executor`, `cluster` and `progress` are as for
+        `mesh`. Memory: a block and its triangles, here or in each worker, and a few numbers for each tile.
 
-        Raises `Refused` where there is no surface, `BudgetUnmet` with the tileset where the finest tiles are off by more than
-        `tol`, and `Error` with the place of a block that was not done, or for a folder that holds something else.
+        Raises `Refused` if there is no surface, `BudgetUnmet` with the tileset if the error of the finest tiles exceeds `tol`,
+        and `Error` with the place of a block that failed, or for a folder with other content.
 
         >>> import chordal, numpy, tempfile
         >>> i, j, k = numpy.indices((40, 40, 40)) - 20.0
@@ -367,6 +370,7 @@ class BlockVolume(Guessed):
         surface = replace(self._surface(iso, inside, border), normals=bool(normals), wanted=wanted)
         metres = self._metres()
         tree = BlockTree(surface, Cubes(self.shape, _sides(block)), length, metres)
+        # Raises if an axis has no cells.
         next(self.blocks(block))
         plan = {**surface.plan(_sides(block), self._identity()), "tol": length, "unit": self._unit}
         with Workers(executor, cluster) as workers:
@@ -379,7 +383,7 @@ class BlockVolume(Guessed):
         border: str,
         block: SupportsIndex | Sequence[SupportsIndex],
     ) -> tuple[Surface, frozenset[int] | None, float | None, dict[str, Any]]:
-        """Which meshes of Neuroglancer's are meant: the surface, the labels, the length, and the plan of their folder."""
+        """The options of meshes for Neuroglancer: the surface, the labels, the tolerance, and the plan of their folder."""
         if self._unit is None:
             raise ValueError("unit: these meshes are in nanometres; say that of the volume, as in block_volume(…, unit=\"nm\")")
         surface = self._surface(0.5, "high", border)
@@ -393,7 +397,7 @@ class BlockVolume(Guessed):
         return None if self._unit is None else float(VOLUME_METRES[self._unit])
 
     def _identity(self) -> str:
-        """What tells these samples from others, for a folder of results: where they are, or some of them."""
+        """A text that identifies the samples, for a folder of results: their location, or a digest of their values."""
         return f"{self.dtype} {source_of(self._array)}"
 
     def _tolerance(self, tol: Length | None) -> float | None:
@@ -417,18 +421,18 @@ class BlockVolume(Guessed):
             raise ValueError(f"border: 'capped' or 'open', not {border!r}")
         return Surface(self._affine, self.shape, level, inside, border == "capped")
 
-    def _here(
+    def _meshed_here(
         self, blocks: list[Block], surface: Surface, tell: Callable[[str, int, int], object] | None
     ) -> list[_chordal.Block]:
-        """Blocks that nobody else does and nothing keeps: these need not become bytes in between."""
-        made = []
+        """Blocks that are meshed in this process and kept nowhere, without packing them as bytes."""
+        meshed = []
         for block in blocks:
-            made.append(meshed_block(surface, self._array, block))
+            meshed.append(meshed_block(surface, self._array, block))
             if tell is not None:
-                tell("blocks", len(made), len(blocks))
-        return made
+                tell("blocks", len(meshed), len(blocks))
+        return meshed
 
-    def _done(
+    def _results(
         self,
         block: SupportsIndex | Sequence[SupportsIndex],
         executor: Any | None,
@@ -439,29 +443,31 @@ class BlockVolume(Guessed):
         plan: dict[str, Any],
         call: Callable[..., bytes],
     ) -> list[bytes]:
-        """What is made of each block, in their order."""
-        numbers = {one: k for k, one in enumerate(self.blocks(block))}
+        """The result of `call` for each block with a surface, in the order of blocks."""
+        # Names in the folder count all blocks, so that they stay the same whichever blocks have a surface.
+        numbers = {block_of_all: k for k, block_of_all in enumerate(self.blocks(block))}
         blocks = crossed(self._array, list(numbers), surface)
-        whole = {**surface.plan(_sides(block), self._identity()), **plan}
+        folder_plan = {**surface.plan(_sides(block), self._identity()), **plan}
         tell = function("progress", progress)
-        done: dict[int, bytes] = {}
+        results: dict[int, bytes] = {}
         waiting: list[Task[int]] = []
-        keeping = nullcontext() if folder is None else KeptFolder(folder, whole)
+        keeping = nullcontext() if folder is None else KeptFolder(folder, folder_plan)
         with keeping as kept, Workers(executor, cluster) as workers:
             array = workers.shared(self._array)
+            # `Workers.run` begins with the last task of the list.
             for k in reversed(range(len(blocks))):
-                found = None if kept is None else kept.read(f"block_{numbers[blocks[k]]}")
-                if found is None:
+                kept_result = None if kept is None else kept.read(f"block_{numbers[blocks[k]]}")
+                if kept_result is None:
                     waiting.append((k, named(blocks[k]), (array, blocks[k])))
                 else:
-                    done[k] = found
-            for k, made in workers.run(waiting, call):
+                    results[k] = kept_result
+            for k, result in workers.run(waiting, call):
                 if kept is not None:
-                    kept.write(f"block_{numbers[blocks[k]]}", made)
-                done[k] = made
+                    kept.write(f"block_{numbers[blocks[k]]}", result)
+                results[k] = result
                 if tell is not None:
-                    tell("blocks", len(done), len(blocks))
-        return [done[k] for k in range(len(blocks))]
+                    tell("blocks", len(results), len(blocks))
+        return [results[k] for k in range(len(blocks))]
 
     def _repr_html_(self) -> str:
         i, j, k = self.shape
@@ -485,27 +491,27 @@ def block_volume(
     level: SupportsIndex = 0,
     channel: SupportsIndex | None = None,
 ) -> BlockVolume:
-    """A volume that is read a block at a time: see `BlockVolume`.
+    """A volume that is read block by block: see `BlockVolume`.
 
-    `array` is anything with a `shape`, a `dtype` and slices, as an array of Zarr, HDF5 or Dask, or the path of
+    `array` is any object with a `shape`, a `dtype` and slices, as an array of Zarr, HDF5 or Dask, or the path of
     - a Zarr array or an OME-Zarr image, by the package `zarr`: `level` is that of the image, 0 the finest;
     - a folder of Neuroglancer's precomputed samples, or its address, by the package `tensorstore`;
-    - a NIfTI file, by the package `nibabel`, best one that is not compressed;
+    - a NIfTI file, by the package `nibabel`, preferably uncompressed;
     - an .npy file.
 
-    An image of another library, as `volume` takes, will do as well: its samples are in memory then, but for an array of Dask
-    in an `xarray.DataArray`, and an image of nibabel whose samples are in a .nii still.
+    It may also be an image of another library, as for `volume`. Its samples are then in memory, except for a Dask array in an
+    `xarray.DataArray`, and for an image of nibabel whose samples are still in a .nii file.
 
-    Or it is a `Field`, which `spacing` samples at the points of a lattice over its box: these values are computed where a
-    block is done, and boxes of blocks in which intervals prove that there is no surface are passed over, so that the
-    tileset of a lattice of 10¹² cells costs what its surface costs, and a mesh that and an interval for each block. A field
-    that is cut off at a box has as many whole steps as are in that. A function is to have the same value for a point
-    whichever others it is asked for with, in as many. Bounds are against the trilinear interpolant of the samples, not
-    against the field: that is what `Field.mesh` does.
+    Or it is a `Field`, sampled with the step `spacing` on a lattice over its box. The values are computed by the worker of
+    each block, and blocks in which intervals prove that there is no surface are skipped: the cost of a tileset over 10¹²
+    cells is that of its surface, and a mesh costs an interval for each block in addition. If the field is cut off at a box,
+    the lattice has as many whole steps as fit in it. A function must return the same value for a point in every batch of
+    the same size, whatever the other points are. Bounds are against the trilinear interpolant of the samples; for a bound
+    against the field itself, use `Field.mesh`.
 
-    `array[i, j, k]` is the sample at x = i, y = j, z = k; what a file says of axes, spacing, origin and unit holds unless
-    `spacing`, `origin` or `affine` say others, as for `volume`. `channel` is that of an image of several, or the volume of
-    a NIfTI file of several, where one has to say which.
+    `array[i, j, k]` is the sample at x = i, y = j, z = k. Axes, spacing, origin and unit are those of the file, unless
+    `spacing`, `origin` or `affine` override them, as for `volume`. `channel` selects one channel of an image, or one volume of
+    a NIfTI file, and is required if there are several.
     """
     if isinstance(array, Field):
         if affine is not None or spacing is None:
@@ -517,35 +523,37 @@ def block_volume(
         samples = FieldSamples.of(array, steps, None if origin is None else rows[3].tolist())
         return BlockVolume(samples, spacing=samples.steps, origin=samples.origin, unit=unit)
     if isinstance(array, (str, os.PathLike)):
-        found = opened(os.fspath(array), index(level), None if channel is None else index(channel))
+        placed = opened(os.fspath(array), index(level), None if channel is None else index(channel))
     else:
         refuse_choice("level", index(level), "what is no path")
-        found, is_image = _in_other_hands(array, None if channel is None else index(channel))
+        placed, is_image = _placed_array(array, None if channel is None else index(channel))
         if is_image and (spacing is not None or origin is not None or affine is not None):
             raise TypeError("spacing, origin, affine: this image says them already; pass its array to say others")
-    if found.affine is not None and spacing is None and origin is None and affine is None:
-        return BlockVolume(found.array, affine=found.affine, unit=unit or found.unit)
-    return BlockVolume(found.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
+    if placed.affine is not None and spacing is None and origin is None and affine is None:
+        return BlockVolume(placed.array, affine=placed.affine, unit=unit or placed.unit)
+    return BlockVolume(placed.array, spacing=spacing, origin=origin, affine=affine, unit=unit)
 
 
-def _in_other_hands(array: Any, channel: int | None) -> tuple[Placed, bool]:
-    """What is no path: samples in memory, mapped, or in the file of an image that was not read yet; and whether it is an image."""
+def _placed_array(array: Any, channel: int | None) -> tuple[Placed, bool]:
+    """The samples of an array or image, in memory, in a mapped file, or in a file that was not read yet; and whether it is an
+    image.
+    """
     in_file = nibabel_in_file(array, channel)
     if in_file is not None:
         return in_file, True
     refuse_choice("channel", channel, "what is no path")
-    known = lattice_of(array)
-    if known is None:
+    lattice = lattice_of(array)
+    if lattice is None:
         return Placed(mapped_file(array)), False
-    return Placed(known.array, matrix_rows(known.affine), known.unit), True
+    return Placed(lattice.array, matrix_rows(lattice.affine), lattice.unit), True
 
 
-def _within(length: float | None, made: Made, bounds: Sequence[Bound]) -> Made:
-    """What was made of labels; raised as the best there is where one is off by more than a length."""
+def _within(length: float | None, result: Result, bounds: Sequence[Bound]) -> Result:
+    """The result for labels, if all bounds are within a length; otherwise `BudgetUnmet` carries it."""
     reached = max((math.inf if bound.at_most is None else bound.at_most for bound in bounds), default=0.0)
     if length is not None and reached > length:
-        raise BudgetUnmet(f"the meshes of labels are proved to be within {reached:.6g}, not within {length:.6g}", made)
-    return made
+        raise BudgetUnmet(f"the meshes of labels are proved to be within {reached:.6g}, not within {length:.6g}", result)
+    return result
 
 
 def _sides(block: SupportsIndex | Sequence[SupportsIndex]) -> tuple[int, int, int]:

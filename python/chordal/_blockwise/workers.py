@@ -1,4 +1,4 @@
-"""`Workers`: where tasks are done: here, in the processes of an executor, or on a Dask cluster."""
+"""`Workers`: runs tasks in this process, in the processes of an executor, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from chordal._errors import Error
 from chordal._libraries import library
 
 Key = TypeVar("Key")
-#: A task: what it is known by, what it is called in messages, and the arguments of its function, or what gives them when it
-#: is begun: those of many tasks together may be more than memory.
+#: A task: its key, its name in messages, and the arguments of its function; or a function that returns them when the task
+#: begins, since the arguments of many tasks may exceed memory.
 Task = tuple[Key, str, tuple[Any, ...] | Callable[[], tuple[Any, ...]]]
 
 
 class Workers:
-    """Runs functions on arguments; used in a `with`, since a connection that it opened is closed after it."""
+    """Runs functions on arguments. Used in a `with`, which closes the connection that it opened."""
 
     def __init__(self, executor: Any | None, cluster: str | None) -> None:
         if cluster is not None and executor is not None:
@@ -34,28 +34,29 @@ class Workers:
             self._executor.close()
 
     def shared(self, value: Any) -> Any:
-        """A value for many tasks. Samples in memory are sent once to each worker of a cluster, and not with every task."""
+        """A value for many tasks. Samples in memory are sent once to each worker of a cluster, instead of with every task."""
         if self._is_dask and hasattr(value, "__array_interface__"):
             return self._executor.scatter(value, broadcast=True)
         return value
 
     def run(self, ready: list[Task[Key]], call: Callable[..., bytes]) -> Iterator[tuple[Key, bytes]]:
-        """What `call` makes of each task, as they are done. The last of `ready` is begun first, and whoever takes a result
-        may append more. Few more run at a time than can at once, so that results do not pile up."""
+        """The results of `call` for each task, as they finish. The last task of `ready` is begun first, and the consumer may
+        append more tasks between results. Few more tasks are submitted than can run at once, so that results do not pile
+        up."""
         if self._executor is None:
             while ready:
-                key, name, given = ready.pop()
-                arguments = given() if callable(given) else given
+                key, name, source = ready.pop()
+                arguments = source() if callable(source) else source
                 yield key, _checked(name, lambda arguments=arguments: call(*arguments))  # type: ignore[misc]
             return
         running: dict[Any, tuple[Key, str]] = {}
         try:
             while ready or running:
-                # A cluster grows and shrinks; to ask it takes as long as a small task, so not for each.
+                # A cluster grows and shrinks, but asking for its size takes as long as a small task: once a round will do.
                 most = 2 * self._at_once()
                 while ready and len(running) < most:
-                    key, name, given = ready.pop()
-                    running[self._executor.submit(call, *(given() if callable(given) else given))] = (key, name)
+                    key, name, source = ready.pop()
+                    running[self._executor.submit(call, *(source() if callable(source) else source))] = (key, name)
                 for future in self._done(list(running)):
                     key, name = running.pop(future)
                     yield key, _checked(name, future.result)
@@ -69,15 +70,15 @@ class Workers:
         return wait(running, return_when=FIRST_COMPLETED).done
 
     def _at_once(self) -> int:
-        """How many tasks it does at once, as far as it says."""
+        """The number of tasks that run at once, as far as the executor states it."""
         if self._is_dask:
-            # Of all workers, as many as there are now.
+            # The threads of all workers that are there now.
             return max(1, sum(int(threads) for threads in self._executor.nthreads().values()))
         return int(getattr(self._executor, "_max_workers", None) or os.cpu_count() or 1)
 
 
 def _checked(name: str, result: Callable[[], bytes]) -> bytes:
-    """What a worker made; where it was killed again and again, an `Error` that says which block that was."""
+    """The result of a worker. Other exceptions, as of a worker that was killed repeatedly, become an `Error` that names the task."""
     try:
         return result()
     except (Error, MemoryError):

@@ -16,9 +16,9 @@ pub struct Function {
     pub name: &'static str,
     /// Its parameters, in order.
     pub parameters: &'static [FunctionParameter],
-    /// What it returns, in one line.
+    /// Its result, in a sentence or two.
     pub about: &'static str,
-    /// How far the result's value can be trusted as a distance; empty where the result is no shape.
+    /// How far the result's value can be trusted as a distance; empty if the result is not a shape.
     pub distance: &'static str,
     pub(super) make: fn(&BoundArgs) -> Result<Arg, CallError>,
 }
@@ -28,7 +28,7 @@ pub struct Function {
 pub struct FunctionParameter {
     /// Its name.
     pub name: &'static str,
-    /// Its default value; `None` where it is required.
+    /// Its default value; `None` if it is required.
     pub default: Option<ParameterDefault>,
     /// Whether it takes any number of arguments.
     pub rest: bool,
@@ -105,9 +105,9 @@ pub struct BoundArgs {
     function: &'static Function,
     args: Vec<Arg>,
     rest: Vec<Arg>,
-    /// The conditions of work that takes long.
+    /// The limits and the cancellation of long operations.
     job: Job,
-    /// Sentences about what was made.
+    /// Notes about the result, in sentences.
     notes: RefCell<Vec<String>>,
 }
 
@@ -115,12 +115,14 @@ impl Function {
     /// Calls it with positional and named arguments.
     ///
     /// # Errors
-    /// When an argument is missing, unknown, given twice or of the wrong kind, or the shape does not exist.
+    /// When an argument is missing, unknown, given twice or of the wrong kind, or when there is no such
+    /// shape.
     pub fn call(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Arg, CallError> {
         self.call_within(by_position, by_name, &Job::default(), &mut Vec::new())
     }
 
-    /// As [`Function::call`], within the limits of a job. Adds sentences about what was made that its bound does not say.
+    /// As [`Function::call`], within the limits of a job. Adds notes about the result, in sentences, that its
+    /// bound does not express.
     ///
     /// # Errors
     /// As for [`Function::call`]; also when the work is beyond the limits of the job, or cancelled.
@@ -131,13 +133,14 @@ impl Function {
         job: &Job,
         notes: &mut Vec<String>,
     ) -> Result<Arg, CallError> {
-        let given = BoundArgs { job: job.clone(), ..self.bind(by_position, by_name)? };
-        let made = (self.make)(&given)?;
-        notes.append(&mut given.notes.into_inner());
-        Ok(made)
+        let args = BoundArgs { job: job.clone(), ..self.bind(by_position, by_name)? };
+        let result = (self.make)(&args)?;
+        notes.append(&mut args.notes.into_inner());
+        Ok(result)
     }
 
-    /// Whether these arguments move a surface to a side where the value is only a bound of its distance.
+    /// Whether these arguments move a surface to a side on which the value is only a lower bound of its
+    /// distance.
     pub(crate) fn moves_by_bound(&self, by_position: &[Arg], by_name: &[(String, Arg)]) -> bool {
         let arg = |k: usize| {
             let name = self.parameters.get(k).map(|p| p.name);
@@ -145,16 +148,17 @@ impl Function {
                 .get(k)
                 .or_else(|| by_name.iter().find(|(n, _)| Some(&**n) == name).map(|(_, arg)| arg))
         };
-        // A bevel and rounded edges are as deep as the shape's value says.
+        // A bevel or rounded edges take their depth from the shape's value, too.
         let is_number = |k: &usize| matches!(arg(*k), Some(Arg::Number(by)) if *by != 0.0);
         let k = if self.name == "extrude" { [2, 3].into_iter().find(is_number) } else { Some(1) };
         let (Some(Arg::Shape(solid)), Some(Arg::Number(by))) = (arg(0), k.and_then(arg)) else {
             return false;
         };
         let distance = solid.field.distance();
-        // Exact on one side alone is what min and max leave of a distance; a bound on both sides is meant as one.
-        let is_bound = |one: DistanceQuality, other: DistanceQuality| {
-            one == DistanceQuality::Bound && other == DistanceQuality::Exact
+        // A union or intersection of exact distances stays exact on one side only, which is easily
+        // overlooked. A bound on both sides is taken for intended.
+        let is_bound = |side: DistanceQuality, opposite: DistanceQuality| {
+            side == DistanceQuality::Bound && opposite == DistanceQuality::Exact
         };
         let (outside, inside) = (distance.outside, distance.inside);
         match self.name {
@@ -171,16 +175,16 @@ impl Function {
         by_position: Vec<Arg>,
         by_name: Vec<(String, Arg)>,
     ) -> Result<BoundArgs, CallError> {
-        // What stands after the rest is given by name alone.
+        // Parameters after the variadic one are given by name alone.
         let takes_rest = self.parameters.iter().any(|p| p.rest);
-        let places = self.parameters.iter().take_while(|p| !p.rest).count();
+        let n_positional = self.parameters.iter().take_while(|p| !p.rest).count();
         let n_given = by_position.len();
         let mut rest = by_position;
-        let mut args: Vec<Option<Arg>> = rest.drain(..places.min(n_given)).map(Some).collect();
+        let mut args: Vec<Option<Arg>> = rest.drain(..n_positional.min(n_given)).map(Some).collect();
         args.resize(self.single().count(), None);
         if !rest.is_empty() && !takes_rest {
-            let plural = if places == 1 { "" } else { "s" };
-            let message = format!("takes {places} argument{plural}, and {n_given} are given");
+            let plural = if n_positional == 1 { "" } else { "s" };
+            let message = format!("takes {n_positional} argument{plural}, and {n_given} are given");
             return Err(self.fault(message + &self.called_as()));
         }
         for (name, arg) in by_name {
@@ -192,15 +196,15 @@ impl Function {
                 return Err(self.fault(format!("has '{name}' twice{}", self.called_as())));
             }
         }
-        let found = args.into_iter().zip(self.single()).map(|(arg, p)| {
+        let bound = args.into_iter().zip(self.single()).map(|(arg, p)| {
             arg.or(p.default.map(ParameterDefault::arg))
                 .ok_or_else(|| self.fault(format!("needs '{}'{}", p.name, self.called_as())))
         });
-        let (args, job, notes) = (found.collect::<Result<_, _>>()?, Job::default(), RefCell::default());
+        let (args, job, notes) = (bound.collect::<Result<_, _>>()?, Job::default(), RefCell::default());
         Ok(BoundArgs { function: self, args, rest, job, notes })
     }
 
-    /// `: it is called as rotate(shape, axis, degrees)`
+    /// A hint with the signature, as in `: it is called as rotate(shape, axis, degrees)`.
     fn called_as(&self) -> String {
         format!(": it is called as {}", usage(self.name, self.parameters))
     }
@@ -210,8 +214,8 @@ impl Function {
         self.parameters.iter().filter(|p| !p.rest)
     }
 
-    fn fault(&self, what: String) -> CallError {
-        CallError(format!("{}() {what}", self.name))
+    fn fault(&self, predicate: String) -> CallError {
+        CallError(format!("{}() {predicate}", self.name))
     }
 
     /// Its signature, as in `gyroid(period, level=0)`.
@@ -222,26 +226,26 @@ impl Function {
 }
 
 impl BoundArgs {
-    /// The conditions of work that takes long.
+    /// The limits and the cancellation of long operations.
     pub(super) fn job(&self) -> &Job {
         &self.job
     }
 
-    /// Says a sentence about what is made.
-    pub(super) fn note(&self, what: &str) {
-        self.notes.borrow_mut().push(format!("{}(): {what}", self.function.name));
+    /// Adds a note about the result, in a sentence.
+    pub(super) fn note(&self, sentence: &str) {
+        self.notes.borrow_mut().push(format!("{}(): {sentence}", self.function.name));
     }
 
-    /// Whether the argument at index `k` holds.
+    /// The truth value at index `k`.
     pub(super) fn truth(&self, k: usize) -> Result<bool, CallError> {
         match &self.args[k] {
-            Arg::Truth(holds) => Ok(*holds),
+            Arg::Truth(truth) => Ok(*truth),
             other => Err(self.wrong(k, "True or False", other.kind())),
         }
     }
 
-    /// The argument at index `k`, if it is there.
-    pub(super) fn given(&self, k: usize) -> Option<&Arg> {
+    /// The argument at index `k`, unless it is Python's None.
+    pub(super) fn argument(&self, k: usize) -> Option<&Arg> {
         Some(&self.args[k]).filter(|arg| !matches!(arg, Arg::Nothing))
     }
 
@@ -265,7 +269,7 @@ impl BoundArgs {
         }
     }
 
-    /// How many numbers the first of the points at index `k` has: 2 or 3.
+    /// The dimension of the points at index `k`, 2 or 3, by the first of them.
     pub(super) fn width(&self, k: usize) -> Result<usize, CallError> {
         let Arg::List(points) = &self.args[k] else {
             return Err(self.wrong(k, "a list of points", self.args[k].kind()));
@@ -334,25 +338,26 @@ impl BoundArgs {
         }
     }
 
-    /// All shapes: the first ones and the rest. A list of shapes stands for its elements.
+    /// All shapes: those before the variadic parameter, and the variadic ones. A list of shapes stands for
+    /// its elements.
     pub(super) fn shapes(&self) -> Result<Vec<&Solid>, CallError> {
-        let mut all = Vec::new();
-        // Without a rest it is the first that holds them.
-        let first = self.function.parameters.iter().take_while(|p| !p.rest).count();
-        let first = if first == self.args.len() { lesser(first, 1) } else { first };
-        for arg in self.args[..first].iter().chain(&self.rest) {
-            let parts = if let Arg::List(parts) = arg { parts.as_slice() } else { std::slice::from_ref(arg) };
-            for part in parts {
-                match part {
-                    Arg::Shape(solid) => all.push(solid),
+        let mut solids = Vec::new();
+        // Without a variadic parameter, the first argument holds the shapes.
+        let n_leading = self.function.parameters.iter().take_while(|p| !p.rest).count();
+        let n_leading = if n_leading == self.args.len() { lesser(n_leading, 1) } else { n_leading };
+        for arg in self.args[..n_leading].iter().chain(&self.rest) {
+            let items = if let Arg::List(items) = arg { items.as_slice() } else { std::slice::from_ref(arg) };
+            for item in items {
+                match item {
+                    Arg::Shape(solid) => solids.push(solid),
                     other => {
-                        let what = format!("needs shapes, not {}", other.instead_of_shape());
-                        return Err(self.function.fault(what));
+                        let predicate = format!("needs shapes, not {}", other.instead_of_shape());
+                        return Err(self.function.fault(predicate));
                     }
                 }
             }
         }
-        Ok(all)
+        Ok(solids)
     }
 
     /// The expression at index `k`; a number counts as one.
@@ -401,53 +406,55 @@ impl BoundArgs {
         numbers.try_into().map_err(|_| wrong(&format!("{}", list.len())))
     }
 
-    /// A shape made of those in the first arguments, or why there is none.
+    /// The result of a call that built a field from some operands; or an error, if the field is invalid.
     pub(super) fn shape_result(
         &self,
         field: Result<Field, InvalidShape>,
-        from: &[&Solid],
+        operands: &[&Solid],
     ) -> Result<Arg, CallError> {
-        self.weighted_shape_result(field, from, 1)
+        self.weighted_shape_result(field, operands, 1)
     }
 
-    /// As `shape_result`, where each of the others counts several times.
+    /// As `shape_result`, for a field in which each operand occurs several times.
     pub(super) fn weighted_shape_result(
         &self,
         field: Result<Field, InvalidShape>,
-        from: &[&Solid],
+        operands: &[&Solid],
         times: u64,
     ) -> Result<Arg, CallError> {
         let field = field.map_err(|why| CallError(format!("{}(): {why}", self.function.name)))?;
-        // Lists that became a leaf, and many parts of one union.
-        let list = |arg: &Arg| if let Arg::List(list) = arg { list.len() as u64 } else { 0 };
-        let own = OWN + self.args.iter().map(list).sum::<u64>() + 2 * from.len() as u64;
-        let parts = from.iter().fold(0, |sum: u64, part| sum.saturating_add(part.weight));
-        let weight = parts.saturating_mul(times).saturating_add(own);
-        Ok(Arg::Shape(Solid { field, weight, own }))
+        // Each item of a list may be a term, as the corners of a polygon; each operand of a union adds two
+        // more.
+        let n_items = |arg: &Arg| if let Arg::List(list) = arg { list.len() as u64 } else { 0 };
+        let step_weight =
+            STEP_WEIGHT + self.args.iter().map(n_items).sum::<u64>() + 2 * operands.len() as u64;
+        let inner = operands.iter().fold(0, |sum: u64, solid| sum.saturating_add(solid.weight));
+        let weight = inner.saturating_mul(times).saturating_add(step_weight);
+        Ok(Arg::Shape(Solid { field, weight, step_weight }))
     }
 }
 
-/// More terms than any single step adds by itself, as measured in the tests.
-const OWN: u64 = 80;
+/// More terms than any single step adds to those of its operands, as measured in the tests.
+const STEP_WEIGHT: u64 = 80;
 
-/// A shape whose blends have terms of their own, which are counted.
+/// As `BoundArgs::shape_result`, for shapes with blends: the terms that these add are counted.
 pub(super) fn counted_result(
-    given: &BoundArgs,
+    args: &BoundArgs,
     field: Result<Field, InvalidShape>,
     solids: &[&Solid],
 ) -> Result<Arg, CallError> {
     let n_terms = field.as_ref().map_or(0, n_terms);
-    let made = given.shape_result(field, solids)?;
-    Ok(match made {
+    let result = args.shape_result(field, solids)?;
+    Ok(match result {
         Arg::Shape(solid) => {
-            Arg::Shape(Solid { weight: greater(solid.weight, n_terms), own: n_terms, ..solid })
+            Arg::Shape(Solid { weight: greater(solid.weight, n_terms), step_weight: n_terms, ..solid })
         }
         other => other,
     })
 }
 
-/// The terms of value and sign.
+/// The number of terms in the expressions of a field's value and sign.
 fn n_terms(field: &Field) -> u64 {
-    let of = |expr| ExprGraph::from_expr(expr).terms().len() as u64;
-    of(field.expr()).saturating_add(of(field.sign()))
+    let count = |expr| ExprGraph::from_expr(expr).terms().len() as u64;
+    count(field.expr()).saturating_add(count(field.sign()))
 }

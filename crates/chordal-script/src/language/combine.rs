@@ -12,7 +12,7 @@ pub(super) const COMBINE: &[Function] = &[
         about: "All points of any of the shapes, as `a | b` has them; a list of shapes does as well. With a \
             fillet or chamfer the edges are filled in which they meet.",
         distance: "outside as good as all of them, inside a lower bound; with a fillet or chamfer a lower bound",
-        make: |given| combine_all(given, Field::union_of, Field::union_with),
+        make: |args| combine_all(args, Field::union_of, Field::union_with),
     },
     Function {
         name: "intersection",
@@ -20,7 +20,7 @@ pub(super) const COMBINE: &[Function] = &[
         about: "The points that all of the shapes have, as `a & b` has them. With a fillet or chamfer the \
             edges are rounded or cut off in which they meet.",
         distance: "inside as good as all of them, outside a lower bound; with a fillet or chamfer a lower bound",
-        make: |given| combine_all(given, Field::intersection_of, Field::intersection_with),
+        make: |args| combine_all(args, Field::intersection_of, Field::intersection_with),
     },
     Function {
         name: "difference",
@@ -33,18 +33,18 @@ pub(super) const COMBINE: &[Function] = &[
         about: "The points of the first shape that none of the others has, as `a - b` has them. With a fillet \
             or chamfer the edges of the cuts are rounded or cut off.",
         distance: "a lower bound",
-        make: |given| {
-            let all = given.shapes()?;
-            let Some((first, others)) = all.split_first() else {
+        make: |args| {
+            let solids = args.shapes()?;
+            let Some((first, others)) = solids.split_first() else {
                 return Err(CallError("difference() needs 'shape'".to_owned()));
             };
-            let taken: Vec<Field> = others.iter().map(|solid| solid.field.clone()).collect();
-            match seam_of(given, 1)? {
-                _ if taken.is_empty() => given.shape_result(Ok(first.field.clone()), &all),
-                None => given.shape_result(Ok(first.field.difference(&Field::union_of(&taken))), &all),
+            let cutters: Vec<Field> = others.iter().map(|solid| solid.field.clone()).collect();
+            match seam_of(args, 1)? {
+                _ if cutters.is_empty() => args.shape_result(Ok(first.field.clone()), &solids),
+                None => args.shape_result(Ok(first.field.difference(&Field::union_of(&cutters))), &solids),
                 Some(seam) => {
-                    let cut = |field: Field, other: &Field| field.difference_with(other, seam);
-                    counted_result(given, taken.iter().try_fold(first.field.clone(), cut), &all)
+                    let cut = |field: Field, cutter: &Field| field.difference_with(cutter, seam);
+                    counted_result(args, cutters.iter().try_fold(first.field.clone(), cut), &solids)
                 }
             }
         },
@@ -54,9 +54,9 @@ pub(super) const COMBINE: &[Function] = &[
         parameters: &[required("shape")],
         about: "All other points.",
         distance: "as it was, inside and outside exchanged",
-        make: |given| {
-            let solid = given.shape(0)?;
-            given.shape_result(Ok(solid.field.complement()), &[solid])
+        make: |args| {
+            let solid = args.shape(0)?;
+            args.shape_result(Ok(solid.field.complement()), &[solid])
         },
     },
     Function {
@@ -65,57 +65,57 @@ pub(super) const COMBINE: &[Function] = &[
         about: "The union with its seam filled, where both are nearer to each other than a radius. Faces and \
             outer edges that both share swell; union(fillet=) leaves them.",
         distance: "a lower bound",
-        make: |given| smooth(given, Field::smooth_union),
+        make: |args| smooth(args, Field::smooth_union),
     },
     Function {
         name: "smooth_intersection",
         parameters: &[required("a"), required("b"), required("radius")],
         about: "The intersection with its edge rounded off.",
         distance: "a lower bound",
-        make: |given| smooth(given, Field::smooth_intersection),
+        make: |args| smooth(args, Field::smooth_intersection),
     },
     Function {
         name: "smooth_difference",
         parameters: &[required("a"), required("b"), required("radius")],
         about: "The difference with its edge rounded off.",
         distance: "a lower bound",
-        make: |given| smooth(given, Field::smooth_difference),
+        make: |args| smooth(args, Field::smooth_difference),
     },
 ];
 
 fn combine_all(
-    given: &BoundArgs,
+    args: &BoundArgs,
     all_of: fn(&[Field]) -> Field,
     two_with: fn(&Field, &Field, Seam) -> Result<Field, InvalidShape>,
 ) -> Result<Arg, CallError> {
-    let solids = given.shapes()?;
+    let solids = args.shapes()?;
     let fields: Vec<Field> = solids.iter().map(|solid| solid.field.clone()).collect();
     let Some((first, others)) = fields.split_first() else {
-        return Err(given.fault("needs a shape at least"));
+        return Err(args.fault("needs a shape at least"));
     };
-    match seam_of(given, 0)? {
-        None => given.shape_result(Ok(all_of(&fields)), &solids),
+    match seam_of(args, 0)? {
+        None => args.shape_result(Ok(all_of(&fields)), &solids),
         Some(seam) => {
-            let all = others.iter().try_fold(first.clone(), |all, other| two_with(&all, other, seam));
-            counted_result(given, all, &solids)
+            let field = others.iter().try_fold(first.clone(), |field, other| two_with(&field, other, seam));
+            counted_result(args, field, &solids)
         }
     }
 }
 
 /// The fillet or chamfer at the indices `first` and `first + 1`, if either is not 0.
-fn seam_of(given: &BoundArgs, first: usize) -> Result<Option<Seam>, CallError> {
-    match given.numbers(first)? {
+fn seam_of(args: &BoundArgs, first: usize) -> Result<Option<Seam>, CallError> {
+    match args.numbers(first)? {
         [0.0, 0.0] => Ok(None),
         [radius, 0.0] => Ok(Some(Seam::Fillet(radius))),
         [0.0, length] => Ok(Some(Seam::Chamfer(length))),
-        _ => Err(given.fault("takes a fillet or a chamfer, not both")),
+        _ => Err(args.fault("takes a fillet or a chamfer, not both")),
     }
 }
 
 /// A blend of two shapes with a radius.
 type BlendFn = fn(&Field, &Field, f64) -> Result<Field, InvalidShape>;
 
-fn smooth(given: &BoundArgs, blend: BlendFn) -> Result<Arg, CallError> {
-    let (a, b): (&Solid, &Solid) = (given.shape(0)?, given.shape(1)?);
-    given.shape_result(blend(&a.field, &b.field, given.number(2)?), &[a, b])
+fn smooth(args: &BoundArgs, blend: BlendFn) -> Result<Arg, CallError> {
+    let (a, b): (&Solid, &Solid) = (args.shape(0)?, args.shape(1)?);
+    args.shape_result(blend(&a.field, &b.field, args.number(2)?), &[a, b])
 }

@@ -13,31 +13,29 @@ pub(super) const FORMULAS: &[Function] = &[
         parameters: &[required("formula")],
         about: "The points where a formula is negative.",
         distance: "a sign",
-        make: |given| {
-            let formula = given.formula(0)?;
+        make: |args| {
+            let formula = args.formula(0)?;
             let weight = formula.weight.saturating_add(1);
-            Ok(Arg::Shape(Solid { field: Field::new(formula.expr), weight, own: 1 }))
+            Ok(Arg::Shape(Solid { field: Field::new(formula.expr), weight, step_weight: 1 }))
         },
     },
-    unary_function("sqrt", "The square root.", |given| unary(given, Unary::Sqrt)),
-    unary_function("exp", "The exponential function.", |given| unary(given, Unary::Exp)),
-    unary_function("log", "The natural logarithm.", |given| unary(given, Unary::Ln)),
-    unary_function("sin", "The sine of an angle in radians.", |given| unary(given, Unary::Sin)),
-    unary_function("cos", "The cosine of an angle in radians.", |given| unary(given, Unary::Cos)),
-    unary_function("tan", "The tangent of an angle in radians.", |given| unary(given, Unary::Tan)),
-    unary_function("asin", "The angle of a sine.", |given| unary(given, Unary::Asin)),
-    unary_function("acos", "The angle of a cosine.", |given| unary(given, Unary::Acos)),
-    unary_function("atan", "The angle of a tangent.", |given| unary(given, Unary::Atan)),
-    binary_function("atan2", ["y", "x"], "The angle of a point.", |given| binary(given, Binary::Atan2)),
-    unary_function("floor", "The largest whole number that is not above.", |given| {
-        unary(given, Unary::Floor)
-    }),
-    unary_function("ceil", "The smallest whole number that is not below.", |given| unary(given, Unary::Ceil)),
-    binary_function("minimum", ["a", "b"], "The smaller of two.", |given| binary(given, Binary::Min)),
-    binary_function("maximum", ["a", "b"], "The larger of two.", |given| binary(given, Binary::Max)),
-    unary_function("radians", "An angle given in degrees.", |given| {
-        operate("*", given.any(0), &Arg::Number(RADIANS))
-            .unwrap_or_else(|| Err(given.fault("needs a number or a formula")))
+    unary_function("sqrt", "The square root.", |args| unary(args, Unary::Sqrt)),
+    unary_function("exp", "The exponential function.", |args| unary(args, Unary::Exp)),
+    unary_function("log", "The natural logarithm.", |args| unary(args, Unary::Ln)),
+    unary_function("sin", "The sine of an angle in radians.", |args| unary(args, Unary::Sin)),
+    unary_function("cos", "The cosine of an angle in radians.", |args| unary(args, Unary::Cos)),
+    unary_function("tan", "The tangent of an angle in radians.", |args| unary(args, Unary::Tan)),
+    unary_function("asin", "The angle of a sine.", |args| unary(args, Unary::Asin)),
+    unary_function("acos", "The angle of a cosine.", |args| unary(args, Unary::Acos)),
+    unary_function("atan", "The angle of a tangent.", |args| unary(args, Unary::Atan)),
+    binary_function("atan2", ["y", "x"], "The angle of a point.", |args| binary(args, Binary::Atan2)),
+    unary_function("floor", "The largest whole number that is not above.", |args| unary(args, Unary::Floor)),
+    unary_function("ceil", "The smallest whole number that is not below.", |args| unary(args, Unary::Ceil)),
+    binary_function("minimum", ["a", "b"], "The smaller of two.", |args| binary(args, Binary::Min)),
+    binary_function("maximum", ["a", "b"], "The larger of two.", |args| binary(args, Binary::Max)),
+    unary_function("radians", "An angle given in degrees.", |args| {
+        operate("*", args.any(0), &Arg::Number(RADIANS))
+            .unwrap_or_else(|| Err(args.fault("needs a number or a formula")))
     }),
 ];
 
@@ -62,19 +60,19 @@ const fn binary_function(
     Function { name, parameters, about, distance: "", make }
 }
 
-fn unary(given: &BoundArgs, op: Unary) -> Result<Arg, CallError> {
-    if let Arg::Number(value) = given.any(0) {
+fn unary(args: &BoundArgs, op: Unary) -> Result<Arg, CallError> {
+    if let Arg::Number(value) = args.any(0) {
         return Ok(Arg::Number(op.apply(*value)));
     }
-    let formula = given.formula(0)?;
+    let formula = args.formula(0)?;
     Ok(formula.with_expr(Expr::unary(op, &formula.expr), None))
 }
 
-fn binary(given: &BoundArgs, op: Binary) -> Result<Arg, CallError> {
-    if let (Arg::Number(a), Arg::Number(b)) = (given.any(0), given.any(1)) {
+fn binary(args: &BoundArgs, op: Binary) -> Result<Arg, CallError> {
+    if let (Arg::Number(a), Arg::Number(b)) = (args.any(0), args.any(1)) {
         return Ok(Arg::Number(op.apply(*a, *b)));
     }
-    let (a, b) = (given.formula(0)?, given.formula(1)?);
+    let (a, b) = (args.formula(0)?, args.formula(1)?);
     Ok(a.with_expr(Expr::binary(op, &a.expr, &b.expr), Some(&b)))
 }
 
@@ -95,19 +93,19 @@ impl Formula {
 
 impl BoundArgs {
     /// An error about this call.
-    pub(super) fn fault(&self, what: &str) -> CallError {
-        CallError(format!("{}() {what}", self.name()))
+    pub(super) fn fault(&self, predicate: &str) -> CallError {
+        CallError(format!("{}() {predicate}", self.name()))
     }
 
-    /// A shape made of another shape and a formula.
+    /// The result of a call that built a field from a shape and a formula.
     pub(super) fn formula_result(
         &self,
         field: Result<Field, InvalidShape>,
         solid: &Solid,
         formula: &Formula,
     ) -> Result<Arg, CallError> {
-        let made = self.shape_result(field, &[solid])?;
-        Ok(match made {
+        let result = self.shape_result(field, &[solid])?;
+        Ok(match result {
             Arg::Shape(solid) => {
                 Arg::Shape(Solid { weight: solid.weight.saturating_add(formula.weight), ..solid })
             }
@@ -116,8 +114,8 @@ impl BoundArgs {
     }
 }
 
-/// Applies an operator to two values, of which one is a shape or a formula, or both are numbers. `None` where
-/// it is undefined. `abs` and `neg` use the first value alone.
+/// Applies an operator to two values, of which one is a shape or a formula, or both are numbers. Returns
+/// `None` if the operator is undefined for them. `abs` and `neg` use the first value alone.
 #[must_use]
 pub fn operate(operator: &str, a: &Arg, b: &Arg) -> Option<Result<Arg, CallError>> {
     if let (Arg::Shape(a), Arg::Shape(b)) = (a, b) {
@@ -128,9 +126,9 @@ pub fn operate(operator: &str, a: &Arg, b: &Arg) -> Option<Result<Arg, CallError
             _ => return None,
         };
         /// A sum, a minimum and a sign of each.
-        const OWN: u64 = 8;
-        let weight = a.weight.saturating_add(b.weight).saturating_add(OWN);
-        return Some(Ok(Arg::Shape(Solid { field, weight, own: OWN })));
+        const STEP_WEIGHT: u64 = 8;
+        let weight = a.weight.saturating_add(b.weight).saturating_add(STEP_WEIGHT);
+        return Some(Ok(Arg::Shape(Solid { field, weight, step_weight: STEP_WEIGHT })));
     }
     let op = match operator {
         "+" => Binary::Add,

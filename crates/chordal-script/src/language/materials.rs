@@ -13,11 +13,11 @@ pub(super) const MATERIALS: &[Function] = &[
         about: "The shape in a colour: a text as \"#d33\", \"#dd3333\" or \"red\", or a list of three or four \
             numbers from 0 to 1. One given later replaces it.",
         distance: KEPT,
-        make: |given| {
-            let color = color_at(given, 1)?;
+        make: |args| {
+            let color = color_at(args, 1)?;
             let [r, g, b, a] = color.map(byte);
             let opacity = if a == u8::MAX { String::new() } else { format!("{a:02x}") };
-            paint(given, format!("color-{r:02x}{g:02x}{b:02x}{opacity}"), color, [0.0, 0.5])
+            paint(args, format!("color-{r:02x}{g:02x}{b:02x}{opacity}"), color, [0.0, 0.5])
         },
     },
     Function {
@@ -32,32 +32,32 @@ pub(super) const MATERIALS: &[Function] = &[
         about: "The shape of a material with a name, a colour as for color(), and how much it is a metal and how \
             rough it is, from 0 to 1.",
         distance: KEPT,
-        make: |given| {
-            let name = given.text(1)?.to_owned();
+        make: |args| {
+            let name = args.text(1)?.to_owned();
             let is_plain = (1..=100).contains(&name.len()) && !name.chars().any(char::is_control);
             if !is_plain {
-                return Err(given.fault("needs a name of 1 to 100 characters, none of which controls"));
+                return Err(args.fault("needs a name of 1 to 100 characters, none of which controls"));
             }
-            let looks = given.numbers::<2>(3)?;
-            for (what, value) in ["metallic", "roughness"].iter().zip(looks) {
+            let factors = args.numbers::<2>(3)?;
+            for (factor, value) in ["metallic", "roughness"].iter().zip(factors) {
                 if !(0.0..=1.0).contains(&value) {
-                    return Err(given.fault(&format!("needs a {what} from 0 to 1, not {value}")));
+                    return Err(args.fault(&format!("needs a {factor} from 0 to 1, not {value}")));
                 }
             }
-            paint(given, name, color_at(given, 2)?, looks)
+            paint(args, name, color_at(args, 2)?, factors)
         },
     },
 ];
 
 fn paint(
-    given: &BoundArgs,
+    args: &BoundArgs,
     name: String,
     color: [f64; 4],
     [metallic, roughness]: [f64; 2],
 ) -> Result<Arg, CallError> {
-    let solid = given.shape(0)?;
+    let solid = args.shape(0)?;
     let material = SurfaceMaterial { name, color, metallic, roughness };
-    given.shape_result(Ok(solid.field.with_material(material)), &[solid])
+    args.shape_result(Ok(solid.field.with_material(material)), &[solid])
 }
 
 /// The nearest of 256 levels.
@@ -66,18 +66,18 @@ fn byte(x: f64) -> u8 {
 }
 
 /// The colour at index `k`: red, green, blue and opacity.
-fn color_at(given: &BoundArgs, k: usize) -> Result<[f64; 4], CallError> {
-    let wrong = |what: &str| {
-        given.fault(&format!(
-            "needs a colour as \"#d33\", \"#dd3333\", \"red\" or [0.8, 0.2, 0.2] for 'color', not {what}"
+fn color_at(args: &BoundArgs, k: usize) -> Result<[f64; 4], CallError> {
+    let wrong = |found: &str| {
+        args.fault(&format!(
+            "needs a colour as \"#d33\", \"#dd3333\", \"red\" or [0.8, 0.2, 0.2] for 'color', not {found}"
         ))
     };
-    match given.any(k) {
+    match args.any(k) {
         Arg::Text(text) => color_of_text(text).ok_or_else(|| wrong(&format!("\"{text}\""))),
         Arg::List(list) => {
             let numbers: Vec<f64> = list
                 .iter()
-                .filter_map(|one| if let Arg::Number(x) = one { Some(*x) } else { None })
+                .filter_map(|item| if let Arg::Number(x) = item { Some(*x) } else { None })
                 .filter(|x| (0.0..=1.0).contains(x))
                 .collect();
             match numbers[..] {

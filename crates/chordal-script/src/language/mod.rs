@@ -40,7 +40,7 @@ pub enum Arg {
     Shape(Solid),
     /// An expression in x, y and z.
     Formula(Formula),
-    /// Something that no function takes, by its name in the host language.
+    /// A value that no function takes, by the name of its type in the host language.
     Other(String),
 }
 
@@ -49,10 +49,10 @@ pub enum Arg {
 pub struct Solid {
     /// The shape.
     pub field: Field,
-    /// An upper bound of the terms of its expression, as if nothing were shared.
+    /// An upper bound of the number of terms of its expression, with shared ones counted at each use.
     pub(crate) weight: u64,
-    /// The terms of these that the last step added.
-    pub(crate) own: u64,
+    /// The number of these that the last step added.
+    pub(crate) step_weight: u64,
 }
 
 /// An expression with its cost.
@@ -72,10 +72,10 @@ impl Arg {
         [("x", x), ("y", y), ("z", z)]
     }
 
-    /// Wraps a shape made elsewhere.
+    /// Wraps a shape that is no result of this language.
     #[must_use]
     pub fn shape(field: Field) -> Self {
-        Self::Shape(Solid { field, weight: 1, own: 1 })
+        Self::Shape(Solid { field, weight: 1, step_weight: 1 })
     }
 
     /// Wraps a path.
@@ -108,7 +108,7 @@ impl Arg {
         }
     }
 
-    /// An upper bound of the terms of the expression.
+    /// An upper bound of the number of terms of the expression.
     pub(crate) fn weight(&self) -> u64 {
         match self {
             Self::Shape(solid) => solid.weight,
@@ -118,10 +118,10 @@ impl Arg {
         }
     }
 
-    /// The terms that the last step added.
+    /// The number of terms that the last step added.
     pub(crate) fn step_weight(&self) -> u64 {
         match self {
-            Self::Shape(solid) => solid.own,
+            Self::Shape(solid) => solid.step_weight,
             Self::Formula(_) => 1,
             Self::Path(path) => path.n_pieces() as u64,
             _ => 0,
@@ -129,10 +129,10 @@ impl Arg {
     }
 }
 
-/// What stands where a shape is needed and there is nothing.
+/// The kind of None, in an error where a shape is needed.
 pub(crate) const NOTHING_GIVEN: &str = "nothing, which is what a function without 'return' gives";
 
-/// What is wrong with a call, in one sentence.
+/// An error in a call, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CallError(pub String);
 

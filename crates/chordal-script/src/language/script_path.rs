@@ -4,9 +4,9 @@ use chordal::explicit::Curve;
 /// A path of the language.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptPath {
-    /// One of the plane.
+    /// A path of the plane.
     Plane(Curve<2>),
-    /// One of space.
+    /// A path of space.
     Space(Curve<3>),
 }
 

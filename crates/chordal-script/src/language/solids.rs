@@ -13,37 +13,37 @@ pub(super) const SOLIDS: &[Function] = &[
         parameters: &[required("radius")],
         about: "A ball around the origin.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::sphere(given.number(0)?), &[]),
+        make: |args| args.shape_result(shapes::sphere(args.number(0)?), &[]),
     },
     Function {
         name: "box",
         parameters: &[required("x"), required("y"), required("z")],
         about: "A box of these full sizes around the origin.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::cuboid(given.numbers(0)?), &[]),
+        make: |args| args.shape_result(shapes::cuboid(args.numbers(0)?), &[]),
     },
     Function {
         name: "rounded_box",
         parameters: &[required("x"), required("y"), required("z"), required("radius")],
         about: "A box of these full sizes whose edges are rounded to a radius.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::rounded_cuboid(given.numbers(0)?, given.number(3)?), &[]),
+        make: |args| args.shape_result(shapes::rounded_cuboid(args.numbers(0)?, args.number(3)?), &[]),
     },
     Function {
         name: "cylinder",
         parameters: &[required("radius"), required("height")],
         about: "A cylinder along z, around the origin.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::cylinder(given.number(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::cylinder(args.number(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "cone",
         parameters: &[required("bottom"), required("top"), required("height")],
         about: "A cone along z with a radius at its bottom and one at its top, either of them 0 if you like.",
         distance: EXACT,
-        make: |given| {
-            let [bottom, top, height] = given.numbers(0)?;
-            given.shape_result(shapes::capped_cone(bottom, top, height), &[])
+        make: |args| {
+            let [bottom, top, height] = args.numbers(0)?;
+            args.shape_result(shapes::capped_cone(bottom, top, height), &[])
         },
     },
     Function {
@@ -51,62 +51,58 @@ pub(super) const SOLIDS: &[Function] = &[
         parameters: &[required("a"), required("b"), required("radius")],
         about: "All points nearer than a radius to the segment between two points.",
         distance: EXACT,
-        make: |given| {
-            given.shape_result(shapes::capsule(given.point(0)?, given.point(1)?, given.number(2)?), &[])
-        },
+        make: |args| args.shape_result(shapes::capsule(args.point(0)?, args.point(1)?, args.number(2)?), &[]),
     },
     Function {
         name: "torus",
         parameters: &[required("major"), required("minor")],
         about: "A ring around z: the radius of its circle, and that of its tube.",
         distance: "exact; lower bound inside where the ring meets itself",
-        make: |given| given.shape_result(shapes::torus(given.number(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::torus(args.number(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "ellipsoid",
         parameters: &[required("x"), required("y"), required("z")],
         about: "An ellipsoid of these three radii.",
         distance: BOUND,
-        make: |given| given.shape_result(shapes::ellipsoid(given.numbers(0)?), &[]),
+        make: |args| args.shape_result(shapes::ellipsoid(args.numbers(0)?), &[]),
     },
     Function {
         name: "prism",
         parameters: &[required("sides"), required("radius"), required("height")],
         about: "A regular prism along z; the radius is that of its corners, one of which is on the x axis.",
         distance: EXACT,
-        make: |given| {
-            given.shape_result(shapes::prism(given.count(0)?, given.number(1)?, given.number(2)?), &[])
-        },
+        make: |args| args.shape_result(shapes::prism(args.count(0)?, args.number(1)?, args.number(2)?), &[]),
     },
     Function {
         name: "octahedron",
         parameters: &[required("radius")],
         about: "A regular octahedron with its corners on the axes.",
         distance: "exact inside, lower bound outside",
-        make: |given| given.shape_result(shapes::octahedron(given.number(0)?), &[]),
+        make: |args| args.shape_result(shapes::octahedron(args.number(0)?), &[]),
     },
     Function {
         name: "tetrahedron",
         parameters: &[required("radius")],
         about: "A regular tetrahedron; the radius is that of its corners, one of them towards (1, 1, 1).",
         distance: "exact inside, lower bound outside",
-        make: |given| given.shape_result(shapes::tetrahedron(given.number(0)?), &[]),
+        make: |args| args.shape_result(shapes::tetrahedron(args.number(0)?), &[]),
     },
     Function {
         name: "plane",
         parameters: &[required("normal"), optional("offset", 0.0)],
         about: "All points below a plane, which is that far from the origin along its normal.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::plane(given.point(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::plane(args.point(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "triangle",
         parameters: &[required("a"), required("b"), required("c"), required("thickness")],
         about: "All points nearer than half of a thickness to a triangle in space.",
         distance: EXACT,
-        make: |given| {
-            given.shape_result(
-                shapes::triangle([given.point(0)?, given.point(1)?, given.point(2)?], given.number(3)?),
+        make: |args| {
+            args.shape_result(
+                shapes::triangle([args.point(0)?, args.point(1)?, args.point(2)?], args.number(3)?),
                 &[],
             )
         },
@@ -138,11 +134,12 @@ pub(super) const SOLIDS: &[Function] = &[
         about: "A metric thread along z, as \"M6\" (coarse) or \"M6x0.75\", all of its sides moved inward by a \
             clearance; a negative one is for the hole of a nut.",
         distance: "a sign",
-        make: |given| {
-            let form = shapes::ThreadForm::from_name(given.text(0)?);
-            let (height, clearance) = (given.number(1)?, given.number(2)?);
-            let made = form.and_then(|form| shapes::thread(shapes::ThreadForm { clearance, ..form }, height));
-            given.shape_result(made, &[])
+        make: |args| {
+            let form = shapes::ThreadForm::from_name(args.text(0)?);
+            let (height, clearance) = (args.number(1)?, args.number(2)?);
+            let field =
+                form.and_then(|form| shapes::thread(shapes::ThreadForm { clearance, ..form }, height));
+            args.shape_result(field, &[])
         },
     },
     Function {
@@ -150,33 +147,33 @@ pub(super) const SOLIDS: &[Function] = &[
         parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of the gyroid, without end; with shell() it is a wall.",
         distance: BOUND,
-        make: |given| given.shape_result(shapes::gyroid(given.number(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::gyroid(args.number(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "schwarz_p",
         parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of Schwarz' surface P, without end.",
         distance: BOUND,
-        make: |given| given.shape_result(shapes::schwarz_p(given.number(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::schwarz_p(args.number(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "diamond",
         parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of Schwarz' surface D, without end.",
         distance: BOUND,
-        make: |given| given.shape_result(shapes::diamond(given.number(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::diamond(args.number(0)?, args.number(1)?), &[]),
     },
 ];
 
-fn hull(given: &BoundArgs) -> Result<Arg, CallError> {
-    if !given.has_shapes(0) {
-        return given.shape_result(shapes::hull(&given.points(0)?, given.number(1)?), &[]);
+fn hull(args: &BoundArgs) -> Result<Arg, CallError> {
+    if !args.has_shapes(0) {
+        return args.shape_result(shapes::hull(&args.points(0)?, args.number(1)?), &[]);
     }
-    if given.has_shapes(1) {
-        return Err(given.fault("takes several shapes as a list, as in hull([a, b])"));
+    if args.has_shapes(1) {
+        return Err(args.fault("takes several shapes as a list, as in hull([a, b])"));
     }
-    let parts: Vec<Field> = given.shapes()?.into_iter().map(|solid| solid.field.clone()).collect();
-    given.shape_result(shapes::hull_of(&parts, given.number(1)?), &[])
+    let parts: Vec<Field> = args.shapes()?.into_iter().map(|solid| solid.field.clone()).collect();
+    args.shape_result(shapes::hull_of(&parts, args.number(1)?), &[])
 }
 
 /// Plane shapes.
@@ -186,30 +183,28 @@ pub(super) const FLAT: &[Function] = &[
         parameters: &[required("radius")],
         about: "A disc around the origin.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::circle(given.number(0)?), &[]),
+        make: |args| args.shape_result(shapes::circle(args.number(0)?), &[]),
     },
     Function {
         name: "rectangle",
         parameters: &[required("x"), required("y")],
         about: "A rectangle of these full sizes around the origin.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::rectangle(given.numbers(0)?), &[]),
+        make: |args| args.shape_result(shapes::rectangle(args.numbers(0)?), &[]),
     },
     Function {
         name: "rounded_rectangle",
         parameters: &[required("x"), required("y"), required("radius")],
         about: "A rectangle of these full sizes whose corners are rounded to a radius.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::rounded_rectangle(given.numbers(0)?, given.number(2)?), &[]),
+        make: |args| args.shape_result(shapes::rounded_rectangle(args.numbers(0)?, args.number(2)?), &[]),
     },
     Function {
         name: "segment",
         parameters: &[required("a"), required("b"), required("radius")],
         about: "All points nearer than a radius to the segment between two points.",
         distance: EXACT,
-        make: |given| {
-            given.shape_result(shapes::segment(given.point(0)?, given.point(1)?, given.number(2)?), &[])
-        },
+        make: |args| args.shape_result(shapes::segment(args.point(0)?, args.point(1)?, args.number(2)?), &[]),
     },
     Function {
         name: "polygon",
@@ -224,13 +219,13 @@ pub(super) const FLAT: &[Function] = &[
         parameters: &[required("sides"), required("radius")],
         about: "A regular polygon; the radius is that of its corners, one of which is on the x axis.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::regular_polygon(given.count(0)?, given.number(1)?), &[]),
+        make: |args| args.shape_result(shapes::regular_polygon(args.count(0)?, args.number(1)?), &[]),
     },
     Function {
         name: "planar_hull",
         parameters: &[required("points")],
         about: "The convex hull of points of the plane.",
         distance: EXACT,
-        make: |given| given.shape_result(shapes::planar_hull(&given.points(0)?), &[]),
+        make: |args| args.shape_result(shapes::planar_hull(&args.points(0)?), &[]),
     },
 ];
