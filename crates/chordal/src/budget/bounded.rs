@@ -16,6 +16,14 @@ impl<T> Bounded<T> {
     pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Bounded<U> {
         Bounded { shape: f(self.shape), bound: self.bound }
     }
+
+    /// The result of an arrow: itself if the budget is met, else [`Failure::Unmet`] with it.
+    ///
+    /// # Errors
+    /// If the budget is not met.
+    pub(crate) fn met_if(self, is_met: bool) -> Result<Self, Failure<T>> {
+        if is_met { Ok(self) } else { Err(Failure::Unmet(Box::new(self))) }
+    }
 }
 
 /// Why there is no result that meets the budget.

@@ -1,5 +1,5 @@
 //! `Budget`: the allowed error, in units, in pixels at a view, in degrees, or as a number of triangles.
-use super::{AttributeLimits, Pixels, Refusal, RefusalCode, Tolerance, View};
+use super::{AttributeLimits, Bound, Pixels, Refusal, RefusalCode, Tolerance, View};
 use crate::math::{Box3, lesser};
 use std::fmt;
 use std::str::FromStr;
@@ -132,6 +132,17 @@ impl Budget {
         };
         let by_length = self.length.map_or(f64::INFINITY, Tolerance::get);
         Some(lesser(by_length, by_view))
+    }
+
+    /// Whether a bound keeps its length, its pixels and its angle. A bound without an upper end keeps nothing.
+    pub(crate) fn is_met_by(&self, bound: &Bound) -> bool {
+        let within = |value: Option<f64>, limit: Option<f64>| {
+            limit.is_none_or(|limit| value.is_some_and(|value| value <= limit))
+        };
+        bound.at_most().is_some()
+            && within(bound.at_most(), self.length.map(Tolerance::get))
+            && within(bound.pixels, self.pixels.map(|limit| limit.pixels.get()))
+            && within(bound.angle_deg, self.angle_deg)
     }
 
     /// Whether it has a limit that a mesh can be built for.

@@ -445,5 +445,5 @@ fn finished(
         return Err(Failure::refused(RefusalCode::NotFinite, "the surface leaves the range of numbers"));
     }
     let bounded = Bounded { shape: surface, bound: Bound::proved(0.0, error.at_most, Reference::Curves) };
-    if error.at_most <= tolerance.get() { Ok(bounded) } else { Err(Failure::Unmet(Box::new(bounded))) }
+    bounded.met_if(error.at_most <= tolerance.get())
 }

@@ -148,7 +148,8 @@ fn refine_to_budget<S: SampleSource>(
             refined.filter(|mesh| upper_bound(mesh) < upper_bound(&coarse)).unwrap_or(coarse)
         }
     };
-    if is_met(&best) { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
+    let is_met = is_met(&best);
+    best.met_if(is_met)
 }
 
 /// The mesh with cells halved as far as needed and allowed. `None` if the mesh of the lattice itself has too many

@@ -1,16 +1,12 @@
 //! `length_from_pixels`: the length that a budget in pixels allows around a box; `remaining_pixels`: the rest of such a
 //! budget after one step.
-use crate::budget::{Failure, PixelBudget, Pixels, RefusalCode};
+use super::budget_search::too_close;
+use crate::budget::{Failure, PixelBudget, Pixels};
 use crate::math::Box3;
 
 /// The length that a budget in pixels allows anywhere within that length of the box: a mesh may stick out so far.
 pub(super) fn length_from_pixels<T>(bounds: &Box3, px: &PixelBudget) -> Result<f64, Failure<T>> {
-    let too_close = || {
-        Failure::refused(
-            RefusalCode::TooClose,
-            "the shape comes so close to the eye that there is no bound in pixels",
-        )
-    };
+    let too_close = || too_close("shape");
     let in_box = px.view.length_of(px.pixels, bounds).ok_or_else(too_close)?;
     let around = Box3 { min: bounds.min.map(|x| x - in_box), max: bounds.max.map(|x| x + in_box) };
     px.view.length_of(px.pixels, &around).ok_or_else(too_close)

@@ -1,5 +1,6 @@
 //! The conversions: one file per arrow `a_to_b`. A lossy one takes a budget and reports a bound.
 mod bevel;
+mod budget_search;
 mod cage_to_mesh;
 mod contours;
 mod contours_to_field;

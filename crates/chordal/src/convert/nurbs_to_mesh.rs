@@ -70,11 +70,8 @@ pub fn nurbs_to_patches(
         patches.bound = Bound::proved(0.0, at_most, Reference::NurbsSurfaces);
         Ok(patches)
     })?;
-    if bounded.bound.at_most().is_some_and(|most| most <= length.get()) {
-        Ok(bounded)
-    } else {
-        Err(Failure::Unmet(Box::new(bounded)))
-    }
+    let is_met = bounded.bound.at_most().is_some_and(|most| most <= length.get());
+    bounded.met_if(is_met)
 }
 
 /// Meshes NURBS surfaces within a budget.
@@ -181,7 +178,7 @@ fn mesh_at(
             let is_met = budget
                 .length
                 .is_none_or(|total| mesh.bound.at_most().is_some_and(|most| most <= total.get()));
-            if is_met { Ok(mesh) } else { Err(Failure::Unmet(Box::new(mesh))) }
+            mesh.met_if(is_met)
         }
         Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(join(*best)))),
         other => other,

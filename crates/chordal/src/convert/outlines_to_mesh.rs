@@ -1,4 +1,5 @@
 //! The arrow from outlines to triangles in the plane z = 0: the areas that are inside by the outlines' fill rules.
+use super::budget_search::too_close;
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
 use super::length_from_pixels::remaining_pixels;
@@ -138,13 +139,9 @@ impl ClosedOutlines {
                     Ok(_) => {
                         let best = self.by_count(most, job)?;
                         // The finest mesh with so few triangles may still be within the length.
-                        let is_within = |limit: f64| best.bound.at_most().is_some_and(|most| most <= limit);
-                        let by_length = budget.length.is_none_or(|length| is_within(length.get()));
-                        if by_length && budget.pixels.is_none() {
-                            Ok(best)
-                        } else {
-                            Err(Failure::Unmet(Box::new(best)))
-                        }
+                        let by_length = Budget { length: budget.length, ..Budget::default() };
+                        let is_met = budget.pixels.is_none() && by_length.is_met_by(&best.bound);
+                        best.met_if(is_met)
                     }
                     Err(failure) => Err(failure),
                 }
@@ -181,7 +178,7 @@ impl ClosedOutlines {
             inner.length = Some(remaining.map_err(|_| too_small(length.to_string()))?);
         }
         if let Some(px) = budget.pixels {
-            px.view.pixels_of(lost, &self.bounds).ok_or_else(too_close)?;
+            px.view.pixels_of(lost, &self.bounds).ok_or_else(|| too_close("drawing"))?;
             let remaining = remaining_pixels(&px, lost, &self.bounds);
             inner.pixels = Some(remaining.ok_or_else(|| too_small(px.pixels.to_string()))?);
         }
@@ -286,13 +283,6 @@ impl ClosedOutlines {
         };
         Ok(Bounded { shape: mesh, bound })
     }
-}
-
-fn too_close<T>() -> Failure<T> {
-    Failure::refused(
-        RefusalCode::TooClose,
-        "the drawing comes so close to the eye that there is no bound in pixels",
-    )
 }
 
 /// The reason why an outline cannot be filled.

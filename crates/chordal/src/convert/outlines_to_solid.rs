@@ -1,6 +1,7 @@
 //! The arrow from outlines to solids: the filled areas, extruded from the plane z = 0 to a height.
+use super::budget_search::length_within;
 use super::outlines_to_mesh::ClosedOutlines;
-use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
+use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
 use crate::explicit::{Mesh, Outline};
 
 /// Beyond this, squares of differences leave the range of numbers, as in the plane.
@@ -51,12 +52,8 @@ pub fn outlines_to_solid(
     let outlines = ClosedOutlines::new(outlines, Some(height))?;
     let Some(px) = budget.pixels else { return outlines.mesh(budget, job) };
     // The walls may be nearer to the eye than the plane in which the curves are flattened.
-    let too_close = || {
-        let message = "the solid comes so close to the eye that there is no bound in pixels";
-        Failure::refused(RefusalCode::TooClose, message)
-    };
-    let length = budget.length_in(outlines.bounds()).and_then(|length| Tolerance::new(length).ok());
-    let by_length = Budget { length: Some(length.ok_or_else(too_close)?), pixels: None, ..*budget };
+    let length = length_within(budget, outlines.bounds(), "solid")?;
+    let by_length = Budget { length, pixels: None, ..*budget };
     let in_pixels = |mut mesh: Bounded<Mesh>| {
         let most = mesh.bound.at_most();
         mesh.bound.pixels = most.and_then(|most| px.view.pixels_of(most, outlines.bounds()));

@@ -97,7 +97,7 @@ pub fn trimmed_surfaces_to_mesh(
         mesh.at_most = with_slack(mesh.at_most, slack);
         let is_near = length.is_none_or(|length| mesh.at_most <= length);
         let mesh = with_bound(mesh, budget, &bounds);
-        if is_few && is_near { Ok(mesh) } else { Err(Failure::Unmet(Box::new(mesh))) }
+        mesh.met_if(is_few && is_near)
     })
 }
 

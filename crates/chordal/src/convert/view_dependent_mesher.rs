@@ -2,7 +2,6 @@
 use super::cage_to_mesh::CageMesher;
 use super::patches::adjacency::PatchAdjacency;
 use super::patches::allowance::{Allowance, TessellationFailure};
-use super::patches::budget::meets;
 use super::patches::mesher::{CertifiedTiles, PatchMesher};
 use super::patches::subpatch::PatchSurface;
 use super::patches_to_mesh::checked_patches;
@@ -134,9 +133,8 @@ impl<'a> ViewDependentMesher<'a> {
         let before = tiles.take();
         let (mesh, built) =
             job.run(|| PatchMesher::new(&**sheets, adjacency, job).mesh_from(before, &allowance))?;
-        if !meets(&mesh, budget) {
-            return Err(Failure::Unmet(Box::new(mesh)));
-        }
+        let is_met = budget.is_met_by(&mesh.bound);
+        let mesh = mesh.met_if(is_met)?;
         let kept = built.n_kept();
         self.reuse = TileReuse { kept, made: built.n_tiles() - kept };
         *tiles = Some(built);

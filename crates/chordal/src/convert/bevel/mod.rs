@@ -4,6 +4,7 @@ mod border;
 mod plane;
 mod roof;
 
+use super::budget_search::length_within;
 use super::outlines_to_mesh::outlines_to_mesh;
 use super::outlines_to_solid::{FanFaces, LARGEST};
 use crate::budget::{Bound, Bounded, Budget, Evidence, Failure, Job, Reference, RefusalCode, Tolerance};
@@ -85,14 +86,8 @@ pub fn outlines_to_bevelled_solid(
         ));
     }
     let place = solid_box(outlines, height);
-    let length = budget.length_in(&place).and_then(|length| Tolerance::new(length).ok());
-    let length = length.ok_or_else(|| match budget.pixels {
-        Some(_) => Failure::refused(
-            RefusalCode::TooClose,
-            "the solid comes so close to the eye that there is no bound in pixels",
-        ),
-        None => refused("a budget for bevelled solids needs a length or pixels at a view".into()),
-    })?;
+    let length = length_within(budget, &place, "solid")?
+        .ok_or_else(|| refused("a budget for bevelled solids needs a length or pixels at a view".into()))?;
     job.run(|| {
         let (mut positions, mut faces) = (Vec::new(), Vec::new());
         let (mut most, mut is_met) = (0.0, true);
@@ -116,7 +111,7 @@ pub fn outlines_to_bevelled_solid(
         let mut bound = Bound::with_evidence(0.0, Some(most), evidence, Reference::Curves);
         bound.pixels = budget.pixels.as_ref().and_then(|asked| asked.view.pixels_of(most, &place));
         let made = Bounded { shape: mesh, bound };
-        if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+        made.met_if(is_met)
     })
 }
 

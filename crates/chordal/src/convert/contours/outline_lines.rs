@@ -54,7 +54,7 @@ pub(in crate::convert) fn outline_lines(
         Bound::with_evidence(0.0, Some(add_up(sagitta_bound, outline.distance)), evidence, Reference::Field);
     let outline_in_lines = Bounded { shape, bound };
     let fits = goal.segments.is_none_or(|most| n <= most);
-    Some(if fits { Ok(outline_in_lines) } else { Err(Failure::Unmet(Box::new(outline_in_lines))) })
+    Some(outline_in_lines.met_if(fits))
 }
 
 /// The segments of an edge of a loop.

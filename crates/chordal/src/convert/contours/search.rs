@@ -175,7 +175,7 @@ impl ContourSearch<'_> {
     ) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
         let n: u64 = lines.shape.iter().map(|line| line.n_segments() as u64).sum();
         let fits = self.goal.segments.is_none_or(|most| n <= most);
-        if fits { Ok(lines) } else { Err(Failure::Unmet(Box::new(lines))) }
+        lines.met_if(fits)
     }
 
     /// The lines of the finest lattice found with no more segments than the goal allows.

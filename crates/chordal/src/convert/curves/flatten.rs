@@ -1,6 +1,7 @@
 //! `Flattener`: flattens many paths under one budget, with a tolerance and a bound for each piece.
 use super::piece::{Chords, rounding};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Lens, Pixels, Reference, RefusalCode, par_map};
+use crate::convert::budget_search::{Approximation, too_close, within_budget};
 use crate::convert::ladder::LengthLadder;
 use crate::explicit::nurbs::HEAVIEST;
 use crate::explicit::{Curve, CurveSegment, Polyline};
@@ -160,34 +161,12 @@ impl<'a, const D: usize> Flattener<'a, D> {
             length: budget.length.map(|length| length.get()),
             pixels: budget.pixels.map(|px| (px.pixels, px.view.lens())),
         };
-        let most = budget.segments.unwrap_or(u64::MAX);
-        if allowance.length.is_none() && allowance.pixels.is_none() {
-            return self.within_count(most, &allowance);
-        }
-        if most > self.limit() {
-            self.check_limits(&allowance)?;
-        }
-        if let Some(cuts) = self.cut(&allowance, most)? {
-            return Ok(self.finish(&cuts, &allowance));
-        }
-        match self.within_count(most, &allowance) {
-            Ok(best) if self.meets(&best, budget) => Ok(best),
-            Ok(best) => Err(Failure::Unmet(Box::new(best))),
-            Err(other) => Err(other),
-        }
+        within_budget(&CurveApproximation { paths: self, allowance }, budget, budget.segments)
     }
 
     /// The most segments that the job allows.
     fn limit(&self) -> u64 {
         self.job.triangle_limit.min((self.job.memory_limit as f64 / BYTES_PER_POINT) as u64)
-    }
-
-    fn meets(&self, polylines: &Bounded<Vec<Polyline<D>>>, budget: &Budget) -> bool {
-        let within = |value: Option<f64>, limit: Option<f64>| {
-            limit.is_none_or(|limit| value.is_some_and(|value| value <= limit))
-        };
-        within(polylines.bound.at_most(), budget.length.map(|l| l.get()))
-            && within(polylines.bound.pixels, budget.pixels.map(|px| px.pixels.get()))
     }
 
     /// The tolerance for the chords of a part.
@@ -198,12 +177,8 @@ impl<'a, const D: usize> Flattener<'a, D> {
     ) -> Result<f64, FlatteningFailure<D>> {
         let mut length = allowance.length.unwrap_or(f64::INFINITY);
         if let Some((pixels, lens)) = allowance.pixels {
-            let by_pixels = lens.scale_at(&part.bounds).length_of(pixels).ok_or_else(|| {
-                Failure::refused(
-                    RefusalCode::TooClose,
-                    "the curve comes so close to the eye that there is no bound in pixels",
-                )
-            })?;
+            let by_pixels =
+                lens.scale_at(&part.bounds).length_of(pixels).ok_or_else(|| too_close("curve"))?;
             length = lesser(by_pixels, length);
         }
         if part.rounding_error == 0.0 {
@@ -364,6 +339,32 @@ impl<'a, const D: usize> Flattener<'a, D> {
             first += curve.segments().len();
         }
         (0.0, None)
+    }
+}
+
+/// Paths as polylines.
+struct CurveApproximation<'a, 'f, const D: usize> {
+    paths: &'f Flattener<'a, D>,
+    allowance: CurveAllowance,
+}
+
+impl<const D: usize> Approximation for CurveApproximation<'_, '_, D> {
+    type Shape = Vec<Polyline<D>>;
+
+    fn by_error(&self, most: u64) -> Result<Option<Bounded<Vec<Polyline<D>>>>, FlatteningFailure<D>> {
+        if most > self.paths.limit() {
+            self.paths.check_limits(&self.allowance)?;
+        }
+        let cuts = self.paths.cut(&self.allowance, most)?;
+        Ok(cuts.map(|cuts| self.paths.finish(&cuts, &self.allowance)))
+    }
+
+    fn by_count(&self, most: u64) -> Result<Bounded<Vec<Polyline<D>>>, FlatteningFailure<D>> {
+        self.paths.within_count(most, &self.allowance)
+    }
+
+    fn count(polylines: &Vec<Polyline<D>>) -> u64 {
+        polylines.iter().map(|polyline| polyline.n_segments() as u64).sum()
     }
 }
 

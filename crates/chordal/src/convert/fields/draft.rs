@@ -59,7 +59,7 @@ pub(in crate::convert) fn measured_draft(field: &Field, goal: &FieldMeshGoal, jo
     let is_far = goal.length.is_some_and(|length| bound.at_least() > length.get());
     let is_many = goal.triangles.is_some_and(|most| shape.faces().len() as u64 > most);
     let bounded = Bounded { shape, bound };
-    if is_far || is_many { Err(Failure::Unmet(Box::new(bounded))) } else { Ok(bounded) }
+    bounded.met_if(!is_far && !is_many)
 }
 
 fn on_lattice(field: &Field, tape: &Tape, cells: usize, job: &Job) -> Result<Mesh, Failure<Mesh>> {

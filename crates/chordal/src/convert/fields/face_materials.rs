@@ -83,10 +83,11 @@ impl<'a> FaceMaterials<'a> {
         };
         match mesh {
             // Rounding of the cuts is added to the bound, which may then exceed the length.
-            Ok(mesh) => match paint(mesh)? {
-                painted if is_within(&painted) => Ok(painted),
-                painted => Err(Failure::Unmet(Box::new(painted))),
-            },
+            Ok(mesh) => {
+                let painted = paint(mesh)?;
+                let is_met = is_within(&painted);
+                painted.met_if(is_met)
+            }
             Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(paint(*best)?))),
             other => other,
         }

@@ -159,7 +159,7 @@ impl<'s> FieldMeshSearch<'s> {
         self.mesher.check_precision(length.get())?;
         if self.is_measured {
             let mesh = self.by_samples(evaluator, length.get())?;
-            return if self.is_strict() { Err(Failure::Unmet(Box::new(mesh))) } else { Ok(mesh) };
+            return mesh.met_if(!self.is_strict());
         }
         // Without slopes, signs are proved by values alone, on pieces as small as the rest of the length.
         let share = if self.mesher.is_sampled { SAMPLED } else { 1.0 };
@@ -447,7 +447,7 @@ impl<'s> FieldMeshSearch<'s> {
         };
         if self.is_measured {
             let measured = self.measure(mesh)?;
-            return if self.is_strict() { Err(Failure::Unmet(Box::new(measured))) } else { Ok(measured) };
+            return measured.met_if(!self.is_strict());
         }
         let work = evaluator.work();
         let proof = self.proof_job(work, mesh.faces().len());

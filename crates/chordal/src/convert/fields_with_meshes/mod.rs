@@ -109,7 +109,7 @@ fn search_plain(field: &Field, goal: &FieldMeshGoal, job: &Job) -> MeshResult {
 fn judged(mesh: Bounded<Mesh>, goal: &FieldMeshGoal) -> MeshResult {
     let fits = goal.triangles.is_none_or(|most| mesh.shape.faces().len() as u64 <= most);
     let near = goal.length.is_none_or(|length| mesh.bound.at_most().is_some_and(|most| most <= length.get()));
-    if fits && near { Ok(mesh) } else { Err(Failure::Unmet(Box::new(mesh))) }
+    mesh.met_if(fits && near)
 }
 
 /// The best of a few lattices.

@@ -4,6 +4,7 @@ use super::mesher::{CertifiedTiles, PatchMesher};
 use super::sheet_plan::BYTES_PER_TRIANGLE;
 use super::subpatch::PatchSurface;
 use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, Tolerance};
+use crate::convert::budget_search::{Approximation, within_budget};
 use crate::convert::ladder::LengthLadder;
 use crate::explicit::Mesh;
 
@@ -22,38 +23,36 @@ pub(crate) fn mesh_within(
             normal_deviation: budget.angle_deg.map(|angle| 2.0 * libm::sin(0.5 * angle.to_radians())),
             share: 1.0,
         };
-        if allowance.length.is_none() && allowance.pixels.is_none() {
-            let best = within_count(&mesher, &allowance, budget.triangles.unwrap_or(u64::MAX), job)?;
-            return if meets(&best, budget) { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) };
-        }
-        let planned = mesher.plan_within_limits(&allowance)?;
-        let most = budget.triangles.unwrap_or(u64::MAX);
-        if planned.count(&mesher) <= most {
-            let mut proved = mesher.prove(planned, &allowance)?;
-            if proved.count() <= most {
-                return Ok(mesher.finish(&mut proved, &allowance));
-            }
-        }
-        let best = within_count(&mesher, &allowance, most, job).or_else(|failure| match failure {
-            Failure::Unmet(best) => Ok(*best),
-            other => Err(other),
-        })?;
-        // The bound of the coarser mesh may still meet the budget.
-        if best.shape.faces().len() as u64 <= most && meets(&best, budget) {
-            return Ok(best);
-        }
-        Err(Failure::Unmet(Box::new(best)))
+        within_budget(&PatchApproximation { mesher: &mesher, allowance, job }, budget, budget.triangles)
     })
 }
 
-pub(crate) fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
-    let Some(most) = mesh.bound.at_most() else { return false };
-    let by_length = budget.length.is_none_or(|length| most <= length.get());
-    let by_pixels = |limit: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= limit);
-    let by_angle = |limit: f64| mesh.bound.angle_deg.is_some_and(|angle| angle <= limit);
-    by_length
-        && budget.pixels.is_none_or(|limit| by_pixels(limit.pixels.get()))
-        && budget.angle_deg.is_none_or(by_angle)
+/// A surface as triangles: planned first, since a plan tells the number of triangles before any is proved.
+struct PatchApproximation<'a, 'm, 's> {
+    mesher: &'m PatchMesher<'a, 's>,
+    allowance: Allowance,
+    job: &'m Job,
+}
+
+impl Approximation for PatchApproximation<'_, '_, '_> {
+    type Shape = Mesh;
+
+    fn by_error(&self, most: u64) -> Result<Option<Bounded<Mesh>>, TessellationFailure> {
+        let planned = self.mesher.plan_within_limits(&self.allowance)?;
+        if planned.count(self.mesher) > most {
+            return Ok(None);
+        }
+        let mut proved = self.mesher.prove(planned, &self.allowance)?;
+        Ok((proved.count() <= most).then(|| self.mesher.finish(&mut proved, &self.allowance)))
+    }
+
+    fn by_count(&self, most: u64) -> Result<Bounded<Mesh>, TessellationFailure> {
+        within_count(self.mesher, &self.allowance, most, self.job)
+    }
+
+    fn count(mesh: &Mesh) -> u64 {
+        mesh.faces().len() as u64
+    }
 }
 
 /// Lengths per octave in the geometric series of candidate lengths: neighbours differ by 2.2 %. Measured: with 16,

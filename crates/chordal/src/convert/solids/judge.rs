@@ -94,7 +94,7 @@ pub fn judged_against_field(
         bound.open = places;
         let is_met = !is_strict && bound.at_least() <= length.get();
         let bounded = Bounded { shape: mesh, bound };
-        if is_met { Ok(bounded) } else { Err(Failure::Unmet(Box::new(bounded))) }
+        bounded.met_if(is_met)
     })
 }
 

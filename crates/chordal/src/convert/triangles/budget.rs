@@ -4,9 +4,9 @@ use super::assemble::assemble;
 use super::mesher::{CertifiedLeaves, LoopMesher};
 use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
 use crate::check;
+use crate::convert::budget_search::{Approximation, within_budget};
 use crate::convert::ladder::LengthLadder;
 use crate::convert::patches::allowance::{Allowance, TessellationFailure};
-use crate::convert::patches::budget::meets;
 use crate::explicit::Mesh;
 use crate::math::{greater, lesser, sub_down};
 
@@ -27,36 +27,46 @@ pub(crate) fn mesh_within(
         normal_deviation: None,
         share: 1.0,
     };
-    let requested = budget.triangles.unwrap_or(u64::MAX);
-    if allowance.length.is_none() && allowance.pixels.is_none() {
-        return within_count(mesher, &allowance, requested, job);
+    within_budget(&LoopApproximation { mesher, allowance, job }, budget, budget.triangles)
+}
+
+/// A limit surface as triangles, refined until they keep the error or become too many.
+struct LoopApproximation<'a, 'm> {
+    mesher: &'m LoopMesher<'a>,
+    allowance: Allowance,
+    job: &'m Job,
+}
+
+impl Approximation for LoopApproximation<'_, '_> {
+    type Shape = Mesh;
+
+    fn by_error(&self, requested: u64) -> Result<Option<Bounded<Mesh>>, TessellationFailure> {
+        let (triangles, memory) = (self.job.triangle_limit as f64, self.job.memory_limit as f64);
+        let needed = self.mesher.estimate(&self.allowance)?;
+        if needed > triangles {
+            return Err(too_many(needed, triangles));
+        }
+        if needed * BYTES_PER_TRIANGLE > memory {
+            let bytes = needed * BYTES_PER_TRIANGLE;
+            let message =
+                format!("the budget needs about {bytes:.1e} bytes of memory; the limit is {memory:.1e}");
+            return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
+        }
+        let most = triangle_limit(self.job);
+        match self.mesher.refine(&self.allowance, lesser(requested, most))? {
+            Some(proved) => Ok(Some(finish(&proved, &self.allowance, self.job))),
+            None if requested > most => Err(too_many(most as f64 + 1.0, triangles)),
+            None => Ok(None),
+        }
     }
-    let (triangles, memory) = (job.triangle_limit as f64, job.memory_limit as f64);
-    let needed = mesher.estimate(&allowance)?;
-    if needed > triangles {
-        return Err(too_many(needed, triangles));
+
+    fn by_count(&self, most: u64) -> Result<Bounded<Mesh>, TessellationFailure> {
+        within_count(self.mesher, &self.allowance, most, self.job)
     }
-    if needed * BYTES_PER_TRIANGLE > memory {
-        let bytes = needed * BYTES_PER_TRIANGLE;
-        let message =
-            format!("the budget needs about {bytes:.1e} bytes of memory; the limit is {memory:.1e}");
-        return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
+
+    fn count(mesh: &Mesh) -> u64 {
+        mesh.faces().len() as u64
     }
-    let most = triangle_limit(job);
-    if let Some(proved) = mesher.refine(&allowance, lesser(requested, most))? {
-        return Ok(finish(&proved, &allowance, job));
-    }
-    if requested > most {
-        return Err(too_many(most as f64 + 1.0, triangles));
-    }
-    let best = within_count(mesher, &allowance, requested, job).or_else(|failure| match failure {
-        Failure::Unmet(best) => Ok(*best),
-        other => Err(other),
-    })?;
-    if best.shape.faces().len() as u64 <= requested && meets(&best, budget) {
-        return Ok(best);
-    }
-    Err(Failure::Unmet(Box::new(best)))
 }
 
 /// The number of triangles that a job allows.
