@@ -27,14 +27,25 @@ def verdict(line):
 
 
 def urgency(line):
-    """Where a line is sorted among those of its job: misses first, then by how near to the limit it is."""
+    """Where a line is sorted among those of its job: by how much of its limit it uses."""
     if line["skipped"]:
         return 0.0
     return line["ratio"] / line["limit"] if line["limit"] else 1.0 + line["ratio"]
 
 
+def quantity(value, unit):
+    """A number with its unit."""
+    return "–" if value is None else f"{shown(value)} {unit}"
+
+
+def target(line):
+    """The limit: of the number itself, or as a multiple of the peer's."""
+    is_absolute = line["ratio"] == line["ours"]
+    return f"≤ {shown(line['limit'])} {line['unit']}" if is_absolute else f"≤ {shown(line['limit'])} ×"
+
+
 def job_row(lines):
-    """The line of one job that is nearest to its limit, or beyond it."""
+    """The line of one job that is farthest beyond its target, or nearest to it."""
     measured = [line for line in lines if not line["skipped"]]
     missed = sum(not line["passed"] for line in measured)
     skipped = len(lines) - len(measured)
@@ -42,8 +53,11 @@ def job_row(lines):
     kept = f"{len(measured) - missed} of {len(lines)}"
     kept = f"**{kept}**" if missed or skipped else kept
     kept += f", {skipped} SKIPPED" if skipped else ""
-    ratio = "–" if worst["skipped"] else f"{shown(worst['ratio'])} (≤ {shown(worst['limit'])})"
-    return [worst["job"], worst["what"], worst["peer"], ratio, "yes" if worst["proved"] else "no", kept]
+    if worst["skipped"]:
+        return [worst["job"], worst["what"], "–", "–", "–", "–", kept]
+    theirs = f"{quantity(worst['theirs'], worst['unit'])} ({worst['peer']})"
+    times = f"{shown(worst['ours'] / worst['theirs'])} ×" if worst["theirs"] else "–"
+    return [worst["job"], worst["what"], quantity(worst["ours"], worst["unit"]), theirs, times, target(worst), kept]
 
 
 def measured_on(result):
@@ -57,11 +71,10 @@ def measured_on(result):
 
 
 def behind(result):
-    """The lines in which the peer has less, in one sentence, the farthest first."""
-    peers = [line for line in result["lines"] if not line["skipped"] and line["theirs"] and line["ours"] > line["theirs"]]
-    peers.sort(key=lambda line: line["theirs"] / line["ours"])
-    named = [f"{line['what']} ({line['peer']}, {shown(line['ours'] / line['theirs'])} ×)" for line in peers]
-    return f"Behind their peers: {'; '.join(named)}." if named else "No line is behind its peer."
+    """The number of lines in which the peer has less."""
+    measured = [line for line in result["lines"] if not line["skipped"] and line["theirs"]]
+    n = sum(line["ours"] > line["theirs"] for line in measured)
+    return f"In {n} of {len(measured)} lines the peer has less."
 
 
 def table(head, rows):
@@ -73,8 +86,9 @@ def short(result):
     """The table of README.md: one line a job."""
     jobs = dict.fromkeys(line["job"] for line in result["lines"])
     rows = [job_row([line for line in result["lines"] if line["job"] == job]) for job in jobs]
-    head = ["job", "its line nearest to the target", "best peer", "ours / theirs (target)", "ours proved", "targets kept"]
-    return "\n\n".join([table(head, rows), behind(result) + "\n" + measured_on(result) + " `make bench-quick` measures again; [all lines](bench/RESULTS.md)."])
+    head = ["job", "the worst of its lines", "ours", "best peer", "ours / theirs", "target", "targets kept"]
+    links = "`make bench-quick` measures again; [all lines](bench/RESULTS.md)."
+    return "\n\n".join([table(head, rows), f"{behind(result)} {measured_on(result)} {links}"])
 
 
 def long(result):

@@ -158,7 +158,7 @@ def curves(lines):
         lines.absolute(f"{title}, curves over it", "kurbo", "curves", int(own[6]) + int(even[6]), int(kurbo[6]), 0, proved=True)
         lines.add(f"{title}, segments where it keeps", "kurbo", "segments", int(own[5]), int(kurbo[5]), 1.0, proved=True)
         lines.add(f"{title}, one by one", "kurbo", "ns a curve", float(own[10]), float(kurbo[10]), 1.0, proved=True)
-        lines.add(f"{title}, at once", "kurbo", "ns a curve", float(own[11]), float(kurbo[11]), 0.5, proved=True)
+        lines.add(f"{title}, as one batch", "kurbo", "ns a curve", float(own[11]), float(kurbo[11]), 0.5, proved=True)
         lines.add(f"{title}, segments", "lyon", "segments", int(own[4]), int(lyon[4]), 0.55, proved=True)
         lines.add(f"{title}, equal steps, one by one", "lyon", "ns a curve", float(even[10]), float(lyon[10]), 1.0, proved=True)
 
@@ -283,7 +283,7 @@ def volumes(lines):
     small = OUT / "gyroid-100.raw"
     ours("volumes", "make", small, 100)
     ties = ours_json("volumes", "ties", 1, small, 100)
-    lines.absolute("gyroid 100³ with ties, open edges", "vtk", "edges", ties["open"], None, 0, proved=True)
+    lines.absolute("gyroid 100³ with samples at the isovalue, open edges", "vtk", "edges", ties["open"], None, 0, proved=True)
 
 
 def fields(lines):
@@ -321,7 +321,7 @@ def field_meshes(lines):
                 break
         if mine is None:
             raise RuntimeError(f"{model}: no mesh within {error}")
-        title = f"{model} at the error of depth {depth}"
+        title = f"{model} at the peer's error at octree depth {depth}"
         lines.add(f"{title}, time", "jit", "s", mine["seconds"], theirs["seconds"], 2.0, proved=True)
         lines.add(f"{title}, triangles", "jit", "triangles", mine["triangles"], theirs["triangles"], 0.5, proved=True)
         unsound = int(not mine["closed"]) + int(not mine["manifold"])
