@@ -1,5 +1,5 @@
-// Builds the pages into dist/page: first what the browser runs, then the text and the still figures of the HTML files,
-// which the core itself draws. The widget is index.html; every exhibit has a page for each language, of one mould.
+// Builds the pages into dist/page: first the scripts, then the text and the still figures of the HTML files, which the core
+// draws. The widget is index.html; every exhibit has a page for each language, from one template.
 //
 //   node scripts/build.mjs
 import { createHash } from "node:crypto";
@@ -12,13 +12,13 @@ import { build } from "vite";
 const root = join(dirname(fileURLToPath(import.meta.url)), "..");
 const out = join(root, "dist/page");
 const widgets = { "index.html": "en", "zh.html": "zh" };
-const PLACE = "<!--figure and text, written at build time-->";
+const PLACEHOLDER = "<!--figure and text, written at build time-->";
 const ONWARD = "<!--onward, written at build time-->";
 const SCRIPT = /\s*<script type="module"[^>]*><\/script>/;
 
 await build({ root, logLevel: "warn" });
 
-/** What writes pages, run here in Node. */
+/** Builds a module that writes pages, and imports it into Node. */
 async function prerender(source, name) {
   const outDir = join(cache, name);
   await build({ root, logLevel: "warn", build: { ssr: source, outDir, emptyOutDir: true, rollupOptions: { input: source } } });
@@ -30,65 +30,65 @@ const { onwardFromWidget, written } = await prerender("src/exhibits/prerender.ts
 
 const { workbenches } = await prerender("src/workbench/prerender.tsx", "workbench");
 
-/** Replaces what is there exactly once. */
-function put(html, old, text, what) {
-  if (html.split(old).length !== 2) throw new Error(`the mould has no place, or several, for ${what}`);
+/** Replaces a text that must occur exactly once. */
+function replaceOnce(html, old, text, what) {
+  if (html.split(old).length !== 2) throw new Error(`the template has no place, or several, for ${what}`);
   return html.replace(old, () => text);
 }
 
-/** A page and the same in the other language, by their own names: of these links vite makes copies of its moulds. */
+/** Adds the links between the two languages of a page. Not in the template: vite would copy the linked pages. */
 function withAlternates(html, [en, zh]) {
   const links = [["en", en], ["zh-CN", zh]].map(([tag, file]) => `<link rel="alternate" hreflang="${tag}" href="${file}" />`);
-  return put(html, '<meta name="color-scheme"', `${links.join("\n    ")}\n    <meta name="color-scheme"`, "the other language");
+  return replaceOnce(html, '<meta name="color-scheme"', `${links.join("\n    ")}\n    <meta name="color-scheme"`, "the other language");
 }
-/** The file of a page in both languages, from that in one. */
-const inBoth = (file) => [file.replace(/\.zh\.html$/, ".html"), file.replace(/(\.zh)?\.html$/, ".zh.html")];
+/** The names of a page's file in both languages, from either of them. */
+const inBothLanguages = (file) => [file.replace(/\.zh\.html$/, ".html"), file.replace(/(\.zh)?\.html$/, ".zh.html")];
 
 const core = await Core.load(await readFile(join(root, "wasm/chordal.wasm")));
 for (const [file, language] of Object.entries(widgets)) {
   const path = join(out, file);
-  const html = put(await readFile(path, "utf8"), PLACE, still(core, language), "the text");
-  const whole = put(html, ONWARD, onwardFromWidget(), "the way on");
-  await writeFile(path, withAlternates(whole, Object.keys(widgets)));
+  const html = replaceOnce(await readFile(path, "utf8"), PLACEHOLDER, still(core, language), "the text");
+  const withOnward = replaceOnce(html, ONWARD, onwardFromWidget(), "the way on");
+  await writeFile(path, withAlternates(withOnward, Object.keys(widgets)));
 }
 
-const mould = await readFile(join(out, "exhibit.html"), "utf8");
-const quoted = (text) => text.replace(/&/g, "&amp;").replace(/"/g, "&quot;").replace(/</g, "&lt;");
+const template = await readFile(join(out, "exhibit.html"), "utf8");
+const escaped = (text) => text.replace(/&/g, "&amp;").replace(/"/g, "&quot;").replace(/</g, "&lt;");
 const exhibits = await written(await Core.load(await readFile(join(root, "wasm/exhibits.wasm"))));
 for (const { file, id, lang, title, description, body } of exhibits) {
-  let html = put(mould, '<html lang="en" data-exhibit="">', `<html lang="${lang}" data-exhibit="${id}">`, "the language");
-  html = put(html, "<title>Chordal</title>", `<title>${quoted(title)}</title>`, "the title");
-  html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
-  html = withAlternates(put(html, PLACE, body, "the text"), inBoth(file));
-  // On the list of all there is nothing to move.
+  let html = replaceOnce(template, '<html lang="en" data-exhibit="">', `<html lang="${lang}" data-exhibit="${id}">`, "the language");
+  html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
+  html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
+  html = withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file));
+  // The list of exhibits has nothing interactive.
   await writeFile(join(out, file), id ? html : html.replace(SCRIPT, ""));
 }
-const bench = await readFile(join(out, "workbench.html"), "utf8");
+const workbenchTemplate = await readFile(join(out, "workbench.html"), "utf8");
 for (const { file, lang, title, description, body } of workbenches()) {
-  let html = put(bench, '<html lang="en">', `<html lang="${lang}">`, "the language");
-  html = put(html, "<title>Chordal</title>", `<title>${quoted(title)}</title>`, "the title");
-  html = put(html, 'name="description" content=""', `name="description" content="${quoted(description)}"`, "the description");
-  await writeFile(join(out, file), withAlternates(put(html, PLACE, body, "the text"), inBoth(file)));
+  let html = replaceOnce(workbenchTemplate, '<html lang="en">', `<html lang="${lang}">`, "the language");
+  html = replaceOnce(html, "<title>Chordal</title>", `<title>${escaped(title)}</title>`, "the title");
+  html = replaceOnce(html, 'name="description" content=""', `name="description" content="${escaped(description)}"`, "the description");
+  await writeFile(join(out, file), withAlternates(replaceOnce(html, PLACEHOLDER, body, "the text"), inBothLanguages(file)));
 }
-// The one address of all of them knows their names.
+// The script that switches languages needs the ids of all exhibits.
 const ids = [...new Set(exhibits.map(({ id }) => id).filter(Boolean))];
 const language = join(out, "language.js");
-await writeFile(language, put(await readFile(language, "utf8"), "exhibits = []", `exhibits = ${JSON.stringify(ids)}`, "the exhibits"));
+await writeFile(language, replaceOnce(await readFile(language, "utf8"), "exhibits = []", `exhibits = ${JSON.stringify(ids)}`, "the exhibits"));
 await rm(join(out, "exhibit.html"));
 await rm(cache, { recursive: true });
 
-// The worker that keeps pages is another one whenever a file is.
+// The service worker's version changes whenever a file does.
 const worker = join(out, "service-worker.js");
 const files = (await readdir(out, { recursive: true, withFileTypes: true })).filter((entry) => entry.isFile());
 const paths = files.map((entry) => join(entry.parentPath, entry.name)).sort();
 const hash = createHash("sha256");
 for (const path of paths) hash.update(relative(out, path)).update(await readFile(path));
 const assets = paths.map((path) => relative(join(out, "assets"), path)).filter((name) => !name.startsWith(".."));
-const source = put(await readFile(worker, "utf8"), '"none"', JSON.stringify(hash.digest("hex").slice(0, 16)), "the version");
-await writeFile(worker, put(source, "const ASSETS = [];", `const ASSETS = ${JSON.stringify(assets)};`, "the names of assets"));
+const source = replaceOnce(await readFile(worker, "utf8"), '"none"', JSON.stringify(hash.digest("hex").slice(0, 16)), "the version");
+await writeFile(worker, replaceOnce(source, "const ASSETS = [];", `const ASSETS = ${JSON.stringify(assets)};`, "the names of assets"));
 
-// All files as one, for the command to carry: a line of JSON with their names and lengths, then their bytes, those of a kind
-// beside each other. The best quality takes a minute; CHORDAL_PAGE_QUALITY is from 0 to 11.
+// All files in one archive, which the command contains: a line of JSON with their names and lengths, then their bytes, sorted
+// by kind for better compression. The best quality takes a minute; CHORDAL_PAGE_QUALITY is from 0 to 11.
 const kind = (path) => path.slice(path.lastIndexOf("."));
 const packed = (await readdir(out, { recursive: true, withFileTypes: true }))
   .filter((entry) => entry.isFile())
@@ -96,12 +96,12 @@ const packed = (await readdir(out, { recursive: true, withFileTypes: true }))
   .sort((a, b) => (kind(a) === kind(b) ? (a < b ? -1 : 1) : kind(a) < kind(b) ? -1 : 1));
 const contents = await Promise.all(packed.map((path) => readFile(path)));
 const list = packed.map((path, i) => [relative(out, path).replaceAll("\\", "/"), contents[i].length]);
-const whole = Buffer.concat([Buffer.from(`${JSON.stringify(list)}\n`), ...contents]);
-const archive = brotliCompressSync(whole, {
+const unpacked = Buffer.concat([Buffer.from(`${JSON.stringify(list)}\n`), ...contents]);
+const archive = brotliCompressSync(unpacked, {
   params: {
     [constants.BROTLI_PARAM_QUALITY]: Number(process.env.CHORDAL_PAGE_QUALITY ?? constants.BROTLI_MAX_QUALITY),
     [constants.BROTLI_PARAM_LGWIN]: constants.BROTLI_MAX_WINDOW_BITS,
-    [constants.BROTLI_PARAM_SIZE_HINT]: whole.length,
+    [constants.BROTLI_PARAM_SIZE_HINT]: unpacked.length,
   },
 });
 await writeFile(join(root, "dist/page.br"), archive);

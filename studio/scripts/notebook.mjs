@@ -1,4 +1,4 @@
-// Builds the viewer of notebooks into one script of the Python package, which carries it: a page with a mesh needs nothing else.
+// Builds the notebook viewer into one script, which the Python package contains: a page with a mesh needs no other file.
 //
 //   node scripts/notebook.mjs
 import { readFile, writeFile } from "node:fs/promises";
@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { build } from "vite";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..");
-const made = await build({
+const results = await build({
   root,
   configFile: false,
   logLevel: "warn",
@@ -18,10 +18,10 @@ const made = await build({
     lib: { entry: join(root, "src/notebook/main.ts"), formats: ["iife"], name: "chordal", fileName: "viewer" },
   },
 });
-const [{ output }] = [made].flat();
+const [{ output }] = [results].flat();
 const licence = await readFile(join(root, "node_modules/three/LICENSE"), "utf8");
 const head = `/* Chordal's viewer, with three.js:\n${licence.trim()}\n*/\n`;
-// In a page it stands between two tags, which its texts must not end.
+// The script is inlined in a page, so it must not contain an end tag.
 const script = head + output[0].code.replaceAll("</script", "<\\/script");
 await writeFile(join(root, "../python/chordal/viewer.js"), script);
 console.log(`studio: the viewer of notebooks is in python/chordal/viewer.js, ${Math.round(script.length / 1000)} kB`);

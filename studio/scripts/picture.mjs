@@ -1,4 +1,4 @@
-// Takes the picture of the page for the README: docs/pictures/studio.png.
+// Takes the screenshot of the page for the README: docs/pictures/studio.png.
 //
 //   node scripts/picture.mjs [FILE [ADDRESS [WIDTH [HEIGHT [SCHEME]]]]]
 import { readFile } from "node:fs/promises";

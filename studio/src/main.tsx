@@ -1,4 +1,4 @@
-// Brings the page to life: reads the address, asks the core, draws at most once a frame.
+// Runs the page: reads the address, asks the core, draws at most once a frame.
 import { render } from "preact";
 import { Engine, type Trouble } from "./core/engine";
 import type { AnswerOf, Kind, QuestionOf, SeamQuestion } from "./core/types";
@@ -11,13 +11,13 @@ import { Trail } from "./state/trail";
 import { App, titleOf } from "./view/App";
 import type { Answers, Change, Note, Page, Surroundings } from "./view/page";
 
-/** The address is written when the hand rests: some browsers refuse more than a hundred changes in half a minute. */
+/** The address is written after a pause: some browsers refuse more than a hundred changes in half a minute. */
 const REST_MS = 300;
-/** And the widest gap is spoken then. */
+/** The widest gap is spoken after this pause, so that a drag does not flood a screen reader. */
 const SPEAK_MS = 900;
-/** An answer that takes longer than this is not waited for: the point under the finger moves without it. */
+/** If an answer takes longer than this, the point under the finger is drawn without it. */
 const SLOW_MS = 60;
-/** How long the hand rests before the plot is drawn for its own sake. */
+/** The pause after which the plot is drawn by itself, not only together with the next figure. */
 const PLOT_MS = 80;
 
 const root = document.getElementById("app")!;
@@ -35,14 +35,14 @@ let around: Surroundings = {
 let say = new Speaker(languageOf(state));
 let leader: "first" | "second" = "first";
 let frame = 0;
-let waiting: ReturnType<typeof setTimeout> | undefined;
-let writing: ReturnType<typeof setTimeout> | undefined;
-let speaking: ReturnType<typeof setTimeout> | undefined;
-const asked: Partial<Record<Kind, string>> = {};
-let seamAsked: SeamQuestion;
+let drawTimer: ReturnType<typeof setTimeout> | undefined;
+let writeTimer: ReturnType<typeof setTimeout> | undefined;
+let speakTimer: ReturnType<typeof setTimeout> | undefined;
+const lastQuestions: Partial<Record<Kind, string>> = {};
+let lastSeamQuestion: SeamQuestion;
 let isDrawn = false;
 let movedAt = -Infinity;
-const sizes = new ResizeObserver(lookAround);
+const sizeObserver = new ResizeObserver(measureSurroundings);
 const spoken = Object.assign(document.createElement("p"), { className: "spoken" });
 spoken.setAttribute("role", "status");
 
@@ -67,13 +67,13 @@ function languageOf(state: State): Language {
   return state.language ?? pageLanguage;
 }
 
-/** The width of the main figure, where there is one. */
+/** The width of the main figure, if there is one. */
 function measured(): number | undefined {
   const width = root.querySelector(".stage .drawing")?.getBoundingClientRect().width;
   return width ? Math.round(width) : undefined;
 }
 
-/** What the reader does. It ends the film, unless it is about something else. */
+/** Applies a change by the reader. It ends the film if it concerns the number of segments or the view. */
 function set(wish: Change, who: "first" | "second" = "first"): void {
   const changes = typeof wish === "function" ? wish(state) : wish;
   if ("segments" in changes || "view" in changes) film.stop();
@@ -89,19 +89,19 @@ function change(changes: Partial<State>, who: "first" | "second"): void {
   writeSoon();
   delete document.documentElement.dataset["settled"];
   movedAt = performance.now();
-  // The answer is here before the next frame, and one frame shows both. A slow one is not waited for.
-  if (ask()) later(SLOW_MS);
+  // The answer usually arrives before the next frame, which then shows both. A slow answer must not delay the handle.
+  if (ask()) scheduleAfter(SLOW_MS);
   else schedule();
 }
 
 function writeSoon(): void {
-  clearTimeout(writing);
-  writing = setTimeout(writeAddress, REST_MS);
+  clearTimeout(writeTimer);
+  writeTimer = setTimeout(writeAddress, REST_MS);
 }
 
-/** A film is one step of the trail, however long it was. */
+/** Writes the address. A whole film is one step of the trail. */
 function writeAddress(): void {
-  writing = undefined;
+  writeTimer = undefined;
   schedule();
   if (!film.isPlaying) trail.write(write(state), performance.now());
 }
@@ -110,33 +110,33 @@ function addressOf(fragment: string): string {
   return location.pathname + location.search + (fragment && `#${fragment}`);
 }
 
-/** Asks what the state needs and was not asked yet. Whether there was anything. */
+/** Asks the questions of the state that are new. Returns whether there were any. */
 function ask(): boolean {
   const isAsked = askIfNew("study", studyOf(state, around));
   const isPlotAsked = askIfNew("ladder", ladderOf(state, around));
   const seam = seamOf(state, leader);
   const isSeamAsked = askIfNew("seam", seam);
-  if (isSeamAsked) seamAsked = seam;
+  if (isSeamAsked) lastSeamQuestion = seam;
   return isAsked || isPlotAsked || isSeamAsked;
 }
 
 function askIfNew<K extends Kind>(kind: K, question: QuestionOf<K>): boolean {
   const text = JSON.stringify(question);
-  if (asked[kind] === text) return false;
-  asked[kind] = text;
+  if (lastQuestions[kind] === text) return false;
+  lastQuestions[kind] = text;
   engine.ask(kind, question);
   return true;
 }
 
 function answered<K extends Kind>(kind: K, answer: AnswerOf<K>, question: QuestionOf<K>): void {
   answers = { ...answers, [kind]: answer };
-  // An older answer must not take back what the hand has done since.
-  if (kind === "seam" && question === seamAsked) adopt(answer as Answers["seam"]);
-  // While the hand moves, the plot is drawn together with the next figure and not by itself.
+  // An older answer must not undo later movements of the hand.
+  if (kind === "seam" && question === lastSeamQuestion) adopt(answer as Answers["seam"]);
+  // During a drag the plot is drawn together with the next figure, to save a frame.
   if (kind !== "ladder" || !isMoving()) schedule();
 }
 
-/** The core has moved the points that have to follow; they are the state now, on the grid. */
+/** Takes over the points that the core moved to keep the smoothness, rounded to the grid. */
 function adopt({ first, second }: Answers["seam"]): void {
   const snap = (value: number) => Math.round(value * GRID) / GRID;
   const seam = [...first, ...second].map(([x, y]) => [snap(x), snap(y)] as const);
@@ -157,14 +157,14 @@ function isMoving(): boolean {
   return performance.now() - movedAt < PLOT_MS;
 }
 
-/** Draws soon, unless something else makes it draw before. */
-function later(ms: number): void {
-  clearTimeout(waiting);
-  waiting = setTimeout(schedule, ms);
+/** Draws after a delay, unless it is drawn earlier for another reason. */
+function scheduleAfter(ms: number): void {
+  clearTimeout(drawTimer);
+  drawTimer = setTimeout(schedule, ms);
 }
 
 function schedule(): void {
-  clearTimeout(waiting);
+  clearTimeout(drawTimer);
   frame ||= requestAnimationFrame(() => {
     frame = 0;
     draw();
@@ -197,9 +197,9 @@ function draw(): void {
       schedule();
     },
   };
-  dress(page);
-  // What is out of sight was left as it was: once the hand rests, everything is drawn.
-  if (page.isMoving) later(PLOT_MS);
+  updateDocument(page);
+  // Sections out of sight were skipped during the drag: they are drawn after it.
+  if (page.isMoving) scheduleAfter(PLOT_MS);
   if (!isDrawn) root.replaceChildren();
   render(<App page={page} move={set} />, root);
   if (!isDrawn) {
@@ -210,24 +210,24 @@ function draw(): void {
   const stage = root.querySelector(".stage");
   if (stage && !(stage as HTMLElement).dataset["watched"]) {
     (stage as HTMLElement).dataset["watched"] = "1";
-    sizes.disconnect();
-    sizes.observe(stage);
+    sizeObserver.disconnect();
+    sizeObserver.observe(stage);
   }
-  // For whoever drives the page by program: what shows is the answer to the newest question, and the address says so.
-  if (engine.isIdle && !writing && !page.isMoving && !film.isPlaying) html.dataset["settled"] = "1";
-  clearTimeout(speaking);
-  speaking = setTimeout(speak, SPEAK_MS);
+  // For programs that drive the page: the page and its address show the answers to the newest questions.
+  if (engine.isIdle && !writeTimer && !page.isMoving && !film.isPlaying) html.dataset["settled"] = "1";
+  clearTimeout(speakTimer);
+  speakTimer = setTimeout(speak, SPEAK_MS);
 }
 
-/** Language and title of the whole document, which is costly to change, be it for the same. */
-function dress(page: Page): void {
+/** Sets language and title of the document, only on a change: setting even the same value is costly. */
+function updateDocument(page: Page): void {
   const html = document.documentElement;
   if (html.lang !== TAGS[say.language]) html.lang = TAGS[say.language];
   const title = say.text(titleOf(page));
   if (document.title !== title) document.title = title;
 }
 
-/** Before the first answer the still page stands; what went wrong is said above it. */
+/** Before the first answer the still page is shown, with the notes above it. */
 function drawNotes(): void {
   const old = root.querySelector(".notes");
   if (!old) return;
@@ -241,7 +241,7 @@ function speak(): void {
   if (spoken.textContent !== text) spoken.textContent = text;
 }
 
-function lookAround(): void {
+function measureSurroundings(): void {
   const width = measured() ?? around.width;
   if (width === around.width && devicePixelRatio === around.ownDensity) return;
   around = { ...around, width, ownDensity: devicePixelRatio };
@@ -253,8 +253,8 @@ function lookAround(): void {
 /** Back, forward, or another address typed over this one. */
 function arrive(): void {
   film.stop();
-  clearTimeout(writing);
-  writing = undefined;
+  clearTimeout(writeTimer);
+  writeTimer = undefined;
   ({ state, isDamaged } = read(location.hash));
   trail.arrive(location.hash.slice(1));
   say = new Speaker(languageOf(state));
@@ -266,9 +266,9 @@ function arrive(): void {
   schedule();
 }
 
-// A step of the trail is a popstate, a typed address is both, and arriving twice does no harm.
+// A step of the trail fires popstate, a typed address fires both, and arriving twice does no harm.
 addEventListener("popstate", arrive);
 addEventListener("hashchange", arrive);
-addEventListener("resize", lookAround);
+addEventListener("resize", measureSurroundings);
 
 ask();

@@ -1,4 +1,4 @@
-// Writes the page as text and a still figure, at build time: what a reader has before any script runs, or without it.
+// Writes the page as text with a still figure at build time, for readers without script and until it runs.
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "./core/module";
 import { Speaker } from "./i18n/speak";
@@ -7,7 +7,7 @@ import { DEFAULTS, type Language } from "./state/state";
 import { App } from "./view/App";
 import type { Page, Surroundings } from "./view/page";
 
-/** As wide as the figure is on a wide window, on a screen with one dot to the pixel. */
+/** The width of the figure in a wide window, on a screen with one device pixel per CSS pixel. */
 const AROUND: Surroundings = { width: 720, ownDensity: 1, isEmbedded: false, isStill: true };
 
 export function still(core: Core, language: Language): string {

@@ -1,4 +1,4 @@
-// What the core is asked for a state.
+// The questions to the core for a state.
 import type { LadderQuestion, SeamQuestion, StudyQuestion } from "./core/types";
 import type { State } from "./state/state";
 import { LOUPE_REACH } from "./view/Loupe";

@@ -1,4 +1,4 @@
-// Folders on loopback, and a page of Chromium that asks for nothing else.
+// Serves folders on loopback and opens a page of them in Chromium, which may request nothing else.
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
@@ -46,13 +46,13 @@ async function serve(folders, changed) {
 }
 
 /**
- * Opens a page of these folders and gives it to `look`. Returns complaints: errors of the page, and whatever it asked for
- * elsewhere.
+ * Opens a page of these folders and passes it to `look`. Returns complaints: the page's errors, and its requests to other
+ * hosts.
  *
- * @param options.folders what is served
+ * @param options.folders the folders that are served
  * @param options.address the address of the page
  * @param options.viewport its width and height
- * @param options.changed what a file is served as
+ * @param options.changed maps a file's body to the one that is served
  */
 export async function withPage({ folders, address, viewport, changed = (body) => body }, look) {
   const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";

@@ -1,4 +1,4 @@
-// What chordal-io's tests say that streams of Draco decode to, against the decoder that three.js ships.
+// Checks the decoded values of the Draco streams in chordal-io's tests against the decoder of three.js.
 //
 //   node draco.mjs draco_streams.json
 import { readFile } from "node:fs/promises";
@@ -7,7 +7,7 @@ import { readFileSync } from "node:fs";
 import vm from "node:vm";
 
 const path = createRequire(import.meta.url).resolve("three/examples/jsm/libs/draco/gltf/draco_decoder.js");
-// A script for pages that sets a global name, in a package whose files are modules.
+// The decoder is a script for pages that sets a global name, but files of its package are modules.
 const page = { console, performance, TextDecoder, URL, self: { location: { href: "file:///" } }, window: {} };
 vm.runInNewContext(`${readFileSync(path, "utf8")}\nthis.factory = DracoDecoderModule;`, page);
 const draco = await page.factory({});

@@ -1,5 +1,5 @@
-// Makes the streams of Draco in chordal-io's tests with Google's encoder, and what its decoder makes of them. It is run
-// by hand, since what it makes is committed:
+// Makes the Draco streams of chordal-io's tests with Google's encoder, and their values with its decoder. It is run by
+// hand, because its output is committed:
 //
 //   npm install --no-save draco3dgltf@1.5.7 && node draco_fixtures.mjs ../../crates/chordal-io/tests/data
 import { writeFileSync } from "node:fs";

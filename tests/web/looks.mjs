@@ -1,8 +1,8 @@
-// Whether an asset looks the same after a verb: both are shown by three.js from all sides and compared pixel by pixel.
+// Whether an asset looks the same after a verb: three.js renders both from several sides, and the pixels are compared.
 //
 //   node looks.mjs [--other] BEFORE AFTER …
 //
-// With --other the two have to look different: the judge is seen to fail. PICTURES=FOLDER keeps the pictures.
+// With --other the two have to look different: so the test itself is tested. PICTURES=FOLDER keeps the pictures.
 import { mkdir } from "node:fs/promises";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -10,11 +10,11 @@ import { withPage } from "./browser.mjs";
 
 const root = fileURLToPath(new URL(".", import.meta.url));
 const [WIDTH, HEIGHT] = [480, 360];
-/** The largest difference of a channel that counts as none, of 255. Chosen: a step of shading that few see beside another. */
+/** The largest difference of a channel, of 255, that counts as equal. Chosen: a step of shading that few see side by side. */
 const STEP = 12;
 /** The share of the covered pixels that may differ. Measured: up to 1.5 %, along borders of triangles, charts and the shape. */
 const SHARE = 0.03;
-/** Directions of the eye from the middle of the shape. */
+/** Directions from the middle of the shape to the eye. */
 const ABOUT = [
   [0.3, 0.4, 1],
   [1, 0.2, -0.3],
@@ -23,7 +23,7 @@ const ABOUT = [
   [-0.4, 0.9, -0.8],
 ];
 
-/** How much of what either picture covers differs in colour, and how many pixels that is of. */
+/** The share of the pixels covered by either picture that differ in colour, and the number of covered pixels. */
 function difference(a, b) {
   let [covered, differing] = [0, 0];
   for (let i = 0; i < a.length; i += 4) {

@@ -1,9 +1,9 @@
-// What chordal-io's tests say that compressed streams decode to, against the decoder that three.js ships.
+// Checks the decoded values of the compressed streams in chordal-io's tests against the decoder of three.js.
 //
 //   node meshopt.mjs meshopt_streams.json
 //
-// A row without a filter has to be the same, a filtered one to one unit in the last place of its numbers: so much
-// the extension leaves open, and three.js rounds in single precision.
+// A row without a filter must be identical, a filtered one equal to one unit in the last place: the extension leaves that
+// open, and three.js rounds in single precision.
 import { readFile } from "node:fs/promises";
 import { MeshoptDecoder } from "three/examples/jsm/libs/meshopt_decoder.module.js";
 
@@ -11,7 +11,7 @@ await MeshoptDecoder.ready;
 const rows = JSON.parse(await readFile(process.argv[2], "utf8"));
 const bytes = (text) => new Uint8Array(Buffer.from(text, "base64"));
 
-/** The numbers that a filter works on. */
+/** The numbers on which a filter works. */
 function numbers({ filter, stride }, list) {
   const narrow = stride === 4;
   const type = {

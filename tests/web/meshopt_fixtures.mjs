@@ -1,5 +1,5 @@
-// Makes the compressed fixtures of chordal-io's tests with the encoder of meshoptimizer, which is not ours:
-// streams with what they decode to, and two files. It is run by hand, since what it makes is committed:
+// Makes the compressed fixtures of chordal-io's tests with meshoptimizer's encoder, an independent one: streams with
+// their decoded values, and two files. It is run by hand, because its output is committed:
 //
 //   npm install --no-save meshoptimizer@1.3.0 && node meshopt_fixtures.mjs ../../crates/chordal-io/tests/data
 import { writeFileSync } from "node:fs";
@@ -44,7 +44,7 @@ const rows = (Type, width, of) => {
   return bytes(out);
 };
 
-// Sixteen bits over the box from -3 to 3, fourteen of which are used, as gltfpack does.
+// Sixteen bits over the box from -3 to 3, of which fourteen are used, as in gltfpack.
 const steps = 16383;
 const quantized = rows(Uint16Array, 4, ({ position }) => [...position.map((x) => Math.round(((x + 3) / 6) * steps)), 0]);
 const halves = rows(Uint16Array, 2, ({ uv }) => uv.map((x) => Math.round(x * 4095)));
@@ -55,7 +55,7 @@ const colors = bytes(Uint8Array.from(flat(color), (x) => Math.round(x * 255)));
 const wild = Uint8Array.from({ length: 40 * 12 }, (_, i) => (i * i * 31 + (i >> 3) * 77) & 255);
 const wide = Uint8Array.from({ length: 40 * 256 }, (_, i) => ((i % 256) * 3 + Math.floor(i / 256) * (i % 7)) & 255);
 
-// Signs and sizes that jump: their bits are best packed by what changes, turned so that signs come last.
+// Signs and magnitudes that jump: best packed as differences, rotated so that signs come last.
 const jumps = Float32Array.from({ length: 240 }, (_, i) => (i & 1 ? -1 : 1) * (1 + ((i * 7919) % 256) / 256));
 
 const quaternions = new Float32Array(
@@ -67,7 +67,7 @@ const quaternions = new Float32Array(
 const lines = new Uint32Array(Array.from({ length: 70 }, (_, i) => (i % 2 ? 100_000 + i : 3 * i)));
 
 const streams = [];
-/** Packs rows, and notes what they decode to: the rows themselves unless there is a filter. */
+/** Packs rows, and records their decoded values: the rows themselves unless there is a filter. */
 function pack(name, mode, stride, source, { filter = "NONE", version = 0, level = 2 } = {}) {
   const count = source.length / stride;
   const stream =
@@ -129,7 +129,7 @@ pack("short lines", "INDICES", 2, short(lines.map((x) => x % 65_000)));
 pack("triangles of 4 bytes", "TRIANGLES", 4, bytes(triangles.slice(0, 150)));
 writeFileSync(`${folder}/meshopt_streams.json`, `[\n${streams.map((row) => JSON.stringify(row)).join(",\n")}\n]\n`);
 
-/** A file as gltfpack writes it, with nothing but compressed views, and its mesh at many places. */
+/** A file as gltfpack writes it, with only compressed views, and with several instances of its mesh. */
 function glb(name, list) {
   const [bufferViews, parts] = [[], []];
   let [packed, plain] = [0, 0];

@@ -1,9 +1,9 @@
-// Tilesets in 3d-tiles-renderer: it shows the tiles that the formula asks for, each in its box and without cracks.
+// Tilesets in 3d-tiles-renderer: it must show the tiles that the formula requires, each in its box and without cracks.
 //
 //   node tiles.mjs [--closed | --cracks] FOLDER …
 //
-// --closed says that the shapes have no border, so that cracks can be told from it. With --cracks they have to be found: the
-// judge is seen to fail. PICTURES=FOLDER keeps the pictures.
+// --closed means that the shapes have no border, so that background inside a silhouette is a crack. With --cracks there have to
+// be cracks: so the test itself is tested. PICTURES=FOLDER keeps the pictures.
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { judgeAll } from "./tiles/judge.mjs";

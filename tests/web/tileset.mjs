@@ -1,6 +1,6 @@
-// Whether a tileset says what the specification asks of it: written from its text and schemas, with nothing of what writes it.
+// Checks a tileset against the specification. Written from its text and schemas, without code that writes tilesets.
 //
-//   node tileset.mjs FOLDER …        tileset.json and every content in each; contents are what validate.mjs looks at
+//   node tileset.mjs FOLDER …        tileset.json and every content in each; validate.mjs checks the contents themselves
 //
 // Source: Open Geospatial Consortium, 3D Tiles Specification 1.1 (22-025r4), 2023.
 import { readFile } from "node:fs/promises";
@@ -61,7 +61,7 @@ async function complaints(folder) {
       const texts = tile.children.map((child) => JSON.stringify(child));
       if (texts.length === 0 || new Set(texts).size < texts.length) complain(at, "has no children in its list, or the same twice");
       for (const [i, child] of tile.children.entries()) {
-        // What is asked of ours beyond the specification: each step down is finer.
+        // Beyond the specification, Chordal requires that each level is finer than its parent.
         if (!(child.geometricError < tile.geometricError)) complain(`${at}/children/${i}`, `has an error of ${child.geometricError}, not below ${tile.geometricError}`);
         await tileOf(child, `${at}/children/${i}`, tile);
       }

@@ -1,4 +1,4 @@
-// Khronos' validator on glTF files, with the files beside them: no error, no warning, no message that was left out.
+// Runs Khronos' validator on glTF files, with their external files: no error, no warning, no truncated message.
 //
 //   node validate.mjs a.glb b.gltf …
 import { readFile } from "node:fs/promises";
@@ -11,7 +11,7 @@ if (files.length === 0) {
   process.exit(2);
 }
 
-/** What the validator says of one file, as lines; empty when it is clean. */
+/** The validator's messages on one file, as lines; empty if there are none. */
 async function complaints(file) {
   const format = file.endsWith(".gltf") ? "gltf" : "glb";
   const externalResourceFunction = async (uri) => {
@@ -24,7 +24,7 @@ async function complaints(file) {
   const { numErrors, numWarnings, truncated, messages } = report.issues;
   const severities = ["error", "warning", "info", "hint"];
   const lines = messages
-    // A file that cannot be had is no error for the validator.
+    // The validator does not treat a missing file as an error.
     .filter((message) => message.severity <= 1 || message.code.startsWith("IO_"))
     .map((m) => `${file}: ${severities[m.severity]} ${m.code} at ${m.pointer ?? `byte ${m.offset}`}: ${m.message}`);
   if (truncated || lines.length < numErrors + numWarnings) lines.push(`${file}: and more`);

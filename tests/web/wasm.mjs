@@ -2,8 +2,8 @@
 //
 //   node wasm.mjs chordal_wasm.wasm native.glb patches.bpt [budget]
 //
-// native.glb, or native.json for curves, is what `chordal mesh patches.bpt --tol BUDGET -o native.glb` wrote; the budget is 0.001 unless said. Other
-// budgets are said as the module's options, as in '{"triangles": 1000}'.
+// native.glb, or native.json for curves, is the output of `chordal mesh patches.bpt --tol BUDGET -o native.glb`; the default
+// budget is 0.001. Other budgets are given as the module's options, as in '{"triangles": 1000}'.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { basename, extname } from "node:path";
@@ -15,10 +15,10 @@ if (!patchFile) {
 }
 
 const module = await WebAssembly.compile(await readFile(wasmFile));
-// The module that is shipped has no imports. That for WASI, which is built sooner, has those of its standard library.
+// The module that is shipped has no imports. The one for WASI, which is faster to build, imports its standard library's.
 const imports = WebAssembly.Module.imports(module);
 assert.ok(imports.every(({ module }) => module === "wasi_snapshot_preview1"), "the module asks for nothing from outside");
-// But for the keys of its hash tables, on which no byte depends, nobody answers.
+// Every import is refused except random numbers, which only seed hash tables and so affect no byte.
 const refuse = ({ name }) => [name, name === "random_get" ? () => 0 : () => assert.fail(`the module calls ${name}`)];
 const wasi_snapshot_preview1 = Object.fromEntries(imports.map(refuse));
 const { exports: chordal } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1 });
@@ -36,7 +36,7 @@ function take(at, length) {
   return Buffer.from(new Uint8Array(chordal.memory.buffer, at, length));
 }
 
-/** Calls the module as its documentation says. */
+/** Calls the module as its documentation describes. */
 function mesh(input, options) {
   const given = give(input);
   const said = give(new TextEncoder().encode(typeof options === "string" ? options : JSON.stringify(options)));
@@ -68,15 +68,15 @@ if (!made.bytes.equals(native)) {
   process.exit(1);
 }
 
-// The certificate beside the file is the one in it.
+// The certificate of the call must be the one in the file.
 const inFile = {
   glb: () => JSON.parse(native.subarray(20, 20 + native.readUInt32LE(12)).toString()).asset.extras.chordal,
   json: () => JSON.parse(native.toString()).report.certificate,
 };
 assert.deepEqual(JSON.parse(made.report), inFile[options.to]());
 
-// The module is as good as new after each call, good or bad, and holds no more memory once each kind was met: where
-// the first calls find room decides how far it grows, and that settles after some twenty (300 were tried).
+// The module still works after each call, good or bad. Its memory stops growing once each kind of call has run some twenty
+// times: how far it grows depends on where the first calls find room (300 calls were tried).
 const pages = () => chordal.memory.buffer.byteLength;
 const callAll = () => {
   assert.ok(mesh(patches, options).bytes.equals(native), "every call gives the same bytes");

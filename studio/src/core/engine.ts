@@ -1,8 +1,8 @@
-// The page's side of the worker. One call is under way at a time; of each kind only the newest question waits. A worker
-// whose module trapped, or that does not answer, is replaced by a new one, and the newest questions are asked again.
+// The page's side of the worker. Only one call runs at a time, and for each kind only the newest question waits. If the
+// module traps or the worker does not answer, a new worker replaces it, and the newest questions are asked again.
 import type { AnswerOf, Call, Kind, QuestionOf, Reply } from "./types";
 
-/** What a worker is to the engine; tests bring their own. */
+/** The part of `Worker` that the engine uses; tests pass their own. */
 export interface WorkerLike {
   postMessage(call: Call): void;
   terminate(): void;
@@ -10,7 +10,7 @@ export interface WorkerLike {
   onerror: ((event: ErrorEvent) => void) | null;
 }
 
-/** Something went wrong: the worker was rebuilt, or could not be kept alive, or the core refused a question. */
+/** A failure: the worker was restarted, or failed too often and was given up, or the core refused a question. */
 export type Trouble = { what: "rebuilt" } | { what: "lost" } | { what: "refused"; why: string };
 
 export interface Listener {
@@ -18,19 +18,19 @@ export interface Listener {
   troubled(trouble: Trouble): void;
 }
 
-/** What matters more is asked first: the figure under the finger before the plot. */
+/** Urgent kinds first: the figure under the finger before the plot. */
 const ORDER: readonly Kind[] = ["study", "seam", "ladder", "exhibit"];
-/** A worker that broke this often in a row, without one answer between, is given up. */
+/** After this many failures in a row without an answer, the engine gives up. */
 const MOST_FAILURES = 3;
 /** An answer takes some milliseconds. A worker that is silent for this long hangs or never started. */
 const PATIENCE_MS = 15_000;
 
 export class Engine {
   private worker: WorkerLike;
-  private waiting = new Map<Kind, QuestionOf<Kind>>();
-  private current: Call | null = null;
+  private waitingQuestions = new Map<Kind, QuestionOf<Kind>>();
+  private currentCall: Call | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
-  private next = 1;
+  private nextId = 1;
   private failures = 0;
   private isLost = false;
 
@@ -41,16 +41,16 @@ export class Engine {
     this.worker = this.start();
   }
 
-  /** Asks; a newer question of the same kind takes the place of one that still waits. */
+  /** Asks a question, which replaces a waiting one of the same kind. */
   ask<K extends Kind>(kind: K, question: QuestionOf<K>): void {
     if (this.isLost) return;
-    this.waiting.set(kind, question);
+    this.waitingQuestions.set(kind, question);
     this.send();
   }
 
-  /** Whether every question has had its answer. */
+  /** Whether all questions are answered. */
   get isIdle(): boolean {
-    return this.current === null && this.waiting.size === 0;
+    return this.currentCall === null && this.waitingQuestions.size === 0;
   }
 
   private start(): WorkerLike {
@@ -61,22 +61,22 @@ export class Engine {
   }
 
   private send(): void {
-    if (this.current) return;
-    const kind = ORDER.find((kind) => this.waiting.has(kind));
+    if (this.currentCall) return;
+    const kind = ORDER.find((kind) => this.waitingQuestions.has(kind));
     if (!kind) return;
-    const question = this.waiting.get(kind)!;
-    this.waiting.delete(kind);
-    this.current = { id: this.next++, kind, question };
+    const question = this.waitingQuestions.get(kind)!;
+    this.waitingQuestions.delete(kind);
+    this.currentCall = { id: this.nextId++, kind, question };
     this.timer = setTimeout(() => this.fail(), PATIENCE_MS);
-    this.worker.postMessage(this.current);
+    this.worker.postMessage(this.currentCall);
   }
 
   private receive(reply: Reply): void {
-    const call = this.current;
-    // A late word from before is of no interest.
+    const call = this.currentCall;
+    // A late reply to an earlier call, or one of a worker that was replaced.
     if (!call || reply.id !== call.id) return;
     if ("broken" in reply) return this.fail();
-    this.current = null;
+    this.currentCall = null;
     clearTimeout(this.timer);
     this.failures = 0;
     this.send();
@@ -84,21 +84,21 @@ export class Engine {
     else this.listener.troubled({ what: "refused", why: reply.refused });
   }
 
-  /** The worker is of no more use. Its question is asked again, unless a newer one waits. */
+  /** Replaces the worker. Its question is asked again, unless a newer one of the same kind waits. */
   private fail(): void {
     clearTimeout(this.timer);
     this.worker.onmessage = this.worker.onerror = null;
     this.worker.terminate();
-    const call = this.current;
-    this.current = null;
+    const call = this.currentCall;
+    this.currentCall = null;
     this.failures += 1;
     if (this.failures >= MOST_FAILURES) {
       this.isLost = true;
-      this.waiting.clear();
+      this.waitingQuestions.clear();
       this.listener.troubled({ what: "lost" });
       return;
     }
-    if (call && !this.waiting.has(call.kind)) this.waiting.set(call.kind, call.question);
+    if (call && !this.waitingQuestions.has(call.kind)) this.waitingQuestions.set(call.kind, call.question);
     this.worker = this.start();
     this.listener.troubled({ what: "rebuilt" });
     this.send();

@@ -1,15 +1,15 @@
-// The WASM module behind a typed function. It runs in the worker, at build time in Node, and in the tests.
+// Calls the WASM module through a typed function: in the worker, in Node at build time, and in the tests.
 import type { AnswerOf, Kind, QuestionOf } from "./types";
 
 interface Exports {
   memory: WebAssembly.Memory;
   chordal_alloc(length: number): number;
-  chordal_free(at: number, length: number): void;
-  chordal_study(at: number, length: number): number;
-  chordal_ladder(at: number, length: number): number;
-  chordal_seam(at: number, length: number): number;
+  chordal_free(address: number, length: number): void;
+  chordal_study(address: number, length: number): number;
+  chordal_ladder(address: number, length: number): number;
+  chordal_seam(address: number, length: number): number;
   /** Only in the module of the exhibits. */
-  chordal_exhibit(at: number, length: number): number;
+  chordal_exhibit(address: number, length: number): number;
   chordal_exit(outcome: number): number;
   chordal_bytes(outcome: number): number;
   chordal_bytes_len(outcome: number): number;
@@ -24,19 +24,19 @@ interface Exports {
 const NOT_SUPPORTED = 52;
 const answer = (name: string | symbol) => () => (name === "random_get" ? 0 : NOT_SUPPORTED);
 /**
- * The host of modules for WASI, which tests load: all is refused but the keys of hash tables, on which no answer
- * depends. Modules that are shipped ask for nothing.
+ * The host for the WASI modules that tests load. Every import is refused except random numbers, which only seed hash
+ * tables and so affect no answer; they are left zero. The modules that are shipped import nothing.
  */
 export const HOST = { wasi_snapshot_preview1: new Proxy({}, { get: (_, name) => answer(name) }) };
 
-/** The core understood the question and refuses it, in a sentence. The module is as good as before. */
+/** The core understood the question and refused it with a message. The module can still be used. */
 export class Refused extends Error {}
 
-/** The module trapped, or is none of ours. It must not be called again. */
+/** The module trapped, or is not a Chordal module. It must not be called again. */
 export class Broken extends Error {}
 
 export class Core {
-  private broken = false;
+  private isBroken = false;
   private constructor(private readonly exports: Exports) {}
 
   static async load(bytes: BufferSource): Promise<Core> {
@@ -50,31 +50,31 @@ export class Core {
 
   /** Asks one question. Throws [`Refused`] or [`Broken`]. */
   ask<K extends Kind>(kind: K, question: QuestionOf<K>): AnswerOf<K> {
-    if (this.broken) throw new Broken("the module trapped before");
-    let outcome: Said;
+    if (this.isBroken) throw new Broken("the module trapped before");
+    let reply: ModuleReply;
     try {
-      outcome = this.call(kind, new TextEncoder().encode(JSON.stringify(question)));
+      reply = this.call(kind, new TextEncoder().encode(JSON.stringify(question)));
     } catch (error) {
       // After a trap the module's memory may be in any state.
-      this.broken = true;
+      this.isBroken = true;
       throw new Broken(String(error));
     }
-    if ("refused" in outcome) throw new Refused(outcome.refused);
-    const { answer, arrays } = outcome;
+    if ("refused" in reply) throw new Refused(reply.refused);
+    const { answer, arrays } = reply;
     return JSON.parse(answer, arrays && ((_, value: unknown) => arrayOf(value, arrays))) as AnswerOf<K>;
   }
 
-  private call(kind: Kind, question: Uint8Array): Said {
+  private call(kind: Kind, question: Uint8Array): ModuleReply {
     const core = this.exports;
-    const at = core.chordal_alloc(question.length);
-    // Growing memory detaches every view, so each is made anew where it is used.
-    new Uint8Array(core.memory.buffer, at, question.length).set(question);
-    const outcome = core[`chordal_${kind}`](at, question.length);
+    const address = core.chordal_alloc(question.length);
+    // Growing memory detaches every view, so each view is created right before its use.
+    new Uint8Array(core.memory.buffer, address, question.length).set(question);
+    const outcome = core[`chordal_${kind}`](address, question.length);
     const bytes = (start: number, length: number) => core.memory.buffer.slice(start, start + length);
     const text = (start: number, length: number) => new TextDecoder().decode(new Uint8Array(core.memory.buffer, start, length));
     const exit = core.chordal_exit(outcome);
     const length = core.chordal_bytes_len(outcome);
-    const said: Said =
+    const reply: ModuleReply =
       exit === 0
         ? {
             answer: text(core.chordal_report(outcome), core.chordal_report_len(outcome)),
@@ -82,15 +82,15 @@ export class Core {
           }
         : { refused: text(core.chordal_error(outcome), core.chordal_error_len(outcome)) };
     core.chordal_release(outcome);
-    core.chordal_free(at, question.length);
-    return said;
+    core.chordal_free(address, question.length);
+    return reply;
   }
 }
 
-/** What the module said: its sentence, or its answer with the bytes that arrays of the answer lie in. */
-type Said = { refused: string } | { answer: string; arrays: ArrayBuffer | undefined };
+/** The module's reply: an error message, or the answer as JSON and the bytes of the answer's arrays. */
+type ModuleReply = { refused: string } | { answer: string; arrays: ArrayBuffer | undefined };
 
-/** `{"f32": [start, length]}` stands for numbers among the bytes. */
+/** Replaces `{"f32": [start, length]}` in the JSON by the numbers at that place in the bytes. */
 function arrayOf(value: unknown, arrays: ArrayBuffer): unknown {
   if (typeof value !== "object" || value === null) return value;
   if ("f32" in value) return new Float32Array(arrays, ...(value.f32 as [number, number]));

@@ -1,4 +1,4 @@
-// What the core is asked and what it answers. The shapes are those of crates/chordal-wasm.
+// The questions to the core and its answers. Their shapes are defined by crates/chordal-wasm.
 
 /** A point of the plane, in units of the drawing; y points up. */
 export type Point = readonly [number, number];
@@ -7,15 +7,15 @@ export type Cubic = readonly [Point, Point, Point, Point];
 export interface StudyQuestion {
   control: Cubic;
   segments: number;
-  /** Another number of segments, to compare with. */
+  /** A second number of segments, for comparison. */
   other: number;
   /** Device pixels in one unit of the drawing. */
   pixels_per_unit: number;
-  /** The error that is asked for, in device pixels. */
+  /** The wanted error, in device pixels. */
   pixels: number;
-  /** The parameter of the construction. */
+  /** The curve parameter of de Casteljau's construction. */
   t: number;
-  /** How much of the curve around the gap is wanted, in units to either side. */
+  /** How much of the curve to return around the gap, in units to either side. */
   near: number;
 }
 
@@ -25,7 +25,7 @@ export interface Gap {
   place: number;
   on_curve: Point;
   on_polyline: Point;
-  /** The part of the curve around the gap, as a cubic of its own. */
+  /** The part of the curve around the gap, as a cubic. */
   near: Cubic;
 }
 
@@ -33,43 +33,43 @@ export interface Chain {
   points: Point[];
   places: number[];
   segments: number;
-  /** None where the curve is a single point. */
+  /** `null` if the curve is a single point. */
   gap: Gap | null;
   bound: { at_least: number; at_most: number | null; pixels: number | null; evidence: string };
 }
 
-/** How the segments are placed: equal steps of the parameter, or where they are needed. */
+/** How the vertices are placed: in equal steps of the parameter, or so that the fewest segments are needed. */
 export type Spacing = "even" | "fewest";
 
 export interface StudyAnswer {
   control: Cubic;
   even: Chain;
   fewest: Chain;
-  /** The chains of the other number, and how many times the larger gap is the smaller; null where one is zero. */
+  /** The chains with the other number of segments, and the ratio of the larger gap to the smaller; `null` if one is zero. */
   other: Record<Spacing, Chain> & { segments: number; times: Record<Spacing, number | null> };
   needed: Needed;
   formula: Formula;
   construction: Construction;
 }
 
-/** The smallest numbers of segments that are proved to keep the pixels that were asked for. */
+/** The smallest numbers of segments that are proved to stay within the wanted error. */
 export interface Needed {
   even: number | null;
-  /** By equal steps a larger number may lose more: the largest that is not proved, with its gap in pixels. */
+  /** With equal steps a larger number may have a larger gap: the largest number that is not proved, with its gap in pixels. */
   even_fails: { segments: number; pixels: number | null } | null;
-  /** From here on every number of equal steps is proved. */
+  /** From this number on, every number of equal steps is proved. */
   even_from: number | null;
   fewest: number | null;
 }
 
-/** The formula for equal steps: no gap is wider than the second derivative's largest length over 8 N². */
+/** The formula for equal steps: the gap is at most max |B″| / 8 N². */
 export interface Formula {
-  /** That length, in units. */
+  /** max |B″|, in units. */
   bend: number;
-  /** The gap that is asked for, in units, and the number of segments that the formula has for it. */
+  /** The wanted gap, in units, and the number of segments that the formula gives for it. */
   length: number;
   segments: number;
-  /** What the formula allows for the number of segments at hand, in units and in pixels. */
+  /** The gap that the formula allows for the current number of segments, in units and in pixels. */
   gap: number;
   pixels: number;
 }
@@ -98,7 +98,7 @@ export interface LadderAnswer {
   counts: number[];
   even: Rung[];
   fewest: Rung[];
-  /** Points of the curve with their parameters, for finding the one under a finger. */
+  /** Points of the curve with their parameters, to find the one nearest to a finger. */
   rail: { points: Point[]; places: number[] };
 }
 
@@ -108,9 +108,9 @@ export interface SeamQuestion {
   first: Cubic;
   second: Cubic;
   smoothness: Smoothness;
-  /** Which curve keeps its points while the other follows. */
+  /** The curve that keeps its points; the other one follows. */
   leader: "first" | "second";
-  /** How long a tooth of the comb is for a curvature of 1. */
+  /** The length of a comb tooth for a curvature of 1. */
   scale: number;
 }
 
@@ -135,10 +135,10 @@ export interface SeamAnswer {
   comb: [Tooth[], Tooth[]];
 }
 
-/** An exhibit asks by its name; its own file knows what the answer holds. Large arrays in it are typed arrays. */
+/** A question of an exhibit, by its name; the exhibit's file defines the answer. Large arrays arrive as typed arrays. */
 export type ExhibitQuestion = { exhibit: string } & Record<string, unknown>;
 
-/** Each kind of question with its question and its answer. */
+/** The question and the answer of each kind. */
 export interface Kinds {
   exhibit: [ExhibitQuestion, unknown];
   study: [StudyQuestion, StudyAnswer];
@@ -156,10 +156,7 @@ export interface Call {
   question: QuestionOf<Kind>;
 }
 
-/**
- * From the worker to the page: an answer, the core's refusal in a sentence, or the news that the module is broken and
- * the worker of no more use.
- */
+/** From the worker to the page: an answer, the core's refusal, or why the module is broken and the worker useless. */
 export type Reply =
   | { id: number; answer: AnswerOf<Kind> }
   | { id: number; refused: string }

@@ -1,4 +1,4 @@
-// A chart with two axes, each linear or by decades.
+// A chart with two axes, each linear or logarithmic.
 import type { Children } from "./exhibit";
 import { px } from "./Grip";
 
@@ -18,7 +18,7 @@ interface ChartProps {
   y: Axis;
   width?: number;
   height?: number;
-  /** A figure of its own, and not one beside it. */
+  /** Whether it is the main figure, rather than a small chart in the panel. */
   isFigure?: boolean;
   children(at: Place): Children;
 }
@@ -74,6 +74,6 @@ export function Chart({ name, x, y, width = 320, height = 200, isFigure, childre
   );
 }
 
-/** Points as a line. */
+/** The path through points. */
 export const chain = (at: Place, points: readonly (readonly [number, number])[]) =>
   points.length ? `M${points.map(([x, y]) => at(x, y).map(px).join(" ")).join("L")}` : "";

@@ -6,17 +6,17 @@ export type Point = readonly [number, number];
 
 const SCALE = 60;
 export const FLAT = { width: 12, height: 8 } as const;
-/** An eighth of a unit is as fine as a hand is; the arrow keys move by this. */
+/** Half the step of the arrow keys, in units. */
 const GRID = 0.05;
 
 export const toSvg = ([x, y]: Point): Point => [x * SCALE, (FLAT.height - y) * SCALE];
 export const at = (point: Point) => toSvg(point).map(px).join(" ");
 export const path = (points: readonly Point[], isClosed = true) => `M${points.map(at).join("L")}${isClosed ? "z" : ""}`;
 
-/** A cubic Bézier curve by its control points. */
+/** The path of a cubic Bézier curve, from its control points. */
 export const cubic = ([a, b, c, d]: readonly [Point, Point, Point, Point]) => `M${at(a)}C${at(b)} ${at(c)} ${at(d)}`;
 
-/** Inside the figure, on a grid that the address can hold. */
+/** The nearest point inside the figure, in hundredths, as the address stores it. */
 export function kept([x, y]: Point): Point {
   const within = (value: number, most: number) => Math.round(Math.min(Math.max(value, 0.3), most - 0.3) * 100) / 100;
   return [within(x, FLAT.width), within(y, FLAT.height)];
@@ -38,7 +38,7 @@ interface DotProps {
   move(change: (from: Point) => Point): void;
 }
 
-/** A point of the plane to drag. */
+/** A point of the plane that can be dragged. */
 export function Dot({ name, spoken, place, isStill, move }: DotProps) {
   return (
     <Grip

@@ -1,4 +1,4 @@
-// What all exhibits share: title and claim, figure and handle, the live number, the text, the way through them.
+// The frame of every exhibit: title and claim, figure and handle, the live number, the texts, links to the other stops.
 import { Figure as Data } from "../view/parts";
 import { Themes } from "../view/Themes";
 import type { AnyExhibit, LiveNumber, Page } from "./exhibit";
@@ -12,7 +12,7 @@ export interface FrameProps {
   state: object;
   answer: unknown;
   language: Language;
-  /** The fragment of the state, without `#`; the other language's page opens with it. */
+  /** The fragment of the state, without `#`; the link to the other language has it, too. */
   fragment: string;
   isStill: boolean;
   isEmbedded: boolean;
@@ -20,7 +20,7 @@ export interface FrameProps {
   set: Page<object, unknown, unknown>["set"];
 }
 
-/** So many paragraphs are read at first sight: all stops in half an hour; the rest is for who wants more. */
+/** Paragraphs that are open at first. Chosen: with them all stops take half an hour to read; the rest is on demand. */
 const FIRST_READ = 1;
 
 const paragraphs = (story: readonly string[]) => story.map((text) => <p key={text}>{emphasized(text)}</p>);
@@ -163,10 +163,10 @@ export function Languages({ language, file }: { language: Language; file: (langu
   );
 }
 
-/** What a stop is called. */
+/** The title of a stop. */
 export const titleOf = (stop: Stop, language: Language) => ("id" in stop ? stop.title[language] : FRAME[language].widget);
 
-/** To the stops before and after one; on the first page it says its language, for it stands there in both. */
+/** Links to the previous and the next stop, with their language: the first page contains both languages. */
 export function Onward({ stop, language }: { stop: Stop; language: Language }) {
   const words = FRAME[language];
   const n = STOPS.indexOf(stop);
@@ -216,13 +216,12 @@ export function Mark() {
   );
 }
 
-/** `*word*` is emphasized. */
+/** Emphasizes `*word*`. */
 function emphasized(text: string) {
   return text.split("*").map((part, i) => (i % 2 ? <em key={i}>{part}</em> : part));
 }
 
-/** The fragment holds the state, so the focus is moved without it. */
-/** To the figure, without a word in the address. */
+/** Moves the focus to the figure by script, because the fragment of the address holds the state. */
 export function jump(event: Event) {
   event.preventDefault();
   document.getElementById("figure")?.focus();

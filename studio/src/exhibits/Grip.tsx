@@ -1,4 +1,4 @@
-// A handle in a figure, for mouse, touch and keys. To assistive technology it is a slider with a spoken value.
+// A handle in a figure, for mouse, touch and keys. For assistive technology it is a slider with a spoken value.
 import type { TargetedPointerEvent } from "preact";
 
 interface GripProps {
@@ -8,14 +8,14 @@ interface GripProps {
   now: number;
   low: number;
   high: number;
-  /** Where it is, in the units of the SVG. */
+  /** Its position, in the units of the SVG. */
   at: readonly [number, number];
   isStill: boolean;
-  /** A double arrow beside it shows the one direction in which it moves, in degrees clockwise from up. */
+  /** The only direction in which it moves, in degrees clockwise from up; shown as a double arrow. */
   along?: number;
-  /** Called when it is taken hold of; what it returns is called with the way of the hand since then. */
+  /** Called at the start of a drag; the returned function is called with the pointer's way since then. */
   grab(): (dx: number, dy: number) => void;
-  /** Right, up and far by keys, in steps; `Home` and `End` are −∞ and ∞. */
+  /** Called for keys, with steps to the right and up; `Home` and `End` are −∞ and ∞. */
   step(right: number, up: number): void;
 }
 
@@ -31,10 +31,10 @@ export function Grip({ name, spoken, now, low, high, at, isStill, along, grab, s
       <circle class="dot" r={8} />
     </>
   );
-  const place = `translate(${px(at[0])} ${px(at[1])})`;
+  const transform = `translate(${px(at[0])} ${px(at[1])})`;
   if (isStill) {
     return (
-      <g class="grip" transform={place} aria-hidden="true">
+      <g class="grip" transform={transform} aria-hidden="true">
         {picture}
       </g>
     );
@@ -49,7 +49,7 @@ export function Grip({ name, spoken, now, low, high, at, isStill, along, grab, s
       aria-valuemax={high}
       aria-valuenow={now}
       aria-valuetext={spoken}
-      transform={place}
+      transform={transform}
       onKeyDown={(event) => keyed(event, step)}
       onPointerDown={(event) => follow(event, grab)}
     >
@@ -61,23 +61,23 @@ export function Grip({ name, spoken, now, low, high, at, isStill, along, grab, s
 
 function keyed(event: KeyboardEvent, step: GripProps["step"]) {
   if (event.ctrlKey || event.altKey || event.metaKey) return;
-  const far = event.shiftKey ? STEP.small : STEP.usual;
-  const ways: Record<string, readonly [number, number]> = {
-    ArrowLeft: [-far, 0],
-    ArrowRight: [far, 0],
-    ArrowUp: [0, far],
-    ArrowDown: [0, -far],
+  const size = event.shiftKey ? STEP.small : STEP.usual;
+  const moves: Record<string, readonly [number, number]> = {
+    ArrowLeft: [-size, 0],
+    ArrowRight: [size, 0],
+    ArrowUp: [0, size],
+    ArrowDown: [0, -size],
     PageUp: [0, STEP.large],
     PageDown: [0, -STEP.large],
     Home: [-Infinity, -Infinity],
     End: [Infinity, Infinity],
   };
-  const way = ways[event.key];
-  if (!way) return;
+  const move = moves[event.key];
+  if (!move) return;
   event.preventDefault();
-  // The picture around it turns by the same keys.
+  // The same keys turn the scene behind it.
   event.stopPropagation();
-  step(...way);
+  step(...move);
 }
 
 function follow(event: TargetedPointerEvent<SVGGElement>, grab: GripProps["grab"]) {
@@ -90,17 +90,17 @@ function follow(event: TargetedPointerEvent<SVGGElement>, grab: GripProps["grab"
   const pointer = event.pointerId;
   const start = [event.clientX, event.clientY] as const;
   const moved = grab();
-  const ending = new AbortController();
+  const abort = new AbortController();
   const on = (type: string, listen: (event: PointerEvent) => void) =>
     grip.addEventListener(
       type,
       (event) => (event as PointerEvent).pointerId === pointer && listen(event as PointerEvent),
-      ending,
+      abort,
     );
   on("pointermove", (now) => moved((now.clientX - start[0]) * ratio, (now.clientY - start[1]) * ratio));
-  on("pointerup", () => ending.abort());
-  on("pointercancel", () => ending.abort());
+  on("pointerup", () => abort.abort());
+  on("pointercancel", () => abort.abort());
 }
 
-/** To a tenth of a pixel. */
+/** Rounded to a tenth of a pixel. */
 export const px = (value: number) => String(Math.round(value * 10) / 10);

@@ -1,4 +1,4 @@
-// One cell of marching cubes: eight corners to switch, the triangles that the core makes, the faces that can be read twice.
+// One cell of marching cubes: eight corners to switch, the triangles by the core, and the ambiguous faces.
 import { Figure as Data } from "../view/parts";
 import { type Layer, type Picture, type Vec3, type View, painted } from "../viewer";
 import type { LiveNumber } from "./exhibit";
@@ -12,9 +12,9 @@ export interface CubeAnswer {
   mesh: { positions: Float32Array; indices: Uint32Array } | null;
   triangles: number;
   pieces: number;
-  /** The corners of each face that can be read in two ways. */
+  /** The corners of each ambiguous face. */
   faces: [number, number, number, number][];
-  /** The segments of the readings that were not taken. */
+  /** The segments of the readings that were not chosen. */
   other: Float32Array;
   readings: number;
   patterns: number;
@@ -24,23 +24,23 @@ export interface CubeAnswer {
 
 export const HOME: View = { azimuth: -64, elevation: 21, distance: 3.5, target: [0, 0, -0.05] };
 const CORNERS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
-/** Fingers are as wide. */
+/** The radius of a finger, in pixels. */
 const REACH = 26;
 
 /** The signs as bits, 1 for inside. */
 export const PRESETS = { corner: 4, edge: 12, diagonal: 9, opposite: 129, every: 105, sharp: 4 } as const;
 export type Preset = keyof typeof PRESETS;
 
-/** Corner `i` has its coordinates in the bits of `i`. */
-const place = (corner: number): Vec3 => [0, 1, 2].map((k) => ((corner >> k) & 1) - 0.5) as unknown as Vec3;
-const EDGES = CORNERS.flatMap((a) => [1, 2, 4].filter((bit) => !(a & bit)).flatMap((bit) => [place(a), place(a | bit)]));
+/** The bits of `i` are the coordinates of corner `i`. */
+const positionOf = (corner: number): Vec3 => [0, 1, 2].map((k) => ((corner >> k) & 1) - 0.5) as unknown as Vec3;
+const EDGES = CORNERS.flatMap((a) => [1, 2, 4].filter((bit) => !(a & bit)).flatMap((bit) => [positionOf(a), positionOf(a | bit)]));
 const floats = (points: readonly Vec3[]) => new Float32Array(points.flat());
 const isInside = (signs: number, corner: number) => ((signs >> corner) & 1) === 1;
 
-/** The part of a box with its tip in the middle that lies in the cell: the edges that it has there. */
+/** The edges, within the cell, of a box with one corner in the middle of the cell. */
 function box(signs: number): Vec3[] {
-  const far = place(Math.log2(signs));
-  const along = (...axes: number[]): Vec3 => [0, 1, 2].map((k) => (axes.includes(k) ? far[k]! : 0)) as unknown as Vec3;
+  const insideCorner = positionOf(Math.log2(signs));
+  const along = (...axes: number[]): Vec3 => [0, 1, 2].map((k) => (axes.includes(k) ? insideCorner[k]! : 0)) as unknown as Vec3;
   return [0, 1, 2].flatMap((k) => [along(), along(k), along(k), along(k, (k + 1) % 3), along(k), along(k, (k + 2) % 3)]);
 }
 
@@ -51,7 +51,7 @@ function pictureOf({ state }: Page, answer: CubeAnswer): Picture {
     layers.push({
       kind: "mesh",
       id: "faces",
-      positions: floats(faces.flat().map(place)),
+      positions: floats(faces.flat().map(positionOf)),
       indices: new Uint32Array(faces.flatMap((_, i) => [0, 1, 2, 0, 2, 3].map((k) => 4 * i + k))),
       paint: PAINT.mark,
       shading: "none",
@@ -72,7 +72,7 @@ function pictureOf({ state }: Page, answer: CubeAnswer): Picture {
   return { layers };
 }
 
-/** A corner is switched, and is no longer the tip of a box. */
+/** Switches a corner; the shape is no longer the corner of a box. */
 const switched = (signs: number, corner: number) => ({ signs: signs ^ (1 << corner), sharp: false });
 
 export function CubeFigure({ page, answer }: { page: Page; answer: CubeAnswer }) {
@@ -87,13 +87,13 @@ export function CubeFigure({ page, answer }: { page: Page; answer: CubeAnswer })
       look={(view) => set({ view })}
       isStill={isStill}
       tap={(at, x, y) => {
-        const far = (corner: number) => Math.hypot(at.to(place(corner))[0] - x, at.to(place(corner))[1] - y);
+        const far = (corner: number) => Math.hypot(at.to(positionOf(corner))[0] - x, at.to(positionOf(corner))[1] - y);
         const nearest = CORNERS.reduce((best: number, corner) => (far(corner) < far(best) ? corner : best), 0);
         if (far(nearest) <= REACH) set(({ signs }) => switched(signs, nearest));
       }}
       over={(at) =>
         CORNERS.map((corner) => {
-          const [x, y] = at.to(place(corner));
+          const [x, y] = at.to(positionOf(corner));
           const is = isInside(state.signs, corner);
           return (
             <g key={corner} class={is ? "corner inside" : "corner"}>

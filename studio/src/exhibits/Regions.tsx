@@ -1,4 +1,4 @@
-// What is drawn of a function of the plane: the regions below its levels, one over the other, so that they darken inward.
+// Draws a function of the plane: the regions below its levels on top of each other, so that they darken inward.
 import { toSvg } from "./Flat";
 import { px } from "./Grip";
 
@@ -23,7 +23,7 @@ export function outline(loops: Loops): string {
     .join("");
 }
 
-/** The levels from the highest to the lowest. */
+/** `regions` must be sorted from the highest level to the lowest. */
 export function Regions({ regions, class: kind = "" }: { regions: readonly Region[]; class?: string }) {
   return (
     <g class={`regions ${kind}`}>

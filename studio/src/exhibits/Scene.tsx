@@ -1,5 +1,5 @@
-// A figure in space: the viewer where there is WebGL, the same layers as flat shapes before that, without it and on paper, and
-// handles over both.
+// A 3D figure with handles over it: the viewer with WebGL; the same layers as flat shapes until it is ready, without WebGL,
+// and in print.
 import { options } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Children } from "./exhibit";
@@ -16,7 +16,7 @@ import {
   still,
 } from "../viewer";
 
-/** A figure before it is measured. */
+/** The size before the figure is measured. */
 const STILL: Size = { width: 720, height: 480 };
 
 /** A number that is moved along a line in space. */
@@ -26,18 +26,18 @@ export interface Pull {
   value: number;
   low: number;
   high: number;
-  /** Of an arrow key. */
+  /** The step of an arrow key. */
   step: number;
   at: Vec3;
-  /** Where it would be with a value that is larger by 1. */
+  /** Its position for a value that is larger by 1. */
   along: Vec3;
-  /** Changes it from what it is by then: keys may be faster than frames. */
+  /** Changes the value at that time, which may be newer than `value`: keys may be faster than frames. */
   move(change: (value: number) => number): void;
 }
 
 interface SceneProps {
   name: string;
-  /** Id of the text that says which keys turn it. */
+  /** Id of the text that lists the keys that turn it. */
   help: string;
   picture: Picture;
   view: View;
@@ -45,9 +45,9 @@ interface SceneProps {
   look(view: View): void;
   isStill: boolean;
   pulls?: readonly Pull[];
-  /** A press that was no drag. */
+  /** Called after a press without a drag. */
   tap?(at: Projector, x: number, y: number): void;
-  /** What is drawn above it, in pixels. */
+  /** An overlay, in pixels. */
   over?(at: Projector): Children;
 }
 
@@ -56,44 +56,44 @@ export function Scene(props: SceneProps) {
   const root = useRef<HTMLDivElement>(null);
   const stage = useRef<HTMLDivElement>(null);
   const viewer = useRef<Awaited<ReturnType<typeof createViewer>> | null>(null);
-  const now = useRef(props);
-  now.current = props;
+  const latest = useRef(props);
+  latest.current = props;
   const [size, setSize] = useState(STILL);
   const [isLive, setLive] = useState(false);
   const [isPrinted, setPrinted] = useState(false);
-  const sized = useRef(size);
-  sized.current = size;
+  const latestSize = useRef(size);
+  latestSize.current = size;
 
   useEffect(() => {
-    const [element, place] = [root.current!, stage.current!];
+    const [element, container] = [root.current!, stage.current!];
     let isGone = false;
     const measure = () => {
       const { clientWidth: width, clientHeight: height } = element;
       if (width && height) setSize((old) => (old.width === width && old.height === height ? old : { width, height }));
     };
-    const sizes = new ResizeObserver(measure);
-    sizes.observe(element);
+    const sizeObserver = new ResizeObserver(measure);
+    sizeObserver.observe(element);
     measure();
     const free = control(element, {
-      view: () => now.current.view,
-      size: () => sized.current,
+      view: () => latest.current.view,
+      size: () => latestSize.current,
       get home() {
-        return now.current.home;
+        return latest.current.home;
       },
       look: (view) => {
-        // Several moves of the hand may come before the page is drawn again.
-        now.current = { ...now.current, view };
-        now.current.look(view);
+        // Several moves may arrive before the next rendering, so the view must be current.
+        latest.current = { ...latest.current, view };
+        latest.current.look(view);
       },
-      tap: (x, y) => now.current.tap?.(projector(now.current.view, sized.current), x, y),
+      tap: (x, y) => latest.current.tap?.(projector(latest.current.view, latestSize.current), x, y),
     });
-    createViewer(place).then(
-      (made) => {
-        if (isGone) return made.dispose();
-        viewer.current = made;
-        made.look(now.current.view);
-        made.draw(now.current.picture);
-        made.now();
+    createViewer(container).then(
+      (created) => {
+        if (isGone) return created.dispose();
+        viewer.current = created;
+        created.look(latest.current.view);
+        created.draw(latest.current.picture);
+        created.now();
         element.dataset["viewer"] = "webgl";
         setLive(true);
       },
@@ -103,7 +103,7 @@ export function Scene(props: SceneProps) {
     );
     return () => {
       isGone = true;
-      sizes.disconnect();
+      sizeObserver.disconnect();
       free();
       viewer.current?.dispose();
       viewer.current = null;
@@ -115,7 +115,7 @@ export function Scene(props: SceneProps) {
     viewer.current?.draw(picture);
   });
 
-  // What WebGL has drawn is not printed. The browser prints what is there when it has told so.
+  // WebGL pictures are not printed, so flat shapes replace them. They must be there when the `beforeprint` listener returns.
   useEffect(() => {
     const paper = matchMedia("print");
     const print = (value: boolean) => () => atOnce(() => setPrinted(value));
@@ -151,28 +151,28 @@ export function Scene(props: SceneProps) {
         ))}
         {over?.(at)}
         {pulls?.map((pull) => (
-          <Puller key={pull.name} pull={pull} at={at} isStill={isStill} />
+          <PullHandle key={pull.name} pull={pull} at={at} isStill={isStill} />
         ))}
       </svg>
     </div>
   );
 }
 
-/** Draws what changes before it returns. */
+/** Renders synchronously. */
 function atOnce(change: () => void): void {
-  const later = options.debounceRendering;
+  const scheduleRendering = options.debounceRendering;
   options.debounceRendering = (draw) => draw();
   change();
-  if (later) options.debounceRendering = later;
+  if (scheduleRendering) options.debounceRendering = scheduleRendering;
   else delete options.debounceRendering;
 }
 
-function Puller({ pull, at, isStill }: { pull: Pull; at: Projector; isStill: boolean }) {
+function PullHandle({ pull, at, isStill }: { pull: Pull; at: Projector; isStill: boolean }) {
   const [x, y] = at.to(pull.at);
   const [ax, ay] = at.to([0, 1, 2].map((k) => pull.at[k]! + 0.01 * (pull.along[k]! - pull.at[k]!)) as unknown as Vec3);
-  // Pixels for a change of 1. A line that points at the eye is too short to be followed.
+  // Pixels for a change of 1. A line towards the eye is very short, hence the lower limit.
   const [wx, wy] = [(ax - x) * 100, (ay - y) * 100];
-  const long = Math.max(wx * wx + wy * wy, 400);
+  const lengthSq = Math.max(wx * wx + wy * wy, 400);
   const within = (value: number) => Math.round(Math.min(Math.max(value, pull.low), pull.high) * 1000) / 1000;
   return (
     <Grip
@@ -184,7 +184,7 @@ function Puller({ pull, at, isStill }: { pull: Pull; at: Projector; isStill: boo
       at={[x, y]}
       along={(Math.atan2(wx, -wy) * 180) / Math.PI}
       isStill={isStill}
-      grab={() => (dx, dy) => pull.move(() => within(pull.value + (dx * wx + dy * wy) / long))}
+      grab={() => (dx, dy) => pull.move(() => within(pull.value + (dx * wx + dy * wy) / lengthSq))}
       step={(right, up) => pull.move((value) => within(value + (up || right) * pull.step))}
     />
   );

@@ -1,4 +1,4 @@
-// A mesh baked to a grid of distances and back: each way loses something, and the bounds add up.
+// A mesh baked to a grid of distances and meshed again: each way has an error, and the bounds add up.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -56,13 +56,13 @@ interface Texts extends CommonTexts {
 const texts: Record<Language, Texts> = {
   en: {
     hint: FRAME.en.turn,
-    figure: "A mesh as a wire, and the mesh that came back from its grid, coloured by how far it is off; a red dot at the worst place",
+    figure: "A mesh as a wire, and the mesh that came back from its grid, coloured by its error; a red dot at the worst place",
     cells: "Cells along the longest side",
     across: (n) => `${n} cells`,
     shape: "Shape",
     shapes: { cylinder: "a cylinder", cube: "a cube" },
     label: "Proved bound, there and back",
-    unproved: "With cells this large nothing is proved.",
+    unproved: "With cells this large nothing can be proved.",
     meaning: (measured, share) =>
       `No point is farther off than this. The worst, at the red dot, is off by ${measured}: ${share} of the bound.`,
     there: "Mesh to grid, at most",
@@ -72,9 +72,9 @@ const texts: Record<Language, Texts> = {
     samples: "Samples",
     cell: "Edge of a cell",
     story: [
-      "To *bake* a mesh, ask its signed distance at every point of a lattice; to come back, march through the cells. Either way loses something, and for either the core *proves a bound*: how far the zero of the blended samples is from the mesh, and how far the new mesh is from that zero. By the triangle inequality *the two bounds add up*.",
-      "What is measured is less, for the worst places of the two steps seldom meet. Further steps would add their bounds to the sum.",
-      "Half the cell, about half the error, and several times the samples: eight times as many once there are many. For smooth shapes the error falls faster; it is the sharp edges that keep it up.",
+      "To *bake* a mesh, sample its signed distance at every point of a lattice; to get back, march through the cells. Each way has an error, and for each the core *proves a bound*: how far the zero set of the interpolated samples is from the mesh, and how far the new mesh is from that zero set. By the triangle inequality *the two bounds add up*.",
+      "The measured error is smaller, because the worst places of the two steps seldom coincide. Further steps would add their bounds to the sum.",
+      "Half the cell, about half the error, and several times the samples: eight times as many once there are many. For smooth shapes the error falls faster; sharp edges slow it down.",
     ],
     attempts: [
       "Double the cells: by how much do the bounds fall, and the samples grow?",
@@ -111,19 +111,19 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 
-/** How near each vertex is, so that the ramp of heat runs from light where nothing is lost to dark. */
-let near: { to: Float32Array; made: Float32Array } | undefined;
+/** `measured` minus the error of each vertex, because the ramp runs from dark to light and no error should be light. */
+let inverted: { of: Float32Array; values: Float32Array } | undefined;
 
 function pictureOf({ answer }: Page): Picture {
   const { mesh, back, off, measured, worst } = answer;
-  if (near?.to !== off) near = { to: off, made: off.map((x) => measured - x) };
+  if (inverted?.of !== off) inverted = { of: off, values: off.map((x) => measured - x) };
   return {
     layers: [
       {
         kind: "mesh",
         id: "back",
         ...back,
-        values: { of: near.made, range: [0, measured], ramp: "heat" },
+        values: { of: inverted.values, range: [0, measured], ramp: "heat" },
         paint: "#7ea6d8",
         shading: "flat",
         sides: "both",

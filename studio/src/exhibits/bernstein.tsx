@@ -1,4 +1,4 @@
-// Bernstein's four weights: the point of a cubic is a mixture of its control points, and de Casteljau finds it.
+// Bernstein's four weights: a point of a cubic is a mixture of its control points, which de Casteljau's construction finds.
 import { useRef } from "preact/hooks";
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -29,7 +29,7 @@ interface Answer {
   graphs: Float32Array[];
 }
 
-/** So that the construction stays in the figure a tenth beyond both ends, too. */
+/** Chosen so that the construction stays in the figure for t from −0.1 to 1.1, too. */
 const FORMS: Record<Form, Four> = {
   arch: [
     [1.6, 2.0],
@@ -82,11 +82,11 @@ const texts: Record<Language, Texts> = {
     sum: "Sum",
     graph: "The four weights over t: none is negative between 0 and 1",
     inside: (t) => `At t = ${t} no weight is negative and they sum to one: the point is a mixture of the four, so it lies in their hull.`,
-    outside: "Beyond the ends a weight is negative. The sum is still one, but this is no mixture any more: the point has left the hull.",
+    outside: "Beyond the ends a weight is negative. The sum is still one, but this is not a mixture any more, and the point has left the hull.",
     end: "At an end one weight is 1 and the others are 0: the curve starts and ends at its end points.",
     story: [
       "A cubic Bézier curve is four points and four *weights*, the polynomials (1−t)³, 3t(1−t)², 3t²(1−t) and t³, drawn as discs. Between t = 0 and t = 1 none is negative, and they sum to one. So the curve cannot leave the *hull*, the shape that a rubber band around the four points would take.",
-      "*De Casteljau’s construction* finds the same point by linear interpolation alone: mark the share t on the three legs, on the two lines between those marks, and on the last line. Four points, three, two, one. The last line is the tangent, and the marks on the way are the control points of both parts, left and right of t: three answers for the price of one.",
+      "*De Casteljau’s construction* finds the same point by linear interpolation alone: mark the share t on the three legs, on the two lines between those marks, and on the last line. Four points, three, two, one. The last line is the tangent, and the marks on the way are the control points of both parts, left and right of t: one construction gives point, tangent and split.",
     ],
     attempts: [
       "Go to both ends: which weight is 1? Along which leg does the curve leave?",
@@ -122,8 +122,8 @@ type Page = PageOf<State, Answer, Texts>;
 const PAINTS = ["zero", "one", "two", "three"] as const;
 const within = (t: number) => Math.round(Math.min(Math.max(t, LOW), HIGH) * 100) / 100;
 
-/** A triangle, counter-clockwise. */
-function oneWay([a, b, c]: readonly Point[]): Point[] {
+/** A triangle in counter-clockwise order. */
+function counterClockwise([a, b, c]: readonly Point[]): Point[] {
   const turn = (b![0] - a![0]) * (c![1] - a![1]) - (b![1] - a![1]) * (c![0] - a![0]);
   return turn < 0 ? [a!, c!, b!] : [a!, b!, c!];
 }
@@ -131,10 +131,10 @@ function oneWay([a, b, c]: readonly Point[]): Point[] {
 function Figure({ page }: { page: Page }) {
   const { state, answer, texts, say, set, isStill } = page;
   const control = FORMS[state.form];
-  const now = useRef(page);
-  now.current = page;
-  // Three points at a time cover the hull; all of them run one way, or fills would cancel where they overlap.
-  const hull = [0, 1, 2, 3].map((out) => path(oneWay(control.filter((_, i) => i !== out)))).join("");
+  const latestPage = useRef(page);
+  latestPage.current = page;
+  // The triangles of any three points cover the hull. All have the same winding, or overlaps would cancel in the fill.
+  const hull = [0, 1, 2, 3].map((omitted) => path(counterClockwise(control.filter((_, i) => i !== omitted)))).join("");
   const isWithin = state.t >= 0 && state.t <= 1;
   return (
     <Flat name={texts.figure}>
@@ -178,11 +178,11 @@ function Figure({ page }: { page: Page }) {
         at={toSvg(answer.point)}
         isStill={isStill}
         grab={() => {
-          let [t, x, y] = [now.current.state.t, 0, 0];
+          let [t, x, y] = [latestPage.current.state.t, 0, 0];
           return (dx, dy) => {
-            // Along the tangent as it is by now: the hand may follow the whole curve.
+            // Along the current tangent, so that a single drag can follow the whole curve.
             const origin = toSvg([0, 0]);
-            const [wx, wy] = toSvg(now.current.answer.tangent).map((end, k) => end - origin[k]!) as [number, number];
+            const [wx, wy] = toSvg(latestPage.current.answer.tangent).map((end, k) => end - origin[k]!) as [number, number];
             t += ((dx - x) * wx + (dy - y) * wy) / Math.max(wx * wx + wy * wy, 1e4);
             t = Math.min(Math.max(t, LOW), HIGH);
             [x, y] = [dx, dy];
@@ -210,7 +210,7 @@ function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
   };
 }
 
-/** The graphs' frame, in their units: t from −0.1 to 1.1, weights from −0.45 to 1.4. */
+/** The graphs' size in pixels, and the range of weights; t runs from −0.1 to 1.1. */
 const GRAPH = { width: 300, height: 150, low: -0.45, high: 1.4 } as const;
 
 function Graph({ page }: { page: Page }) {

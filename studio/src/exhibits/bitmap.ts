@@ -1,7 +1,6 @@
-// A picture of grey pixels as an address for an image: a bitmap of 256 greys. It needs no canvas, so the page that is
-// written at build time has it, too.
+// A grey picture as a data URL of a bitmap with 256 greys. It needs no canvas, so it also works in Node when pages are built.
 
-/** What the core answers: rows from the top, four pixels a word. */
+/** A picture in the core's form: rows from the top, four pixels a word. */
 export interface Grey {
   width: number;
   height: number;
@@ -10,15 +9,15 @@ export interface Grey {
 
 const HEAD = 14 + 40 + 4 * 256;
 
-/** Of answers that are drawn again while one drags. */
-const made = new WeakMap<Grey, string>();
+/** Caches the URLs, because an answer is rendered again on every change of the page. */
+const urls = new WeakMap<Grey, string>();
 
-/** The width is a multiple of four. */
+/** The width must be a multiple of four. */
 export function bitmap(picture: Grey): string {
-  const old = made.get(picture);
+  const old = urls.get(picture);
   if (old) return old;
   const text = encoded(picture);
-  made.set(picture, text);
+  urls.set(picture, text);
   return text;
 }
 
@@ -31,7 +30,7 @@ function encoded({ width, height, grey }: Grey): string {
   view.setUint32(10, HEAD, true);
   view.setUint32(14, 40, true);
   view.setInt32(18, width, true);
-  // A negative height says that rows begin at the top.
+  // A negative height means that rows start at the top.
   view.setInt32(22, -height, true);
   view.setUint16(26, 1, true);
   view.setUint16(28, 8, true);
@@ -39,7 +38,7 @@ function encoded({ width, height, grey }: Grey): string {
   for (let k = 0; k < 256; k++) view.setUint32(54 + 4 * k, 0x010101 * k, true);
   file.set(pixels, HEAD);
   let text = "";
-  // A call takes so many arguments at once, and not the whole file.
+  // In pieces, because a call takes a limited number of arguments.
   for (let i = 0; i < file.length; i += 8192) text += String.fromCharCode(...file.subarray(i, i + 8192));
   return `data:image/bmp;base64,${btoa(text)}`;
 }

@@ -1,4 +1,4 @@
-// Budget against triangles, for every way to write a shape down, on one chart.
+// Triangles against budget on one chart, for every representation of a shape.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { Chart, type Place, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -8,7 +8,7 @@ import type { Language } from "./say";
 
 const NAMES = ["curve", "patch", "cage", "nurbs", "field", "volume", "mesh"] as const;
 type Name = (typeof NAMES)[number];
-/** What a law is told by: samples and triangles are copies, which end where their source does. */
+/** What the law is explained by. Samples and triangles are copies, whose curves end at the error of their source. */
 type Kind = "curve" | "surface" | "volume" | "mesh";
 
 interface State {
@@ -16,7 +16,7 @@ interface State {
   step: number;
 }
 
-/** Without a count where the source itself is farther off than that length. */
+/** The count is `null` if the source itself has a larger error than that length. */
 type Step = [length: number, count: number | null, bound: number | null];
 
 interface Answer {
@@ -59,8 +59,8 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "The slider halves the length that may be lost. It takes the arrow keys, too.",
-    figure: "Triangles over the length that may be lost, by decades, for seven ways to write a shape down",
+    hint: "The slider halves the budget, a length. Arrow keys move it, too.",
+    figure: "Triangles against the budget, both logarithmic, for seven representations of a shape",
     shape: "Written as",
     shapes: {
       curve: "a curve",
@@ -79,29 +79,29 @@ const texts: Record<Language, Texts> = {
       curve: ({ times }) =>
         `Its law is −½: from here, half the error takes ${times} times the segments. The error falls with their square.`,
       surface: ({ times }) =>
-        `Its law is −1, reached once the triangles are small: from here, half the error takes ${times} times the triangles. They have two directions to get finer in.`,
+        `Its law is −1, reached once the triangles are small: from here, half the error takes ${times} times the triangles. Triangles get smaller in two directions.`,
       volume: ({ count, off }) =>
-        `No law: samples give the triangles of their cells, ${count}, whatever may be lost. They are up to ${off} off the torus, and nothing closer can be had from them.`,
+        `No law: samples give the triangles of their cells, ${count}, for any budget. They are up to ${off} off the torus, and no closer mesh can be made of them.`,
       mesh: ({ off }) =>
-        `A mesh can only be thinned out. It grows steeper than −1 towards its own triangles, which are up to ${off} off the torus: there it ends.`,
+        `A mesh can only be simplified. Its line is steeper than −1 towards its own triangles, which are up to ${off} off the torus: there it ends.`,
     },
     missing: {
-      volume: (off) => `Not to be had: the samples are up to ${off} off the torus. It takes more of them.`,
-      mesh: (off) => `Not to be had: the mesh is up to ${off} off the torus already. It would have to be made anew, from what it was made of.`,
+      volume: (off) => `Not possible: the samples are up to ${off} off the torus. It takes more samples.`,
+      mesh: (off) => `Not possible: the mesh is up to ${off} off the torus already. It would have to be built again from its source.`,
     },
     count: { curve: "Segments", surface: "Triangles" },
     bound: "Lost, proved",
     times: "Half the error takes",
     none: "none",
-    source: "Lost by the source already",
-    x: "length that may be lost, smaller to the right",
+    source: "Error of the source",
+    x: "budget, a length, smaller to the right",
     y: "segments or triangles",
     story: [
-      "A surface is cut in two directions. Half the error takes √2 times the cuts in each, so *twice the triangles*: by decades a line of slope −1, for patches, cage, NURBS and field alike. A curve is cut in one direction: −½. Samples and meshes are copies, and end where their own error begins.",
+      "A surface is cut in two directions. Half the error takes √2 times the cuts in each, so *twice the triangles*: by decades a line of slope −1, for patches, cage, NURBS and field alike. A curve is cut in one direction: −½. Samples and meshes are copies, and their lines end at their own error.",
       "A chord that is half as long misses the curve by a quarter. That is where √2 comes from: the error falls with the square of the segments.",
-      "What differs is the height of the line. It says how much the shape bends, and how well triangles are placed: where it bends most, they have to be smallest. NURBS, field, samples and mesh are one and the same torus here, 3 units wide; patches are the teapot, and the cage is a cube of 4 units.",
-      "*Samples* cannot be meshed more coarsely than their cells, nor more closely than they were taken. *A mesh* is simplified, with the distance proved: a coarse one takes the fewest triangles of all, a fine one approaches its source and then there is no more. What copies have lost already is counted here.",
-      "The budget is what one chooses, the bound is what was lost and is proved. All of them go in, and one number comes out of each.",
+      "The lines differ in height. The height says how much the shape bends, and how well the triangles are placed: they have to be smallest where it bends most. NURBS, field, samples and mesh are one and the same torus here, 3 units wide; patches are the teapot, and the cage is a cube of 4 units.",
+      "*Samples* cannot be meshed more coarsely than their cells, nor more closely than they were taken. *A mesh* is simplified, with the distance proved: a coarse one takes the fewest triangles of all, a fine one approaches its source and ends there. The error of the copies is included here.",
+      "You choose the budget; the bound is the error that was made, proved. Every representation takes the same budget and gives one count.",
     ],
     attempts: [
       "Compare the slopes of patches, NURBS and field. And their heights?",
@@ -158,11 +158,11 @@ type Page = PageOf<State, Answer, Texts>;
 const kindOf = (name: Name): Kind => (name === "curve" || name === "volume" || name === "mesh" ? name : "surface");
 const countOf = (name: Name) => (name === "curve" ? "curve" : "surface");
 
-/** Names stand before their lines, in their order and so far apart. */
+/** The smallest distance between the names at the lines, in pixels. */
 const GAP = 28;
 
-/** Places near the wanted ones, in their order and a gap apart: means of those that would touch. */
-function apart(wanted: readonly number[]): number[] {
+/** Spreads labels so that they are a gap apart: in their order, and a group that would touch is centred on its mean. */
+function spread(wanted: readonly number[]): number[] {
   const order = wanted.map((_, i) => i).sort((a, b) => wanted[a]! - wanted[b]!);
   const groups: { sum: number; rows: number[] }[] = [];
   const mean = ({ sum, rows }: { sum: number; rows: number[] }) => sum / rows.length;
@@ -179,8 +179,8 @@ function apart(wanted: readonly number[]): number[] {
   return places;
 }
 
-/** The steps that could be had. */
-const had = (steps: readonly Step[]) =>
+/** The steps that have a count. */
+const reachable = (steps: readonly Step[]) =>
   steps.flatMap(([length, count]) => (count === null ? [] : [[length, count] as const]));
 
 function Figure({ page }: { page: Page }) {
@@ -205,10 +205,10 @@ function Figure({ page }: { page: Page }) {
       }}
     >
       {(at) => {
-        const lines = answer.series.map(({ name, steps }) => ({ name, points: had(steps) }));
-        const names = apart(lines.map(({ points }) => at(...points[0]!)[1]));
+        const lines = answer.series.map(({ name, steps }) => ({ name, points: reachable(steps) }));
+        const names = spread(lines.map(({ points }) => at(...points[0]!)[1]));
         const left = at(lengths[0]!, low)[0];
-        // What is chosen is drawn over the others.
+        // The chosen line is drawn over the others.
         const order = lines.map((_, i) => i).sort((i, k) => Number(lines[i]!.name === state.shape) - Number(lines[k]!.name === state.shape));
         return (
           <>
@@ -238,7 +238,7 @@ function Figure({ page }: { page: Page }) {
                 </g>
               );
             })}
-            {here[1] !== null && <Here at={at} here={[here[0], here[1]]} next={next[1] === null ? null : [next[0], next[1]]} page={page} />}
+            {here[1] !== null && <StepMark at={at} here={[here[0], here[1]]} next={next[1] === null ? null : [next[0], next[1]]} page={page} />}
           </>
         );
       }}
@@ -253,8 +253,8 @@ interface HereProps {
   page: Page;
 }
 
-/** The chosen step, and how many times as much the next one takes. */
-function Here({ at, here, next, page: { answer, say } }: HereProps) {
+/** Marks the chosen step, and the ratio to the next one. */
+function StepMark({ at, here, next, page: { answer, say } }: HereProps) {
   const [x0, y0] = at(...here);
   if (!next) return <circle class="here" r="8" cx={px(x0)} cy={px(y0)} />;
   const [x1, y1] = at(...next);

@@ -1,4 +1,4 @@
-// Catmull–Clark: a cage, its rounds, its limit surface; each round leaves a quarter of the distance.
+// Catmull–Clark subdivision: a cage, its rounds, and its limit surface; each round leaves a quarter of the distance.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type Layer, type Picture, type View, rampStops } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -66,7 +66,7 @@ const texts: Record<Language, Texts> = {
     handle: "Rounds of subdivision",
     spoken: (level, faces) => `${level} rounds, ${faces} faces`,
     crease: "Sharpness of the rim",
-    creaseHelp: "The four edges of the foot follow the rule of a crease for so many rounds, and only then that of a smooth surface.",
+    creaseHelp: "The four edges of the foot follow the crease rule for this many rounds, and the smooth rule after that.",
     sharp: (value) => `sharpness ${value}`,
     show: "Show",
     round: "this round",
@@ -76,11 +76,11 @@ const texts: Record<Language, Texts> = {
     level: (n) => (n === 0 ? "The cage" : `Round ${n}`),
     faces: "Faces",
     times: (ratio) => `÷ ${ratio}`,
-    first: "The cage itself: a shape for the hand, far from the surface that it controls.",
+    first: "The cage itself: easy to edit, but far from the surface that it controls.",
     falls: (ratio, points) => `${ratio} times nearer than the round before, measured at ${points} points of the limit surface.`,
     story: [
-      "An artist moves the few points of a *cage*; by Catmull and Clark’s rule every face becomes four, round after round. What they come to, a smooth *limit surface*, can be evaluated *exactly* at any place, so the error of a round is no matter of opinion: four times the faces, *a quarter of the error*.",
-      "It is the law of the widget, on a surface. And the price is the same, too: after a few rounds four times the faces buy what nobody sees.",
+      "An artist moves the few points of a *cage*; by Catmull and Clark’s rule every face becomes four, round after round. They converge to a smooth *limit surface*, which can be evaluated *exactly* at any place, so the error of a round is known: four times the faces, *a quarter of the error*.",
+      "It is the law of the widget, on a surface. The cost is the same, too: after a few rounds four times the faces improve nothing that is visible.",
       "A *crease* is a number on an edge: for so many rounds it follows the rule of a curve and ignores the faces beside it. With 0 the foot is round, with 1 or 2 it has a soft rim, with 6 a sharp one. The cage stays the same 14 faces.",
     ],
     attempts: [
@@ -128,7 +128,7 @@ function pictureOf({ state, answer, isStill }: Page): Picture {
     ...(state.sharpness > 0 ? [{ kind: "lines", id: "rim", positions: answer.rim, paint: CAGE, width: 4 } as const] : []),
   ];
   const edges = state.level < 5 ? ([{ kind: "lines", id: "edges", positions: answer.edges, paint: "#24446b", width: 0.8 }] as const) : [];
-  // A still figure has no room for ten thousand triangles of the limit.
+  // The ten thousand triangles of the limit surface would make a still figure too large.
   if (state.show === "round" || isStill) {
     return {
       layers: [{ kind: "mesh", id: "round", ...mesh, paint: PAINT.front, shading: "flat", sides: "both" }, ...edges, ...control],
@@ -166,7 +166,7 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** The error of the newest round that the core has answered. */
+/** The error after the last round of the answer. */
 const errorOf = ({ errors }: Answer) => errors[errors.length - 1]!;
 const ratioAt = (errors: readonly number[], n: number) => errors[n - 1]! / errors[n]!;
 

@@ -1,4 +1,4 @@
-// Two patches side by side: cut by numbers of their own they gape, cut once along the side that they share they do not.
+// Two adjacent patches: subdivided by their own numbers they crack, with a shared subdivision of their common side they do not.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type Picture, type View, eyeOf } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -28,7 +28,7 @@ interface Answer {
 }
 
 const HOME: View = { azimuth: -128, elevation: 22, distance: 10.5, target: [-0.3, 0, -0.1] };
-/** The left patch has always as many. */
+/** The subdivision of the left patch, which is fixed. */
 const LEFT = 3;
 const COUNTS = [1, 12] as const;
 const defaults: State = { right: 5, cut: "own", view: HOME };
@@ -66,11 +66,11 @@ const texts: Record<Language, Texts> = {
     triangles: "Triangles",
     gapes: (pixels) => `One curve, two chains of chords: between them the background shows, up to ${pixels} pixels wide in a picture 480 pixels high.`,
     same: "Both patches happen to have the same number: the same vertices, and no crack.",
-    closed: (length) => `One side, cut once: both patches use the same vertices by index. It is within ${length} of the curve, as the right patch’s own number would be.`,
+    closed: (length) => `One side, cut once: both patches use the same vertices by index. It is within ${length} of the curve, as with the right patch’s own number.`,
     story: [
-      "Two patches with a common side are one surface: the formulas agree to the last bit. Their triangles need not. A side in three segments and the same side in five are *two different chains of chords*, and where they part one sees through. The cure is a rule: *how finely a side is cut may depend on that side alone*.",
-      "Even with six on one side and three on the other, where every second vertex has a partner, the vertices between stand alone, beside a long edge or a hair off it: *T-junctions*. On a flat side they hide; rounding makes them flicker. Nothing that needs an inside, printing, booleans, physics, works across them.",
-      "The cure is a rule and not a repair: *how finely a side is cut may depend only on what both patches see*, the side itself. Chordal cuts each shared side once, by its own curve and the budget, and both patches take those vertices by index. Whatever goes on inside them, the seam is closed.",
+      "Two patches with a common side are one surface: the formulas agree to the last bit. Their triangles need not. A side in three segments and the same side in five are *two different chains of chords*, and the background shows between them. The solution is a rule: *how finely a side is cut may depend on that side alone*.",
+      "Even with six on one side and three on the other, where every second vertex has a partner, the vertices between have none and lie on a long edge or just off it: *T-junctions*. On a flat side they are hidden, but rounding makes them flicker. Printing, booleans and physics need an inside, and fail on them.",
+      "The solution is a rule and not a repair: *how finely a side is cut may depend only on data that both patches have*, the side itself. Chordal cuts each shared side once, by its own curve and the budget, and both patches take those vertices by index. However they are cut inside, the seam is closed.",
     ],
     attempts: [
       "Try 6 and 12, multiples of three: are all vertices of the left side on the right one? Is the crack gone?",
@@ -135,12 +135,12 @@ function pictureOf({ answer }: Page): Picture {
   };
 }
 
-/** A chain of points as segments of two ends each. */
+/** The segments of a polyline, two points each. */
 function chain(points: Float32Array): Float32Array {
   const n = points.length / 3 - 1;
-  const all = new Float32Array(6 * n);
-  for (let i = 0; i < n; i++) all.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
-  return all;
+  const ends = new Float32Array(6 * n);
+  for (let i = 0; i < n; i++) ends.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+  return ends;
 }
 
 function Figure({ page }: { page: Page }) {
@@ -219,7 +219,7 @@ function Panel({ page }: { page: Page }) {
 export default exhibit<State, Answer, Texts>({
   defaults,
   parts: { right: ["n", number(...COUNTS)], cut: ["c", word("own", "shared")], view: ["o", view] },
-  // The eye stands on the address's grid, so that the same address always says the same number.
+  // The view is rounded as in the address, so that the same address always gives the same number.
   question: ({ right, cut, view: from }) => ({
     left: LEFT,
     right,

@@ -1,4 +1,4 @@
-// Two shapes under minimum and maximum: the sign is right everywhere, the value stops being a distance somewhere.
+// Two shapes under minimum and maximum: the sign is right everywhere, but the value is not a distance everywhere.
 import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, toSvg } from "./Flat";
@@ -51,7 +51,7 @@ interface Texts extends CommonTexts {
 const texts: Record<Language, Texts> = {
   en: {
     hint: "Drag the point, or move it with the arrow keys: Shift for small steps, Page Up and Page Down for large ones.",
-    figure: "A disc and a rectangle combined, with lines of equal value; in red, where the value is no distance",
+    figure: "A disc and a rectangle combined, with lines of equal value; red where the value is not a distance",
     probe: "The probe",
     at: (x, y) => `x ${x}, y ${y}`,
     legend: "Disc A and rectangle B",
@@ -59,9 +59,9 @@ const texts: Record<Language, Texts> = {
     rule: { union: "min(a, b)", intersection: "max(a, b)", difference: "max(a, −b)" },
     label: "Value as a share of the true distance",
     surface: "The probe is on the surface: both are zero.",
-    exact: (truth) => `Here the value is the distance, ${truth}: both circles are one.`,
+    exact: (truth) => `Here the value is the distance, ${truth}: both circles coincide.`,
     less: (value, truth) =>
-      `The value says ${value}, the nearest point of the surface is ${truth} away. Still safe: the value never says more.`,
+      `The value says ${value}, the nearest point of the surface is ${truth} away. Still safe: the value is never larger.`,
     value: "Value",
     truth: "True distance",
     of: ["Value of A", "Value of B"],
@@ -69,16 +69,16 @@ const texts: Record<Language, Texts> = {
     outside: "Outside, the core knows,",
     inside: "Inside, the core knows,",
     known: { "exact distance": "exact", "lower bound": "a bound" },
-    wrong: "red: the value is no distance",
+    wrong: "red: the value is not a distance",
     story: [
-      "On fields a boolean is one line. In the union is what is in either: *min(a, b)*. In the intersection is what is in both: *max(a, b)*. A without B is *max(a, −b)*. The sign is right everywhere; the value is not. Inside a union the nearest surface of a part may be covered by the other, and the value is *less* than the distance.",
-      "Likewise outside an intersection: the nearest point of one part may not lie in the other. On two meshes a boolean takes the intersections of all triangles, and cracks where rounding goes wrong.",
-      "Less is harmless for sphere tracing, which only takes shorter steps. It matters for shells, offsets and rounded edges, which take the value at its word. The core keeps account of this on either side: exact, bound, or only a sign.",
+      "On fields a boolean is one line. The union contains points in either shape: *min(a, b)*. The intersection contains points in both: *max(a, b)*. A without B is *max(a, −b)*. The sign is right everywhere; the value is not. Inside a union the nearest surface of a part may be covered by the other, and the value is *less* than the distance.",
+      "Likewise outside an intersection: the nearest point of one part may not lie in the other. On two meshes a boolean has to intersect their triangles, and cracks if rounding goes wrong.",
+      "A smaller value is harmless for sphere tracing, which only takes shorter steps. It matters for shells, offsets and rounded edges, which rely on the value. The core tracks this on either side: exact, bound, or only a sign.",
       "The true distance is measured to the outline of the result, traced within a thousandth of a unit.",
     ],
     attempts: [
-      "Union: move the probe from A to B through the red. Where is the surface that the value still believes in?",
-      "A without B: find the point outside where the value is least true.",
+      "Union: move the probe from A to B through the red. To which hidden surface does the value still refer?",
+      "A without B: find the point outside where the value is farthest from the truth.",
     ],
   },
   zh: {
@@ -115,7 +115,7 @@ const texts: Record<Language, Texts> = {
 };
 
 type Page = PageOf<State, Answer, Texts>;
-/** Within this share they are one, as they are drawn. */
+/** Values that differ by less than this share are treated as equal: the drawing shows no difference. */
 const ALIKE = 0.02;
 const isExact = ({ share }: Answer) => share === null || Math.abs(share - 1) < ALIKE;
 

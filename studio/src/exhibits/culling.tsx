@@ -1,4 +1,4 @@
-// Winding says which side is the front; culling leaves out the backs, also where the winding is wrong.
+// The winding says which side is the front; culling omits back faces, even if the winding is wrong.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type Picture, type Vec3, type View, eyeOf, pick, row } from "../viewer";
 import { cross, minus, plus, unit } from "../viewer/view";
@@ -61,7 +61,7 @@ const texts: Record<Language, Texts> = {
     hint: "Press a triangle to turn it over. Drag to turn the ball; the number follows the eye. Keys: arrows turn, + and − zoom, Home goes back.",
     figure: "A ball of 80 triangles, some of them wound the other way",
     handle: "Triangle",
-    triangle: (n, is) => `number ${n}, ${is ? "turned over" : "as it was made"}`,
+    triangle: (n, is) => `number ${n}, ${is ? "turned over" : "as at first"}`,
     turn: "Turn it over",
     turnAll: "Turn all of them over",
     none: "As at first made",
@@ -85,7 +85,7 @@ const texts: Record<Language, Texts> = {
     },
     insideOut: {
       culled: "All agree again, and the ball is inside out: culling leaves out the near half, and you look into the far one.",
-      painted: "All agree again, and the ball is inside out: whatever you see of it shows its back.",
+      painted: "All agree again, and the ball is inside out: every triangle that you see shows its back.",
     },
     culledShare: { culled: "Culled from here", painted: "Culling would leave out" },
     of: (n, all) => `${n} of ${all}`,
@@ -96,13 +96,13 @@ const texts: Record<Language, Texts> = {
     volume: "Volume, by the order of corners",
     noVolume: "none",
     story: [
-      "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out whatever runs clockwise on the screen, *half of all triangles or more*. It looks at nothing but the order.",
-      "Two neighbours agree when they run along their common edge in opposite ways. Turn one over and its three edges disagree. At rest, with both sides drawn, nobody sees it; lit or culled, it is a hole. That is why two meshes that look alike can behave differently.",
+      "A file does not say which side of a triangle is out. The *order of its corners* does: seen from the front they run counter-clockwise. On a closed surface the backs are inside, so a graphics processor leaves out triangles that run clockwise on the screen, *half of all triangles or more*. It checks only the order.",
+      "Two neighbours agree if they run along their common edge in opposite ways. Turn one over and its three edges disagree. At rest, with both sides drawn, nobody sees it; lit or culled, it is a hole. That is why two meshes that look alike can behave differently.",
       "Turn over all triangles of a ball that agrees, and every edge agrees again. But now the ball is inside out: by its corners its volume would be negative.",
     ],
     attempts: [
       "Paint the backs instead of culling them: the holes were there all the time.",
-      "Put them back as at first made, then turn all of them over. How many edges disagree, and what do you see?",
+      "Restore their winding, then turn all of them over. How many edges disagree, and what do you see?",
     ],
   },
   zh: {
@@ -155,8 +155,8 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 
-/** How the corners of a triangle run: inside it, with a barb on each side. */
-function running(positions: Float32Array, indices: Uint32Array, face: number): { outline: Float32Array; arrows: Float32Array } {
+/** The winding of a triangle: arrows inside it, with a barb on each side. */
+function windingArrows(positions: Float32Array, indices: Uint32Array, face: number): { outline: Float32Array; arrows: Float32Array } {
   const corners = [0, 1, 2].map((k) => row(positions, indices[3 * face + k]!)) as [Vec3, Vec3, Vec3];
   const middle = corners.reduce((sum, p) => plus(sum, p, 1 / 3), [0, 0, 0] as Vec3);
   const inner = corners.map((p) => plus(p, minus(middle, p), 0.36)) as [Vec3, Vec3, Vec3];
@@ -165,16 +165,16 @@ function running(positions: Float32Array, indices: Uint32Array, face: number): {
   const outline: Vec3[] = [];
   inner.forEach((from, k) => {
     const to = inner[(k + 1) % 3]!;
-    const way = minus(to, from);
-    const side = cross(normal, way);
-    const tip = plus(from, way, 0.72);
+    const along = minus(to, from);
+    const side = cross(normal, along);
+    const tip = plus(from, along, 0.72);
     arrows.push(
       from,
-      plus(from, way, 0.86),
+      plus(from, along, 0.86),
       tip,
-      plus(plus(tip, way, -0.16), side, 0.13),
+      plus(plus(tip, along, -0.16), side, 0.13),
       tip,
-      plus(plus(tip, way, -0.16), side, -0.13),
+      plus(plus(tip, along, -0.16), side, -0.13),
     );
     outline.push(corners[k]!, corners[(k + 1) % 3]!);
   });
@@ -183,7 +183,7 @@ function running(positions: Float32Array, indices: Uint32Array, face: number): {
 
 function pictureOf({ state, answer }: Page): Picture {
   const { positions, indices } = answer.mesh;
-  const { outline, arrows } = running(positions, indices, state.chosen);
+  const { outline, arrows } = windingArrows(positions, indices, state.chosen);
   const isCulled = state.backs === "culled";
   return {
     layers: [

@@ -1,4 +1,4 @@
-// The mesh doctor: six sick meshes, what the core finds, and what its cures make of it.
+// The mesh doctor: six defective meshes, the defects that the core finds, and the results of its repairs.
 import { Choice, Figure as Data } from "../view/parts";
 import type { Layer, Picture, Vec3, View } from "../viewer";
 import { type Cure, DOCTOR, type Defect, PATIENTS, type Patient, type Texts } from "./doctor_texts";
@@ -50,7 +50,7 @@ const CURES: readonly Cure[] = [
 ];
 const HOME: View = { azimuth: -52, elevation: 30, distance: 5.4, target: [0, 0, 0] };
 const defaults: State = { patient: "hole", cures: [], view: HOME };
-/** Two cubes take more room than a ball. */
+/** Two cubes need more room than a ball. */
 const FRAMES: Record<Patient, Pick<View, "distance" | "target">> = {
   hole: HOME,
   seam: HOME,
@@ -65,7 +65,7 @@ type Page = PageOf<State, Answer, Texts>;
 
 function pictureOf({ answer }: Page): Picture {
   const { positions, indices } = answer.mesh;
-  // What the next cure is for is lit up; where nothing helps, everything.
+  // Highlights the defects that the next repair is for, or all if no repair helps.
   const shown = answer.next ? answer.findings.filter(({ cure }) => cure === answer.next) : answer.findings;
   const places = shown.flatMap(({ places }) => places);
   const flat = (points: readonly Vec3[]) => new Float32Array(points.flat());

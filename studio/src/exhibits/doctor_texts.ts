@@ -1,4 +1,4 @@
-// What the mesh doctor says. Its words are many, so they have a file of their own.
+// The texts of the mesh doctor, in their own file because they are many.
 import type { CommonTexts } from "./exhibit";
 import { FRAME } from "./frame_texts";
 import type { Language } from "./say";
@@ -39,7 +39,7 @@ export interface Texts extends CommonTexts {
   well(volume: string): string;
   findings: string;
   nothing: string;
-  /** One of them, several, and what it means. */
+  /** Its name in the singular, in the plural, and its meaning. */
   defects: Record<Defect, readonly [string, string, string]>;
   cures: Record<Cure, string>;
   done: string;
@@ -55,10 +55,10 @@ export interface Texts extends CommonTexts {
   noVolume: string;
 }
 
-/** So many; the first word of one is in the singular. */
+/** A number with its noun; after 1, the first word is in the singular. */
 const counted = (n: string, words: string): string => `${n} ${n === "1" ? words.replace("vertices", "vertex").replace(/^(\S+?)s\b/, "$1") : words}`;
 
-/** What a cure reports, in words. */
+/** The report of a repair, by the change that it counts. */
 const CHANGES: Record<Language, Record<string, string>> = {
   en: {
     welded_vertices: "vertices welded",
@@ -76,7 +76,7 @@ const CHANGES: Record<Language, Record<string, string>> = {
     left_holes: "holes left",
     left_faces: "triangles left",
     left_t_junctions: "T-junctions left",
-    left_unorientable: "components left that have one side only",
+    left_unorientable: "one-sided components left as they are",
   },
   zh: {
     welded_vertices: "个顶点已焊接",
@@ -101,7 +101,7 @@ const CHANGES: Record<Language, Record<string, string>> = {
 export const DOCTOR: Record<Language, Texts> = {
   en: {
     hint: FRAME.en.turn,
-    figure: "A sick mesh with its wounds in red; backs are orange",
+    figure: "A defective mesh with its defects in red; backs are orange",
     patient: "Patient",
     patients: {
       hole: "a hole",
@@ -113,21 +113,21 @@ export const DOCTOR: Record<Language, Texts> = {
     },
     label: "Kinds of faults",
     sick: "The promise is broken. A slicer, a solver or a boolean would have to guess what is inside, or refuse.",
-    left: "Closed, manifold and consistently wound: it has an inside. But something is there that a drawing or a print would show.",
+    left: "Closed, manifold and consistently wound: it has an inside. But it has a defect that a drawing or a print would show.",
     well: (volume) => `Closed, manifold and consistently wound: it has an inside, and its volume is ${volume}.`,
     findings: "Findings",
     nothing: "Nothing.",
     defects: {
-      boundary_edges: ["boundary edge", "boundary edges", "Only one triangle is there: the surface ends, so it has no inside."],
+      boundary_edges: ["boundary edge", "boundary edges", "With only one triangle, the surface ends there and has no inside."],
       non_manifold_edges: [
         "edge of three triangles or more",
         "edges of three triangles or more",
-        "Sheets branch there, and no side is the next one.",
+        "Sheets branch there, so that the next face is ambiguous.",
       ],
       non_manifold_vertices: [
         "vertex of several fans",
         "vertices of several fans",
-        "Sheets touch in a point, and a walk around it is torn.",
+        "Sheets touch in a point, so that its faces form no single fan.",
       ],
       t_junctions: ["T-junction", "T-junctions", "A vertex lies in a neighbour’s edge: a crack may show."],
       inconsistent_edges: [
@@ -141,24 +141,24 @@ export const DOCTOR: Record<Language, Texts> = {
         "self-intersections",
         "Triangles meet where they should not, and inside is ambiguous.",
       ],
-      duplicate_faces: ["repeated triangle", "repeated triangles", "Two triangles lie in one place and fight for the pixels."],
+      duplicate_faces: ["duplicate triangle", "duplicate triangles", "Two triangles lie in the same place, and their pixels flicker."],
       duplicate_vertices: ["duplicate vertex", "duplicate vertices", "The surface is cut apart between equal points."],
-      collapsed_faces: ["collapsed triangle", "collapsed triangles", "Two corners are one, so that nothing is covered."],
+      collapsed_faces: ["collapsed triangle", "collapsed triangles", "Two corners are the same vertex, so that the area is zero."],
       zero_area_faces: [
         "triangle of no area",
         "triangles of no area",
         "All corners lie on one line, so that there is no normal.",
       ],
-      slivers: ["sliver", "slivers", "Longer than 100 heights, with a weak normal."],
+      slivers: ["sliver", "slivers", "More than 100 times as long as high, so that the normal is unreliable."],
       unused_vertices: ["unused vertex", "unused vertices", "No triangle has a corner there."],
     },
     cures: {
       weld: "Weld equal vertices",
       "drop-duplicates": "Drop repeated triangles",
-      "drop-degenerate": "Drop triangles of no area",
+      "drop-degenerate": "Drop triangles without area",
       "resolve-t-junctions": "Split edges at T-junctions",
       "split-nonmanifold": "Split where sheets branch",
-      orient: "Turn triangles until they agree",
+      orient: "Orient triangles consistently",
       "fill-holes": "Fill the hole",
       "drop-unused": "Drop unused vertices",
     },
@@ -174,14 +174,14 @@ export const DOCTOR: Record<Language, Texts> = {
     volume: "Volume",
     noVolume: "has none",
     story: [
-      "A mesh is only a list of triangles. That they make a *surface with an inside* is a promise about their edges: exactly two triangles at each, which run along it in opposite ways. The core *counts* exactly where the promise is broken, and changes nothing; a cure is a step that you ask for by name.",
-      "Files break the promise in few ways. A triangle is missing. Every triangle has vertices of its own, so nothing is connected. A neighbour was cut finer, and its new vertex lies in an edge that does not know it. Some triangles are wound the wrong way. Two solids share an edge. Something is there twice.",
-      "A cure says what it did and how far the surface moved, proved. Most move nothing at all.",
-      "The order matters. Soup has a boundary everywhere, but filling its holes would give every triangle a back; it wants to be welded first. The button shows the first cure that helps.",
+      "A mesh is only a list of triangles. That they make a *surface with an inside* is a promise about their edges: exactly two triangles at each, which run along it in opposite ways. The core *counts* exactly where the promise is broken, and changes nothing; a repair is a step that you choose.",
+      "Files break the promise in few ways. A triangle is missing. Every triangle has vertices of its own, so nothing is connected. A neighbour was subdivided, and its new vertex lies inside an edge. Some triangles are wound the wrong way. Two solids share an edge. Triangles are there twice.",
+      "A repair reports its changes and a proved bound on how far the surface moved. Most repairs move nothing at all.",
+      "The order matters. Soup has a boundary everywhere, but filling its holes would give every triangle a back; it has to be welded first. The button shows the first repair that helps.",
     ],
     attempts: [
-      "Heal all six. Which need more than one cure, and why?",
-      "Heal the branch. It has one piece before; how can it be two solids without a point having moved?",
+      "Repair all six. Which need more than one step, and why?",
+      "Repair the branch. It is one piece before; how can it become two solids without moving a point?",
     ],
   },
   zh: {

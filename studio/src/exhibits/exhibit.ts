@@ -1,48 +1,48 @@
-// What an exhibit is: a state in the address, a question to the core, a figure with one handle, one live number, a text.
+// The interface of an exhibit: a state in the address, a question to the core, a figure with a handle, a live number, texts.
 import type { ComponentChildren, ComponentType } from "preact";
 import type { Parts } from "./fragment";
 import type { Language, Say } from "./say";
 
-/** What figure and panel are given. */
+/** The properties of a figure and its panel. */
 export interface Page<S, A, T> {
   state: S;
-  /** The core's answer to the newest state that it has answered. */
+  /** The newest answer; it may still be of an earlier state. */
   answer: A;
   say: Say;
   texts: T;
   set(change: Partial<S> | ((state: S) => Partial<S>)): void;
-  /** Written at build time: nothing moves, and no script runs. */
+  /** Rendered at build time: nothing moves, and no script runs. */
   isStill: boolean;
-  /** Only a small picture of it, on the list of all. */
+  /** Rendered as a small picture in the list of exhibits. */
   isSmall: boolean;
 }
 
-/** The one number to look at. */
+/** The number that the exhibit is about. */
 export interface LiveNumber {
-  /** For programs; null where there is none. */
+  /** For programs; `null` if there is none. */
   value: number | null;
   shown: string;
   label: string;
-  /** A sentence that says what it means here; it is spoken once the hand rests. */
+  /** A sentence on its meaning; it is spoken after a pause of the hand. */
   meaning: string;
-  /** Good where what was promised holds, bad where it does not. */
+  /** `good` if a promised property holds, `bad` if not. */
   tone: "plain" | "good" | "bad";
 }
 
-/** What every exhibit says besides its own words. */
+/** The texts that every exhibit has. */
 export interface CommonTexts {
-  /** How the figure is moved, under it. */
+  /** How to move the figure; shown below it. */
   hint: string;
-  /** Paragraphs under the figure. `*word*` is emphasized. */
+  /** Paragraphs below the figure. `*word*` is emphasized. */
   story: readonly string[];
-  /** What to try, in a line each. */
+  /** Suggestions, one a line. */
   attempts: readonly string[];
 }
 
 export interface Exhibit<S extends object, A, T extends CommonTexts> {
   defaults: S;
   parts: Parts<S>;
-  /** What the core is asked, without the exhibit's name. */
+  /** The question to the core, without the exhibit's name. */
   question(state: S): Record<string, unknown>;
   texts: Record<Language, T>;
   number(page: Page<S, A, T>): LiveNumber;
@@ -52,9 +52,9 @@ export interface Exhibit<S extends object, A, T extends CommonTexts> {
 
 export type AnyExhibit = Exhibit<any, any, any>;
 
-/** Checks an exhibit's types where it is written, and forgets them for the registry. */
-export function exhibit<S extends object, A, T extends CommonTexts>(made: Exhibit<S, A, T>): AnyExhibit {
-  return made;
+/** Checks an exhibit's types at its definition, and erases them for the registry. */
+export function exhibit<S extends object, A, T extends CommonTexts>(definition: Exhibit<S, A, T>): AnyExhibit {
+  return definition;
 }
 
 export type Children = ComponentChildren;

@@ -1,4 +1,4 @@
-// One shape both ways: a function that any point can be put into, and the mesh of its outline.
+// One shape in both forms: a function that can be evaluated at any point, and a mesh of its outline.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path, toSvg } from "./Flat";
@@ -32,7 +32,7 @@ interface Answer {
   apart: number;
 }
 
-/** The stops of the slider: how far the mesh may be off. */
+/** The stops of the slider: the largest error of the mesh. */
 const STOPS = [0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01] as const;
 const defaults: State = { probe: [11, 7.2], asked: "field", stop: 2 };
 
@@ -72,26 +72,26 @@ const texts: Record<Language, Texts> = {
     inside: "inside",
     outside: "outside",
     byField: (side) =>
-      `Its sign says ${side}, and the circle of that radius touches the shape. The gradient is the normal there. One function was evaluated once.`,
+      `Its sign says ${side}, and the circle of that radius touches the shape. The gradient is the normal there. That took one evaluation.`,
     byMesh: (side, sum, edges) =>
-      `Edges that the ray crosses upward count +1, downward −1. The sum is ${sum}: ${side}. For that, and for the distance, all ${edges} edges were looked at.`,
+      `Edges that the ray crosses upward count +1, downward −1. The sum is ${sum}: ${side}. For that, and for the distance, all ${edges} edges were tested.`,
     unsure: "The point lies on the mesh, or the ray meets a corner.",
     finer: "The mesh may be off by",
     edges: (n) => `${n} edges`,
     other: { field: "By the mesh", mesh: "By the field" },
     apart: "The two differ by",
-    proved: "and by no more than, proved",
+    proved: "at most, proved",
     evaluations: "Edges of the mesh",
     normal: "Normal",
     none: "none",
     story: [
-      "A mesh lists points on a shape, which can be drawn at once. A field is a rule that takes any point: inside is *one sign*, the value is the distance, and its gradient, scaled to length one, is the normal. The mesh has to be searched: a ray leaves the point, and the edges that it crosses are counted by their direction.",
-      "For this frame the rule is one line: the distance to a rounded rectangle, its absolute value, minus half of the wall. For the mesh, the distance is the least of those to all edges. Trees make the search quick, but they have to be built.",
-      "A mesh of something round is off by something. The core proves by how much, so both distances may differ by no more than that.",
+      "A mesh lists points on a shape, which can be drawn at once. A field is a rule that can be evaluated at any point: inside is *one sign*, the value is the distance, and its gradient, scaled to length one, is the normal. The mesh has to be searched: a ray leaves the point, and the edges that it crosses are counted by their direction.",
+      "For this frame the rule is one line: the distance to a rounded rectangle, its absolute value, minus half of the wall. For the mesh, the distance is the smallest of the distances to all edges. Trees make the search fast, but they have to be built.",
+      "A mesh of a round shape has an error. The core proves a bound on it, so the two distances differ by no more than that.",
     ],
     attempts: [
       "Move the point into the hole. Both say outside: which of the two had to count?",
-      "Ask the mesh, let it be off by 0.8, and follow the rounded corners: there the two differ.",
+      "Ask the mesh, allow an error of 0.8, and follow the rounded corners: there the two differ.",
     ],
   },
   zh: {
@@ -178,7 +178,7 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** From the point to the nearest one of the shape, and the normal there. */
+/** An arrow from the point to the nearest point of the shape, and the normal there. */
 function Arrow({ probe, value, normal: [nx, ny] }: { probe: Point; value: number; normal: NonNullable<Normal> }) {
   const foot: Point = [probe[0] - value * nx, probe[1] - value * ny];
   const on = (along: number, aside = 0): Point => [

@@ -1,17 +1,17 @@
-// An exhibit's state in the address: `#v=1&h=0.4&view=…`, only what differs from the start. An address comes from anywhere:
-// whatever is wrong with a part of it, that part is as if it were not there, and the reader is told once.
+// An exhibit's state in the address: `#v=1&h=0.4&view=…`, only the values that differ from the defaults. An address may come
+// from anywhere: an invalid part is ignored, and the reader is warned once.
 import type { View } from "../viewer";
 
 const VERSION = "1";
-/** An address that we wrote is a tenth as long. */
+/** Chosen: ten times the length of an address that the page writes. */
 const LONGEST = 2000;
 
 export interface Part<V> {
   write(value: V): string;
-  /** Nothing, when the text is no such value. */
+  /** `undefined` if the text is not such a value. */
   read(text: string): V | undefined;
 }
-/** How each value of a state is spelled; a value that is not listed is not in the address. */
+/** How each value of a state is written. Values that are not listed are not in the address. */
 export type Parts<S> = { [K in keyof S]?: readonly [key: string, part: Part<S[K]>] };
 
 export function write<S extends object>(state: S, defaults: S, parts: Parts<S>): string {
@@ -23,24 +23,24 @@ export function write<S extends object>(state: S, defaults: S, parts: Parts<S>):
   return pairs.length ? `v=${VERSION}&${pairs.join("&")}` : "";
 }
 
-/** The state of a fragment, with or without `#`. It never throws. */
+/** The state of a fragment, with or without `#`. Never throws. */
 export function read<S extends object>(fragment: string, defaults: S, parts: Parts<S>): { state: S; isDamaged: boolean } {
   const text = fragment.replace(/^#/, "");
   if (text === "") return { state: defaults, isDamaged: false };
-  const given = new Map(text.slice(0, LONGEST).split("&").map(pair));
-  // A fragment of another version is not guessed at.
-  if (text.length > LONGEST || given.get("v") !== VERSION) return { state: defaults, isDamaged: true };
+  const values = new Map(text.slice(0, LONGEST).split("&").map(pair));
+  // A fragment of another version may use the same keys for other values.
+  if (text.length > LONGEST || values.get("v") !== VERSION) return { state: defaults, isDamaged: true };
   let isDamaged = false;
   const state = { ...defaults };
-  const take = <K extends keyof S>(name: K) => {
+  const readPart = <K extends keyof S>(name: K) => {
     const [key, part] = parts[name]!;
-    const said = given.get(key);
-    if (said === undefined) return;
-    const value = part.read(said);
+    const written = values.get(key);
+    if (written === undefined) return;
+    const value = part.read(written);
     if (value === undefined) isDamaged = true;
     else state[name] = value;
   };
-  for (const name of Object.keys(parts) as (keyof S)[]) take(name);
+  for (const name of Object.keys(parts) as (keyof S)[]) readPart(name);
   return { state, isDamaged };
 }
 
@@ -58,26 +58,26 @@ function decoded(text: string): string {
   }
 }
 
-/** One of a few words. */
+/** One of several words. */
 export function word<V extends string>(...words: readonly V[]): Part<V> {
   return { write: (value) => value, read: (text) => words.find((word) => word === text) };
 }
 
-/** Several of a few words, in an order. */
-export function words<V extends string>(all: readonly V[], most: number): Part<readonly V[]> {
+/** A list of at most `most` of these words. */
+export function words<V extends string>(choices: readonly V[], most: number): Part<readonly V[]> {
   return {
     write: (values) => values.join(","),
     read: (text) => {
-      const said = text === "" ? [] : text.split(",");
-      const found = said.map((one) => all.find((word) => word === one));
-      return said.length > most || found.includes(undefined) ? undefined : (found as V[]);
+      const parts = text === "" ? [] : text.split(",");
+      const chosen = parts.map((part) => choices.find((word) => word === part));
+      return parts.length > most || chosen.includes(undefined) ? undefined : (chosen as V[]);
     },
   };
 }
 
 export const flag: Part<boolean> = { write: (value) => (value ? "1" : "0"), read: (text) => ({ "0": false, "1": true })[text] };
 
-/** A number in plain decimals, on a grid of one over `steps`. */
+/** A decimal number on a grid of 1 / `steps`. */
 export function number(low: number, high: number, steps = 1): Part<number> {
   return {
     write: (value) => String(Math.round(value * steps) / steps),
@@ -90,39 +90,39 @@ export function number(low: number, high: number, steps = 1): Part<number> {
 }
 
 /** From `least` to `most` numbers. */
-export function numbers(least: number, most: number, one: Part<number>): Part<readonly number[]> {
+export function numbers(least: number, most: number, item: Part<number>): Part<readonly number[]> {
   return {
-    write: (values) => values.map((value) => one.write(value)).join(","),
+    write: (values) => values.map((value) => item.write(value)).join(","),
     read: (text) => {
-      const found = text === "" ? [] : text.split(",").map((word) => one.read(word));
-      return found.length < least || found.length > most || found.includes(undefined) ? undefined : (found as number[]);
+      const values = text === "" ? [] : text.split(",").map((word) => item.read(word));
+      return values.length < least || values.length > most || values.includes(undefined) ? undefined : (values as number[]);
     },
   };
 }
 
 /** A point of the plane, in hundredths. */
 export function point(xs: readonly [number, number], ys: readonly [number, number]): Part<readonly [number, number]> {
-  const both = [number(...xs, 100), number(...ys, 100)] as const;
+  const axes = [number(...xs, 100), number(...ys, 100)] as const;
   return {
-    write: (value) => value.map((x, k) => both[k]!.write(x)).join(","),
+    write: (value) => value.map((x, k) => axes[k]!.write(x)).join(","),
     read: (text) => {
-      const said = text.split(",");
-      const [x, y] = both.map((one, k) => one.read(said[k] ?? ""));
-      return said.length !== 2 || x === undefined || y === undefined ? undefined : [x, y];
+      const parts = text.split(",");
+      const [x, y] = axes.map((axis, k) => axis.read(parts[k] ?? ""));
+      return parts.length !== 2 || x === undefined || y === undefined ? undefined : [x, y];
     },
   };
 }
 
-/** From where one looks. */
+/** A view, as six numbers. */
 export const view: Part<View> = {
   write: ({ azimuth, elevation, distance, target }) =>
-    [azimuth, elevation, distance, ...target].map((x) => tidy.write(x)).join(","),
+    [azimuth, elevation, distance, ...target].map((x) => component.write(x)).join(","),
   read: (text) => {
-    const found = six.read(text);
-    if (!found) return undefined;
-    const [azimuth, elevation, distance, x, y, z] = found as [number, number, number, number, number, number];
+    const values = sixComponents.read(text);
+    if (!values) return undefined;
+    const [azimuth, elevation, distance, x, y, z] = values as [number, number, number, number, number, number];
     return Math.abs(elevation) > 89 || distance <= 0 ? undefined : { azimuth, elevation, distance, target: [x, y, z] };
   },
 };
-const tidy = number(-1000, 1000, 100);
-const six = numbers(6, 6, tidy);
+const component = number(-1000, 1000, 100);
+const sixComponents = numbers(6, 6, component);

@@ -1,4 +1,4 @@
-// What every exhibit's page says besides its own words.
+// The texts that are on every exhibit's page.
 import type { Language } from "./say";
 
 interface FrameTexts {
@@ -17,7 +17,7 @@ interface FrameTexts {
   widgetClaim: string;
   still: string;
   more: string;
-  /** From the first page, which stands in the middle of the way, to its beginning. */
+  /** A link from the widget, which is in the middle of the tour, to the first stop. */
   tour: string;
   turn: string;
   footer: string;
@@ -48,10 +48,10 @@ export const FRAME: Record<Language, FrameTexts> = {
     still: "Still picture; it can be moved once the page has loaded (JavaScript and WebAssembly).",
     turn: "Drag to turn, two fingers or Ctrl and the wheel to zoom. Keys: arrows turn, Shift with arrows pans, + and − zoom, Home goes back.",
     footer:
-      "Every number here is computed by Chordal’s core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address holds what you have changed.",
-    damaged: "Part of this address could not be read. What was missing is as it usually is.",
-    rebuilt: "The calculation broke down and was started again. Nothing of yours is lost.",
-    lost: "The calculation does not run here: WebAssembly broke down several times. What you see no longer follows your changes; load the page again to try once more.",
+      "Every number here is computed by Chordal’s core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address contains your changes.",
+    damaged: "Part of this address could not be read. Missing values are set to their defaults.",
+    rebuilt: "The calculation failed and was restarted. Your settings are kept.",
+    lost: "The calculation does not run here: WebAssembly failed several times. The figure no longer follows your changes; reload the page to try again.",
     part: (n) => `Part ${n}`,
     refused: (why) => `The core refused this: ${why}`,
   },

@@ -1,4 +1,4 @@
-// The exhibits in the lesson's order. A page each: `<id>.html` and `<id>.zh.html`.
+// The exhibits in the lesson's order. Each has a page in two languages: `<id>.html` and `<id>.zh.html`.
 import type { AnyExhibit } from "./exhibit";
 import type { Language } from "./say";
 
@@ -8,12 +8,12 @@ export interface Entry {
   id: string;
   part: 1 | 2 | 3 | 4 | 5;
   title: Both;
-  /** One sentence that the exhibit lets one see for oneself. */
+  /** One sentence that the exhibit demonstrates. */
   claim: Both;
   load(): Promise<{ default: AnyExhibit }>;
 }
 
-/** The five moves of the lesson. */
+/** The titles of the lesson's five parts. */
 export const PARTS: Record<Entry["part"], Both> = {
   1: { en: "The triangle is the atom", zh: "三角形是原子" },
   2: { en: "The mesh stores millions", zh: "网格存下百万个三角形" },
@@ -38,7 +38,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 1,
     title: { en: "Inside, by three signs", zh: "三个符号判定内外" },
     claim: {
-      en: "A point is inside a triangle when it lies on the same side of all three edges.",
+      en: "A point is inside a triangle if it lies on the same side of all three edges.",
       zh: "点位于三条边的同一侧，就在三角形内。",
     },
     load: () => import("./inside"),
@@ -78,7 +78,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 2,
     title: { en: "Which way round", zh: "环绕方向" },
     claim: {
-      en: "The order of three corners says which side is the front, and culling believes it.",
+      en: "The order of three corners says which side is the front, and culling relies on it.",
       zh: "三个顶点的次序决定哪面是正面，背面剔除只认这个次序。",
     },
     load: () => import("./culling"),
@@ -88,7 +88,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 2,
     title: { en: "The mesh doctor", zh: "网格医生" },
     claim: {
-      en: "A mesh has an inside when every edge joins exactly two triangles that agree.",
+      en: "A mesh has an inside if every edge joins exactly two triangles with matching orientation.",
       zh: "每条边恰好连接两个方向一致的三角形，网格才分得出内外。",
     },
     load: () => import("./doctor"),
@@ -108,7 +108,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "Where curves meet", zh: "曲线相接之处" },
     claim: {
-      en: "C0 meets with a kink, C1 has none and still breaks a reflection, and C2 lets it run on.",
+      en: "C0 meets with a kink, C1 has none and still breaks a reflection, and C2 keeps it smooth.",
       zh: "C0 有折角；C1 没有折角，反射的条纹却仍会折；C2 让条纹连续通过。",
     },
     load: () => import("./joins"),
@@ -128,7 +128,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 3,
     title: { en: "One side, cut once", zh: "公共边只分一次" },
     claim: {
-      en: "Two patches crack where each cuts their common side by a number of its own.",
+      en: "Two patches crack if each cuts their common side into its own number of segments.",
       zh: "两片各按各的段数剖分公共边，就会裂开。",
     },
     load: () => import("./cracks"),
@@ -148,7 +148,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 4,
     title: { en: "A rule instead of a list", zh: "用规则代替列表" },
     claim: {
-      en: "A field tells inside by one sign and the distance by one value; a mesh has to be searched.",
+      en: "One value of a field gives the side by its sign and the distance by its size; a mesh has to be searched.",
       zh: "场用一个符号分出内外，用一个值给出距离；网格则要搜索。",
     },
     load: () => import("./field"),
@@ -168,7 +168,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 4,
     title: { en: "Rays that leap", zh: "跳跃的射线" },
     claim: {
-      en: "The value is a step that is safe, so rays leap; those that graze take many steps.",
+      en: "The value is a safe step, so rays leap; rays that graze the surface take many steps.",
       zh: "场的值就是安全的步长，所以光线可以跳跃；掠过表面的要走很多步。",
     },
     load: () => import("./tracing"),
@@ -198,7 +198,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "One pixel, near and far", zh: "远近都是一个像素" },
     claim: {
-      en: "The error that counts is on the screen: from ten times as far, a small part of the triangles shows the same.",
+      en: "The error that matters is on the screen: from ten times as far, a small part of the triangles looks the same.",
       zh: "要紧的是屏幕上的误差：距离十倍，一小部分三角形就能显示同样的画面。",
     },
     load: () => import("./levels"),
@@ -218,7 +218,7 @@ export const EXHIBITS: readonly Entry[] = [
     part: 5,
     title: { en: "What half the error costs", zh: "误差减半的代价" },
     claim: {
-      en: "Half the error takes about twice the triangles, whether a surface is written as patches, a cage or a field.",
+      en: "Half the error takes about twice the triangles, whether a surface is given as patches, a cage or a field.",
       zh: "误差减半，三角形约加倍，无论曲面写成曲面片、控制网格还是场。",
     },
     load: () => import("./budget"),
@@ -235,17 +235,17 @@ export const EXHIBITS: readonly Entry[] = [
   },
 ];
 
-/** The first page is a stop on the way, too: the widget stands after this exhibit, or at the end of its part. */
+/** The widget is a stop of the tour, too: after this exhibit, or at the end of its part. */
 export const WIDGET = { part: 3, after: "runge", file: { en: "index.html", zh: "zh.html" } } as const;
 
-/** A stop on the way through all of them: an exhibit, or the widget. */
+/** A stop of the tour: an exhibit, or the widget. */
 export type Stop = Entry | typeof WIDGET;
 
 /** All stops, in order. */
 export const STOPS: readonly Stop[] = (() => {
-  const found = EXHIBITS.findIndex(({ id }) => id === WIDGET.after) + 1;
-  const place = found || EXHIBITS.filter(({ part }) => part <= WIDGET.part).length;
-  return [...EXHIBITS.slice(0, place), WIDGET, ...EXHIBITS.slice(place)];
+  const after = EXHIBITS.findIndex(({ id }) => id === WIDGET.after) + 1;
+  const index = after || EXHIBITS.filter(({ part }) => part <= WIDGET.part).length;
+  return [...EXHIBITS.slice(0, index), WIDGET, ...EXHIBITS.slice(index)];
 })();
 
 /** The file of a stop's page. */

@@ -9,7 +9,7 @@ import { Scene } from "./Scene";
 import type { Language } from "./say";
 
 interface State {
-  /** The largest distance from the teapot that is allowed, as a stop of the slider. */
+  /** The largest distance allowed from the teapot, as a stop of the slider. */
   stop: number;
   storage: "indexed" | "unindexed";
   view: View;
@@ -28,11 +28,11 @@ interface Answer {
   vertex: { row: number; at: Vec3; faces: number[] };
 }
 
-/** The stops of the slider: from 0.5 units down to 0.005, by a fifth each time. */
+/** The stops of the slider: from 0.5 units down to 0.005, each four fifths of the previous one. */
 const STOPS = Array.from({ length: 22 }, (_, i) => Number((0.5 * 0.8 ** i).toPrecision(3)));
 const HOME: View = { azimuth: -68, elevation: 22, distance: 10.6, target: [0.35, 0, 1.5] };
 const defaults: State = { stop: 4, storage: "indexed", view: HOME };
-/** On the belly, where one looks first. */
+/** On the belly, which faces the initial view. */
 const NEAR: Vec3 = [0.35, -1.9, 1.3];
 
 interface Texts extends CommonTexts {
@@ -78,12 +78,12 @@ const texts: Record<Language, Texts> = {
     shared: (n) => `${n}`,
     story: [
       "Every triangle of a closed surface has three edges, and every edge two triangles; by Euler’s formula *about six triangles share a vertex*. Written corner by corner, a triangle takes 36 bytes. With a list of vertices and three small indices it takes 12: six for the indices, six for its half of a vertex.",
-      "What rides along with a position (normal, colour, texture coordinate) is stored once, too, and moved once when the shape moves. And a vertex that was just computed need not be computed again for the next triangle that uses it.",
-      "An index also says what belongs together. Corner by corner, two triangles touch only because their numbers happen to agree; that is how an STL file is written, and why it has to be welded before anyone can ask for a neighbour.",
+      "The attributes of a position (normal, colour, texture coordinate) are stored once, too, and moved once if the shape moves. And a vertex that was just computed need not be computed again for the next triangle that uses it.",
+      "An index also says which triangles are connected. Corner by corner, two triangles touch only because their numbers happen to agree; that is how an STL file is written, and why it has to be welded before neighbours can be found.",
     ],
     attempts: [
-      "Store it corner by corner: the triangles come apart, for nothing ties them together.",
-      "Give it more triangles. The mean number at a vertex comes closer to six: the rims, where it is less, count for less.",
+      "Store it corner by corner: the triangles come apart, because nothing connects them.",
+      "Give it more triangles. The mean number at a vertex comes closer to six: the rims, where it is smaller, matter less.",
     ],
   },
   zh: {
@@ -120,17 +120,17 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 
-/** Exploded triangles are kept for as long as the mesh is the same. */
-let apart: { of: Float32Array; made: ReturnType<typeof exploded>; ground: Float32Array } | undefined;
+/** Caches the exploded triangles of the last mesh. */
+let explodedCache: { positions: Float32Array; mesh: ReturnType<typeof exploded>; ground: Float32Array } | undefined;
 
-/** A little below the surface, so that one does not look through the gaps to the far side. */
-const sunken = ({ mesh, normals }: Answer) => mesh.positions.map((x, i) => x - 0.04 * normals[i]!);
+/** A copy a little below the surface, to hide the far side behind the gaps. */
+const below = ({ mesh, normals }: Answer) => mesh.positions.map((x, i) => x - 0.04 * normals[i]!);
 
 function pictureOf({ state, answer }: Page): Picture {
   const isApart = state.storage === "unindexed";
-  const of = answer.mesh.positions;
-  if (isApart && apart?.of !== of) apart = { of, made: exploded(answer.mesh, 0.16), ground: sunken(answer) };
-  const { positions, indices } = isApart ? apart!.made : answer.mesh;
+  const original = answer.mesh.positions;
+  if (isApart && explodedCache?.positions !== original) explodedCache = { positions: original, mesh: exploded(answer.mesh, 0.16), ground: below(answer) };
+  const { positions, indices } = isApart ? explodedCache!.mesh : answer.mesh;
   const groups = new Uint32Array(indices.length / 3);
   for (const face of answer.vertex.faces) groups[face] = 1;
   const mesh: MeshLayer = {
@@ -157,7 +157,7 @@ function pictureOf({ state, answer }: Page): Picture {
             {
               kind: "mesh",
               id: "ground",
-              positions: apart!.ground,
+              positions: explodedCache!.ground,
               indices: answer.mesh.indices,
               paint: "--raised",
               shading: "none",

@@ -1,4 +1,4 @@
-// A point is inside a triangle where all three edge functions have one sign.
+// A point is inside a triangle if all three edge functions have the same sign there.
 import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
@@ -23,7 +23,7 @@ const A: Point = [2, 1.4];
 const B: Point = [10.2, 2.4];
 const C: Point = [5.4, 7];
 const defaults: State = { probe: [6.2, 3.4], winding: "ccw" };
-/** In the order in which they are wound. */
+/** The corners in the order of the winding. */
 const cornersOf = ({ winding }: State): [Point, Point, Point] => (winding === "ccw" ? [A, B, C] : [A, C, B]);
 
 interface Texts extends CommonTexts {
@@ -56,19 +56,19 @@ const texts: Record<Language, Texts> = {
     side: { left: "left", on: "on the line", right: "right" },
     position: {
       inside: "The same side of all three: the point is inside.",
-      boundary: "On an edge, exactly. A rule says which triangle gets it, so that none is drawn twice.",
+      boundary: "On an edge, exactly. A rule assigns the point to one of the two triangles, so that no pixel is drawn twice.",
       outside: "The sides differ: the point is outside.",
     },
     area: "Signed area of the triangle",
     story: [
-      "Walk from one corner to the next: a point lies on your left or on your right, and one product tells which, the *edge function* (b − a) × (p − a). A triangle is convex, so inside means *the same side of all three edges*. Graphics hardware decides every pixel like this.",
+      "Walk from one corner to the next: a point lies on your left or on your right, which is the sign of the *edge function* (b − a) × (p − a). A triangle is convex, so inside means *the same side of all three edges*. Graphics hardware decides every pixel like this.",
       "Each edge function is linear in the pixel’s place, so the next pixel costs three additions.",
-      "Run the corners the other way round, and all three signs turn. Inside is still where they agree; that they are negative now says that one sees the back.",
-      "The signs here are exact. A rounded sign near an edge would give a pixel to both neighbours, or to none: a crack. The core uses an exact sign test (Shewchuk), which computes as many digits as the sign takes.",
+      "Run the corners the other way round, and all three signs flip. Inside is still where they agree; negative signs now mean that you see the back.",
+      "The signs here are exact. A rounded sign near an edge would give a pixel to both neighbours, or to none: a crack. The core uses an exact sign test (Shewchuk), which computes as many digits as the sign needs.",
     ],
     attempts: [
       "Move the point across one edge: one number passes through zero, the others keep their sign.",
-      "Let the corners run clockwise. What is it now that tells inside?",
+      "Let the corners run clockwise. Which condition means inside now?",
     ],
   },
   zh: {
@@ -103,7 +103,7 @@ const texts: Record<Language, Texts> = {
 };
 
 type Page = PageOf<State, Answer, Texts>;
-/** The edges opposite to the corners, as the core numbers them: from, to. */
+/** The edges by their opposite corners, in the core's numbering: from, to. */
 const EDGES = [
   [1, 2],
   [2, 0],
@@ -141,20 +141,20 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** An edge with its arrow and its whole line, and the half-plane beside it on which the point lies, along a narrow band. */
+/** An edge with its arrow, the line through it, and a narrow band on the side on which the point lies. */
 function Edge({ from, to, probe, side }: { from: Point; to: Point; probe: Point; side: Side }) {
   const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-  const long = Math.hypot(dx, dy);
-  const [ux, uy] = [dx / long, dy / long];
+  const length = Math.hypot(dx, dy);
+  const [ux, uy] = [dx / length, dy / length];
   const on = (t: number, off = 0): Point => [from[0] + t * dx - off * uy, from[1] + t * dy + off * ux];
   const band = side === "on" ? 0 : side === "left" ? 0.32 : -0.32;
-  const foot = ((probe[0] - from[0]) * ux + (probe[1] - from[1]) * uy) / long;
+  const foot = ((probe[0] - from[0]) * ux + (probe[1] - from[1]) * uy) / length;
   return (
     <g class={`edge ${side}`}>
       <path class="half" d={path([on(-3), on(4), on(4, band), on(-3, band)])} />
       <path class="whole" d={path([on(-3), on(4)], false)} />
       <path class="side" d={path([from, to], false)} />
-      <path class="arrow" d={path([on(0.56 - 0.22 / long, 0.15), on(0.56), on(0.56 - 0.22 / long, -0.15)], false)} />
+      <path class="arrow" d={path([on(0.56 - 0.22 / length, 0.15), on(0.56), on(0.56 - 0.22 / length, -0.15)], false)} />
       <path class="reach-of" d={path([on(foot), probe], false)} />
     </g>
   );

@@ -1,4 +1,4 @@
-// Two cubics that meet: what C0, C1 and C2 keep when the first one is bent, as a comb shows it and as a mirror does.
+// Two cubics that meet: the effect of C0, C1 and C2 when the first one is bent, on the curvature comb and on a reflection.
 import { Choice, Figure as Data } from "../view/parts";
 import { type Grey, bitmap } from "./bitmap";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -33,13 +33,13 @@ interface Answer {
 }
 
 const CLASSES: readonly Class[] = ["C0", "C1", "C2"];
-/** Where everything agrees, whatever is kept. */
+/** The position of the leg for which the join is C2. */
 const HOME: Point = [4.4, 2.6];
 const XS = [3.6, 5.2] as const;
 const YS = [2, 3.2] as const;
 const JOINT: Point = [6, 2.6];
 const firstOf = ({ leg }: State): Four => [[0.8, 0.7], [2.2, 1.4], leg, JOINT];
-/** It continues the first curve with both derivatives where that one's leg is at home. */
+/** Chosen so that the curves join with C2 if the first one's leg is at `HOME`. */
 const SECOND: Four = [JOINT, [7.6, 2.6], [8.6, 1.4], [11.2, 0.7]];
 const COMB = 2.4;
 const defaults: State = { keep: "C1", leg: [4.2, 2.95] };
@@ -74,18 +74,18 @@ const texts: Record<Language, Texts> = {
     gap: "Jump of the curvature vector",
     before: "Curvature before",
     after: "Curvature after",
-    kink: (angle) => `Only the place agrees. The direction turns by ${angle}: a kink, and the stripes break off.`,
+    kink: (angle) => `Only the position agrees. The direction turns by ${angle}: a kink, and the stripes break off.`,
     jump: (before, after) => `Direction and speed agree, so no kink shows. But the curvature jumps from ${before} to ${after}: the comb has a step, and the stripes a kink.`,
-    smooth: "Place, direction, speed and bending agree: comb and stripes run on.",
-    back: "Put the control arm back to where all agrees",
+    smooth: "Position, direction, speed and bending agree: comb and stripes continue smoothly.",
+    back: "Move the control arm back to where everything agrees",
     story: [
-      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye forgives a jump of curvature; the *comb*, whose teeth are as long as the curve bends, does not. Nor does a mirror: a surface that is only C1 *reflects stripes with kinks*. For a mirror the shape alone counts: one direction and one curvature (*G2*) are enough, whatever the speeds.",
-      "What a mirror shows depends on the normal, one derivative more than the place. Car bodies are judged so; camera paths that are only C1 jerk.",
-      "Bend the first curve, and the second one has to give way: for C0 by nothing, for C1 by its first control arm, for C2 by two points. What is kept is paid for with freedom.",
+      "*C0*: one curve begins where the other ends. *C1*: direction and speed agree as well. *C2*: so do the second derivatives, and with them the bending. The eye misses a jump of curvature; the *comb*, whose teeth are as long as the curvature is large, shows it. So does a mirror: a surface that is only C1 *reflects stripes with kinks*. For a mirror the shape alone counts: one direction and one curvature (*G2*) are enough, whatever the speeds.",
+      "A reflection depends on the normal, which has one derivative more than the position. Car bodies are judged by reflections; camera paths that are only C1 jerk.",
+      "Bend the first curve, and the second one has to follow: for C0 not at all, for C1 with its first control arm, for C2 with two points. Each degree of smoothness costs freedom.",
     ],
     attempts: [
       "Choose C0 and move the handle: the class falls to C0, with an angle. Look at the stripes above the join.",
-      "Choose C2: you cannot break it. Watch where the second curve goes to keep up.",
+      "Choose C2: you cannot break it. Watch how the second curve follows.",
     ],
   },
   zh: {

@@ -1,4 +1,4 @@
-// Levels of detail: as the camera goes back, teapot and mountain are each shown by the fewest triangles within a pixel.
+// Levels of detail: as the camera moves away, teapot and mountain are each shown by the fewest triangles within a pixel.
 import { Figure as Data, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { Chart } from "./Chart";
@@ -32,7 +32,7 @@ interface Answer {
   off_axis: number;
 }
 
-/** Metres, by a quarter of a decade: from 0.6 m to 19 km. */
+/** Distances in metres, four per decade: from 0.6 m to 19 km. */
 const STOPS = Array.from({ length: 19 }, (_, i) => Number((0.6 * 10 ** (i / 4)).toPrecision(2)));
 const HOME: View = { azimuth: -86, elevation: 22, distance: 7.3, target: [0, 0, -0.1] };
 const defaults: State = { stop: 2, view: HOME };
@@ -56,7 +56,7 @@ interface Texts extends CommonTexts {
 const texts: Record<Language, Texts> = {
   en: {
     hint: FRAME.en.turn,
-    figure: "A teapot and a mountain, drawn as large as each other, with the triangles that are shown from this distance",
+    figure: "A teapot and a mountain, drawn at the same size, with the triangles that are shown from this distance",
     handle: "Camera to teapot",
     label: "Triangles, teapot and mountain",
     meaning: (teapot, mountain) =>
@@ -66,18 +66,18 @@ const texts: Record<Language, Texts> = {
     mountain: "Mountain",
     at: (distance) => `at ${distance}`,
     allowed: "off by at most",
-    factor: "A length in the corner of the picture, against its middle",
-    chart: "Triangles that are needed, by the distance of the camera from the teapot",
+    factor: "Pixels of a length in the corner, relative to the middle",
+    chart: "Triangles needed, by the distance of the camera from the teapot",
     chartX: "camera to teapot",
     chartY: "triangles",
     story: [
-      "The error that counts is *on the screen*. So each shape is kept in several *levels of detail*, each proved to be within some length of the true shape; each next one is allowed twice as much, for about half the triangles. Length divided by distance gives pixels, and the coarsest level within one pixel is shown.",
-      "Ten times the distance is ten times the length: a tenth of the triangles where they are many, a twentieth or a sixth where levels are few. So it goes until only the coarsest is left. The mountain, whose distance hardly changes, keeps its own until the camera is kilometres away.",
-      "One has to be careful *off the axis*. In the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
+      "The error that matters is *on the screen*. So each shape is kept in several *levels of detail*, each proved to be within some length of the true shape; each next one may be off by twice as much, for about half the triangles. Length divided by distance gives pixels, and the coarsest level within one pixel is shown.",
+      "Ten times the distance is ten times the length: a tenth of the triangles where they are many, a twentieth or a sixth where levels are few. This continues until only the coarsest level is left. The mountain, whose distance hardly changes, keeps its triangles until the camera is kilometres away.",
+      "Care is needed *off the axis*: in the corner of a picture a length covers more pixels than in the middle at the same distance. The switching distances here hold for every direction, corners included. The screen has 1920 by 1080 pixels and a field of view of 45 degrees.",
     ],
     attempts: [
       "Move the camera back tenfold. What is left of the teapot’s triangles?",
-      "From where on does the mountain need more than the teapot?",
+      "From which distance on does the mountain need more than the teapot?",
     ],
   },
   zh: {
@@ -109,34 +109,34 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 
-/** A length in metres, with the unit that suits it. */
+/** A length with a suitable metric unit. */
 function metres(say: Say, length: number): string {
   const [factor, unit] =
     length < 0.01 ? [1000, "mm"] : length < 1 ? [100, "cm"] : length < 1000 ? [1, "m"] : [0.001, "km"];
   return `${say.number(factor * length)} ${unit}`;
 }
 
-/** Where each stands in the figure, and how large a metre of it is drawn. */
+/** The position of each model in the figure, and the size of a metre of it. */
 const STANDS = {
   teapot: { scale: 8.4, at: [-1.38, 0, -0.45] },
   mountain: { scale: 0.00052, at: [1.24, 0, -0.4] },
 } as const satisfies Record<string, { scale: number; at: Vec3 }>;
 type Name = keyof typeof STANDS;
-const kept = new Map<Name, { of: Float32Array; made: Float32Array }>();
+const placedCache = new Map<Name, { positions: Float32Array; placed: Float32Array }>();
 
-function placed(name: Name, of: Float32Array): Float32Array {
-  const before = kept.get(name);
-  if (before?.of === of) return before.made;
+function placedPositions(name: Name, positions: Float32Array): Float32Array {
+  const cached = placedCache.get(name);
+  if (cached?.positions === positions) return cached.placed;
   const { scale, at } = STANDS[name];
-  const made = of.map((x, i) => x * scale + at[i % 3]!);
-  kept.set(name, { of, made });
-  return made;
+  const placed = positions.map((x, i) => x * scale + at[i % 3]!);
+  placedCache.set(name, { positions, placed });
+  return placed;
 }
 
 function pictureOf({ answer, isStill }: Page): Picture {
   const layers = (["teapot", "mountain"] as const).flatMap((name) => {
     const { mesh, triangles } = answer[name];
-    const positions = placed(name, mesh.positions);
+    const positions = placedPositions(name, mesh.positions);
     return [
       {
         kind: "mesh",
@@ -145,7 +145,7 @@ function pictureOf({ answer, isStill }: Page): Picture {
         indices: mesh.indices,
         paint: name === "teapot" ? PAINT.front : "#9db38a",
         shading: "flat",
-        // On the page before scripts every triangle is a shape of its own, so it has those that show, and no edges.
+        // In a still figure every triangle is a shape, so only front faces and no edges keep it small.
         sides: isStill ? "front" : "both",
       },
       ...(isStill
@@ -205,7 +205,7 @@ function liveNumber({ answer, say, texts }: Page): LiveNumber {
   };
 }
 
-/** Triangles over the distance of the camera from the teapot; `behind` metres lie between. */
+/** Triangles against the distance of the camera from the teapot, which is `behind` metres nearer than the other model. */
 function stairs(levels: Model["levels"], behind: number, low: number, high: number): [number, number][] {
   const points: [number, number][] = [];
   levels.forEach(([from, triangles], i) => {

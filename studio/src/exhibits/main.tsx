@@ -1,4 +1,4 @@
-// Brings an exhibit's page to life: reads the address, asks the core, draws at most once a frame.
+// Runs an exhibit's page: reads the address, asks the core, draws at most once a frame.
 import { render } from "preact";
 import { Engine, type Trouble } from "../core/engine";
 import type { AnyExhibit } from "./exhibit";
@@ -8,9 +8,9 @@ import { FRAME } from "./frame_texts";
 import { EXHIBITS, type Entry } from "./index";
 import { type Language, Say } from "./say";
 
-/** The address is written when the hand rests: some browsers refuse more than a hundred changes in half a minute. */
+/** The address is written after a pause: some browsers refuse more than a hundred changes in half a minute. */
 const REST_MS = 300;
-/** And the number is spoken then. */
+/** The number is spoken after this pause, so that a drag does not flood a screen reader. */
 const SPEAK_MS = 900;
 
 const html = document.documentElement;
@@ -20,7 +20,7 @@ const isEmbedded = new URLSearchParams(location.search).get("embed") === "1";
 const id = html.dataset["exhibit"] || new URLSearchParams(location.search).get("id");
 const entry = EXHIBITS.find((entry) => entry.id === id);
 if (isEmbedded) html.dataset["embedded"] = "1";
-// The list of all has nothing to move.
+// The list of exhibits has nothing interactive.
 if (entry) void entry.load().then((loaded) => live(entry, loaded.default));
 else html.dataset["ready"] = "1";
 
@@ -29,11 +29,11 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
   const words = FRAME[language];
   let notes: readonly string[] = isDamaged ? [words.damaged] : [];
   let answer: unknown;
-  let asked = "";
+  let lastQuestion = "";
   let frame = 0;
   let isDrawn = false;
-  let writing: ReturnType<typeof setTimeout> | undefined;
-  let speaking: ReturnType<typeof setTimeout> | undefined;
+  let writeTimer: ReturnType<typeof setTimeout> | undefined;
+  let speakTimer: ReturnType<typeof setTimeout> | undefined;
   const spoken = Object.assign(document.createElement("p"), { className: "spoken" });
   spoken.setAttribute("role", "status");
   const engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), {
@@ -44,34 +44,34 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
   function ask(): boolean {
     const question = { exhibit: entry.id, ...exhibit.question(state) };
     const text = JSON.stringify(question);
-    if (text === asked) return false;
-    asked = text;
+    if (text === lastQuestion) return false;
+    lastQuestion = text;
     engine.ask("exhibit", question);
     return true;
   }
 
-  function answered(_: string, found: unknown): void {
-    answer = found;
+  function answered(_: string, newest: unknown): void {
+    answer = newest;
     schedule();
   }
 
   function troubled(trouble: Trouble): void {
-    const said = trouble.what === "refused" ? words.refused(trouble.why) : words[trouble.what];
-    notes = [...notes.filter((old) => old !== said), said];
+    const note = trouble.what === "refused" ? words.refused(trouble.why) : words[trouble.what];
+    notes = [...notes.filter((old) => old !== note), note];
     schedule();
   }
 
   function set(change: object | ((state: object) => object)): void {
     state = { ...state, ...(typeof change === "function" ? change(state) : change) };
     delete html.dataset["settled"];
-    clearTimeout(writing);
-    writing = setTimeout(writeAddress, REST_MS);
+    clearTimeout(writeTimer);
+    writeTimer = setTimeout(writeAddress, REST_MS);
     ask();
     schedule();
   }
 
   function writeAddress(): void {
-    writing = undefined;
+    writeTimer = undefined;
     const fragment = write(state, exhibit.defaults as object, exhibit.parts);
     history.replaceState(null, "", location.pathname + location.search + (fragment && `#${fragment}`));
     schedule();
@@ -86,9 +86,9 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
 
   function draw(): void {
     if (answer === undefined) {
-      // Before the first answer the still page stands; what went wrong is said above it.
-      const place = root.querySelector(".notes");
-      place?.replaceChildren(
+      // Before the first answer the still page is shown, with the notes above it.
+      const list = root.querySelector(".notes");
+      list?.replaceChildren(
         ...notes.map((note) => Object.assign(document.createElement("p"), { className: "note", textContent: note })),
       );
       return;
@@ -115,10 +115,10 @@ function live(entry: Entry, exhibit: AnyExhibit): void {
       document.body.append(spoken);
       html.dataset["ready"] = "1";
     }
-    // For whoever drives the page by program: what shows is the answer to the newest question, and the address says so.
-    if (engine.isIdle && !writing) html.dataset["settled"] = "1";
-    clearTimeout(speaking);
-    speaking = setTimeout(speak, SPEAK_MS);
+    // For programs that drive the page: the page and its address show the answer to the newest question.
+    if (engine.isIdle && !writeTimer) html.dataset["settled"] = "1";
+    clearTimeout(speakTimer);
+    speakTimer = setTimeout(speak, SPEAK_MS);
   }
 
   function speak(): void {

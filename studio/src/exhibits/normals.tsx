@@ -1,4 +1,4 @@
-// Where normals live: on faces, on shared vertices, or on vertices that hard edges split.
+// Where normals are stored: at faces, at shared vertices, or at vertices that are split at hard edges.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import { type Picture, type View, middles } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -30,7 +30,7 @@ interface Answer {
 
 const HOME: View = { azimuth: -58, elevation: 26, distance: 8.8, target: [0, 0, 0] };
 const defaults: State = { shape: "cube", crease: 60, on: "vertices", arrows: true, view: HOME };
-/** Each as large in the picture as the others. */
+/** The distance is chosen so that all bodies have the same size in the picture. */
 const homeOf = (shape: Body): View => ({ ...HOME, distance: { cube: 8.8, cylinder: 7.2, ball: 5.2 }[shape] });
 const BODIES: readonly Body[] = ["cube", "cylinder", "ball"];
 
@@ -59,7 +59,7 @@ const texts: Record<Language, Texts> = {
     hint: FRAME.en.turn,
     figure: "A body with its normals as strokes",
     handle: "An edge is hard above",
-    help: "Where the normals of two faces differ by more, their vertices are split and each side keeps a normal of its own.",
+    help: "If the normals of two faces differ by more, their vertices are split and each side keeps its own normal.",
     shape: "Body",
     shapes: { cube: "cube", cylinder: "cylinder", ball: "ball" },
     on: "Light it by normals of",
@@ -70,13 +70,13 @@ const texts: Record<Language, Texts> = {
     places: "Corners in space",
     bytes: "Position and normal, 24 bytes each",
     triangles: "Triangles",
-    none: "Every corner is stored once: no edge is hard, and the light flows around all of them.",
-    all: "Each face has corners of its own: flat, facet by facet.",
-    some: (n) => `${n} more than there are corners: along hard edges a corner is stored once for each side.`,
+    none: "Every corner is stored once: no edge is hard, and the shading is smooth across all of them.",
+    all: "Each face has its own corners: flat shading, facet by facet.",
+    some: (n) => `${n} more than the number of corners: along hard edges a corner is stored once for each side.`,
     facesOnly: "Lit by faces, each triangle has one tone: right for a cut gem, wrong for a ball.",
     story: [
       "The direction of (v₁ − v₀) × (v₂ − v₀), one for the whole triangle, gives *flat shading*. Averaged around each vertex and blended across each triangle, the normals give *smooth shading*, and the same coarse mesh looks round. An average across a hard edge is wrong on both sides, so there the corner is stored once for each side: a cube has *24 vertices* and not 8.",
-      "One number decides which edges are hard: the angle between the normals on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two gives both what they need.",
+      "One number decides which edges are hard: the angle between the normals on both sides. For the cube it is 90° everywhere; for a cylinder of 24 sides it is 15° around and 90° at the rims, so that one angle between the two suits both.",
     ],
     attempts: [
       "Move the angle to 90° on the cube: 24 falls to 8, and the light goes wrong.",

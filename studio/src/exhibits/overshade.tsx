@@ -1,4 +1,4 @@
-// What a screen shades for triangles of a size: blocks of two by two pixels, for each triangle that touches them.
+// The shading cost of small triangles: a GPU shades blocks of two by two pixels, once for each triangle that touches them.
 import { Figure as Data, Slider } from "../view/parts";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -55,29 +55,29 @@ const texts: Record<Language, Texts> = {
     figure: "A screen of 36 by 24 pixels, covered by triangles, coloured by how often each block of two by two pixels is shaded",
     side: "Side of a triangle",
     pixels: (n) => `${n} pixels`,
-    label: "Shaded per pixel that is covered",
+    label: "Shaded pixels per covered pixel",
     meaning: (triangles, area) =>
       `${triangles} triangles of ${area} pixels each. Blocks on an edge are shaded once for every triangle that has a pixel in them.`,
     cliff: (missed) =>
       `Every pixel is shaded four times, and ${missed} of the triangles cover no pixel’s centre and are not seen at all.`,
     triangles: "Triangles on the screen",
     area: "Pixels in a triangle",
-    lanes: "Pixels that are shaded, with those thrown away",
+    lanes: "Shaded pixels, including discarded ones",
     covered: "Pixels that are covered",
-    missed: "Triangles without a pixel’s centre, those at the border too",
+    missed: "Triangles that cover no pixel’s centre, including the border",
     chart: "Shading per pixel by the size of triangles",
     chartX: "side in pixels, smaller to the right",
     chartY: "shaded per pixel",
     legend: (n) => (n >= 8 ? "8 or more" : String(n)),
     legendName: "triangles shaded in a block",
     story: [
-      "A graphics processor shades *blocks of two by two* pixels, for it needs differences between neighbours to read a texture. If a triangle has one pixel of a block, all four are shaded and three thrown away. The smaller the triangles, the more of them is edge: towards one pixel the cost climbs to *four times*, and nothing more shows.",
-      "Towards one pixel the cost climbs to *four times*, and stays there. Then no two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and thrown away, and flicker when they move.",
-      "So more triangles are not always better. They are worth their price as long as an error shows. Once every chord is within a pixel of the truth, more of them only cost.",
+      "A graphics processor shades *blocks of two by two* pixels, because it needs differences between neighbours to read a texture. If a triangle covers one pixel of a block, all four are shaded and three discarded. The smaller the triangles, the more blocks are on an edge: towards one pixel the cost climbs to *four times*, and nothing more shows.",
+      "Towards one pixel the cost climbs to *four times*, and stays there. Then no two pixels of a block belong to the same triangle, so each is shaded four times; more triangles change nothing in the picture, and most of them miss every pixel’s centre. They are transformed, sorted and discarded, and flicker in motion.",
+      "So more triangles are not always better. They are worth their cost as long as an error is visible. Once every chord is within a pixel of the true shape, more of them only cost time.",
     ],
     attempts: [
-      "Go from 16 pixels down to 4. How much dearer has every pixel become?",
-      "Find the size from which the number does not grow any more.",
+      "Go from 16 pixels down to 4. How much more does every pixel cost?",
+      "Find the size below which the number does not grow any more.",
     ],
   },
   zh: {
@@ -112,7 +112,7 @@ const texts: Record<Language, Texts> = {
 };
 
 type Page = PageOf<State, Answer, Texts>;
-/** Heat has as many steps as this. */
+/** The number of colours in the heat map. */
 const HOTTEST = 8;
 
 function Figure({ page }: { page: Page }) {
@@ -120,7 +120,7 @@ function Figure({ page }: { page: Page }) {
   const { screen, columns, launches, mesh } = answer;
   const unit = FLAT.width / screen[0];
   const block = px(toSvg([2 * unit, 0])[0]);
-  // A path for each heat, so that the picture is a few elements.
+  // One path for each colour, so that the picture has few elements.
   const heats = Array.from({ length: HOTTEST }, (_, i) =>
     launches
       .map((count, row) => [Math.min(count, HOTTEST), row] as const)
@@ -149,7 +149,7 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** The sides of triangles that reach into the figure. */
+/** The sides of the triangles that reach into the figure. */
 function edges({ positions, indices }: NonNullable<Answer["mesh"]>, unit: number): string {
   const at = (row: number): Point => [positions[3 * row]! * unit, positions[3 * row + 1]! * unit];
   const isNear = ([x, y]: Point) => x > -1 && x < FLAT.width + 1 && y > -1 && y < FLAT.height + 1;
@@ -162,7 +162,7 @@ function edges({ positions, indices }: NonNullable<Answer["mesh"]>, unit: number
 }
 
 function liveNumber({ answer, say, texts }: Page): LiveNumber {
-  // Where it is four to the digits that are shown.
+  // Where the ratio rounds to 4 in the digits that are shown.
   const isOver = answer.ratio > 3.995;
   return {
     value: answer.ratio,

@@ -1,14 +1,14 @@
-// The paints of things in space. They are the same by day and by night, so that a still picture needs to know neither.
+// The paints of 3D figures. They are the same in light and dark themes, so that a still picture need not know the theme.
 export const PAINT = {
-  /** The front of a surface, and a second one beside it. */
+  /** The front of a surface, and of a second one beside it. */
   front: "#7ea6d8",
   other: "#a9c4e6",
-  /** The back, where winding matters. */
+  /** The back, to show the winding. */
   back: "#e0875a",
-  /** What is picked out. */
+  /** Highlighted triangles. */
   mark: "#f2c14e",
 } as const;
-/** The red, green and blue of three corners, and a fourth. */
+/** The colours of the corners, in red, green and blue. */
 export const CORNERS = [
   [0.86, 0.2, 0.18],
   [0.16, 0.62, 0.3],

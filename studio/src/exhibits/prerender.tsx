@@ -1,4 +1,4 @@
-// Writes the pages as text and still figures, at build time: what a reader has before any script runs, or without it.
+// Writes the pages as text with still figures at build time, for readers without script and until it runs.
 import { renderToString } from "preact-render-to-string";
 import type { Core } from "../core/module";
 import { Themes } from "../view/Themes";
@@ -8,10 +8,10 @@ import { FRAME } from "./frame_texts";
 import { EXHIBITS, type Entry, PARTS, STOPS, type Stop, WIDGET, fileOf, fileOfStop } from "./index";
 import { LANGUAGES, type Language, Say, TAGS } from "./say";
 
-/** A page: its file, and what stands in it. */
+/** A page that was written: its file and its contents. */
 export interface Written {
   file: string;
-  /** Of the exhibit; empty for the list of all. */
+  /** The exhibit's id; empty for the list of exhibits. */
   id: string;
   lang: string;
   title: string;
@@ -21,23 +21,23 @@ export interface Written {
 
 const nothing = () => undefined;
 
-/** The way on from the first page, in both languages: it changes its own without loading another page. */
+/** The links from the widget to its neighbours, in both languages, because it switches language without loading a page. */
 export const onwardFromWidget = () =>
   LANGUAGES.map((language) => renderToString(<Onward stop={WIDGET} language={language} />)).join("");
 
 /** Every page of the exhibits, in both languages. */
 export async function written(core: Core): Promise<Written[]> {
-  const all = await Promise.all(EXHIBITS.map(async (entry) => ({ entry, exhibit: (await entry.load()).default })));
-  const answers = all.map(({ entry, exhibit }) =>
+  const loaded = await Promise.all(EXHIBITS.map(async (entry) => ({ entry, exhibit: (await entry.load()).default })));
+  const answers = loaded.map(({ entry, exhibit }) =>
     core.ask("exhibit", { exhibit: entry.id, ...exhibit.question(exhibit.defaults) }),
   );
   return LANGUAGES.flatMap((language) => [
-    ...all.map(({ entry, exhibit }, i) => one(entry, exhibit, answers[i], language)),
-    list(all, answers, language),
+    ...loaded.map(({ entry, exhibit }, i) => exhibitPage(entry, exhibit, answers[i], language)),
+    listPage(loaded, answers, language),
   ]);
 }
 
-function one(entry: Entry, exhibit: AnyExhibit, answer: unknown, language: Language): Written {
+function exhibitPage(entry: Entry, exhibit: AnyExhibit, answer: unknown, language: Language): Written {
   const frame = (
     <Frame
       entry={entry}
@@ -62,13 +62,13 @@ function one(entry: Entry, exhibit: AnyExhibit, answer: unknown, language: Langu
   };
 }
 
-function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], language: Language): Written {
+function listPage(loaded: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], language: Language): Written {
   const words = FRAME[language];
   const parts = [...new Set(STOPS.map(({ part }) => part))];
   const picture = (stop: Stop) => {
-    const i = all.findIndex(({ entry }) => entry === stop);
+    const i = loaded.findIndex(({ entry }) => entry === stop);
       if (i < 0) return <Widget />;
-      const { exhibit } = all[i]!;
+      const { exhibit } = loaded[i]!;
       const page = {
         state: exhibit.defaults,
         answer: answers[i],
@@ -135,7 +135,7 @@ function list(all: { entry: Entry; exhibit: AnyExhibit }[], answers: unknown[], 
   };
 }
 
-/** A sign for the first page: its own figure is drawn by another module. */
+/** A simple drawing for the widget, whose own figure is in another module. */
 function Widget() {
   return (
     <svg viewBox="0 0 360 240">

@@ -1,4 +1,4 @@
-// Three corners are one plane; the fourth corner of a quad can leave it, and then the middle depends on the diagonal.
+// Three corners define a plane. The fourth corner of a quad can leave it, and then the surface depends on the diagonal.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import type { Picture, Vec3, View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -85,12 +85,12 @@ const texts: Record<Language, Texts> = {
       `Now four corners are not one surface. Cut along B–D, the middle lies ${rise} ${is === "up" ? "higher" : "lower"} than along A–C.`,
     story: [
       "There is *one* plane through three points that are not in a line, so a triangle cannot bend: one normal, one inside. A fourth point may leave that plane. Folded along one diagonal the middle is a ridge, along the other a valley, and both have the same corners and edges: no file that stores only corners says which was meant.",
-      "This is why graphics hardware draws triangles. Authors keep their quads, which are good to work with, and somewhere on the way to the screen every quad is cut in two. A tool that cuts along the other diagonal shows another shape.",
-      "The distance is signed and its zero is exact: the core decides by exact arithmetic whether four points lie in one plane, and not by a small number that somebody chose.",
+      "This is why graphics hardware draws triangles. Authors keep their quads, which are good to work with, and somewhere on the way to the screen every quad is cut in two. A tool that cuts along the other diagonal shows a different shape.",
+      "The distance is signed and its zero is exact: the core decides by exact arithmetic whether four points lie in one plane, not by a tolerance that somebody chose.",
     ],
     attempts: [
       "Lift D, then change the cut: the red line in the middle is the difference.",
-      "Choose three corners and lift C. Can you make the number leave zero?",
+      "Choose three corners and lift C. Can you make the number differ from zero?",
     ],
   },
   zh: {

@@ -1,4 +1,4 @@
-// The six questions at the end, each with the number that its exhibit shows at rest.
+// The six questions at the end, each with the initial number of its exhibit.
 import { Choice } from "../view/parts";
 import culling from "./culling";
 import { type AnyExhibit, type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -16,7 +16,7 @@ interface State {
   question: Question;
 }
 
-/** What the core says to each exhibit at rest, by its name, without what is only drawn. */
+/** The core's answer for the initial state of each exhibit, by its name, without data that is only drawn. */
 type Answer = Record<string, unknown>;
 
 const defaults: State = { question: "triangles" };
@@ -33,7 +33,7 @@ export interface Texts extends CommonTexts {
 
 type Page = PageOf<State, Answer, Texts>;
 
-/** Where each is shown, in the order in which one would look: the number is that of the first. */
+/** The exhibits that answer each question, best first. The number is that of the first. */
 const SHOWN: Record<Question, readonly [string, ...string[]]> = {
   triangles: ["quad", "inside", "weights"],
   normals: ["normals"],
@@ -43,23 +43,23 @@ const SHOWN: Record<Question, readonly [string, ...string[]]> = {
   cost: ["overshade", "levels", "budget"],
 };
 
-/** The first of each. */
+/** The first exhibit of each question. */
 const FIRST: Record<Question, AnyExhibit> = { triangles: quad, normals, winding: culling, joins, fields: field, cost: overshade };
 
-/** What an exhibit asks when it is opened. */
-const atRest = (question: Question) => ({
+/** The question of an exhibit in its initial state. */
+const initialQuestion = (question: Question) => ({
   exhibit: SHOWN[question][0],
   ...FIRST[question].question(FIRST[question].defaults),
 });
 
-/** The number that an exhibit shows when it is opened. */
+/** The number of an exhibit in its initial state. */
 function numberOf(question: Question, { answer, say, set, isStill, isSmall }: Page): LiveNumber {
   const first = FIRST[question];
-  const own = { state: first.defaults, answer: answer[SHOWN[question][0]], texts: first.texts[say.language] };
-  return first.number({ ...own, say, set, isStill, isSmall });
+  const firstPage = { state: first.defaults, answer: answer[SHOWN[question][0]], texts: first.texts[say.language] };
+  return first.number({ ...firstPage, say, set, isStill, isSmall });
 }
 
-/** A small picture of each, in a card of 220 by 200. */
+/** A small picture for each question, in a card of 220 by 200. */
 const PICTURES: Record<Question, readonly (readonly [kind: string, d: string])[]> = {
   triangles: [
     ["face", "M20 110L78 30L108 100z"],
@@ -116,7 +116,7 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** As much as six digits are wide is written large. */
+/** A number; more than six characters get a smaller font. */
 const Shown = ({ text }: { text: string }) => (
   <text class={text.length > 6 ? "big long" : "big"} x="110" y="164">
     {text}
@@ -164,7 +164,7 @@ function Panel({ page }: { page: Page }) {
 export default exhibit<State, Answer, Texts>({
   defaults,
   parts: { question: ["n", word(...QUESTIONS)] },
-  question: () => ({ asked: QUESTIONS.map(atRest) }),
+  question: () => ({ asked: QUESTIONS.map(initialQuestion) }),
   texts,
   number: liveNumber,
   Figure,

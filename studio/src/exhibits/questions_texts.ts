@@ -13,9 +13,9 @@ export const texts: Record<Language, Texts> = {
     questions: {
       triangles: "Why triangles?",
       normals: "How is a face normal computed, and what makes shading flat or smooth?",
-      winding: "What does winding encode, and why does culling hang on it?",
-      joins: "What are C0, C1, C2, and why many pieces of low degree?",
-      fields: "What is each of mesh and field good at, and bad at?",
+      winding: "What does winding encode, and why does culling depend on it?",
+      joins: "What are C0, C1 and C2, and why use many pieces of low degree?",
+      fields: "What are meshes good and bad at, and what are fields?",
       cost: "Are more triangles always better?",
     },
     short: {
@@ -28,23 +28,23 @@ export const texts: Record<Language, Texts> = {
     },
     answers: {
       triangles:
-        "Three points always lie in one plane, are convex, and blend what stands at them in one way only. A fourth can leave the plane, and then the surface depends on the diagonal.",
+        "Three points always lie in one plane, are convex, and interpolate the values at them in only one way. A fourth can leave the plane, and then the surface depends on the diagonal.",
       normals:
-        "The cross product of two sides, scaled to length one. Kept for each face the shading is flat; averaged at shared vertices it is smooth. A hard edge takes both, so a cube has 24 vertices and not 8.",
+        "The cross product of two sides, scaled to length one. With one normal per face the shading is flat; averaged at shared vertices it is smooth. A hard edge keeps the normals of both faces, so a cube has 24 vertices and not 8.",
       winding:
-        "Which side is the front: from there the corners run counter-clockwise. Culling skips what shows its back, half of a closed shape or more, and believes the order. A triangle that is turned becomes a hole.",
+        "Which side is the front: seen from there the corners run counter-clockwise. Culling skips triangles that show their back, half of a closed shape or more, and relies on the order. A triangle with the wrong order becomes a hole.",
       joins:
-        "C0: they meet. C1: with one direction and speed. C2: with one bending, too. Here they are C1, and the curvature still jumps, which a reflection shows. One polynomial through many points swings and moves everywhere; pieces stay local.",
+        "C0: the curves meet. C1: with the same direction and speed. C2: with the same bending, too. Here they are C1, and the curvature still jumps, which a reflection shows. One polynomial through many points swings and moves everywhere; pieces stay local.",
       fields:
-        "A mesh is drawn at once; its inside and its booleans have to be searched for. A field answers inside, distance and booleans in a line; to be drawn it has to be traced or meshed. Engines carry both and convert, with a bound for each way.",
-      cost: "Until every chord is within a pixel, yes. Beyond that they show nothing, and once they are smaller than a pixel each pixel is shaded four times.",
+        "A mesh is drawn at once; its inside and its booleans need a search. A field gives inside, distance and booleans in a line; to be drawn it has to be traced or meshed. Engines use both and convert, with a bound for each way.",
+      cost: "Until every chord is within a pixel, yes. Beyond that they show nothing new, and once they are smaller than a pixel each pixel is shaded four times.",
     },
     see: "Shown in",
     widget: "Two curves joined",
     story: [
-      "Six questions are left for you. Each has a number, the one that its exhibit shows when it is opened, computed by the core while you read. *Go there, move something*, and see what becomes of it. If an answer is not what you expected, try to break the claim.",
-      "*How do you write a shape down?* As points that can be listed and drawn, or as a rule that any point can be put into; everything else followed from that.",
-      "What all of it has in common is one sentence: *decide what may be lost, and ask for a proof of what was.* That is what the program behind these pages does, for whole files: chordal mesh teapot.bpt --px 1.",
+      "Six questions are left for you. Each has a number, the one that its exhibit shows when it is opened, computed by the core while you read. *Go there, move something*, and see how it changes. If an answer is not what you expected, try to break the claim.",
+      "*How do you represent a shape?* As points that can be listed and drawn, or as a rule that can be evaluated at any point; everything else followed from that.",
+      "One sentence sums it all up: *decide how much error is allowed, and ask for a proof of the error that was made.* The program behind these pages does that for whole files: chordal mesh teapot.bpt --px 1.",
     ],
     attempts: [
       "Answer all six without looking. Which one took longest?",

@@ -1,4 +1,4 @@
-// One polynomial through many points against a spline: one point is moved; how far does the rest move?
+// One polynomial through many points against a spline: if one point is moved, how far does the rest move?
 import { Figure as Data, Slider } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Flat, type Point, path, toSvg } from "./Flat";
@@ -27,7 +27,7 @@ interface Answer {
 const COUNTS = [5, 15] as const;
 const LIFTS = [-1.5, 1.5] as const;
 const defaults: State = { count: 11, lift: 0.15 };
-/** The point that is moved: the one in the middle. */
+/** The index of the point that is moved: the middle one. */
 const rowOf = ({ count }: State) => (count - 1) / 2;
 
 interface Texts extends CommonTexts {
@@ -57,7 +57,7 @@ const texts: Record<Language, Texts> = {
     degree: (n) => `degree ${n}`,
     label: "The rest of the polynomial moves by up to",
     spline: "The rest of the spline moves by up to",
-    missPolynomial: "Unmoved, the polynomial misses the function by",
+    missPolynomial: "Without the move, the polynomial misses the function by",
     missSpline: "and the spline by",
     moved: (lift, polynomial, spline) => `One point was moved by ${lift}. Beyond its two neighbours the polynomial moves by up to ${polynomial}, the spline by ${spline}.`,
     still: "Nothing has been moved yet. Even so the polynomial swings between its points.",
@@ -65,8 +65,8 @@ const texts: Record<Language, Texts> = {
     polynomial: "one polynomial",
     aSpline: "a spline",
     story: [
-      "Through n points there is one polynomial of degree n − 1. Through points of so tame a function as 1/(1 + 25x²) it *swings*, and more points make it worse, as Carl Runge showed in 1901. And when one point moves, *everything* moves. A *spline* has a short cubic between each two points instead.",
-      "So curves are made of many short pieces of low degree: this *spline* has a cubic between each two points, joined so that direction and bending agree. A moved point is felt next door, a little in the house after, and soon not at all. That is local control, and the reason why no drawing program offers degree 20.",
+      "Through n points there is one polynomial of degree n − 1. Even through points of a function as smooth as 1/(1 + 25x²) it *swings*, and more points make it worse, as Carl Runge showed in 1901. And when one point moves, *everything* moves. A *spline* has a short cubic between each two points instead.",
+      "So curves are made of many short pieces of low degree: this *spline* has a cubic between each two points, joined so that direction and bending agree. A moved point changes the next piece, the one after that a little, and the rest hardly at all. That is local control, and the reason why no drawing program offers degree 20.",
     ],
     attempts: [
       "Move the middle point a little and watch both ends.",
@@ -101,19 +101,19 @@ const texts: Record<Language, Texts> = {
 };
 
 type Page = PageOf<State, Answer, Texts>;
-/** Units of the figure for one in height, and where 0 is. */
+/** The height of 1 in the figure's units, and the position of 0. */
 const [TALL, GROUND] = [1.8, 2.5] as const;
-const place = (x: number, y: number): Point => [6 + 5.3 * x, GROUND + TALL * y];
+const toFigure = (x: number, y: number): Point => [6 + 5.3 * x, GROUND + TALL * y];
 const within = (lift: number) => Math.round(Math.min(Math.max(lift, LIFTS[0]), LIFTS[1]) * 100) / 100;
 
 function drawn(curve: Float32Array): string {
   return path(
-    Array.from({ length: curve.length / 2 }, (_, i) => place(curve[2 * i]!, curve[2 * i + 1]!)),
+    Array.from({ length: curve.length / 2 }, (_, i) => toFigure(curve[2 * i]!, curve[2 * i + 1]!)),
     false,
   );
 }
 
-/** The height of a curve at a place that is one of its own. */
+/** The height of a curve at one of its sample positions. */
 function heightAt(curve: Float32Array, x: number): number {
   const last = curve.length / 2 - 1;
   return curve[2 * Math.round(((x + 1) / 2) * last) + 1]!;
@@ -124,12 +124,12 @@ function Figure({ page }: { page: Page }) {
   const { curves, moves } = answer;
   const moved = answer.points[rowOf(state)]!;
   const swing = ["polynomial_before", "polynomial"] as const;
-  const reach = swing.map((name) => place(moves.polynomial.at, heightAt(curves[name], moves.polynomial.at)));
+  const reach = swing.map((name) => toFigure(moves.polynomial.at, heightAt(curves[name], moves.polynomial.at)));
   const [unitX, unitY] = [toSvg([0, 0]), toSvg([0, 1])];
   const unit = TALL * (unitX[1] - unitY[1]);
   return (
     <Flat name={texts.figure}>
-      <path class="ground" d={path([place(-1.1, 0), place(1.1, 0)], false)} />
+      <path class="ground" d={path([toFigure(-1.1, 0), toFigure(1.1, 0)], false)} />
       <path class="true-function" d={drawn(curves.function)} />
       {state.lift !== 0 && (
         <>
@@ -141,7 +141,7 @@ function Figure({ page }: { page: Page }) {
       <path class="polynomial" d={drawn(curves.polynomial)} />
       {moves.polynomial.by > 0 && <path class="swing" d={path(reach, false)} />}
       {answer.points.map(([x, y], i) => {
-        const [px0, py0] = toSvg(place(x, y));
+        const [px0, py0] = toSvg(toFigure(x, y));
         return i === rowOf(state) ? null : <circle key={i} class="node" cx={px(px0)} cy={px(py0)} r={4.5} />;
       })}
       {!isSmall &&
@@ -165,7 +165,7 @@ function Figure({ page }: { page: Page }) {
         now={state.lift}
         low={LIFTS[0]}
         high={LIFTS[1]}
-        at={toSvg(place(...moved))}
+        at={toSvg(toFigure(...moved))}
         along={0}
         isStill={isStill}
         grab={() => (_, dy) => set({ lift: within(state.lift - dy / unit) })}
@@ -237,13 +237,13 @@ function Panel({ page }: { page: Page }) {
   );
 }
 
-/** Odd numbers, so that one point is in the middle. */
+/** Odd numbers, so that there is a middle point. */
 const odd = number(...COUNTS);
 const count = {
   write: odd.write,
   read: (text: string) => {
-    const found = odd.read(text);
-    return found !== undefined && found % 2 === 1 ? found : undefined;
+    const value = odd.read(text);
+    return value !== undefined && value % 2 === 1 ? value : undefined;
   },
 };
 

@@ -1,7 +1,7 @@
 // Numbers in the reader's language.
 export type Language = "en" | "zh";
 export const LANGUAGES: readonly Language[] = ["en", "zh"];
-/** The value of `lang` for each. */
+/** The value of `lang` for each language. */
 export const TAGS: Record<Language, string> = { en: "en", zh: "zh-CN" };
 
 export class Say {
@@ -16,12 +16,12 @@ export class Say {
     this.share = new Intl.NumberFormat(tag, { style: "percent", maximumFractionDigits: 0 });
   }
 
-  /** Three significant digits, with a true minus. */
+  /** Three significant digits, with a typographic minus. */
   number(value: number): string {
     return this.short.format(value === 0 ? 0 : value).replace("-", "−");
   }
 
-  /** So many digits behind the point, always. */
+  /** A fixed number of decimals. */
   fixed(value: number, digits = 2): string {
     const text = (Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits);
     return text.replace("-", "−");
@@ -39,7 +39,7 @@ export class Say {
     return `${this.fixed(value, value !== 0 && Math.abs(value) < 10 ? 1 : 0)}°`;
   }
 
-  /** With its unit, in thousands of bytes from ten thousand on. */
+  /** With its unit: bytes below ten thousand, otherwise kilobytes. */
   bytes(value: number): string {
     if (value < 10_000) return this.language === "zh" ? `${this.whole(value)} 字节` : `${this.whole(value)} bytes`;
     return `${this.number(value / 1000)} kB`;

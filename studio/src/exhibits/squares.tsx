@@ -1,4 +1,4 @@
-// Marching squares: samples on a lattice, lines through it, ambiguous cells, and the corners that are lost. Then one cube.
+// Marching squares: samples on a lattice, lines through it, ambiguous cells, and corners that are cut off. Then one cube.
 import { Choice, Figure as Data, Slider } from "../view/parts";
 import type { View } from "../viewer";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -16,9 +16,9 @@ interface State {
   look: Look;
   cells: number;
   method: Method;
-  /** Of one cube: which of its corners are inside, as bits. */
+  /** For the cube: its corners that are inside, as bits. */
   signs: number;
-  /** That its one inside corner is that of a box. */
+  /** Whether the single inside corner is the corner of a box. */
   sharp: boolean;
   view: View;
 }
@@ -36,7 +36,7 @@ interface LatticeAnswer {
   worst: [Point, Point];
 }
 
-/** Of the look that was asked for last; until it comes, that of the one before. */
+/** The answer for the chosen look, or for the previous one until it arrives. */
 type Answer = LatticeAnswer | CubeAnswer;
 
 const [FEWEST, MOST] = [6, 48] as const;
@@ -90,7 +90,7 @@ function LatticeFigure({ page: { texts, isSmall }, answer }: { page: Page; answe
     ...Array.from({ length: nx }, (_, i) => path([[i * step, 0], [i * step, (ny - 1) * step]], false)),
     ...Array.from({ length: ny }, (_, j) => path([[0, j * step], [(nx - 1) * step, j * step]], false)),
   ].join("");
-  // Samples as dots of one path each, inside and outside: a thousand elements would be slow.
+  // All inside samples, and all outside ones, are dots of one path each: a thousand elements would be slow.
   const radius = px(Math.min(4.5, 9 * step));
   const dots = (isInside: boolean) =>
     Array.from(values, (value, row) => [value, row] as const)

@@ -1,4 +1,4 @@
-// What the exhibit of marching squares and cubes says in both languages.
+// The texts of the exhibit on marching squares and cubes, in both languages.
 import type { Texts } from "./squares";
 import type { Language } from "./say";
 
@@ -16,23 +16,23 @@ export const texts: Record<Language, Texts> = {
     label: "Largest error",
     meaning: {
       squares: (cells, segments) =>
-        `That is ${cells} of a cell, at the red mark: ${segments} segments, and the samples do not know about the corner.`,
+        `That is ${cells} of a cell, at the red mark: with ${segments} segments, because the samples do not contain the corner.`,
       corners: (cells, segments) =>
         `That is ${cells} of a cell, with ${segments} segments only: corners have vertices of their own, and straight sides need no more.`,
     },
-    ambiguous: "Cells that can be read in two ways",
+    ambiguous: "Ambiguous cells",
     segments: "Segments",
     ofCell: "In cells",
     cube: {
       figure: "A cube whose eight corners are inside or outside, and the triangles of marching cubes in it",
-      label: "Faces that can be read in two ways",
+      label: "Ambiguous faces",
       none: "All corners are on one side: no surface passes here.",
       one: (triangles) =>
         triangles === "1"
           ? "Each face can be joined in one way only, and one triangle does it."
           : `Each face can be joined in one way only, and ${triangles} triangles do it.`,
       two: (readings) =>
-        `${readings} ways to join the crossings; red is what was not taken. The core cuts each inside corner off by itself: the cube next door sees the same four signs and does the same, so no hole opens.`,
+        `${readings} ways to join the crossings; red is the one that was not chosen. The core cuts each inside corner off separately: the adjacent cube has the same four signs and does the same, so no hole opens.`,
       tip: (lost) =>
         `Three crossings, one triangle: the tip of the box (green) is ${lost} of a cell away. Any shape around this corner has these signs.`,
       corners: "Inside",
@@ -51,12 +51,12 @@ export const texts: Record<Language, Texts> = {
       readings: "Ways to join the crossings",
       patterns: "Patterns with such a face",
       of: (n, all) => `${n} of ${all}`,
-      lost: "Lost of the tip, in cells",
+      lost: "Length cut off the tip, in cells",
     },
     story: [
-      "To draw a field, ask it on a lattice: where neighbours differ in sign, the outline passes between them. Joining these crossings cell by cell is *marching squares*; with triangles in cubes, *marching cubes*. A sharp corner inside a cell was never asked about, and is cut off. A mesher that knows the parts puts a vertex there.",
-      "The two values say where a crossing lies: between −1 and 3, a quarter of the way. If the signs *alternate* around a cell, four crossings can be joined in two ways, and nothing in the samples says which: parts may touch that are apart. It takes a rule, the same for both neighbours, or the mesh gets a hole.",
-      "In space a cell is a cube with eight signs: 256 patterns, each with its triangles in a table. The face that two cubes share is where they have to agree, and nearly half of all patterns have a face that can be read in two ways.",
+      "To draw a field, sample it on a lattice: where neighbours differ in sign, the outline passes between them. Joining these crossings cell by cell is *marching squares*; with triangles in cubes, *marching cubes*. A sharp corner inside a cell was never sampled, and is cut off. A mesher that knows the parts puts a vertex there.",
+      "The two values say where a crossing lies: between −1 and 3, a quarter of the way. If the signs *alternate* around a cell, four crossings can be joined in two ways, and the samples do not say which is right: separate parts may be joined. It takes a rule, the same for both neighbours, or the mesh gets a hole.",
+      "In space a cell is a cube with eight signs: 256 patterns, each with its triangles in a table. Two cubes have to agree on the face that they share, and nearly half of all patterns have an ambiguous face.",
       "Twice as many cells cut off half as much of a corner on average; how much exactly depends on where in its cell the corner lies. The error of a smooth outline falls with the square of the cell. All errors here are enclosed between two proved bounds; shown is the upper one.",
     ],
     attempts: [

@@ -1,4 +1,4 @@
-// Sphere tracing, step by step: the value says how far a ray may go.
+// Sphere tracing, step by step: the value is the distance that a ray may safely advance.
 import { Figure as Data, Slider } from "../view/parts";
 import { Chart, chain } from "./Chart";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
@@ -23,7 +23,7 @@ interface Answer {
   fan: [deg: number, steps: number][];
 }
 
-/** More circles than this are too small to be told apart. */
+/** With more circles than this, the last ones are too small to distinguish. */
 const MOST = 40;
 const defaults: State = { aim: [8.6, 3.3], shown: 4 };
 
@@ -45,8 +45,8 @@ interface Texts extends CommonTexts {
 
 const texts: Record<Language, Texts> = {
   en: {
-    hint: "Drag the point that the ray goes through, or move it with the arrow keys. The slider takes the steps one by one.",
-    figure: "A ray from an eye among three shapes, and the circle that is free at every step",
+    hint: "Drag the point through which the ray goes, or move it with the arrow keys. The slider takes the steps one by one.",
+    figure: "A ray from an eye among three shapes, and the free circle at every step",
     aim: "The ray goes through",
     at: (x, y) => `x ${x}, y ${y}`,
     shown: "Steps shown",
@@ -60,9 +60,9 @@ const texts: Record<Language, Texts> = {
     fanX: "degrees upward",
     fanY: "steps",
     story: [
-      "The value of a distance field is *a step that is safe*: the circle of that radius is free of surface. So the ray leaps to its rim without looking, asks again there, and leaps again. *A ray that grazes* a surface stays close to it for long, and close means short steps: along every outline that is where the time goes.",
-      "No triangle is asked, and nothing is sorted. The value may also be less than the distance, as it is inside a boolean: the leaps are shorter, and still nothing is jumped over. A value that says too much would miss thin things.",
-      "The core’s own tracer also knows how fast the value changes, and brackets each hit between a point outside and one inside. What is shown here is the plain method, step by step, to be looked at.",
+      "The value of a distance field is *a safe step*: the circle of that radius contains no surface. So the ray leaps to its rim without a check, evaluates the field again there, and leaps again. *A ray that grazes* a surface stays close to it for long, and close means short steps: most of the time is spent along outlines.",
+      "No triangle is tested, and nothing is sorted. The value may also be less than the distance, as it is inside a boolean: the leaps are shorter, and still no surface is skipped. Too large a value would miss thin parts.",
+      "The core’s own tracer also knows how fast the value changes, and brackets each hit between a point outside and one inside. This page shows the plain method, step by step.",
     ],
     attempts: [
       "Aim just above the bar, so that the ray slides along it: how many steps now?",
@@ -125,14 +125,14 @@ function Figure({ page }: { page: Page }) {
         spoken={`${place}. ${texts.steps(steps.length)}. ${texts.end[answer.end]}`}
         place={state.aim}
         isStill={isStill}
-        move={(change) => set(({ aim }) => ({ aim: away(change(aim), eye) }))}
+        move={(change) => set(({ aim }) => ({ aim: inFrontOf(change(aim), eye) }))}
       />
     </Flat>
   );
 }
 
-/** A ray needs a direction: the point stays in front of the eye. */
-const away = ([x, y]: Point, eye: Point): Point => [Math.max(x, Math.round((eye[0] + 0.6) * 100) / 100), y];
+/** Keeps the point in front of the eye, so that the ray has a direction. */
+const inFrontOf = ([x, y]: Point, eye: Point): Point => [Math.max(x, Math.round((eye[0] + 0.6) * 100) / 100), y];
 
 function liveNumber(page: Page): LiveNumber {
   const { answer, texts, say } = page;

@@ -1,4 +1,4 @@
-// Three weights blend what stands at three corners; four corners leave a choice.
+// Three weights interpolate the values at three corners; with four corners they are not unique.
 import { Choice, Figure as Data } from "../view/parts";
 import { type CommonTexts, exhibit, type LiveNumber, type Page as PageOf } from "./exhibit";
 import { Dot, FLAT, Flat, type Point, at, path } from "./Flat";
@@ -78,16 +78,16 @@ const texts: Record<Language, Texts> = {
     label3: "Smallest of the three weights",
     sum: "Sum",
     label4: "Two answers for one point: largest difference in a channel",
-    outside: "Outside a weight is negative: the colour would have to be guessed beyond what the corners say.",
-    onEdge: (name) => `On an edge: ${name} has no say here, and the triangle beyond blends the same colours.`,
+    outside: "Outside, a weight is negative: the colour would be extrapolated beyond the corners.",
+    onEdge: (name) => `On an edge: ${name} has no influence here, and the triangle beyond blends the same colours.`,
     mixed: "All weights are between 0 and 1: the colour is a mixture of the three. No other linear rule gives each corner its own colour.",
     same: "Here both cuts agree.",
     two: (percent) => `The same point, the same four corners, two colours: they differ by ${percent}.`,
     swatch: "Colour at the probe",
     story: [
-      "Whatever is known at the corners is blended over a triangle. Each corner gets a *weight*, the share of the area that the point spans with the opposite side. The weights always sum to one; the smallest is positive inside, 0 on an edge, negative outside. Three corners have one solution; with four the diagonal decides.",
-      "What is blended may be a colour, a normal, a place in a texture. At a corner its own weight is 1 and the others are 0; along an edge the third corner has no say, so neighbours agree there and no seam shows.",
-      "Three weights have three conditions, two for the place and one for the sum. With four corners one number is left over; every rule that picks it is a convention, and cutting the quad is the one that hardware takes: so the colour inside depends on the diagonal.",
+      "Values at the corners are blended over a triangle. Each corner gets a *weight*, the share of the area that the point spans with the opposite side. The weights always sum to one; the smallest is positive inside, 0 on an edge, negative outside. Three corners have one solution; with four the diagonal decides.",
+      "The values may be colours, normals or texture coordinates. At a corner its own weight is 1 and the others are 0; along an edge the third corner has no influence, so neighbours agree there and no seam shows.",
+      "Three weights have three conditions, two for the place and one for the sum. With four corners one number is left over; every rule that picks it is a convention, and hardware cuts the quad: so the colour inside depends on the diagonal.",
     ],
     attempts: [
       "Move the probe across an edge and watch the smallest weight. What does the sum do?",
@@ -125,7 +125,7 @@ const texts: Record<Language, Texts> = {
 
 type Page = PageOf<State, Answer, Texts>;
 const colorsOf = ({ corners }: State) => CORNERS.slice(0, Number(corners));
-/** The triangles of each cut, as the core's diagonals are. */
+/** The triangles of each cut, in the core's order. */
 const CUTS: Record<State["cut"], readonly (readonly number[])[]> = {
   first: [
     [0, 1, 2],
@@ -174,7 +174,7 @@ function Figure({ page }: { page: Page }) {
   );
 }
 
-/** Three ramps, each from nothing on the opposite side to its corner's colour, added up by the browser: that is the blend. */
+/** Three gradients, each from black at the opposite side to its corner's colour, added by the browser. Their sum is the blend. */
 function Blended({ rows, places, prefix }: { rows: readonly number[]; places: readonly Point[]; prefix: string }) {
   const corners = rows.map((row) => places[row]!);
   const outline = path(corners);
@@ -183,7 +183,7 @@ function Blended({ rows, places, prefix }: { rows: readonly number[]; places: re
       <path class="base" d={outline} />
       {rows.map((row, k) => {
         const [a, b, c] = [corners[k]!, corners[(k + 1) % 3]!, corners[(k + 2) % 3]!];
-        // The foot of the corner on the opposite side's line.
+        // The foot of the corner on the line of the opposite side.
         const [dx, dy] = [c[0] - b[0], c[1] - b[1]];
         const t = ((a[0] - b[0]) * dx + (a[1] - b[1]) * dy) / (dx * dx + dy * dy);
         const [x1, y1] = at([b[0] + t * dx, b[1] + t * dy]).split(" ");
@@ -211,13 +211,13 @@ function Swatch({ place, color }: { place: Point; color: readonly [number, numbe
 function liveNumber({ state, answer, say, texts }: Page): LiveNumber {
   if (state.corners === "3") {
     const { smallest, weights, rows, is_inside } = answer.blends[0]!;
-    const least = "ABCD"[rows[weights.indexOf(smallest)]!]!;
+    const corner = "ABCD"[rows[weights.indexOf(smallest)]!]!;
     return {
       value: smallest,
       shown: say.fixed(smallest, 3),
       label: texts.label3,
-      // A corner is on two edges.
-      meaning: !is_inside ? texts.outside : smallest === 0 ? texts.onEdge(least) : texts.mixed,
+      // A weight of zero means that the point is on the opposite edge.
+      meaning: !is_inside ? texts.outside : smallest === 0 ? texts.onEdge(corner) : texts.mixed,
       tone: is_inside ? "good" : "bad",
     };
   }

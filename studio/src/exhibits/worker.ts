@@ -1,4 +1,4 @@
-// The core of the exhibits in a worker: loads the module once, answers one call after the other.
+// Runs the exhibits' core in a worker: loads the module once, answers one call after the other.
 import { Broken, Core, Refused } from "../core/module";
 import type { Call, Reply } from "../core/types";
 
@@ -7,12 +7,12 @@ const file = new URL("../../wasm/exhibits.wasm", import.meta.url);
 async function load(): Promise<Core> {
   const response = await fetch(file);
   if (!response.ok) throw new Broken(`${response.status}`);
-  // Not instantiateStreaming: that insists on a media type which some hosts do not send.
+  // Not instantiateStreaming, because it requires a media type that some hosts do not send.
   return Core.load(await response.arrayBuffer());
 }
 
 const loading = load();
-// Whoever asks is told; without a question nobody needs to be.
+// Every question reports the failure; this only prevents an unhandled rejection before the first one.
 loading.catch(() => undefined);
 
 addEventListener("message", (event: MessageEvent<Call>) => {

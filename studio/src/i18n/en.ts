@@ -1,20 +1,20 @@
-// Every text of the page in English. The other catalogues have the same keys and the same places to fill in.
+// Every text of the page in English. The other catalogues have the same keys and placeholders.
 export const en = {
   "title": "How many segments until it looks smooth?",
   "lead":
     "Graphics hardware draws straight lines and triangles, so a curve is cut into segments first. Drag a point, or change their number.",
   "skip": "Skip to the figure",
 
-  "views": "What to look at",
+  "views": "Views",
   "view.curve": "One curve",
   "view.seam": "Two curves joined",
 
   "language": "Language",
 
   "static": "This is a still picture. With JavaScript and WebAssembly the points can be moved.",
-  "note.damaged": "Part of this address could not be read. What was missing is as it usually is.",
-  "note.rebuilt": "The calculation broke down and was started again. Nothing of yours is lost.",
-  "note.lost": "The calculation does not run here: WebAssembly broke down several times. What you see no longer follows your changes; load the page again to try once more.",
+  "note.damaged": "Part of this address could not be read. Missing values are set to their defaults.",
+  "note.rebuilt": "The calculation failed and was restarted. Your settings are kept.",
+  "note.lost": "The calculation does not run here: WebAssembly failed several times. The figure no longer follows your changes; reload the page to try again.",
   "note.refused": "The core refused this: {why}",
   "note.close": "Close this note",
 
@@ -25,12 +25,12 @@ export const en = {
   "segments.more": "One segment more",
   "segments.half": "Half as many segments",
   "segments.twice": "Twice as many segments",
-  "halving.ask": "Press 2×: of {n} segments it makes {twice}. How much of the gap is left?",
+  "halving.ask": "Press 2× to go from {n} to {twice} segments. How much of the gap is left?",
   "halving.counts": "{from} → {to}: ",
   "halving.gaps": "{before} → {now} px,",
   "halving.less": "{times} times less",
   "halving.more": "{times} times more",
-  "film.play": "Play: one segment more after the other",
+  "film.play": "Play: add one segment after the other",
   "film.stop": "Stop the film",
   "look": "Judge by eye",
   "look.both": "both",
@@ -44,14 +44,14 @@ export const en = {
   "legend.chain": "segments",
   "legend.ghost": "before: {segments}",
   "legend.gap": "widest gap",
-  "spacing": "Where they go",
+  "spacing": "Spacing",
   "spacing.even": "in equal steps",
   "spacing.fewest": "where it bends",
 
   "headline.seen": "{segments}: off by {px}. That shows.",
   "headline.smooth": "{segments}: off by {px}. It looks smooth.",
   "headline.open": "{segments}: off by about {px}. Too close to call.",
-  "headline.point": "All four points are one: there is nothing to draw.",
+  "headline.point": "All four points coincide: there is nothing to draw.",
   "pixels.one": "{n} pixel",
   "pixels.other": "{n} pixels",
   "units.one": "{n} unit",
@@ -72,14 +72,14 @@ export const en = {
   "needed.show": "Show {segments}, {how}",
   "needed.none": "more than 1024",
   "needed.exception":
-    "More is not always enough: by equal steps {n} is the first number that is proved, and with {fails} the gap is {px}. From {from} on every number will do.",
+    "More is not always enough: in equal steps {n} is the first number that is proved, but with {fails} the gap is {px}. From {from} on every number suffices.",
   "needed.unproved":
-    "More is not always enough: by equal steps {n} is the first number that is proved, and with {fails}, where {px} were measured, no proof is found. From {from} on every number will do.",
+    "More is not always enough: in equal steps {n} is the first number that is proved, but for {fails}, with a measured gap of {px}, no proof was found. From {from} on every number suffices.",
 
   "density": "Screen",
   "density.own": "this one (×{n})",
   "density.other": "×{n}",
-  "density.help": "How many dots of the screen make up one CSS pixel, along a side. Twice the dots, twice the gap in pixels.",
+  "density.help": "The number of device pixels along the side of one CSS pixel. Twice the density, twice the gap in pixels.",
 
   "loupe": "Loupe, 20×",
   "loupe.alt": "The widest gap under a loupe that magnifies 20 times: each square is one pixel of the screen, and the gap spans {px}.",
@@ -95,22 +95,22 @@ export const en = {
   "point.numbers": "Move the points by numbers",
   "point.x": "{name}, x",
   "point.y": "{name}, y",
-  "reset": "As it was at first",
+  "reset": "Reset",
   "recipe": "The formula, and six lines of code",
   "recipe.alt": "The gap, epsilon, is at most the largest second derivative over eight N squared",
   "recipe.why":
     "Over a step h of the parameter, a chord is nowhere farther from its curve than h²/8 times the largest second derivative. With h = 1/N the gap ε falls like 1/N². ",
-  "recipe.here": "Here it is {bend}, and {px} are {gap}; solved for N:",
+  "recipe.here": "Here that derivative is {bend}, and {px} are {gap}; solved for N:",
   "recipe.more":
-    ". That is safe and more than it takes, for it assumes the worst bend everywhere; proved chord by chord, {n} are enough.",
-  "recipe.stop": ". To prove it chord by chord takes more than 1024.",
+    ". That is safe but more than needed, because the formula assumes the worst bend everywhere; proved chord by chord, {n} are enough.",
+  "recipe.stop": ". Proved chord by chord, more than 1024 are needed.",
   "recipe.code": "The same in Python",
   "recipe.source":
     "Wang's formula (G. Wang, 1984). The second derivative of a cubic is linear, so its largest value is at an end. The code is complete.",
 
   "plot.title": "Twice the segments, a quarter of the error",
   "plot.text":
-    "Both scales are logarithmic, so a power is a straight line. Once the segments are short, the gap falls with the square of their number: the dots run parallel to the dashed line of slope −2. The triangle is one doubling: twice as far to the right is a quarter as high. The two ways to place the segments differ by a factor that stays, not by the slope.",
+    "Both scales are logarithmic, so a power is a straight line. Once the segments are short, the gap falls with the square of their number: the dots run parallel to the dashed line of slope −2. The triangle is one doubling: twice as far to the right is a quarter as high. The two spacings differ by a constant factor, not in slope.",
   "plot.alt": "The widest gap against the number of segments. In equal steps: {even} at 8, {even2} at 16, {even4} at 32. Where it bends: {fewest} at 8, {fewest2} at 16, {fewest4} at 32.",
   "plot.x": "number of segments",
   "plot.y": "gap in pixels",
@@ -119,11 +119,11 @@ export const en = {
 
   "compare.title": "The same number, better spent",
   "compare.text":
-    "Both chains have {segments}. Equal steps of the parameter put as many on the straight stretch as on the bend. Placed where the curve bends, every segment loses about the same, and the worst loses less.",
+    "Both chains have {segments}. Equal steps of the parameter put as many on the straight stretch as on the bend. Placed where the curve bends, all segments have about the same gap, and the widest gap is smaller.",
   "compare.even": "In equal steps",
   "compare.fewest": "Where it bends",
   "compare.alt": "{how}: widest gap {px}.",
-  "compare.caption": "The two chains beside each other: what was measured and what is proved",
+  "compare.caption": "The two chains side by side: measured and proved gaps",
   "compare.measured": "Gap, measured",
   "compare.proved": "Gap, proved at most",
   "compare.units": "in units",
@@ -139,7 +139,7 @@ export const en = {
   "construction.alt": "De Casteljau's construction at {percent} of the way: three points, then two, then one on the curve.",
 
   "seam.lead":
-    "A long path is made of short cubics. Whether one sees where they meet depends on three things: do they meet, do they run in the same direction, and do they bend equally there? The comb shows the last: its teeth stand across the curve and are as long as it bends.",
+    "A long path consists of short cubics. Whether their joints are visible depends on three things: do the curves meet, do they run in the same direction, and do they bend equally there? The comb shows the last: its teeth stand across the curve, and their length is its curvature.",
   "seam.title": "When does a joint disappear?",
   "seam.figure.alt": "Two cubics and their curvature combs. They are joined {how}.",
   "seam.wish": "Join them",
@@ -147,7 +147,7 @@ export const en = {
   "seam.C0": "C0: they meet",
   "seam.C1": "C1: same direction and speed",
   "seam.C2": "C2: same bend as well",
-  "seam.is": "What it is",
+  "seam.is": "Actual continuity",
   "seam.parametric": "Parametric",
   "seam.geometric": "Geometric",
   "seam.apart": "apart",
@@ -161,10 +161,10 @@ export const en = {
   "seam.comb.value": "{n} units for a curvature of 1",
   "seam.state.none": "The curves do not meet.",
   "seam.state.0": "They meet with a kink of {angle}. Everybody sees it.",
-  "seam.state.1": "No kink, but the comb jumps: the bend changes at once. A reflection, or a train, would notice.",
+  "seam.state.1": "No kink, but the comb jumps: the curvature changes abruptly. A reflection, or a train, would reveal it.",
   "seam.state.2": "The combs meet: same place, same direction, same bend. The joint cannot be seen.",
   "seam.why":
-    "C compares derivatives by the parameter, G what can be seen: two curves may share direction and bend and yet run at different speeds, which is G2 without being C1. Each smoother joint costs freedom: C1 fixes one more control point of the neighbour, C2 two.",
+    "C compares derivatives with respect to the parameter, G the visible shape: two curves may share direction and bend and yet run at different speeds, which is G2 without being C1. Each smoother joint costs freedom: C1 fixes one more control point of the neighbour, C2 two.",
   "seam.name.1": "First curve, start",
   "seam.name.2": "First curve, control point 2",
   "seam.name.3": "First curve, control point 3",
@@ -178,7 +178,7 @@ export const en = {
   "seam.closing":
     "Same place, same direction, same bend: three steps to a joint that nobody sees, and each costs one control point.",
   "footer":
-    "Every number here is computed by Chordal's core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address of this page holds what you have chosen.",
+    "Every number here is computed by Chordal's core, the same code as in the command and the library, compiled to WebAssembly. Nothing is sent anywhere. The address of this page contains your choices.",
 };
 
 export type Key = keyof typeof en;

@@ -14,9 +14,9 @@ export class Speaker {
   private readonly plural: Intl.PluralRules;
   private readonly short: Intl.NumberFormat;
   private readonly fixed: Intl.NumberFormat;
-  private readonly share: Intl.NumberFormat;
+  private readonly percentage: Intl.NumberFormat;
   private readonly factor: Intl.NumberFormat;
-  private readonly turn: Intl.NumberFormat;
+  private readonly withSign: Intl.NumberFormat;
 
   constructor(readonly language: Language) {
     const tag = TAGS[language];
@@ -25,38 +25,38 @@ export class Speaker {
     this.short = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false });
     this.fixed = new Intl.NumberFormat(tag, { minimumFractionDigits: 2, maximumFractionDigits: 2, useGrouping: false });
     this.factor = new Intl.NumberFormat(tag, { minimumFractionDigits: 1, maximumFractionDigits: 1, useGrouping: false });
-    this.turn = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false, signDisplay: "exceptZero" });
-    this.share = new Intl.NumberFormat(tag, { style: "percent", maximumFractionDigits: 0 });
+    this.withSign = new Intl.NumberFormat(tag, { maximumSignificantDigits: 3, useGrouping: false, signDisplay: "exceptZero" });
+    this.percentage = new Intl.NumberFormat(tag, { style: "percent", maximumFractionDigits: 0 });
   }
 
-  /** The text with its places filled in. */
+  /** The text with its placeholders filled in. */
   text(key: Key, values: Values = {}): string {
     return fill(this.catalogue[key], values);
   }
 
-  /** Three significant digits. Zero is zero, and what is smaller than a ten-thousandth says so. */
+  /** Three significant digits. Zero is "0", and a value below a ten-thousandth is written with a power of ten. */
   number(value: number): string {
     if (value !== 0 && Math.abs(value) < 1e-4) return power(value);
     return this.short.format(value);
   }
 
-  /** How many times: one decimal, so that 4 times is seen to be 4.0. */
+  /** A ratio with one decimal, so that exactly 4 is shown as 4.0. */
   times(value: number): string {
     return this.factor.format(value);
   }
 
   /** With its sign, also a plus. */
   signed(value: number): string {
-    return this.turn.format(value).replace("-", "−");
+    return this.withSign.format(value).replace("-", "−");
   }
 
-  /** A coordinate: two decimals, as the grid has. */
+  /** A coordinate: two decimals, as on the grid. */
   coordinate(value: number): string {
     return this.fixed.format(value);
   }
 
   percent(share: number): string {
-    return this.share.format(share);
+    return this.percentage.format(share);
   }
 
   segments(n: number): string {
@@ -71,7 +71,7 @@ export class Speaker {
     return this.counted("units", value, this.number(value));
   }
 
-  /** The rule goes by what is shown: 1.0004 is shown as 1 and is "1 pixel". */
+  /** The plural form follows the formatted number: 1.0004 is formatted as 1 and is "1 pixel". */
   private counted(noun: "segments" | "pixels" | "units", value: number, shown: string): string {
     const form = shown === "1" && this.plural.select(Math.round(value)) === "one" ? "one" : "other";
     return this.text(`${noun}.${form}`, { n: shown });

@@ -1,23 +1,23 @@
-// A mesh in a notebook: the viewer of the studio in a frame of its own, which needs no network. The page is written by
-// python/chordal/_notebook.py; this file is built into python/chordal/viewer.js.
+// A mesh in a notebook: the studio's viewer in its own frame, without network access. python/chordal/_notebook.py writes the
+// page; this file is built into python/chordal/viewer.js.
 import { type View, control, rampStops } from "../viewer";
 import type { Layer, Vec3 } from "../viewer";
 import { Viewer } from "../viewer/viewer";
 
-/** What the page says of a mesh. Arrays are little-endian, in base64. */
+/** The mesh as JSON in the page. Arrays are little-endian, in base64. */
 interface Shown {
   positions: string;
   faces: string;
   normals: string | null;
   values: string | null;
-  /** Red, green and blue of each vertex, where it has a colour. */
+  /** Red, green and blue of each vertex, if it has colours. */
   colors: string | null;
-  /** A group for each triangle, and the colour of each group. */
+  /** The group of each triangle, and the colour of each group. */
   groups: string | null;
   paints: string[];
-  /** The triangles whose edges are drawn, where those above are parts of them. */
+  /** The triangles whose edges are drawn, if `faces` is a refinement of them. */
   edges: { positions: string; faces: string } | null;
-  /** The ends of the scale of `values`, and what they are. */
+  /** The ends of the scale of `values`, and the scale's label. */
   range: [number, number];
   what: string;
   wire: boolean;
@@ -26,7 +26,7 @@ interface Shown {
 const bytes = (text: string) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
 const floats = (text: string) => new Float32Array(bytes(text));
 
-/** The page's colours, as the viewer asks for them. */
+/** The colours of the page. */
 const PAINT = { face: "#9fb4cf", back: "#c98f6b", wire: "#2b3a4d" } as const;
 
 function boxOf(positions: Float32Array): { middle: Vec3; size: number } {
@@ -71,7 +71,7 @@ function start(): void {
   const shown = JSON.parse(document.getElementById("mesh")!.textContent) as Shown;
   const root = document.getElementById("view")!;
   const { middle, size } = boxOf(floats(shown.positions));
-  // From there the ball around the box fills the viewer's angle of 28 degrees: 0.5 / sin 14° = 2.07.
+  // At this distance the ball around the box fills the viewer's field of view of 28 degrees: 0.5 / sin 14° = 2.07.
   const home: View = { azimuth: -60, elevation: 22, distance: 2.07 * size, target: middle };
   let view = home;
   let viewer: Viewer;

@@ -1,16 +1,16 @@
-// The number of segments, played like a film: one stop of the slider after the other, slowly while each one shows.
+// Plays the number of segments like a film: one stop of the slider after the other, slowly while each step is visible.
 import { STOPS, stopOf } from "./state";
 
-/** How long a number stays: the first ones change the figure most. */
+/** How long a number is shown. Longer below `MANY`, where each number changes the figure most. */
 const LONG_MS = 520;
 const SHORT_MS = 160;
-/** From here on one more segment is hard to see. */
+/** From this number on, one more segment is hard to see. */
 const MANY = 10;
 
 export class Film {
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** `show` is given each number and leaves the film running; `ended` hears of its end, whichever it was. */
+  /** `show` receives each number and must not stop the film; `ended` is called at the end, also after `stop`. */
   constructor(
     private readonly show: (segments: number) => void,
     private readonly ended: () => void,
@@ -20,7 +20,7 @@ export class Film {
     return this.timer !== undefined;
   }
 
-  /** From a number of segments to the most, or once more from the first when that is where it stands. */
+  /** Plays from a number of segments to the largest; from the first one if it is at the largest already. */
   start(segments: number): void {
     const from = stopOf(segments);
     this.step(from === STOPS.length - 1 ? -1 : from);

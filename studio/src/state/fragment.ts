@@ -1,32 +1,32 @@
-// The state in the address: `#v=1&n=12&c=60,80,…`, only what differs from the defaults. An address comes from anywhere:
-// whatever is wrong with a part of it, that part is as if it were not there, and the reader is told once.
+// The state in the address: `#v=1&n=12&c=60,80,…`, only the values that differ from the defaults. An address may come from
+// anywhere: an invalid part is ignored, and the reader is warned once.
 import type { Cubic, Point, Smoothness, Spacing } from "../core/types";
 import { DEFAULTS, GOALS, GRID, MOST_SEGMENTS, WORLD } from "./state";
 import type { Density, Eight, Goal, Language, Look, State, Theme, View } from "./state";
 
 export const VERSION = "1";
-/** The second curve's points follow from the first one's and may leave the drawing; this far at most. */
+/** The second curve's points follow from the first one's and may leave the drawing, at most by this much. */
 const FARTHEST = 100;
-/** An address that we wrote is a tenth as long. */
+/** Chosen: ten times the length of an address that the page writes. */
 const LONGEST = 2000;
 
 export interface Read {
   state: State;
-  /** Whether something was there that could not be understood. */
+  /** Whether a part was invalid. */
   isDamaged: boolean;
 }
 
 interface Part<V> {
   write(value: V): string;
-  /** Nothing, when the text is no such value. */
+  /** `undefined` if the text is not such a value. */
   read(text: string): V | undefined;
 }
 
 const PARTS: { [K in keyof State]: [key: string, part: Part<State[K]>] } = {
   view: ["w", oneOf<View>({ c: "curve", s: "seam" })],
   control: ["c", points<Cubic>(4, [0, WORLD.width], [0, WORLD.height])],
-  segments: ["n", whole(1, MOST_SEGMENTS)],
-  before: ["b", whole(1, MOST_SEGMENTS)],
+  segments: ["n", wholeNumber(1, MOST_SEGMENTS)],
+  before: ["b", wholeNumber(1, MOST_SEGMENTS)],
   spacing: ["s", oneOf<Spacing>({ e: "even", f: "fewest" })],
   look: ["e", oneOf<Look>({ b: "both", s: "chain", c: "curve" })],
   goal: ["g", oneOf<Goal>({ "1": GOALS[0], "2": GOALS[1], "4": GOALS[2] })],
@@ -52,24 +52,24 @@ function pairOf<K extends keyof State>(name: K, state: State): string[] {
   return DEFAULTS[name] !== null && text === part.write(DEFAULTS[name]) ? [] : [`${key}=${text}`];
 }
 
-/** The state of a fragment, with or without `#`. It never throws. */
+/** The state of a fragment, with or without `#`. Never throws. */
 export function read(fragment: string): Read {
   const text = fragment.replace(/^#/, "");
   if (text === "") return { state: DEFAULTS, isDamaged: false };
-  const given = new Map(text.slice(0, LONGEST).split("&").map(pair));
-  // A fragment of another version is not guessed at.
-  if (text.length > LONGEST || given.get("v") !== VERSION) return { state: DEFAULTS, isDamaged: true };
+  const values = new Map(text.slice(0, LONGEST).split("&").map(pair));
+  // A fragment of another version may use the same keys for other values.
+  if (text.length > LONGEST || values.get("v") !== VERSION) return { state: DEFAULTS, isDamaged: true };
   let isDamaged = false;
   const state = { ...DEFAULTS };
-  const take = <K extends keyof State>(name: K) => {
+  const readPart = <K extends keyof State>(name: K) => {
     const [key, part] = PARTS[name];
-    const said = given.get(key);
-    if (said === undefined) return;
-    const value = part.read(said);
+    const written = values.get(key);
+    if (written === undefined) return;
+    const value = part.read(written);
     if (value === undefined) isDamaged = true;
     else state[name] = value;
   };
-  for (const name of Object.keys(PARTS) as (keyof State)[]) take(name);
+  for (const name of Object.keys(PARTS) as (keyof State)[]) readPart(name);
   return { state, isDamaged };
 }
 
@@ -94,24 +94,24 @@ function oneOf<V>(names: Record<string, V>): Part<V> {
   };
 }
 
-/** A whole number in plain digits; `undefined` for anything else. */
+/** An integer in plain digits; `undefined` for any other text. */
 function integer(text: string, low: number, high: number): number | undefined {
   if (!/^-?\d{1,6}$/.test(text)) return undefined;
   const value = Number(text);
   return value >= low && value <= high ? value : undefined;
 }
 
-function whole(low: number, high: number): Part<number> {
+function wholeNumber(low: number, high: number): Part<number> {
   return { write: String, read: (text) => integer(text, low, high) };
 }
 
-/** A number from 0 to `most` in steps of one over `steps`. */
+/** A number from 0 to `most` in steps of 1 / `steps`. */
 function share(steps: number, most = 1): Part<number> {
   return {
     write: (value) => String(Math.round(value * steps)),
     read: (text) => {
-      const found = integer(text, 0, most * steps);
-      return found === undefined ? undefined : found / steps;
+      const count = integer(text, 0, most * steps);
+      return count === undefined ? undefined : count / steps;
     },
   };
 }
@@ -127,8 +127,8 @@ function points<P extends readonly Point[]>(count: number, xs: [number, number],
         return integer(word, low * GRID, high * GRID);
       });
       if (numbers.some((number) => number === undefined)) return undefined;
-      const found = Array.from({ length: count }, (_, i): Point => [numbers[2 * i]! / GRID, numbers[2 * i + 1]! / GRID]);
-      return found as unknown as P;
+      const result = Array.from({ length: count }, (_, i): Point => [numbers[2 * i]! / GRID, numbers[2 * i + 1]! / GRID]);
+      return result as unknown as P;
     },
   };
 }

@@ -1,36 +1,36 @@
-// What the reader has chosen: everything that the page shows follows from it, and it fits into the address.
+// The reader's choices. Everything on the page follows from them, and they fit into the address.
 import type { Cubic, Point, Smoothness, Spacing } from "../core/types";
 
 export type Language = "en" | "zh";
 export type Theme = "auto" | "light" | "dark";
 export type View = "curve" | "seam";
-/** What the figure shows: the curve and its chain laid over each other, or one of them alone, as a stroke to be judged. */
+/** Which strokes the figure shows: curve and chain overlaid, or only one of them, to be judged by eye. */
 export type Look = "both" | "chain" | "curve";
-/** Device pixels per CSS pixel: those of this screen, or of another one. */
+/** Device pixels per CSS pixel; 0 is the density of this screen. */
 export type Density = 0 | 1 | 2 | 3;
 
-/** Four points, then four more: the curve of the first view, and those of the second. */
+/** The control points of the second view: four of the first curve, then four of the second. */
 export type Eight = readonly [Point, Point, Point, Point, Point, Point, Point, Point];
 
 export interface State {
   view: View;
   control: Cubic;
   segments: number;
-  /** The number before it was doubled or halved; none after any other change. */
+  /** The number before it was doubled or halved; `null` after any other change. */
   before: number | null;
   spacing: Spacing;
   look: Look;
-  /** The error that is asked for, in device pixels. */
+  /** The wanted error, in device pixels. */
   goal: Goal;
   t: number;
   density: Density;
   seam: Eight;
   smoothness: Smoothness;
-  /** The length of a tooth of the comb for a curvature of 1, in units. */
+  /** The length of a comb tooth for a curvature of 1, in units. */
   comb: number;
-  /** As the address says; else the page decides. */
+  /** From the address; otherwise the page decides. */
   language: Language | null;
-  /** As the address says; else as the reader chose on any page, or as the system does: see public/theme.js. */
+  /** From the address; otherwise the reader's last choice on any page, or the system's: see public/theme.js. */
   theme: Theme | null;
 }
 
@@ -38,9 +38,9 @@ export const GOALS = [1, 0.5, 0.25] as const;
 export type Goal = (typeof GOALS)[number];
 export const MOST_SEGMENTS = 128;
 
-/** The drawing: 10 by 6 units, with a margin in which handles at the edge still show. */
+/** The drawing: 10 by 6 units, with a margin so that handles at the edge are visible. */
 export const WORLD = { width: 10, height: 6, margin: 0.4 } as const;
-/** Control points lie on a grid of hundredths, so that an address holds them exactly. */
+/** Control points lie on a grid of hundredths, so that an address stores them exactly. */
 export const GRID = 100;
 
 export const DEFAULTS: State = {
@@ -74,16 +74,16 @@ export const DEFAULTS: State = {
   theme: null,
 };
 
-/** The numbers of segments at the stops of the slider: every one while they are few, then in growing steps. */
+/** The numbers of segments at the stops of the slider: every number up to 24, then in growing steps. */
 export const STOPS: readonly number[] = stops();
 
 function stops(): number[] {
-  const all: number[] = [];
-  for (let n = 1; n <= MOST_SEGMENTS; n += n < 24 ? 1 : n < 48 ? 2 : 4) all.push(n);
-  return all;
+  const counts: number[] = [];
+  for (let n = 1; n <= MOST_SEGMENTS; n += n < 24 ? 1 : n < 48 ? 2 : 4) counts.push(n);
+  return counts;
 }
 
-/** The stop nearest to a number of segments. */
+/** The index of the stop nearest to a number of segments. */
 export function stopOf(segments: number): number {
   let best = 0;
   STOPS.forEach((n, i) => {
@@ -96,13 +96,13 @@ export function within(value: number, low: number, high: number): number {
   return Math.min(Math.max(value, low), high);
 }
 
-/** The point of the grid nearest to where the hand is, inside the drawing. */
+/** The nearest grid point inside the drawing. */
 export function onGrid([x, y]: Point): Point {
   const snap = (value: number, most: number) => Math.round(within(value, 0, most) * GRID) / GRID;
   return [snap(x, WORLD.width), snap(y, WORLD.height)];
 }
 
-/** The same points with one in another place. */
+/** A copy of the points in which one point is replaced. */
 export function withPoint<P extends readonly Point[]>(points: P, index: number, point: Point): P {
   return points.map((old, i) => (i === index ? point : old)) as unknown as P;
 }

@@ -1,11 +1,11 @@
-// The address as a trail: what one did is undone by the browser's Back, step by step, before it leaves the page.
+// The browser's history as a trail: Back undoes the reader's changes step by step before it leaves the page.
 
-/** Changes of the same things within this time are one step: a drag, a run of key presses. */
+/** Changes of the same parts within this time are one step: a drag, a run of key presses. */
 const SAME_STEP_MS = 1500;
-/** Choices about the page, which nobody goes back through. */
+/** Choices about the page itself, which are no steps of their own. */
 const QUIET = new Set(["language", "theme"]);
 
-/** What of the browser's history a trail needs. */
+/** The part of the browser's history that a trail uses. */
 export interface Book {
   push(fragment: string): void;
   replace(fragment: string): void;
@@ -16,30 +16,30 @@ export class Trail {
   private last = "";
   private lastAt = -Infinity;
 
-  /** `current` is the fragment that the page was opened with. */
+  /** `current` is the fragment with which the page was opened. */
   constructor(
     private readonly book: Book,
     private current: string,
   ) {}
 
-  /** These parts of the state were changed. */
+  /** Records that these parts of the state were changed. */
   touch(names: Iterable<string>): void {
     for (const name of names) this.touched.add(name);
   }
 
-  /** Writes the fragment of what was touched since the last time: as a new step, or into the one that is being made. */
+  /** Writes the fragment: as a new step, or into the last step if the same parts changed again. */
   write(fragment: string, now: number): void {
-    const what = [...this.touched].filter((name) => !QUIET.has(name)).sort().join();
+    const names = [...this.touched].filter((name) => !QUIET.has(name)).sort().join();
     this.touched.clear();
     if (fragment === this.current) return;
-    const isNew = what !== "" && (what !== this.last || now - this.lastAt > SAME_STEP_MS);
+    const isNew = names !== "" && (names !== this.last || now - this.lastAt > SAME_STEP_MS);
     if (isNew) this.book.push(fragment);
     else this.book.replace(fragment);
     this.current = fragment;
-    if (what !== "") [this.last, this.lastAt] = [what, now];
+    if (names !== "") [this.last, this.lastAt] = [names, now];
   }
 
-  /** The browser has gone to another step. */
+  /** Call after the browser went to another step. */
   arrive(fragment: string): void {
     this.touched.clear();
     this.current = fragment;

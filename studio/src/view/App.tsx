@@ -1,4 +1,4 @@
-// The whole page from the reader's choices and the core's answers.
+// The whole page, from the reader's choices and the core's answers.
 import type { Point } from "../core/types";
 import type { Language, View } from "../state/state";
 import { DEFAULTS, withPoint } from "../state/state";
@@ -18,7 +18,7 @@ import type { Change, Page } from "./page";
 
 export interface AppProps {
   page: Page;
-  /** A change of the second view's points, and which curve leads. */
+  /** Changes the second view's points; `leader` is the curve that keeps its points. */
   move(change: Change, leader: "first" | "second"): void;
 }
 
@@ -53,7 +53,7 @@ export function App({ page, move }: AppProps) {
   );
 }
 
-/** Each view has a title of its own; the still page begins with the first one's. */
+/** Each view has its own title; the still page shows the first one's. */
 export function titleOf({ state, around }: Page): "title" | "seam.title" {
   return state.view === "seam" && !around.isStill ? "seam.title" : "title";
 }
@@ -70,7 +70,7 @@ function Top({ page }: { page: Page }) {
         <span>Chordal</span>
       </span>
       {page.around.isStill ? (
-        <Other language={say.language} />
+        <OtherLanguage language={say.language} />
       ) : (
         <Tabs page={page} />
       )}
@@ -91,8 +91,8 @@ function Top({ page }: { page: Page }) {
   );
 }
 
-/** Without script: the page in the other language. */
-function Other({ language }: { language: Language }) {
+/** Without script: a link to the page in the other language. */
+function OtherLanguage({ language }: { language: Language }) {
   const [file, tag, name] = language === "en" ? (["zh.html", "zh-CN", "中文"] as const) : (["index.html", "en", "English"] as const);
   return (
     <a href={file} lang={tag} hreflang={tag}>
@@ -183,7 +183,7 @@ function CurveView({ page }: { page: Page }) {
   );
 }
 
-/** What the strokes of the figure are. */
+/** The legend of the figure's strokes. */
 function Legend({ page }: { page: Page }) {
   const { say, state } = page;
   if (state.look !== "both") return <p class="legend of-figure">{say.text("look.help")}</p>;

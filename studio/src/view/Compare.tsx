@@ -1,11 +1,11 @@
-// Equal steps beside steps where they are needed, at the same number: two small figures and a table.
+// Equal steps beside the fewest segments, for the same number of segments: two small figures and a table.
 import type { Spacing } from "../core/types";
 import { CurveAndChain } from "./Drawing";
 import { Frame, linePath, px } from "./frame";
 import { Figure } from "./parts";
 import type { Page } from "./page";
 
-const BOTH: readonly Spacing[] = ["even", "fewest"];
+const SPACINGS: readonly Spacing[] = ["even", "fewest"];
 /** Width of a small figure before the layout scales it. */
 const WIDTH = 420;
 
@@ -17,8 +17,8 @@ export function Compare({ page }: { page: Page }) {
       <h2 id="compare-title">{say.text("compare.title")}</h2>
       <p>{say.text("compare.text", { segments: say.segments(state.segments) })}</p>
       <div class="pair">
-        {BOTH.map((spacing) => (
-          <Small key={spacing} page={page} spacing={spacing} />
+        {SPACINGS.map((spacing) => (
+          <SmallFigure key={spacing} page={page} spacing={spacing} />
         ))}
       </div>
       <details>
@@ -27,7 +27,7 @@ export function Compare({ page }: { page: Page }) {
           <thead>
             <tr>
               <td />
-              {BOTH.map((spacing) => (
+              {SPACINGS.map((spacing) => (
                 <th key={spacing} scope="col">
                   {say.text(`compare.${spacing}`)}
                 </th>
@@ -37,7 +37,7 @@ export function Compare({ page }: { page: Page }) {
           <tbody>
             <tr>
               <th scope="row">{say.text("compare.measured")}</th>
-              {BOTH.map((spacing) => {
+              {SPACINGS.map((spacing) => {
                 const gap = answers.study[spacing].gap;
                 return (
                   <td key={spacing}>
@@ -51,7 +51,7 @@ export function Compare({ page }: { page: Page }) {
             </tr>
             <tr>
               <th scope="row">{say.text("compare.proved")}</th>
-              {BOTH.map((spacing) => {
+              {SPACINGS.map((spacing) => {
                 const { pixels, at_most } = answers.study[spacing].bound;
                 return (
                   <td key={spacing}>
@@ -65,7 +65,7 @@ export function Compare({ page }: { page: Page }) {
             </tr>
             <tr>
               <th scope="row">{say.text("compare.needed", { px: goal })}</th>
-              {BOTH.map((spacing) => (
+              {SPACINGS.map((spacing) => (
                 <td key={spacing}>{answers.study.needed[spacing] ?? say.text("needed.none")}</td>
               ))}
             </tr>
@@ -77,7 +77,7 @@ export function Compare({ page }: { page: Page }) {
   );
 }
 
-function Small({ page, spacing }: { page: Page; spacing: Spacing }) {
+function SmallFigure({ page, spacing }: { page: Page; spacing: Spacing }) {
   const { say, answers } = page;
   const chain = answers.study[spacing];
   const frame = new Frame(WIDTH);

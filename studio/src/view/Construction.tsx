@@ -12,11 +12,11 @@ export function Construction({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const frame = new Frame(WIDTH);
   const to = (point: Point) => frame.to(point);
-  const { construction: made, control } = answers.study;
+  const { construction, control } = answers.study;
   const spoken = say.text("construction.at", {
-    percent: say.percent(made.t),
-    x: say.coordinate(made.point[0]),
-    y: say.coordinate(made.point[1]),
+    percent: say.percent(construction.t),
+    x: say.coordinate(construction.point[0]),
+    y: say.coordinate(construction.point[1]),
   });
   return (
     <>
@@ -27,18 +27,18 @@ export function Construction({ page }: { page: Page }) {
           class="drawing construction"
           viewBox={`0 0 ${WIDTH} ${px(frame.height)}`}
           role="img"
-          aria-label={say.text("construction.alt", { percent: say.percent(made.t) })}
+          aria-label={say.text("construction.alt", { percent: say.percent(construction.t) })}
         >
           <path class="level zero" d={linePath(control.map(to))} />
           <path class="curve" d={cubicPath(control.map(to))} />
-          <path class="level one" d={linePath(made.first.map(to))} />
-          <path class="level two" d={linePath(made.second.map(to))} />
+          <path class="level one" d={linePath(construction.first.map(to))} />
+          <path class="level two" d={linePath(construction.second.map(to))} />
           <path class="knots zero" d={dots(control.map(to))} />
-          <path class="knots one" d={dots(made.first.map(to))} />
-          <path class="knots two" d={dots(made.second.map(to))} />
+          <path class="knots one" d={dots(construction.first.map(to))} />
+          <path class="knots two" d={dots(construction.second.map(to))} />
           <g
             class="rider"
-            transform={`translate(${pair(to(made.point))})`}
+            transform={`translate(${pair(to(construction.point))})`}
             onPointerDown={(event: TargetedPointerEvent<SVGGElement>) => ride(event, page, frame)}
           >
             <circle class="reach" r={24} />
@@ -67,18 +67,18 @@ function dots(points: readonly Point[]): string {
   return points.map((point) => `M${pair(point)}h0`).join("");
 }
 
-/** The point follows the finger along the curve: to whichever of the core's points is nearest on the screen. */
+/** Moves the point along the curve with the finger, to the nearest of the core's points on the curve. */
 function ride(event: TargetedPointerEvent<SVGGElement>, page: Page, frame: Frame) {
   if (event.button !== 0) return;
-  const where = pointerIn(event.currentTarget, frame);
+  const pointAt = pointerIn(event.currentTarget, frame);
   const { points, places } = page.answers.ladder.rail;
   follow(event, (now) => {
-    const [x, y] = where(now);
+    const [x, y] = pointAt(now);
     let best = 0;
-    let least = Infinity;
+    let nearest = Infinity;
     points.forEach((point, i) => {
-      const far = Math.hypot(point[0] - x, point[1] - y);
-      if (far < least) [best, least] = [i, far];
+      const distance = Math.hypot(point[0] - x, point[1] - y);
+      if (distance < nearest) [best, nearest] = [i, distance];
     });
     page.set({ t: Math.round((places[best] ?? 0) * 1000) / 1000 });
   });

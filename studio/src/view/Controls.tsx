@@ -1,4 +1,4 @@
-// What one does to the main figure: how many segments, how they are placed, and what is drawn of it.
+// The controls of the main figure: the number of segments, their spacing, and which strokes are drawn.
 import type { Spacing } from "../core/types";
 import { type Look, MOST_SEGMENTS, STOPS, stopOf, within } from "../state/state";
 import { verdict } from "./Verdicts";
@@ -12,9 +12,9 @@ export function Headline({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const chain = answers.study[state.spacing];
   if (!chain.gap) return <p class="headline">{say.text("headline.point")}</p>;
-  const found = verdict(chain, state.goal);
+  const result = verdict(chain, state.goal);
   const values = { segments: say.segments(chain.segments), px: say.pixels(chain.gap.pixels) };
-  return <p class={`headline ${found}`}>{say.text(`headline.${found}`, values)}</p>;
+  return <p class={`headline ${result}`}>{say.text(`headline.${result}`, values)}</p>;
 }
 
 export function Count({ page }: { page: Page }) {
@@ -23,7 +23,7 @@ export function Count({ page }: { page: Page }) {
   const bounded = (n: number) => within(n, 1, MOST_SEGMENTS);
   const to = (change: (n: number) => number) =>
     set(({ segments }) => ({ segments: bounded(change(segments)), before: null }));
-  // What was there before is kept, to compare with.
+  // The previous number is kept for the comparison.
   const scale = (change: (n: number) => number) =>
     set(({ segments }) => ({ segments: bounded(change(segments)), before: segments }));
   const step = (key: "half" | "fewer" | "more" | "twice", sign: string, change: (n: number) => number, go: typeof to) => (
@@ -67,13 +67,13 @@ export function Count({ page }: { page: Page }) {
   );
 }
 
-/** What doubling or halving did to the gap; before that, the question. */
+/** How doubling or halving changed the gap; before that, the question. */
 function Halving({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const { other, ...study } = answers.study;
   const [old, now] = [other[state.spacing], study[state.spacing]];
   const times = other.times[state.spacing];
-  // While the answer is on its way the question stands.
+  // Until the answer arrives, the question stays.
   if (state.before === null || state.before !== other.segments || times === null || !old.gap || !now.gap) {
     return <p class="halving">{say.text("halving.ask", { n: state.segments, twice: state.segments * 2 })}</p>;
   }
@@ -91,7 +91,7 @@ function Halving({ page }: { page: Page }) {
   );
 }
 
-/** The switch between the figure that explains and strokes to be judged by eye. */
+/** The switch between the annotated figure and plain strokes to be judged by eye. */
 export function LookAt({ page }: { page: Page }) {
   const { say, state, set } = page;
   return (

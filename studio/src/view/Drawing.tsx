@@ -1,17 +1,17 @@
-// The main figure: the true curve, the segments drawn in its place, the widest gap, and the points that move it all.
+// The main figure: the true curve, its chain of segments, the widest gap, and the handles of the control points.
 import type { Chain, Cubic, Point } from "../core/types";
 import { withPoint } from "../state/state";
 import { Handle } from "./Handle";
 import { Frame, cubicPath, linePath, pair, px } from "./frame";
 import type { Page } from "./page";
 
-/** More vertices than this are only clutter. */
+/** With more vertices the dots are only clutter. */
 const MOST_DOTS = 48;
-/** A gap that is longer than this, in CSS pixels, is seen without a ring around it. */
+/** A gap longer than this, in CSS pixels, is visible without a ring around it. */
 const LONG = 60;
-/** The label of the gap in CSS pixels: how far it stands from the ring, half its size, and what it keeps clear of. */
+/** The gap's label, in CSS pixels: its distance from the ring, half its size, and its distance from handles. */
 const LABEL = { away: 14, halfWidth: 40, halfHeight: 10, clear: 26 };
-/** Where it may stand, as turns from the curve's side of the gap; the nearest that is free is taken. */
+/** Positions to try for the label, as turns from the curve's side of the gap, best first; the first free one is used. */
 const TURNS = [0, 0.125, -0.125, 0.5, 0.25, -0.25, 0.375, -0.375];
 
 const ALONE = { chain: "look.chain.alt", curve: "look.curve.alt" } as const;
@@ -76,7 +76,7 @@ export function ghostOf({ state, answers }: Page): Chain | undefined {
   return state.before === other.segments ? other[state.spacing] : undefined;
 }
 
-/** The sides of the control polygon that hold the handles. */
+/** The two sides of the control polygon that end at the curve's ends. */
 export function Polygon({ control, frame }: { control: readonly Point[]; frame: Frame }) {
   const [a, b, c, d] = control.map((point) => frame.to(point));
   return <path class="polygon" d={`${linePath([a!, b!])}${linePath([d!, c!])}`} />;
@@ -105,12 +105,12 @@ export function CurveAndChain({ control, chain, ghost, frame }: ChainProps) {
 interface NeedleProps {
   gap: readonly [Point, Point];
   label: string;
-  /** What the label must not cover. */
+  /** The label must not cover them. */
   handles: readonly Point[];
   frame: Frame;
 }
 
-/** The gap where it really is, a ring around it that shows where to look, and its width beside it. */
+/** The gap as a needle, a ring around a short one, and its width beside it. */
 function Needle({ gap, label, handles, frame }: NeedleProps) {
   const [from, to] = [frame.to(gap[0]), frame.to(gap[1])];
   const length = Math.hypot(from[0] - to[0], from[1] - to[1]);
@@ -132,9 +132,9 @@ function Needle({ gap, label, handles, frame }: NeedleProps) {
   );
 }
 
-/** On that side of the gap, unless a handle or the edge of the figure is there. */
+/** A free position for the label, as near as possible to that side of the gap. */
 function labelPlace(middle: Point, ring: number, side: number, handles: readonly Point[], frame: Frame): Point {
-  const places = TURNS.map((turn): Point => {
+  const candidates = TURNS.map((turn): Point => {
     const angle = side + turn * 2 * Math.PI;
     const away = ring + LABEL.away;
     return [
@@ -148,7 +148,7 @@ function labelPlace(middle: Point, ring: number, side: number, handles: readonly
     y > LABEL.halfHeight &&
     y < frame.height - LABEL.halfHeight &&
     handles.every((at) => Math.abs(at[0] - x) > LABEL.halfWidth + 8 || Math.abs(at[1] - y) > LABEL.clear);
-  const [x, y] = places.find(isFree) ?? places[0]!;
+  const [x, y] = candidates.find(isFree) ?? candidates[0]!;
   const keep = (value: number, half: number, size: number) => Math.min(Math.max(value, half), size - half);
   return [keep(x, LABEL.halfWidth, frame.width), keep(y, LABEL.halfHeight, frame.height)];
 }

@@ -1,4 +1,4 @@
-// A point that can be moved by finger, mouse and keyboard. To assistive technology it is a slider with a spoken value.
+// A point that can be moved by finger, mouse and keyboard. For assistive technology it is a slider with a spoken value.
 import type { TargetedPointerEvent } from "preact";
 import type { Point } from "../core/types";
 import { WORLD, onGrid } from "../state/state";
@@ -10,14 +10,14 @@ export type Move = (change: (at: Point) => Point) => void;
 interface Props {
   name: string;
   spoken: string;
-  /** Id of the text that says which keys move it. */
+  /** Id of the text that lists the keys that move it. */
   help?: string;
   at: Point;
   frame: Frame;
   kind: "end" | "inner" | "joint";
-  /** Only a picture of a handle. */
+  /** Only drawn, without interaction. */
   isStill: boolean;
-  /** Changes the point from where it is by then. */
+  /** Applies `change` to the point's position at that time, which may be newer than `at`. */
   move: Move;
 }
 
@@ -33,10 +33,10 @@ export function Handle({ name, spoken, help, at, frame, kind, isStill, move }: P
   };
   const dot =
     kind === "inner" ? <rect class="dot" x={-6} y={-6} width={12} height={12} rx={2} /> : <circle class="dot" r={7} />;
-  const place = `translate(${pair(frame.to(at))})`;
+  const transform = `translate(${pair(frame.to(at))})`;
   if (isStill) {
     return (
-      <g class={`handle ${kind}`} aria-hidden="true" transform={place}>
+      <g class={`handle ${kind}`} aria-hidden="true" transform={transform}>
         {dot}
       </g>
     );
@@ -52,7 +52,7 @@ export function Handle({ name, spoken, help, at, frame, kind, isStill, move }: P
       aria-valuenow={at[0]}
       aria-valuetext={spoken}
       {...(help ? { "aria-describedby": help } : {})}
-      transform={place}
+      transform={transform}
       onKeyDown={key}
       onPointerDown={(event: TargetedPointerEvent<SVGGElement>) => grab(event, at, frame, move)}
     >
@@ -91,17 +91,17 @@ function stepOf(event: KeyboardEvent): ((at: Point) => Point) | undefined {
 function grab(event: TargetedPointerEvent<SVGGElement>, at: Point, frame: Frame, move: Move) {
   if (event.button !== 0) return;
   const grip = event.currentTarget;
-  const where = pointerIn(grip, frame);
-  // The point keeps its distance to the finger, so that a touch alone does not move it.
-  const start = where(event);
+  const pointAt = pointerIn(grip, frame);
+  // The point keeps its offset from the finger, so that a touch alone does not move it.
+  const start = pointAt(event);
   const offset = [at[0] - start[0], at[1] - start[1]] as const;
   follow(event, (now) => {
-    const [x, y] = where(now);
+    const [x, y] = pointAt(now);
     move(() => onGrid([x + offset[0], y + offset[1]]));
   });
 }
 
-/** From pointer events to points of the drawing. The figure does not move while something in it is dragged. */
+/** Turns pointer events into points of the drawing. The figure must stay in place during the drag. */
 export function pointerIn(element: SVGGraphicsElement, frame: Frame): (event: PointerEvent) => Point {
   const box = (element.ownerSVGElement ?? element).getBoundingClientRect();
   const ratio = frame.width / box.width;
@@ -112,12 +112,12 @@ export function pointerIn(element: SVGGraphicsElement, frame: Frame): (event: Po
 export function follow(event: TargetedPointerEvent<SVGElement>, moved: (event: PointerEvent) => void) {
   const grip = event.currentTarget;
   grip.setPointerCapture(event.pointerId);
-  const ours = (handle: (event: PointerEvent) => void) => (event: Event) => {
+  const ofThisPointer = (handle: (event: PointerEvent) => void) => (event: Event) => {
     if ((event as PointerEvent).pointerId === pointer) handle(event as PointerEvent);
   };
   const pointer = event.pointerId;
-  const step = ours(moved);
-  const end = ours(() => {
+  const step = ofThisPointer(moved);
+  const end = ofThisPointer(() => {
     grip.removeEventListener("pointermove", step);
     grip.removeEventListener("pointerup", end);
     grip.removeEventListener("pointercancel", end);

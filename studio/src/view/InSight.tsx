@@ -1,10 +1,10 @@
-// A section of the page that is not drawn anew while one drags something elsewhere and it is out of sight.
+// A section of the page that is not redrawn during a drag elsewhere while it is out of sight.
 import { Component, type ComponentType, createRef } from "preact";
 import type { Page } from "./page";
 
 interface Props {
   page: Page;
-  /** The section's heading has this as the start of its id. */
+  /** The id of the section's heading is `{name}-title`. */
   name: string;
   part: ComponentType<{ page: Page }>;
 }
@@ -12,18 +12,18 @@ interface Props {
 export class InSight extends Component<Props> {
   private readonly section = createRef<HTMLElement>();
   private isInSight = true;
-  private watch: IntersectionObserver | undefined;
+  private observer: IntersectionObserver | undefined;
 
   override componentDidMount() {
-    this.watch = new IntersectionObserver((entries) => {
+    this.observer = new IntersectionObserver((entries) => {
       this.isInSight = entries.at(-1)!.isIntersecting;
       if (this.isInSight) this.forceUpdate();
     });
-    if (this.section.current) this.watch.observe(this.section.current);
+    if (this.section.current) this.observer.observe(this.section.current);
   }
 
   override componentWillUnmount() {
-    this.watch?.disconnect();
+    this.observer?.disconnect();
   }
 
   override shouldComponentUpdate(next: Props) {

@@ -4,10 +4,10 @@ import { cubicPath, linePath, px, Frame } from "./frame";
 import { densityOf, type Page } from "./page";
 
 const POWER = 20;
-/** Side of the loupe, and how far from its middle the curve may stand, in CSS pixels. */
+/** Side of the loupe, and the largest distance of the curve from its middle, in CSS pixels. */
 const SIDE = 220;
 const OFF_CENTRE = 60;
-/** How far from the gap the curve can still be under the loupe, in CSS pixels of the main figure; half as much again. */
+/** How far from the gap the curve can be under the loupe, in CSS pixels of the main figure, with half as much in reserve. */
 export const LOUPE_REACH = (1.5 * SIDE) / POWER;
 
 export function Loupe({ page }: { page: Page }) {
@@ -21,7 +21,7 @@ export function Loupe({ page }: { page: Page }) {
   };
   const start = gap?.on_curve ?? answers.study.control[0];
   const [from, to] = [magnified(start), magnified(gap?.on_polyline ?? start)];
-  // Half-way between the two when both fit in, else so that the curve does.
+  // Centred between curve and chain if both fit, otherwise near the curve.
   const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
   const share = length > 0 ? Math.min(length / 2, OFF_CENTRE) / length : 0;
   const centre = [from[0] + (to[0] - from[0]) * share - SIDE / 2, from[1] + (to[1] - from[1]) * share - SIDE / 2] as const;
@@ -45,7 +45,7 @@ export function Loupe({ page }: { page: Page }) {
   );
 }
 
-/** The lines between the pixels of the screen, where they are under the loupe. */
+/** The lines between the screen's pixels under the loupe. */
 function grid(pixel: number, [left, top]: readonly [number, number]): string {
   let path = "";
   for (let x = pixel - (left % pixel); x < SIDE; x += pixel) path += `M${px(x)} 0V${SIDE}`;

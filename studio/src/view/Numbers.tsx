@@ -1,5 +1,5 @@
-// The points once more as plain sliders: for those who would rather type, and for assistive technology that knows only
-// sliders along a line.
+// The same points as plain sliders: for readers who prefer to type, and for assistive technology that supports only
+// one-dimensional sliders.
 import type { Point } from "../core/types";
 import { GRID, WORLD } from "../state/state";
 import type { Move } from "./Handle";

@@ -1,4 +1,4 @@
-// The widest gap against the number of segments, both logarithmic, with a line of slope −2 to compare with.
+// The widest gap against the number of segments, both logarithmic, with a line of slope −2 for comparison.
 import type { TargetedPointerEvent } from "preact";
 import type { Chain, Rung, Spacing } from "../core/types";
 import { GOALS, MOST_SEGMENTS, within } from "../state/state";
@@ -7,17 +7,17 @@ import { FRACTIONS } from "./Verdicts";
 import { px } from "./frame";
 import type { Page } from "./page";
 
-/** The numbers of segments that the core is asked for. */
+/** The numbers of segments for which the core computes the gap. */
 export const COUNTS: readonly number[] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 112, 128];
 const TICKS = [1, 2, 4, 8, 16, 32, 64, 128];
-/** From a hundredth of a pixel to a thousand, always: a plot whose scale moves says nothing while one drags. */
+/** Always from 0.01 to 1000 pixels: if the axis moved during a drag, changes would be invisible. */
 const DECADES = [0.01, 0.1, 1, 10, 100, 1000];
 const MARGIN = { left: 52, right: 16, top: 14, bottom: 42 };
-/** In a narrower frame the plot is scaled down whole: beyond its margins nothing would be left. */
+/** In a narrower frame the whole plot is scaled down, because the margins would leave no room. */
 const NARROWEST = 280;
 const TABLE = [1, 2, 4, 8, 16, 32, 64, 128];
 
-/** From counts and pixels to places in the plot. */
+/** From counts and pixels to positions in the plot. */
 class Scales {
   readonly right: number;
   readonly bottom: number;
@@ -127,7 +127,7 @@ function Axes({ scales, page }: { scales: Scales; page: Page }) {
   );
 }
 
-/** The slope's triangle: from a number of segments to the other one, and what becomes of the gap. */
+/** The slope triangle: the ratio of the two numbers of segments and the ratio of their gaps. */
 function Doubling({ page, scales }: { page: Page; scales: Scales }) {
   const { say, state, answers } = page;
   const { other, ...study } = answers.study;
@@ -149,7 +149,7 @@ function Doubling({ page, scales }: { page: Page; scales: Scales }) {
   );
 }
 
-/** Through the last dot of the equal steps: what a quarter for every doubling looks like. */
+/** The line of slope −2 through the last dot of the equal steps: a quarter of the gap for every doubling. */
 function Slope({ rungs, scales }: { rungs: Rung[]; scales: Scales }) {
   const last = rungs.at(-1);
   if (!last || last.gap <= 0) return null;
@@ -167,13 +167,13 @@ function Dots({ spacing, rungs, counts, scales }: { spacing: Spacing; rungs: Run
   );
 }
 
-/** A press or a drag in the plot chooses the number of segments; keys have the slider for it. */
+/** A press or a drag in the plot chooses the number of segments; with the keyboard, the slider does. */
 function pick(event: TargetedPointerEvent<SVGSVGElement>, scales: Scales, choose: (n: number) => void) {
   if (event.button !== 0) return;
   const box = event.currentTarget.getBoundingClientRect();
-  const at = (now: PointerEvent) => choose(scales.count(((now.clientX - box.left) * scales.width) / box.width));
-  at(event);
-  follow(event, at);
+  const chooseAt = (now: PointerEvent) => choose(scales.count(((now.clientX - box.left) * scales.width) / box.width));
+  chooseAt(event);
+  follow(event, chooseAt);
 }
 
 function Table({ page }: { page: Page }) {

@@ -1,9 +1,9 @@
-// The formula for the number of segments and six lines of code that use it, beside the figure that they are about.
+// The formula for the number of segments and six lines of code that use it, beside the figure that it is about.
 import { FRACTIONS } from "./Verdicts";
 import { Figure } from "./parts";
 import type { Page } from "./page";
 
-/** Whole and runnable: a test gives it the figure's points. */
+/** Complete and runnable: a test runs it with the figure's points. */
 export const CODE = `from math import ceil, sqrt
 def polyline(p, gap):  # p: four points as complex numbers
     bend = 6 * max(abs(p[0] - 2*p[1] + p[2]), abs(p[1] - 2*p[2] + p[3]))

@@ -1,4 +1,4 @@
-// Two cubics that meet: as smoothly as is wished, with the comb of their curvature.
+// Two cubics that meet with a chosen smoothness, and the curvature comb of both.
 import type { Cubic, Point, SeamAnswer, Tooth } from "../core/types";
 import type { Key } from "../i18n/en";
 import { type Eight, type State, withPoint } from "../state/state";
@@ -10,7 +10,7 @@ import { Choice, Figure, Slider } from "./parts";
 import type { Change, Page } from "./page";
 
 const WISHES = ["none", "C0", "C1", "C2"] as const;
-/** Where the first curve ends and the second one starts. */
+/** The index of the first curve's end and that of the second curve's start. */
 const END = 3;
 const START = 4;
 
@@ -22,17 +22,17 @@ export function secondOf(seam: Eight): Cubic {
   return [seam[4], seam[5], seam[6], seam[7]];
 }
 
-/** The points that can be moved: the joint is one of them, not two. */
-function indices(state: State): number[] {
+/** The points that can be moved. At a joint the two end points are one. */
+function movable(state: State): number[] {
   const all = [0, 1, 2, 3, 4, 5, 6, 7];
   return state.smoothness === "none" ? all : all.filter((i) => i !== START);
 }
 
-/** The change that moves one point. What else has to follow is for the core to say. */
+/** The change that moves one point. The core computes which other points follow. */
 function moved(state: State, index: number, to: Point): Partial<State> {
   let seam = withPoint(state.seam, index, to);
   if (index === END && state.smoothness !== "none") {
-    // Whoever moves the joint takes the end of the first curve along as it is, with its handle.
+    // The joint takes the inner control point before it along, so that the first curve's end keeps its direction.
     const [dx, dy] = [to[0] - state.seam[END][0], to[1] - state.seam[END][1]];
     seam = withPoint(seam, END - 1, [seam[END - 1]![0] + dx, seam[END - 1]![1] + dy]);
     seam = withPoint(seam, START, to);
@@ -49,7 +49,7 @@ export function SeamView({ page, move }: { page: Page; move(change: Change, lead
   const { say, state } = page;
   const movePoint = (index: number): Move => (change) =>
     move((state) => moved(state, index, change(state.seam[index]!)), index > START ? "second" : "first");
-  const points = indices(state).map((i) => ({ name: nameOf(page, i), at: state.seam[i]!, move: movePoint(i) }));
+  const points = movable(state).map((i) => ({ name: nameOf(page, i), at: state.seam[i]!, move: movePoint(i) }));
   return (
     <>
       <p class="lead">{say.text("seam.lead")}</p>
@@ -127,7 +127,7 @@ function SeamDrawing({ page, movePoint }: { page: Page; movePoint(index: number)
         <path class="strand first" d={cubicPath(first.map((point) => frame.to(point)))} />
         <path class="strand second" d={cubicPath(second.map((point) => frame.to(point)))} />
       </g>
-      {indices(state).map((i) => {
+      {movable(state).map((i) => {
         const at = state.seam[i]!;
         return (
           <Handle
@@ -164,7 +164,7 @@ function JoinTable({ page }: { page: Page }) {
   const apart = say.text("seam.apart");
   const number = (value: number | null) => (value === null ? say.text("seam.unknown") : say.number(value));
   const signed = (value: number | null) => (value === null ? say.text("seam.unknown") : say.signed(value));
-  // What the core calls equal up to rounding is shown as equal; all its digits stay behind the number.
+  // Values that the core treats as equal up to rounding are shown as equal; `value` keeps all digits.
   const level = join.geometric ?? -1;
   const angle = level >= 1 ? 0 : join.angle_rad;
   const jump = level >= 2 ? 0 : join.curvature_gap;

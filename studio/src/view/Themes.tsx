@@ -1,4 +1,4 @@
-// The choice of colours, on every page. It is made by public/theme.js, which is there before anything is drawn.
+// The choice of colours, on every page. public/theme.js applies it, before anything is drawn.
 import type { Language, Theme } from "../state/state";
 
 const THEMES: readonly Theme[] = ["auto", "light", "dark"];
@@ -23,7 +23,7 @@ export function Themes({ language, change }: { language: Language; change?(theme
   );
 }
 
-/** What the page wears already. */
+/** Selects the theme that the page has already. */
 function show(select: HTMLSelectElement | null): void {
   if (select) select.value = document.documentElement.dataset["theme"] ?? "auto";
 }

@@ -1,4 +1,4 @@
-// How good the chain is: its gap measured and proved, whether that is smooth, and how many segments would do.
+// How good the chain is: its measured gap, its proved bound, whether that is smooth, and how many segments suffice.
 import type { Chain, Spacing } from "../core/types";
 import { type Density, GOALS, MOST_SEGMENTS } from "../state/state";
 import { Choice, Figure } from "./parts";
@@ -6,7 +6,7 @@ import type { Page } from "./page";
 
 export type Verdict = "smooth" | "seen" | "open";
 
-/** Smooth when that is proved, seen when that was measured; between the two nothing is known. */
+/** `smooth` if proved, `seen` if the measured gap is larger than the goal, otherwise `open`. */
 export function verdict(chain: Chain, goal: number): Verdict {
   if (chain.bound.pixels !== null && chain.bound.pixels <= goal) return "smooth";
   return chain.gap !== null && chain.gap.pixels > goal ? "seen" : "open";
@@ -51,10 +51,10 @@ export function Verdicts({ page }: { page: Page }) {
   const { say, state, answers, set } = page;
   const chain = answers.study[state.spacing];
   const options = GOALS.map((value) => {
-    const found = verdict(chain, value);
+    const result = verdict(chain, value);
     const extra = (
-      <small class={found} data-verdict={found}>
-        <i aria-hidden="true">{MARKS[found]}</i> {say.text(`verdict.${found}`)}
+      <small class={result} data-verdict={result}>
+        <i aria-hidden="true">{MARKS[result]}</i> {say.text(`verdict.${result}`)}
       </small>
     );
     return { value, label: <b>{say.text("verdict.px", { n: FRACTIONS[value]! })}</b>, extra };
@@ -96,7 +96,7 @@ export function Needed({ page }: { page: Page }) {
   );
 }
 
-/** Smoothness by equal steps comes and goes: a larger number may put a vertex where it helps less. */
+/** With equal steps a larger number of segments may be worse, because its vertices may be in less useful places. */
 function Exception({ page }: { page: Page }) {
   const { say, state, answers } = page;
   const { even, even_fails, even_from } = answers.study.needed;

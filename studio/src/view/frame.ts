@@ -1,4 +1,4 @@
-// Between the drawing's units and the pixels of a figure: a scale and a shift, and y turned over. No geometry.
+// Maps between the drawing's units and the pixels of a figure: scale, shift, and y turned over.
 import type { Point } from "../core/types";
 import { WORLD } from "../state/state";
 
@@ -13,18 +13,18 @@ export class Frame {
     this.height = this.scale * (WORLD.height + 2 * WORLD.margin);
   }
 
-  /** Where a point of the drawing is in the figure. */
+  /** The position in the figure of a point of the drawing. */
   to([x, y]: Point): Point {
     return [(x + WORLD.margin) * this.scale, (WORLD.height + WORLD.margin - y) * this.scale];
   }
 
-  /** Which point of the drawing is there. */
+  /** The point of the drawing at a position in the figure. */
   from([x, y]: Point): Point {
     return [x / this.scale - WORLD.margin, WORLD.height + WORLD.margin - y / this.scale];
   }
 }
 
-/** A number as an attribute of an SVG holds it: to a hundredth of a pixel, which no screen shows. */
+/** A number for an SVG attribute: rounded to a hundredth of a pixel, which is invisible. */
 export function px(value: number): string {
   return String(Math.round(value * 100) / 100);
 }

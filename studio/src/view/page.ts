@@ -1,4 +1,4 @@
-// What every part of the page gets: the reader's choices, the core's answers, a voice, and a way to change things.
+// The properties of every part of the page: the reader's choices, the core's answers, texts, and the functions that act.
 import type { LadderAnswer, SeamAnswer, StudyAnswer } from "../core/types";
 import type { Key } from "../i18n/en";
 import type { Speaker } from "../i18n/speak";
@@ -10,7 +10,7 @@ export interface Answers {
   seam: SeamAnswer;
 }
 
-/** What the surroundings are, which the reader does not choose here. */
+/** The page's environment, which the reader does not choose here. */
 export interface Surroundings {
   /** Of the main figure, in CSS pixels. */
   width: number;
@@ -18,7 +18,7 @@ export interface Surroundings {
   ownDensity: number;
   /** Whether the page is embedded in another one and shows only the figure. */
   isEmbedded: boolean;
-  /** Whether it is written at build time, for readers without script: everything shows, nothing moves. */
+  /** Whether the page is written at build time, for readers without script: it shows everything, and nothing moves. */
   isStill: boolean;
 }
 
@@ -27,7 +27,7 @@ export interface Note {
   values?: Record<string, string>;
 }
 
-/** New values, or how they follow from the ones that hold by then. */
+/** New values, or a function of the state at that time. */
 export type Change = Partial<State> | ((state: State) => Partial<State>);
 
 export interface Page {
@@ -36,9 +36,9 @@ export interface Page {
   answers: Answers;
   around: Surroundings;
   notes: readonly Note[];
-  /** Whether something is being dragged: then only what is in sight needs to follow. */
+  /** Whether a drag is going on; only the visible parts need to follow it. */
   isMoving: boolean;
-  /** Whether the number of segments runs by itself, and what starts and stops that. */
+  /** Whether the number of segments runs by itself; `play` starts and stops it. */
   isPlaying: boolean;
   play(): void;
   set(change: Change): void;

@@ -1,7 +1,7 @@
-// Small parts that several views use: a number with its full digits, a choice of few, a slider.
+// Small parts that several views use: a number with its full digits, a choice between a few values, a slider.
 import type { ComponentChildren } from "preact";
 
-/** A number as it is shown, with all its digits in `value` for programs. */
+/** A formatted number, with all its digits in `value` for programs. */
 export function Figure({ name, value, children }: { name: string; value: number | null; children: ComponentChildren }) {
   return (
     <data class="number" data-name={name} value={value === null ? "" : String(value)}>
@@ -19,7 +19,7 @@ interface ChoiceProps<V extends string | number> {
   class?: string;
 }
 
-/** A few alternatives, of which one holds. Radio buttons, so that keys and assistive technology know what to do. */
+/** A choice of one among a few. Radio buttons, because keyboards and assistive technology support them. */
 export function Choice<V extends string | number>({ name, legend, value, options, choose, class: kind }: ChoiceProps<V>) {
   return (
     <fieldset class={`choice ${kind ?? ""}`}>

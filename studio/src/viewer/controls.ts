@@ -1,28 +1,28 @@
-// The hand on the camera: mouse, touch and keys, on any element. One finger turns (and a stroke up or down still scrolls the
-// page), two fingers zoom and shift; the wheel zooms once the picture has the focus, or with Ctrl.
+// Camera control by mouse, touch and keys, on any element. One finger turns (a vertical stroke still scrolls the page), two
+// fingers zoom and pan; the wheel zooms if the picture has the focus, or with Ctrl.
 import { type Size, type View, shifted, turned, zoomed } from "./view";
 
 export interface Camera {
   view(): View;
   size(): Size;
-  /** The view to go back to. */
+  /** The view that the Home key restores. */
   home: View;
   look(view: View): void;
-  /** A press that was no drag, in pixels from the upper left. */
+  /** Called after a press without a drag, with pixels from the upper left. */
   tap?(x: number, y: number): void;
 }
 
-/** As near and as far as one may go, as shares of the distance at home. */
+/** The smallest and largest distance, as multiples of the distance at home. */
 const RANGE = [0.25, 4] as const;
-/** Less than this many pixels is a press and no drag. */
+/** A pointer that moved fewer pixels than this is a press, not a drag. */
 const STILL = 5;
-/** Pixels that a key stands for. */
+/** The drag, in pixels, to which one key press corresponds. */
 const STEP = { usual: 25, small: 5 } as const;
 
-/** Listens on an element until the function that it returns is called. */
+/** Listens on an element until the returned function is called. */
 export function control(element: HTMLElement, camera: Camera): () => void {
-  const ending = new AbortController();
-  const { signal } = ending;
+  const abort = new AbortController();
+  const { signal } = abort;
   const fingers = new Map<number, readonly [number, number]>();
   let travelled = 0;
   const range = () => RANGE.map((share) => share * camera.home.distance) as unknown as [number, number];
@@ -43,8 +43,8 @@ export function control(element: HTMLElement, camera: Camera): () => void {
     fingers.set(event.pointerId, now);
     travelled += Math.hypot(dx, dy);
     if (other) {
-      const apart = (p: readonly [number, number]) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-      camera.look(shifted(zoomed(camera.view(), apart(before) / apart(now), range()), camera.size(), dx / 2, dy / 2));
+      const distanceToOther = (p: readonly [number, number]) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
+      camera.look(shifted(zoomed(camera.view(), distanceToOther(before) / distanceToOther(now), range()), camera.size(), dx / 2, dy / 2));
     } else if (travelled >= STILL) {
       const shifts = event.shiftKey || (event.pointerType === "mouse" && event.buttons > 1);
       camera.look(shifts ? shifted(camera.view(), camera.size(), dx, dy) : turned(camera.view(), dx, dy));
@@ -103,5 +103,5 @@ export function control(element: HTMLElement, camera: Camera): () => void {
   element.addEventListener("wheel", wheel, { signal, passive: false });
   element.addEventListener("keydown", key, { signal });
   element.addEventListener("contextmenu", menu, { signal });
-  return () => ending.abort();
+  return () => abort.abort();
 }

@@ -1,14 +1,14 @@
-// Arrays from arrays, for drawing only: edges of triangles, silhouettes, strokes for normals.
+// Geometry for drawing only: edges of triangles, silhouettes, strokes for normals.
 import type { MeshLayer, Vec3 } from "./layers";
 import { cross, dot, minus, row } from "./view";
 
 export interface Edge {
   ends: readonly [number, number];
-  /** The triangles along it; rows that differ but lie in one place are one vertex here. */
+  /** The triangles along it. Vertices at the same position count as one. */
   faces: number[];
 }
 
-/** The edges of triangles, each once, by place and not by row: so a split vertex opens no edge. */
+/** The edges of triangles, each once. Vertices are merged by position, so that a split vertex opens no edge. */
 export function edgesOf(positions: Float32Array, indices: Uint32Array): Edge[] {
   const first = new Map<string, number>();
   const places = new Uint32Array(positions.length / 3);
@@ -46,12 +46,12 @@ export function corners(positions: Float32Array, indices: Uint32Array, face: num
   return [0, 1, 2].map((k) => row(positions, indices[3 * face + k]!)) as [Vec3, Vec3, Vec3];
 }
 
-/** Across a triangle, as long as twice its area. */
+/** The normal of a triangle, with twice its area as length. */
 export function across([a, b, c]: readonly [Vec3, Vec3, Vec3]): Vec3 {
   return cross(minus(b, a), minus(c, a));
 }
 
-/** For each triangle whether its front is seen. */
+/** For each triangle, whether its front faces the eye. */
 export function seenFronts(positions: Float32Array, indices: Uint32Array, eye: Vec3): boolean[] {
   return Array.from({ length: indices.length / 3 }, (_, face) => {
     const triangle = corners(positions, indices, face);
@@ -59,7 +59,7 @@ export function seenFronts(positions: Float32Array, indices: Uint32Array, eye: V
   });
 }
 
-/** The edges of the outline for an eye: where seen and unseen meet, and open ones. */
+/** The outline from an eye: the edges between a front and a back face, and the open ones. */
 export function silhouette(positions: Float32Array, indices: Uint32Array, edges: readonly Edge[], eye: Vec3): Float32Array {
   const seen = seenFronts(positions, indices, eye);
   return segments(
@@ -80,7 +80,7 @@ export function strokes(at: Float32Array, directions: Float32Array, length: numb
   return all;
 }
 
-/** The middles of triangles. */
+/** The centroids of triangles. */
 export function middles(positions: Float32Array, indices: Uint32Array): Float32Array {
   const all = new Float32Array(indices.length);
   for (let face = 0; 3 * face < indices.length; face++) {
@@ -90,7 +90,7 @@ export function middles(positions: Float32Array, indices: Uint32Array): Float32A
   return all;
 }
 
-/** Every triangle with corners of its own, drawn in towards its middle by a share. */
+/** Unshares the triangles' corners and shrinks each triangle towards its centroid by `share`. */
 export function exploded({ positions, indices }: Pick<MeshLayer, "positions" | "indices">, share: number) {
   const apart = new Float32Array(3 * indices.length);
   const centres = middles(positions, indices);

@@ -1,13 +1,13 @@
-// The viewer for whoever shows something in space: arrays in, pictures out. The part that needs a graphics processor is
-// loaded when it is asked for; the rest is small, and draws still pictures without one.
+// The viewer's interface: arrays in, pictures out. The WebGL part is loaded when a viewer is created; the rest is small, and
+// draws still pictures without WebGL.
 export { type Camera, control } from "./controls";
 export { rampStops } from "./color";
 export { edgesOf, exploded, middles, segments } from "./geometry";
-export type { LaidPicture, Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
+export type { DecodedPicture, Layer, MeshLayer, Paint, Picture, RampName, Section, Vec3 } from "./layers";
 export { type Shape, painted, still } from "./still";
 export { type Projector, type Size, type View, eyeOf, pick, projector, row } from "./view";
 
-/** A viewer in an element. Refused where the browser has no WebGL 2: then the still picture stays. */
+/** Creates a viewer in an element. Rejects if the browser has no WebGL 2; the still picture stays then. */
 export async function createViewer(root: HTMLElement): Promise<import("./viewer").Viewer> {
   const { Viewer } = await import("./viewer");
   return new Viewer(root);

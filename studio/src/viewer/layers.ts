@@ -1,17 +1,17 @@
-// What the viewer draws: layers of plain arrays. Whoever shows something hands over a list of them; a layer whose arrays
-// are the same objects as before is not built again.
+// The viewer's input: a list of layers, which are plain arrays. A layer whose arrays are the same objects as before is not
+// built again.
 
 export type Vec3 = readonly [number, number, number];
 
-/** A colour as CSS writes it, or the name of a custom property of the root, such as `--ink`. */
+/** A CSS colour, or the name of a custom property of the root, such as `--ink`. */
 export type Paint = string;
 
 interface Common {
-  /** Names the layer from one list to the next. */
+  /** Identifies the layer from one list to the next. */
   id: string;
-  /** Whether it shows through what stands before it. */
+  /** Whether it is visible through layers in front of it. */
   isOnTop?: boolean;
-  /** Whether everything else covers it: a ground to stand on. */
+  /** Whether all other layers cover it, as a ground. */
   isUnder?: boolean;
 }
 
@@ -20,35 +20,35 @@ export interface MeshLayer extends Common {
   kind: "mesh";
   /** x, y, z of each vertex. */
   positions: Float32Array;
-  /** Three rows for each triangle; counter-clockwise is the front. */
+  /** Three vertex indices for each triangle; counter-clockwise is the front. */
   indices: Uint32Array;
   /** One for each vertex, for smooth shading. */
   normals?: Float32Array;
-  /** Red, green, blue of each vertex, 0 to 1 as a screen has them. */
+  /** Red, green, blue of each vertex, 0 to 1 in sRGB. */
   colors?: Float32Array;
-  /** A number for each vertex, drawn by a ramp of colours. */
+  /** A number for each vertex, drawn with a colour ramp. */
   values?: { of: Float32Array; range: readonly [number, number]; ramp: RampName };
-  /** A group for each triangle, and the paint of each group; the layer's own where it has none. */
+  /** The group of each triangle, and the paint of each group. Without groups, the layer's own paint is used. */
   groups?: { of: Uint32Array; paints: readonly Paint[] };
-  /** The picture of each group, and where each vertex is in it, from its upper left corner. Groups stand in runs. */
-  pictures?: { uv: Float32Array; of: readonly (LaidPicture | undefined)[] };
+  /** The picture of each group, and each vertex's texture coordinates from the upper left. Groups must be contiguous. */
+  pictures?: { uv: Float32Array; of: readonly (DecodedPicture | undefined)[] };
   paint: Paint;
-  /** What the backs are painted with, where they differ: so winding shows. */
+  /** The paint of back faces, if it differs, to show the winding. */
   back?: Paint;
-  /** One tone for each triangle, blended normals, or no light at all. */
+  /** One tone for each triangle, interpolated normals, or no lighting. */
   shading: "flat" | "smooth" | "none";
-  /** Which sides are drawn: `front` is what culling leaves. */
+  /** Which sides are drawn; `front` is back-face culling. */
   sides: "both" | "front";
   opacity?: number;
 }
 
-/** A picture, and what is beyond its ends, as glTF numbers it. */
-export interface LaidPicture {
+/** A picture and its wrap modes in s and t, with glTF's numbers. */
+export interface DecodedPicture {
   image: ImageBitmap;
   wrap: readonly [number, number];
 }
 
-/** Segments: two points each. */
+/** Line segments, two points each. */
 export interface LineLayer extends Common {
   kind: "lines";
   positions: Float32Array;
@@ -66,7 +66,7 @@ export interface WireLayer extends Common {
   width: number;
 }
 
-/** The edges between a triangle that faces the eye and one that does not, and the open ones; new for every view. */
+/** The edges between a front-facing and a back-facing triangle, and the open ones; computed for every view. */
 export interface SilhouetteLayer extends Common {
   kind: "silhouette";
   positions: Float32Array;
@@ -75,7 +75,7 @@ export interface SilhouetteLayer extends Common {
   width: number;
 }
 
-/** Directions that stand on points. */
+/** Directions drawn from points. */
 export interface NormalLayer extends Common {
   kind: "normals";
   at: Float32Array;
@@ -95,11 +95,11 @@ export interface PointLayer extends Common {
 
 export type Layer = MeshLayer | LineLayer | WireLayer | SilhouetteLayer | NormalLayer | PointLayer;
 
-/** What lies in front of the plane is cut away: normal · p > offset. */
+/** A clipping plane: points with normal · p > offset are cut away. */
 export interface Section {
   normal: Vec3;
   offset: number;
-  /** What the inside of a closed mesh is painted with where it is cut. */
+  /** The paint of the inside of a closed mesh, visible in the cut. */
   paint: Paint;
 }
 

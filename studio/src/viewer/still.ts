@@ -1,11 +1,11 @@
-// The same layers as flat shapes of an SVG, far ones first: for the page before any script runs, for print, and where a
-// browser has no WebGL.
+// The same layers as flat SVG shapes, sorted from far to near: for the page before any script runs, for print, and for
+// browsers without WebGL.
 import { css, hex, lit, vertexColors, LIGHT, type Rgb } from "./color";
 import { across, corners, edgesOf, segments, silhouette, strokes } from "./geometry";
 import type { Layer, MeshLayer, Paint, Picture, Vec3 } from "./layers";
 import { type Projector, type Size, type View, axesOf, dot, minus, plus, projector, row, unit } from "./view";
 
-/** A path or a dot. Colours are literal, or `var(--name)` for those that follow the theme. */
+/** A path or a dot. Colours are literal, or `var(--name)` if they follow the theme. */
 export interface Shape {
   d: string;
   fill?: string;
@@ -15,7 +15,7 @@ export interface Shape {
   depth: number;
 }
 
-/** Lines and dots lie on the triangles that they belong to: this much nearer, as a share of their depth. */
+/** The factor for the depth of lines and dots, so that they are drawn over the triangles on which they lie. */
 const NEARER = 0.965;
 
 export function still({ layers }: Picture, view: View, size: Size): Shape[] {
@@ -34,26 +34,26 @@ function lightOf(view: View): Vec3 {
 export const painted = (paint: Paint) => (paint.startsWith("--") ? `var(${paint})` : paint);
 
 function shapesOf(layer: Layer, at: Projector, light: Vec3): Shape[] {
-  const bring = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
+  const depthFactor = layer.isOnTop ? 1e-3 : layer.isUnder ? 1e3 : NEARER;
   switch (layer.kind) {
     case "mesh":
       return faces(layer, at, light);
     case "lines":
-      return lines(layer.positions, layer, at, bring);
+      return lines(layer.positions, layer, at, depthFactor);
     case "wire": {
       const seen = segments(layer.positions, edgesOf(layer.positions, layer.indices));
-      return lines(seen, layer, at, bring);
+      return lines(seen, layer, at, depthFactor);
     }
     case "silhouette":
-      return lines(silhouette(layer.positions, layer.indices, edgesOf(layer.positions, layer.indices), at.eye), layer, at, bring);
+      return lines(silhouette(layer.positions, layer.indices, edgesOf(layer.positions, layer.indices), at.eye), layer, at, depthFactor);
     case "normals":
-      return lines(strokes(layer.at, layer.directions, layer.length), layer, at, bring);
+      return lines(strokes(layer.at, layer.directions, layer.length), layer, at, depthFactor);
     case "points": {
       const dots: Shape[] = [];
       for (let i = 0; 3 * i < layer.positions.length; i++) {
         const [x, y, depth] = at.to(row(layer.positions, i));
-        // A stroke of no length with round ends is a dot.
-        dots.push({ d: `M${px(x)} ${px(y)}h0`, stroke: painted(layer.paint), width: layer.size, depth: depth * bring });
+        // A stroke of length zero with round ends is a dot.
+        dots.push({ d: `M${px(x)} ${px(y)}h0`, stroke: painted(layer.paint), width: layer.size, depth: depth * depthFactor });
       }
       return dots;
     }
@@ -78,7 +78,7 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
     const cosine = (isFront ? 1 : -1) * dot(towards, light);
     const fill = !color ? painted(paint) : css(layer.shading === "none" ? color : lit(color, cosine));
     const d = `M${places.map(([x, y]) => `${px(x)} ${px(y)}`).join("L")}z`;
-    // A hair of its own colour closes the seams between neighbours, which a screen would show.
+    // A thin stroke of the same colour closes the antialiasing seams between neighbours.
     const shape: Shape = { d, fill, stroke: fill, width: 0.6, depth };
     shapes.push(layer.opacity === undefined ? shape : { ...shape, opacity: layer.opacity });
   }
@@ -86,24 +86,24 @@ function faces(layer: MeshLayer, at: Projector, light: Vec3): Shape[] {
 }
 
 function mean(of: Float32Array, indices: Uint32Array, face: number): Rgb {
-  const three = [0, 1, 2].map((k) => row(of, indices[3 * face + k]!));
-  return [0, 1, 2].map((k) => (three[0]![k]! + three[1]![k]! + three[2]![k]!) / 3) as unknown as Rgb;
+  const rows = [0, 1, 2].map((k) => row(of, indices[3 * face + k]!));
+  return [0, 1, 2].map((k) => (rows[0]![k]! + rows[1]![k]! + rows[2]![k]!) / 3) as unknown as Rgb;
 }
 
 function lines(
   positions: Float32Array,
   { paint, width }: { paint: Paint; width: number },
   at: Projector,
-  bring: number,
+  depthFactor: number,
 ): Shape[] {
   const shapes: Shape[] = [];
   for (let i = 0; 6 * i < positions.length; i++) {
     const [a, b] = [at.to(row(positions, 2 * i)), at.to(row(positions, 2 * i + 1))];
     const d = `M${px(a[0])} ${px(a[1])}L${px(b[0])} ${px(b[1])}`;
-    shapes.push({ d, stroke: painted(paint), width, depth: bring * 0.5 * (a[2] + b[2]) });
+    shapes.push({ d, stroke: painted(paint), width, depth: depthFactor * 0.5 * (a[2] + b[2]) });
   }
   return shapes;
 }
 
-/** To a tenth of a pixel. */
+/** Rounded to a tenth of a pixel. */
 const px = (value: number) => String(Math.round(value * 10) / 10);

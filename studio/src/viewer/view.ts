@@ -1,5 +1,5 @@
-// The camera: an eye that goes around a target, z up. Plain numbers, so that the page, the still picture and the viewer
-// look from the same place.
+// The camera: an eye that orbits a target, with z up. Plain numbers, so that the page, the still picture and the viewer share
+// one view.
 import type { Vec3 } from "./layers";
 
 export interface View {
@@ -12,9 +12,9 @@ export interface View {
   target: Vec3;
 }
 
-/** The angle between the lower and the upper edge of a usual picture, in degrees: small, so that parallels look parallel. */
+/** The vertical field of view of a picture of aspect `ASPECT` or wider. Chosen small, so that parallels look parallel. */
 const FOV_DEG = 28;
-/** What fits into a usual picture, as wide as this share of its height, fits into a narrower one. */
+/** A narrower picture gets a wider field of view, so that everything in a picture of this aspect stays visible. */
 const ASPECT = 1.5;
 
 export interface Size {
@@ -22,7 +22,7 @@ export interface Size {
   height: number;
 }
 
-/** The limits of a view: a person does not want to stand on their head. */
+/** The largest elevation: at 90 degrees the up direction is undefined. */
 export const STEEPEST = 89;
 
 const radians = (degrees: number) => (degrees * Math.PI) / 180;
@@ -38,10 +38,10 @@ export const unit = (a: Vec3): Vec3 => {
   const length = Math.hypot(...a) || 1;
   return [a[0] / length, a[1] / length, a[2] / length];
 };
-/** The point of a row. */
+/** The point at a row. */
 export const row = (of: Float32Array, i: number): Vec3 => [of[3 * i]!, of[3 * i + 1]!, of[3 * i + 2]!];
 
-/** From the target towards the eye, of length 1. */
+/** The unit vector from the target towards the eye. */
 export function towardsEye({ azimuth, elevation }: View): Vec3 {
   const [a, e] = [radians(azimuth), radians(elevation)];
   return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
@@ -51,23 +51,23 @@ export function eyeOf(view: View): Vec3 {
   return plus(view.target, towardsEye(view), view.distance);
 }
 
-/** Right, up, and back to the eye. */
+/** Right, up, and back towards the eye. */
 export function axesOf(view: View): readonly [Vec3, Vec3, Vec3] {
   const back = towardsEye(view);
   const right = unit(cross([0, 0, 1], back));
   return [right, cross(back, right), back];
 }
 
-/** Pixels per unit of length at a distance of 1. */
+/** Pixels per unit of length at distance 1. */
 const focal = ({ width, height }: Size) => Math.min(height, width / ASPECT) / 2 / Math.tan(radians(FOV_DEG) / 2);
 
-/** The angle between the lower and the upper edge, in degrees. */
+/** The vertical field of view, in degrees. */
 export const fovOf = (size: Size) => (2 * Math.atan(size.height / 2 / focal(size)) * 180) / Math.PI;
 
 export interface Projector {
-  /** Where a point is in the picture, in pixels from the upper left, and how far before the eye. */
+  /** The position of a point in the picture, in pixels from the upper left, and its depth. */
   to(point: Vec3): readonly [x: number, y: number, depth: number];
-  /** The direction from the eye through a place of the picture. */
+  /** The direction of the ray from the eye through a pixel. */
   ray(x: number, y: number): Vec3;
   eye: Vec3;
 }
@@ -88,7 +88,7 @@ export function projector(view: View, size: Size): Projector {
   };
 }
 
-/** The picture of a turn, a shift and a zoom of the hand; `dx` and `dy` in pixels. */
+/** The view after the pointer moved by `dx` and `dy` pixels. */
 export const turned = (view: View, dx: number, dy: number): View => ({
   ...view,
   azimuth: wrapped(view.azimuth - 0.4 * dx),
@@ -107,14 +107,14 @@ export function zoomed(view: View, factor: number, range: readonly [number, numb
   return { ...view, distance: Math.min(Math.max(view.distance * factor, range[0]), range[1]) };
 }
 
-/** The triangle under a place of the picture, the nearest one; `undefined` where there is none. */
-export function pick(at: Projector, x: number, y: number, positions: Float32Array, indices: Uint32Array): number | undefined {
-  const ray = at.ray(x, y);
+/** The nearest triangle under a pixel, by Möller and Trumbore's test; `undefined` if there is none. */
+export function pick(projection: Projector, x: number, y: number, positions: Float32Array, indices: Uint32Array): number | undefined {
+  const ray = projection.ray(x, y);
   let best: number | undefined;
   let nearest = Infinity;
   for (let face = 0; 3 * face < indices.length; face++) {
     const [a, b, c] = [0, 1, 2].map((k) => row(positions, indices[3 * face + k]!)) as [Vec3, Vec3, Vec3];
-    const [ab, ac, from] = [minus(b, a), minus(c, a), minus(at.eye, a)];
+    const [ab, ac, from] = [minus(b, a), minus(c, a), minus(projection.eye, a)];
     const p = cross(ray, ac);
     const det = dot(ab, p);
     if (Math.abs(det) < 1e-12) continue;

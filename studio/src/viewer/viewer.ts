@@ -1,7 +1,7 @@
-// The viewer itself, on WebGL 2 by three.js. It knows arrays, a camera and an element to draw into; it draws when something
-// has changed, and frees everything when it is disposed of. Loaded only by pages that show something in space.
+// The viewer itself, on three.js with WebGL 2. Its inputs are arrays, a camera and an element to draw into. It draws only
+// after a change, and frees everything when it is disposed of. Only pages with a 3D picture load it.
 //
-// WebGPU is left out: three.js' renderer for it is a second one of the same size, and nothing here would look different.
+// WebGPU is not used: three.js' renderer for it would double the download, and nothing here would look different.
 import {
   AmbientLight,
   BackSide,
@@ -35,61 +35,61 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { LIGHT, toLinear, vertexColors } from "./color";
 import { type Edge, edgesOf, segments, silhouette, strokes } from "./geometry";
-import type { LaidPicture, Layer, MeshLayer, Paint, Picture, Section } from "./layers";
+import type { DecodedPicture, Layer, MeshLayer, Paint, Picture, Section } from "./layers";
 import { type View, eyeOf, fovOf } from "./view";
 
-/** More dots than this to a CSS pixel cost time and are not seen. */
+/** A higher pixel ratio costs time without a visible difference. */
 const MOST_DENSITY = 2.5;
-/** Pictures seen from the side are blurred less; cheap on any processor of the last ten years. */
+/** Anisotropic filtering keeps textures sharp at grazing angles; 4 is cheap on any GPU of the last ten years. */
 const MOST_ANISOTROPY = 4;
 /** By glTF's numbers. */
 const WRAPS: Record<number, Wrapping> = { 33071: ClampToEdgeWrapping, 33648: MirroredRepeatWrapping, 10497: RepeatWrapping };
 
-/** What stands in the scene for a layer. */
+/** The scene's objects for a layer. */
 interface Shown {
   layer: Layer;
   objects: Object3D[];
-  /** For a silhouette, which is new for every view. */
+  /** For a silhouette, which is recomputed for every view. */
   edges?: Edge[];
 }
 
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
-  /** How often it has drawn; tests see that it rests. */
+  /** How often it has drawn; tests check that it draws only after a change. */
   frames = 0;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera();
   private readonly shown = new Map<string, Shown>();
   private readonly plane = new Plane();
-  private readonly sizes = new ResizeObserver(() => this.resize());
+  private readonly sizeObserver = new ResizeObserver(() => this.resize());
   private readonly dark = matchMedia("(prefers-color-scheme: dark)");
-  /** A page whose reader chose its colours says so at its root. */
-  private readonly themes = new MutationObserver(() => this.restyle());
+  /** The reader's choice of colours is an attribute of the root element. */
+  private readonly themeObserver = new MutationObserver(() => this.restyle());
   private section: Section | undefined;
   private picture: Picture = { layers: [] };
   private view: View | undefined;
   private frame = 0;
   private isDisposed = false;
 
-  /** Draws into an element, which it fills. Throws where the browser has no WebGL 2. */
+  /** Draws into an element, which it fills. Throws if the browser has no WebGL 2. */
   constructor(private readonly root: HTMLElement) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
     this.renderer.outputColorSpace = SRGBColorSpace;
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("aria-hidden", "true");
     root.append(this.canvas);
-    // Lambert's law divides by π; the light is given as a share.
-    const sun = new DirectionalLight(0xffffff, LIGHT.one * Math.PI);
+    // three.js divides by π as in Lambert's law, but the intensity in LIGHT is a share.
+    const sun = new DirectionalLight(0xffffff, LIGHT.sun * Math.PI);
     sun.position.set(...LIGHT.from);
     this.camera.add(sun, sun.target);
     this.camera.up.set(0, 0, 1);
-    this.scene.add(this.camera, new AmbientLight(0xffffff, LIGHT.all * Math.PI));
+    this.scene.add(this.camera, new AmbientLight(0xffffff, LIGHT.ambient * Math.PI));
     this.canvas.addEventListener("webglcontextlost", this.onLost);
     this.canvas.addEventListener("webglcontextrestored", this.onRestored);
     this.dark.addEventListener("change", this.restyle);
-    this.themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
-    this.sizes.observe(root);
+    this.themeObserver.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    this.sizeObserver.observe(root);
     this.resize();
   }
 
@@ -99,10 +99,10 @@ export class Viewer {
     this.section = picture.section;
     this.renderer.localClippingEnabled = this.section !== undefined;
     if (this.section) this.plane.set(new Vector3(...this.section.normal).negate(), this.section.offset);
-    const wanted = new Map(picture.layers.map((layer) => [layer.id, layer]));
+    const layersById = new Map(picture.layers.map((layer) => [layer.id, layer]));
     for (const [id, shown] of this.shown) {
-      const layer = wanted.get(id);
-      // Where only the arrays are others, as while one drags, the materials stay: to make one anew takes milliseconds.
+      const layer = layersById.get(id);
+      // If only the arrays differ, as during a drag, the materials are kept: creating them takes milliseconds.
       if (!layer || this.section || !isSame(layer, shown.layer, true)) this.remove(id, shown);
       else if (!isSame(layer, shown.layer, false)) this.reshape(shown, layer);
     }
@@ -122,13 +122,13 @@ export class Viewer {
     this.draw(picture);
   };
 
-  /** Frees what the graphics processor holds, and leaves the element as it was. */
+  /** Frees the GPU resources and restores the element. */
   dispose(): void {
     this.isDisposed = true;
     cancelAnimationFrame(this.frame);
-    this.sizes.disconnect();
+    this.sizeObserver.disconnect();
     this.dark.removeEventListener("change", this.restyle);
-    this.themes.disconnect();
+    this.themeObserver.disconnect();
     this.canvas.removeEventListener("webglcontextlost", this.onLost);
     this.canvas.removeEventListener("webglcontextrestored", this.onRestored);
     for (const [id, shown] of this.shown) this.remove(id, shown);
@@ -137,13 +137,13 @@ export class Viewer {
     this.canvas.remove();
   }
 
-  /** What the graphics processor holds of ours. */
+  /** The numbers of geometries and textures on the GPU. */
   get held(): { geometries: number; textures: number } {
     const { geometries, textures } = this.renderer.info.memory;
     return { geometries, textures };
   }
 
-  /** Draws at once, for a picture that is read in the same moment. */
+  /** Draws immediately and returns the canvas, whose pixels must be read in the same task. */
   now(): HTMLCanvasElement {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
@@ -162,7 +162,7 @@ export class Viewer {
     this.camera.aspect = width / height;
     this.camera.fov = fovOf({ width, height });
     this.camera.updateProjectionMatrix();
-    // At once: a canvas of a new size is empty, and would blink.
+    // Immediately: resizing clears the canvas, which would flicker.
     if (this.view) this.now();
   }
 
@@ -219,7 +219,7 @@ export class Viewer {
     this.shown.set(layer.id, shown);
   }
 
-  /** Other arrays for what is shown. */
+  /** Replaces the arrays of a layer, and keeps its materials. */
   private reshape(shown: Shown, layer: Layer): void {
     shown.layer = layer;
     if (layer.kind === "silhouette") shown.edges = edgesOf(layer.positions, layer.indices);
@@ -264,12 +264,12 @@ export class Viewer {
     const hasColors = geometry.hasAttribute("color");
     const front = layer.sides === "front" || layer.back !== undefined || this.section !== undefined ? FrontSide : DoubleSide;
     const material = (paint: Paint) => this.material(layer, paint, front, hasColors);
-    // A geometry in groups has a material for each.
-    const isLaid = layer.pictures !== undefined && geometry.groups.length > 0;
-    const materials = isLaid ? layer.pictures!.of.map((laid) => this.pictured(material(layer.paint), laid)) : material(layer.paint);
+    // A geometry with groups has one material per group.
+    const isTextured = layer.pictures !== undefined && geometry.groups.length > 0;
+    const materials = isTextured ? layer.pictures!.of.map((picture) => this.textured(material(layer.paint), picture)) : material(layer.paint);
     const objects = [new Mesh(geometry, materials)];
     if (this.section) {
-      // The inside of a closed mesh, in one tone without light, looks as if it were cut through.
+      // The inside of a closed mesh, unlit in one tone, looks like a solid cut.
       const inside = new MeshBasicMaterial({ color: this.color(this.section.paint), side: BackSide });
       objects.push(new Mesh(ungrouped(geometry), this.clipped(inside)));
     } else if (layer.back !== undefined && layer.sides === "both") {
@@ -304,10 +304,10 @@ export class Viewer {
     return this.clipped(material);
   }
 
-  private pictured(material: Material, laid: LaidPicture | undefined): Material {
-    if (!laid) return material;
-    const map = new Texture(laid.image);
-    [map.wrapS, map.wrapT] = laid.wrap.map((way) => WRAPS[way] ?? RepeatWrapping) as [Wrapping, Wrapping];
+  private textured(material: Material, picture: DecodedPicture | undefined): Material {
+    if (!picture) return material;
+    const map = new Texture(picture.image);
+    [map.wrapS, map.wrapT] = picture.wrap.map((way) => WRAPS[way] ?? RepeatWrapping) as [Wrapping, Wrapping];
     map.colorSpace = SRGBColorSpace;
     map.flipY = false;
     map.anisotropy = MOST_ANISOTROPY;
@@ -323,8 +323,8 @@ export class Viewer {
   private line(layer: Exclude<Layer, { kind: "mesh" | "points" }>): LineSegments2 {
     const { paint, width, isOnTop } = layer;
     const material = new LineMaterial({ linewidth: width, depthTest: !isOnTop });
-    // Edges lie on the triangles and shall win. Lines of a width are triangles, too: they are brought nearer, for triangles
-    // that were moved away would show those behind them along the outline.
+    // Edges lie on the triangles and must win the depth test. Wide lines are triangles, too, so the offset is on the lines: if
+    // the triangles were moved back instead, those behind them would show along the outline.
     Object.assign(material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -12 });
     material.color = this.color(paint);
     return new LineSegments2(this.geometry(layer) as LineSegmentsGeometry, this.clipped(material));
@@ -334,7 +334,7 @@ export class Viewer {
     const { paint, size, isOnTop } = layer;
     const material = new PointsMaterial({
       color: this.color(paint),
-      // In CSS pixels: three.js multiplies it by the screen's density itself.
+      // In CSS pixels: three.js multiplies it by the pixel ratio.
       size,
       sizeAttenuation: false,
       depthTest: !isOnTop,
@@ -353,7 +353,7 @@ export class Viewer {
     return new Points(this.geometry(layer), this.clipped(material));
   }
 
-  /** A colour, or what a custom property of the root holds. */
+  /** A colour, or the value of a custom property. */
   private color = (paint: Paint): Color => {
     const text = paint.startsWith("--") ? getComputedStyle(this.root).getPropertyValue(paint).trim() : paint;
     return new Color(text || "#888888");
@@ -366,26 +366,26 @@ function ungrouped(geometry: BufferGeometry): BufferGeometry {
   return copy;
 }
 
-/** Whether two layers are the same, or would be with the same arrays. */
+/** Whether two layers are the same, or differ only in the numbers of their arrays if `withoutArrays`. */
 function isSame(a: unknown, b: unknown, withoutArrays: boolean): boolean {
   if (a === b) return true;
   if (ArrayBuffer.isView(a) && ArrayBuffer.isView(b))
     return withoutArrays || hasSameNumbers(a as Float32Array, b as Float32Array);
   if (typeof a !== "object" || typeof b !== "object" || a === null || b === null) return false;
-  // What is no list and no plain record, as a bitmap, is itself alone.
+  // Any other object, such as a bitmap, equals only itself.
   if (!Array.isArray(a) && Object.getPrototypeOf(a) !== Object.prototype) return false;
   const [left, right] = [a as Record<string, unknown>, b as Record<string, unknown>];
   const keys = Object.keys(left);
   return keys.length === Object.keys(right).length && keys.every((key) => isSame(left[key], right[key], withoutArrays));
 }
 
-/** To compare numbers is a thousandth of the work of drawing them anew. */
+/** Comparing costs a thousandth of uploading the numbers again. */
 function hasSameNumbers(a: Float32Array, b: Float32Array): boolean {
   return a.length === b.length && a.every((x, i) => x === b[i]);
 }
 
 function lineGeometry(positions: Float32Array): LineSegmentsGeometry {
-  // Without a segment the geometry would have no bounds.
+  // An empty geometry has no bounds.
   return new LineSegmentsGeometry().setPositions(positions.length ? positions : new Float32Array(6));
 }
 
@@ -393,22 +393,22 @@ function meshGeometry(layer: MeshLayer, color: (paint: Paint) => Color): BufferG
   const geometry = new BufferGeometry();
   const colors = vertexColors(layer);
   if (layer.groups && !colors) {
-    // A colour for each triangle: its corners are its own.
+    // A colour per triangle: the corners must not be shared.
     const { of, paints } = layer.groups;
     const palette = paints.map((paint) => color(paint).toArray());
     const rows = layer.indices;
-    const spread = (from: Float32Array, width = 3) => {
-      const out = new Float32Array(width * rows.length);
-      for (let i = 0; i < rows.length; i++) for (let k = 0; k < width; k++) out[width * i + k] = from[width * rows[i]! + k]!;
-      return out;
+    const unshare = (from: Float32Array, width = 3) => {
+      const unshared = new Float32Array(width * rows.length);
+      for (let i = 0; i < rows.length; i++) for (let k = 0; k < width; k++) unshared[width * i + k] = from[width * rows[i]! + k]!;
+      return unshared;
     };
-    geometry.setAttribute("position", new BufferAttribute(spread(layer.positions), 3));
-    if (layer.normals) geometry.setAttribute("normal", new BufferAttribute(spread(layer.normals), 3));
-    const painted = new Float32Array(3 * rows.length);
-    for (let i = 0; i < rows.length; i++) painted.set(palette[of[Math.floor(i / 3)]!]!, 3 * i);
-    geometry.setAttribute("color", new BufferAttribute(painted, 3));
+    geometry.setAttribute("position", new BufferAttribute(unshare(layer.positions), 3));
+    if (layer.normals) geometry.setAttribute("normal", new BufferAttribute(unshare(layer.normals), 3));
+    const cornerColors = new Float32Array(3 * rows.length);
+    for (let i = 0; i < rows.length; i++) cornerColors.set(palette[of[Math.floor(i / 3)]!]!, 3 * i);
+    geometry.setAttribute("color", new BufferAttribute(cornerColors, 3));
     if (layer.pictures) {
-      geometry.setAttribute("uv", new BufferAttribute(spread(layer.pictures.uv, 2), 2));
+      geometry.setAttribute("uv", new BufferAttribute(unshare(layer.pictures.uv, 2), 2));
       for (let face = 0, first = 0; face < of.length; face++) {
         if (face + 1 < of.length && of[face + 1] === of[face]) continue;
         geometry.addGroup(3 * first, 3 * (face + 1 - first), of[face]);

@@ -1,4 +1,4 @@
-// The page of the workbench: what is on the bench at the left, how it looks in the middle, what is known of it at the right.
+// The workbench page: the inputs at the left, the picture in the middle, certificate and findings at the right.
 import { useEffect, useState } from "preact/hooks";
 import { Mark, jump } from "../exhibits/Frame";
 import { TAGS } from "../exhibits/say";
@@ -19,7 +19,7 @@ import { useWords } from "./words";
 export interface Props {
   language: Language;
   state: State;
-  /** `null` while the page is written, when there is nothing to do. */
+  /** `null` at build time. */
   control: Controller | null;
 }
 

@@ -1,4 +1,4 @@
-// What is known of the mesh: its bound, how that is known, and what holds of the triangles.
+// The certificate of the mesh: its bound, the evidence for that, and the properties of its triangles.
 import { Figure } from "../view/parts";
 import type { Vec3 } from "../viewer";
 import { stageIn } from "./command_zh";
@@ -27,7 +27,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
       {shown?.isShort && !shown.isDraft && <p class="aside">{words.short}</p>}
       {bound && shown && (
         <>
-          <p class={`big ${shown.isDraft ? "draft" : shown.of === state.bench ? bound.evidence : "old"}`} aria-live="polite">
+          <p class={`big ${shown.isDraft ? "draft" : shown.bench === state.bench ? bound.evidence : "old"}`} aria-live="polite">
             <Figure name="bound" value={bound.at_most ?? bound.at_least}>
               {sizeOf(page, bound)}
             </Figure>
@@ -36,9 +36,9 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
             {isKnown(bound) && <b>{evidenceOf(page, bound)}</b>}
             {bound.pixels !== null && ` · ${words.inPixels(say.number(bound.pixels))}`}
           </p>
-          {bound.assumptions?.map((one) => (
-            <p class="aside" key={one} lang="en">
-              {one}
+          {bound.assumptions?.map((assumption) => (
+            <p class="aside" key={assumption} lang="en">
+              {assumption}
             </p>
           ))}
           {shown.isDraft && <p class="aside">{state.ended === state.bench ? words.draftOnly : words.draft}</p>}
@@ -67,10 +67,10 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
               <dd>{valid.genus}</dd>
             </div>
           )}
-          {shown.certificate.attributes?.map((one) => (
-            <div key={one.name} data-attribute={one.name}>
-              <dt>{words.attributeOff(words.attributes[one.semantic], numberOf(one))}</dt>
-              <dd>{offBy(page, one)}</dd>
+          {shown.certificate.attributes?.map((attribute) => (
+            <div key={attribute.name} data-attribute={attribute.name}>
+              <dt>{words.attributeOff(words.attributes[attribute.semantic], numberOf(attribute))}</dt>
+              <dd>{errorOf(page, attribute)}</dd>
             </div>
           ))}
           <div>
@@ -95,7 +95,7 @@ export function Certificate({ page, mark }: { page: Page; mark(places: readonly 
   );
 }
 
-/** Whether anything is known of a distance: a draft's is not, and "0 or more" says nothing. */
+/** Whether the bound says anything: the estimate of a draft does not, and neither does "0 or more". */
 const isKnown = ({ evidence, at_least, at_most }: BoundFacts): boolean => evidence !== "estimated" && (at_most !== null || at_least > 0);
 
 function sizeOf({ words, say }: Page, bound: BoundFacts): string {
@@ -103,21 +103,21 @@ function sizeOf({ words, say }: Page, bound: BoundFacts): string {
   return bound.at_most === null ? words.atLeast(say.number(bound.at_least)) : words.atMost(say.number(bound.at_most));
 }
 
-/** Which of several of a kind, counted from 1; a file's own name of what is of no kind. */
+/** Which of several attributes of one kind, counted from 1; of a custom attribute its name in the file. */
 const numberOf = ({ semantic, name }: AttributeFacts): string =>
   semantic === "custom" ? name : (/ ([1-9]\d*)$/.exec(name)?.[1] ?? "").replace(/\d+/, (k) => String(Number(k) + 1));
 
-const offBy = ({ words, say }: Page, { largest, unit }: AttributeFacts): string =>
+const errorOf = ({ words, say }: Page, { largest, unit }: AttributeFacts): string =>
   largest === null ? words.noNumber : unit === "degrees" ? say.degrees(largest) : say.number(largest);
 
 function evidenceOf({ words }: Page, { evidence }: BoundFacts): string {
   return { proved: words.proved, "proved-if": words.provedIf, measured: words.measured, estimated: words.estimated }[evidence];
 }
 
-/** How far work is, and a button that ends it. */
+/** The progress of a run, with a button that cancels it. */
 export function Working({ page, lanes }: { page: Page; lanes: readonly LaneName[] }) {
   const { words, say, state, control, language } = page;
-  const lane = lanes.find((one) => state.running.includes(one));
+  const lane = lanes.find((name) => state.running.includes(name));
   if (!lane) return null;
   const progress = state.progress[lane];
   return (

@@ -1,4 +1,4 @@
-// Files for the disk, and the lines that make them anywhere else.
+// Files to download, and the command, Python or Rust code that makes the same mesh elsewhere.
 import { useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { Working } from "./Certificate";
@@ -10,7 +10,7 @@ import type { Page } from "./words";
 const MESHES = ["glb", "3mf", "stl", "ply", "obj"] as const;
 const LANGUAGES = ["shell", "python", "rust"] as const;
 
-/** Long enough for a browser to have begun. */
+/** Long enough for a browser to start the download. */
 const KEPT_MS = 60_000;
 
 export function Exports({ page }: { page: Page }) {
@@ -24,10 +24,10 @@ export function Exports({ page }: { page: Page }) {
   const name = line.at(-1)!;
   const text =
     language === "shell" ? shell([...bench.before, line]) : language === "python" ? python(bench, screen, name) : rust(bench, screen, name);
-  // What the command cannot read it cannot write; the error stands in the certificate.
-  const isIdle = isBroken(state);
-  const save = (line: Line, zipped?: string) =>
-    void control?.export(line).then((made) => made && saveAll(made, zipped).catch(() => control.say("trapped")));
+  // If the command cannot read the input, it cannot write a file either; the certificate shows the error.
+  const isDisabled = isBroken(state);
+  const save = (line: Line, archiveName?: string) =>
+    void control?.export(line).then((files) => files && saveAll(files, archiveName).catch(() => control.say("trapped")));
   return (
     <section class="export">
       <div class="panel">
@@ -38,7 +38,7 @@ export function Exports({ page }: { page: Page }) {
               type="button"
               key={format}
               data-export={format}
-              disabled={isIdle}
+              disabled={isDisabled}
               onClick={() => save(control!.line(`${stem(bench.name)}.${format}`))}
             >
               {format.toUpperCase()}
@@ -47,7 +47,7 @@ export function Exports({ page }: { page: Page }) {
           <button
             type="button"
             data-export="tiles"
-            disabled={isIdle}
+            disabled={isDisabled}
             onClick={() => save(["lod", ...reading(bench), "--px", "1", "-o", "tiles/"], `${stem(bench.name)}-tiles.zip`)}
           >
             3D Tiles (.zip)
@@ -56,7 +56,7 @@ export function Exports({ page }: { page: Page }) {
             <button
               type="button"
               data-export="svg"
-              disabled={isIdle}
+              disabled={isDisabled}
               onClick={() => save(["convert", ...reading(bench), `${stem(bench.name)}-out.svg`])}
             >
               SVG
@@ -65,13 +65,13 @@ export function Exports({ page }: { page: Page }) {
           <button
             type="button"
             data-export="png"
-            disabled={isIdle}
+            disabled={isDisabled}
             onClick={() => save(control!.pictureLine())}
           >
             PNG
           </button>
         </div>
-        <p class="aside">{isIdle ? words.noExport : words.exportHint}</p>
+        <p class="aside">{isDisabled ? words.noExport : words.exportHint}</p>
         <Working page={page} lanes={["export"]} />
       </div>
       <div class="panel line">
@@ -102,18 +102,18 @@ export function Exports({ page }: { page: Page }) {
   );
 }
 
-/** One file as it is; several, or those of a folder, in an archive. Rejected where that does not fit into memory. */
-async function saveAll(made: Files, zipped?: string): Promise<void> {
-  const names = Object.keys(made);
-  if (!zipped && names.length === 1) return save(names[0]!, made[names[0]!]!);
+/** Saves one file as it is, several or those of a folder in an archive. Rejects if the archive does not fit into memory. */
+async function saveAll(files: Files, archiveName?: string): Promise<void> {
+  const names = Object.keys(files);
+  if (!archiveName && names.length === 1) return save(names[0]!, files[names[0]!]!);
   const worker = new Worker(new URL("./archive.ts", import.meta.url), { type: "module" });
   try {
     const bytes = await new Promise<Uint8Array>((resolve, reject) => {
       worker.onmessage = ({ data }: MessageEvent<Uint8Array>) => resolve(data);
       worker.onerror = reject;
-      worker.postMessage(made);
+      worker.postMessage(files);
     });
-    save(zipped ?? "files.zip", bytes);
+    save(archiveName ?? "files.zip", bytes);
   } finally {
     worker.terminate();
   }

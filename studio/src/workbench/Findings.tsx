@@ -1,4 +1,4 @@
-// What is wrong with a mesh that was opened, where, and what cures it.
+// The defects of a mesh that was opened, their places, and their repairs.
 import type { Vec3 } from "../viewer";
 import { Working } from "./Certificate";
 import { cureIn, joining, nameIn, sentenceIn } from "./command_zh";
@@ -19,7 +19,7 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
       {findings.length === 0 && <p class="good">{words.sound}</p>}
       <ul>
         {findings.map((finding) => {
-          const here = state.witnesses.filter(({ of }) => of === finding.of);
+          const witnesses = state.witnesses.filter(({ of }) => of === finding.of);
           return (
             <li key={finding.of} class={finding.weight}>
               <p>
@@ -34,16 +34,16 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
                 </p>
               )}
               <div class="row tight">
-                {here.length > 0 && (
+                {witnesses.length > 0 && (
                   <button
                     type="button"
                     onClick={() => {
-                      const places = here.map(({ at }) => control?.place(at) ?? at);
+                      const places = witnesses.map(({ at }) => control?.place(at) ?? at);
                       mark(places);
                       control?.look({ ...state.view, target: places[0]! });
                     }}
                   >
-                    {words.showPlaces(say.whole(here.length), here.length < finding.count)}
+                    {words.showPlaces(say.whole(witnesses.length), witnesses.length < finding.count)}
                   </button>
                 )}
                 {[...finding.cures, ...joining(finding.means)].map((option) => (
@@ -66,5 +66,5 @@ export function Findings({ page, mark }: { page: Page; mark(places: readonly Vec
   );
 }
 
-/** The ending of what a cure writes: that of the input where it can be written so. */
+/** The ending of the mended file: that of the input if the command can write it. */
 const endingOf = (name: string): string => /\.(glb|stl|ply|obj|off|3mf)$/i.exec(name)?.[1]?.toLowerCase() ?? "glb";

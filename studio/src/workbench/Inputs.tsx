@@ -1,4 +1,4 @@
-// What is on the bench: a script or a file, its parameters, its options, and how much error may be seen.
+// The inputs of the bench: a script or a file, its parameters, its options, and the error budget.
 import { useRef } from "preact/hooks";
 import { Choice, Slider } from "../view/parts";
 import { EXAMPLES, example } from "./examples";
@@ -7,10 +7,10 @@ import { Script } from "./Script";
 import type { Page } from "./words";
 
 const KINDS: readonly BudgetKind[] = ["tol", "px", "triangles"];
-/** How far a slider goes beyond the value that is written, and in how many steps. */
+/** A slider goes up to this multiple of the default, in so many steps. Chosen: a wider range makes steps coarser. */
 const REACH = 2;
 const STEPS = 100;
-/** A whole number from here on may be a count. */
+/** A whole number of at least this size may be a count, so its slider has whole steps. */
 const WHOLE = 5;
 
 export function Inputs({ page }: { page: Page }) {
@@ -25,7 +25,7 @@ export function Inputs({ page }: { page: Page }) {
           <select
             value={EXAMPLES.find((name) => `${name}.star` === bench.name) ?? ""}
             onChange={(event) => {
-              const name = EXAMPLES.find((one) => one === event.currentTarget.value);
+              const name = EXAMPLES.find((other) => other === event.currentTarget.value);
               if (name) control?.put(example(name));
             }}
           >
@@ -90,7 +90,7 @@ function Parameters({ page }: { page: Page }) {
   const { words, state, control, say } = page;
   const { bench, inspection } = state;
   const parameters = inspection?.field?.parameters ?? [];
-  // A value of a parameter that was renamed is refused: then there is no list, and it has to be taken back all the same.
+  // If a parameter was renamed, the command refuses its value and lists no parameters; the button must still reset it.
   const isChanged = Object.keys(bench.set).length > 0;
   if (!isScript(bench) || !(parameters.length || isChanged)) return null;
   const set = (name: string, value: number, isDragging: boolean) =>

@@ -1,4 +1,4 @@
-// Levels of detail: a slider of distance, and which level one would see from there.
+// Levels of detail: a slider for the distance, and the level that is visible from there.
 import { Slider } from "../view/parts";
 import { Working } from "./Certificate";
 import { isBroken } from "./outdated";
@@ -6,7 +6,7 @@ import { distanceOf, pixelsOf } from "./pixels";
 import type { LevelFacts } from "./report";
 import type { Page } from "./words";
 
-/** The slider goes in powers of two, so that far and near have room; a step is an eighth of one. */
+/** The slider is logarithmic, so that near and far have the same room: so many steps for each doubling. */
 const STEPS = 8;
 
 export function Levels({ page }: { page: Page }) {
@@ -52,11 +52,11 @@ export function Levels({ page }: { page: Page }) {
   );
 }
 
-/** Levels are made for this many pixels; what is more by no more than this share is their rounding in a line. */
+/** The levels are built for this many pixels. Up to this share more is due to rounding of the numbers in the command line. */
 const PIXELS = 1;
 const ROUNDING = 1e-3;
 
-/** How far a level is off, and what that is on the screen from where one is. */
+/** The error of a level, and its size on the screen from the current distance. */
 function errorOf({ words, say, control }: Page, { at_least, at_most }: LevelFacts): string {
   if (at_most === null || !control) return words.atLeast(say.number(at_least));
   const screen = { ...control.screen, distance: control.away };
@@ -65,11 +65,11 @@ function errorOf({ words, say, control }: Page, { at_least, at_most }: LevelFact
   return words.levelError(say.number(at_most), Number.isFinite(pixels) ? say.number(pixels) : null, from);
 }
 
-/** The level that may be shown from here: the coarsest whose distance has been reached. */
+/** The level to show at the current distance: the coarsest whose switching distance is reached. */
 export function levelAt({ state, control }: Page): number | null {
   const { levels } = state;
   if (!levels || !control) return null;
   const { away } = control;
-  const far = levels.facts.findLastIndex(({ distance }) => distance <= away);
-  return Math.max(far, 0);
+  const coarsest = levels.facts.findLastIndex(({ distance }) => distance <= away);
+  return Math.max(coarsest, 0);
 }

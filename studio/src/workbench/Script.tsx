@@ -1,4 +1,4 @@
-// The script in an editor that is loaded when it is needed; until then, and without it, in a plain field.
+// The script in an editor, which is loaded on demand; until then, or if that fails, in a plain text field.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { textOf } from "./document";
 import type { ScriptEditor } from "./editor";
@@ -6,10 +6,10 @@ import type { Page } from "./words";
 
 export function Script({ page }: { page: Page }) {
   const { words, state, control, language } = page;
-  const place = useRef<HTMLDivElement>(null);
+  const container = useRef<HTMLDivElement>(null);
   const editor = useRef<ScriptEditor | null>(null);
-  const now = useRef(page);
-  now.current = page;
+  const latestPage = useRef(page);
+  latestPage.current = page;
   const [isLoaded, setLoaded] = useState(false);
   const text = textOf(state.bench);
 
@@ -19,11 +19,11 @@ export function Script({ page }: { page: Page }) {
     void import("./editor").then(({ EDITOR_PHRASES, createEditor, tableIn }) => {
       if (isGone) return;
       setLoaded(true);
-      editor.current = createEditor(place.current!, {
+      editor.current = createEditor(container.current!, {
         text: textOf(control.state.bench),
         label: words.script,
         phrases: EDITOR_PHRASES[language],
-        change: (text, isDragging) => now.current.control?.write(text, isDragging),
+        change: (text, isDragging) => latestPage.current.control?.write(text, isDragging),
       });
       void control.language().then(async (table) => {
         if (table) editor.current?.setTable(await tableIn(language, table.functions), table.words);
@@ -37,7 +37,7 @@ export function Script({ page }: { page: Page }) {
   }, [control, language]);
 
   useEffect(() => {
-    // The newest text, not the one that was drawn: a key may have come since.
+    // The newest text, not the rendered one: a key may have been pressed since.
     const newest = control ? textOf(control.state.bench) : text;
     if (editor.current && editor.current.text !== newest) editor.current.setText(newest);
   }, [text]);
@@ -57,7 +57,7 @@ export function Script({ page }: { page: Page }) {
           <textarea spellcheck={false} value={text} readOnly={!control} onInput={(event) => control?.write(event.currentTarget.value)} />
         </label>
       )}
-      <div ref={place} class="editor-place" />
+      <div ref={container} class="editor-place" />
     </div>
   );
 }

@@ -1,4 +1,4 @@
-// How it looks: the triangles in space, and beside them the field that they stand for, how far they are from it, or their cost.
+// The pictures: the mesh in 3D, and beside it the field, the deviation of the mesh, or its shading cost.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { PAINT } from "../exhibits/paint";
 import { Scene } from "../exhibits/Scene";
@@ -23,7 +23,7 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
   const { shown, levels, view, home, bench } = state;
   const [look, setLook] = useState<Look>("shaded");
   const [pane, setPane] = useState<"mesh" | "field" | "both">("both");
-  /** Where it is cut, from 0 at the front to 1 at the back; `null` for the whole. */
+  /** Position of the section, from 0 at the front to 1 at the back; `null` without a section. */
   const [cut, setCut] = useState<number | null>(null);
   const level = levelAt(page);
   const parts = level === null ? (shown?.parts ?? []) : (levels!.parts[level] ?? []);
@@ -105,19 +105,19 @@ export function Stage({ page, marked }: { page: Page; marked: readonly Vec3[] })
   );
 }
 
-/** Tells the bench how large the picture is: pixels are counted on it. */
+/** Reports the size of the picture to the controller, because pixel budgets depend on it. */
 function Measure({ page }: { page: Page }) {
   const mark = useRef<HTMLSpanElement>(null);
   const control = useRef(page.control);
   control.current = page.control;
   useEffect(() => {
     const scene = mark.current!.parentElement!.querySelector(".scene")!;
-    const sizes = new ResizeObserver(() => {
+    const sizeObserver = new ResizeObserver(() => {
       const { clientWidth: width, clientHeight: height } = scene;
       if (width && height) control.current?.resize({ width, height });
     });
-    sizes.observe(scene);
-    return () => sizes.disconnect();
+    sizeObserver.observe(scene);
+    return () => sizeObserver.disconnect();
   }, []);
   return <span ref={mark} hidden />;
 }
@@ -127,35 +127,35 @@ function Beside({ page }: { page: Page }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [height, setHeight] = useState(0.5);
   const { picture, slice } = state;
-  const what = besideOf(state.bench, state.beside);
-  const isSliced = what === "sliced";
-  const taken = picture?.of === what ? picture : null;
+  const kind = besideOf(state.bench, state.beside);
+  const isSliced = kind === "sliced";
+  const currentPicture = picture?.kind === kind ? picture : null;
   useEffect(() => {
-    const place = canvas.current;
-    if (!place) return undefined;
+    const element = canvas.current;
+    if (!element) return undefined;
     let isOld = false;
-    if (taken) {
-      void createImageBitmap(new Blob([taken.png as BlobPart])).then((bitmap) => {
+    if (currentPicture) {
+      void createImageBitmap(new Blob([currentPicture.png as BlobPart])).then((bitmap) => {
         if (!isOld) {
-          Object.assign(place, { width: bitmap.width, height: bitmap.height });
-          place.getContext("2d")?.drawImage(bitmap, 0, 0);
+          Object.assign(element, { width: bitmap.width, height: bitmap.height });
+          element.getContext("2d")?.drawImage(bitmap, 0, 0);
         }
         bitmap.close();
       });
-    } else if (isSliced && slice) drawSlice(place, slice, height);
+    } else if (isSliced && slice) drawSlice(element, slice, height);
     return () => {
       isOld = true;
     };
-  }, [taken, slice, isSliced, height]);
-  const { bound, overshade } = taken?.report.certificate ?? {};
+  }, [currentPicture, slice, isSliced, height]);
+  const { bound, overshade } = currentPicture?.report.certificate ?? {};
   return (
     <>
       <canvas
         ref={canvas}
         class="field-picture"
         role="img"
-        aria-label={`${words.beside}: ${words.besides[what]}`}
-        hidden={isSliced ? !slice : !taken}
+        aria-label={`${words.beside}: ${words.besides[kind]}`}
+        hidden={isSliced ? !slice : !currentPicture}
         width={720}
         height={480}
       />
@@ -177,12 +177,12 @@ function Beside({ page }: { page: Page }) {
           {words.bakeForSlice}
         </button>
       )}
-      {what === "distance" && bound && (
+      {kind === "distance" && bound && (
         <p class="aside" data-says="distance">
           {words.distanceSays(page.say.number(state.shown?.certificate.bound?.at_most ?? bound.at_most ?? 0), page.say.number(bound.at_least))}
         </p>
       )}
-      {what === "overshade" && overshade && (
+      {kind === "overshade" && overshade && (
         <p class="aside" data-says="overshade">
           {words.overshadeSays(page.say.fixed(overshade.every.lanes / Math.max(overshade.covered_px, 1)), overshade.missed + overshade.micro, overshade.in_view)}
         </p>
@@ -192,7 +192,7 @@ function Beside({ page }: { page: Page }) {
   );
 }
 
-/** Cut away is what stands before a plane that faces the first view, across y. */
+/** A section plane across y: the half nearer to the initial eye is cut away. */
 function sectionOf(parts: readonly Part[], cut: number | null): Section | undefined {
   const box = cut === null ? undefined : boxOf(parts);
   if (!box) return undefined;
@@ -202,9 +202,9 @@ function sectionOf(parts: readonly Part[], cut: number | null): Section | undefi
 
 function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], distance: number): Layer[] {
   const layers = parts.flatMap((part, k): Layer[] => {
-    const { positions, indices, normals, colors, groups, paints, uv, laid } = part;
-    const pictures = uv && laid?.some(Boolean) && look !== "wire" ? { uv, of: laid } : undefined;
-    const paint = (own: string | undefined, k: number) => own ?? (pictures?.of[k] ? "#ffffff" : PAINT.front);
+    const { positions, indices, normals, colors, groups, paints, uv, decoded } = part;
+    const pictures = uv && decoded?.some(Boolean) && look !== "wire" ? { uv, of: decoded } : undefined;
+    const paint = (color: string | undefined, k: number) => color ?? (pictures?.of[k] ? "#ffffff" : PAINT.front);
     const mesh: Layer = {
       kind: "mesh",
       id: `mesh-${k}`,
@@ -212,7 +212,7 @@ function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], d
       indices,
       ...(normals && look !== "wire" ? { normals } : {}),
       ...(colors && !pictures ? { colors } : {}),
-      // One paint for all needs no corners of its own.
+      // With a single paint the triangles can share vertices, so no groups are needed.
       ...(paints.length > 1 || pictures ? { groups: { of: groups, paints: paints.map(paint) } } : {}),
       ...(pictures ? { pictures } : {}),
       paint: paint(paints[0], 0),
@@ -224,11 +224,11 @@ function layersOf(parts: readonly Part[], look: Look, marked: readonly Vec3[], d
       return [mesh, { kind: "wire", id: `wire-${k}`, positions, indices, paint: "#1d232b", width: 1 }];
     }
     if (look === "normals" && normals) {
-      const every = Math.max(1, Math.ceil(positions.length / 3 / MOST_NORMALS));
-      const some = (rows: Float32Array) => rows.filter((_, i) => Math.floor(i / 3) % every === 0);
+      const step = Math.max(1, Math.ceil(positions.length / 3 / MOST_NORMALS));
+      const thinned = (rows: Float32Array) => rows.filter((_, i) => Math.floor(i / 3) % step === 0);
       return [
         mesh,
-        { kind: "normals", id: `normals-${k}`, at: some(positions), directions: some(normals), length: distance / 60, paint: "#8a5a00", width: 1.5 },
+        { kind: "normals", id: `normals-${k}`, at: thinned(positions), directions: thinned(normals), length: distance / 60, paint: "#8a5a00", width: 1.5 },
       ];
     }
     return [mesh];

@@ -1,4 +1,4 @@
-// What makes another shape of this one: a solid united, subtracted or intersected, and a bake into a field.
+// Steps that replace the shape by another one: union, difference or intersection with a solid, and baking into a grid.
 import { useRef, useState } from "preact/hooks";
 import { Choice } from "../view/parts";
 import { type Bench, stem } from "./document";
@@ -6,7 +6,7 @@ import { isBroken } from "./outdated";
 import type { Page } from "./words";
 
 const HOWS = ["union", "minus", "intersect"] as const;
-/** Cells of a bake, unless one says otherwise. */
+/** Cells of a bake by default. */
 const CELLS = "64";
 
 export function Steps({ page }: { page: Page }) {

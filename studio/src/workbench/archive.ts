@@ -1,9 +1,9 @@
-// Packs files into one archive, in a worker of its own, so that the page goes on. The library's own workers are made of text,
-// which the page's policy refuses.
+// Packs files into one archive in a worker, so that the page stays responsive. fflate's own workers are created from text,
+// which the page's content security policy forbids.
 import { zipSync } from "fflate";
 import type { Files } from "./command";
 
-/** The first day that an archive can name: the same files make the same bytes. */
+/** The earliest date of the ZIP format. Constant, so that the same files give the same bytes. */
 const DAY = new Date(1980, 0, 1);
 
 addEventListener("message", ({ data }: MessageEvent<Files>) => {

@@ -1,14 +1,14 @@
-// What the command says of a mesh and of its own progress, as the page says it: its options in words, and in 中文 all of it, by
-// the English words. What is not here stays as it is.
+// The command's sentences on meshes and on its progress, as the page shows them: options in words, and everything in Chinese,
+// looked up by the English text. A text without a translation stays English.
 import type { Language } from "./texts";
 
-/** Words, and their language where it is not the page's. */
+/** A text, with its language if that is not the page's. */
 export interface Spoken {
   text: string;
   lang?: "en";
 }
 
-/** The names of findings, behind their number. */
+/** The names of findings, which follow their number. */
 export const NAMES: Record<string, string> = {
   boundary_edges: "条边界边",
   non_manifold_edges: "条边连着三个以上的三角形",
@@ -25,7 +25,7 @@ export const NAMES: Record<string, string> = {
   unused_vertices: "个未使用的顶点",
 };
 
-/** What a cure does, by its option. */
+/** The effect of a repair, by its option. */
 export const CURES: Record<string, string> = {
   "--weld": "焊接重合的顶点",
   "--drop-duplicates": "删除重复的三角形",
@@ -40,11 +40,11 @@ export const CURES: Record<string, string> = {
 /** The same in English. */
 export const CURES_EN: Record<string, string> = {
   "--weld": "weld equal vertices",
-  "--drop-duplicates": "delete repeated triangles",
-  "--drop-degenerate": "delete triangles without an area",
+  "--drop-duplicates": "delete duplicate triangles",
+  "--drop-degenerate": "delete triangles without area",
   "--resolve-t-junctions": "split edges at T-junctions",
-  "--split-nonmanifold": "cut apart where sheets branch",
-  "--orient": "turn triangles to one side",
+  "--split-nonmanifold": "cut the surface apart at its branches",
+  "--orient": "orient triangles consistently",
   "--fill-holes": "fill holes",
   "--drop-unused": "delete unused vertices",
 };
@@ -84,7 +84,7 @@ const SENTENCES: Record<string, string> = {
 
 const NEARLY_JOINED = /^(\d+) of its boundary vertices are within (\S+) of others, which `mend (--weld=[^`]+)` joins$/;
 
-/** The stages of its work. */
+/** The stages of the command's progress. */
 export const STAGES: Record<string, string> = {
   cells: "划分单元",
   combine: "组合",
@@ -101,26 +101,26 @@ export const STAGES: Record<string, string> = {
 };
 
 function sentence(english: string): string | undefined {
-  const whole = SENTENCES[english];
-  if (whole !== undefined) return whole;
+  const translation = SENTENCES[english];
+  if (translation !== undefined) return translation;
   const joined = NEARLY_JOINED.exec(english);
   if (joined) return `其中 ${joined[1]} 个边界顶点与别的顶点相距不超过 ${joined[2]}，焊接可使其相连。`;
-  // A meaning and what one should know besides.
+  // Several sentences joined by semicolons: the meaning, then remarks.
   const [first, ...rest] = english.split("; ");
   const [meaning, besides] = [SENTENCES[first!], rest.length ? sentence(rest.join("; ")) : undefined];
   return meaning !== undefined && besides !== undefined ? meaning + besides : undefined;
 }
 
-/** Options in sentences, in words. */
+/** Replaces the command's options in a sentence by words. */
 const worded = (english: string): string =>
   english
     .replace("which `inspect --self-intersections` tells afterwards", "which a search for self-intersections tells afterwards")
     .replace(/which `mend --weld=[^`]+` joins/, "which welding joins");
 
-/** The cure that a sentence names: welding over a distance, which is nobody's but the reader's to choose. */
+/** The options for welding over a distance that a sentence names: only the reader can decide on that repair. */
 export function joining(english: string): readonly string[] {
-  const option = english.split("; ").map((part) => NEARLY_JOINED.exec(part)?.[3]);
-  return option.filter((one) => one !== undefined);
+  const options = english.split("; ").map((part) => NEARLY_JOINED.exec(part)?.[3]);
+  return options.filter((option) => option !== undefined);
 }
 
 const spoken = (language: Language, english: string, chinese: string | undefined): Spoken => {
@@ -128,14 +128,14 @@ const spoken = (language: Language, english: string, chinese: string | undefined
   return chinese === undefined ? { text: english, lang: "en" } : { text: chinese };
 };
 
-/** What it says about a finding. */
+/** A sentence about a finding. */
 export const sentenceIn = (language: Language, english: string): Spoken => spoken(language, worded(english), sentence(english));
 
-/** The name of a finding, behind its number. */
+/** The name of a finding, which follows its number. */
 export const nameIn = (language: Language, { of, words }: { of: string; words: string }): Spoken =>
   spoken(language, words, NAMES[of]);
 
-/** What a cure does; what is not here has the name of its option. */
+/** The effect of a repair; an unknown one is named by its option. */
 export function cureIn(language: Language, option: string): string {
   const within = /^--weld=(.+)$/.exec(option)?.[1];
   if (within) return language === "en" ? `weld vertices within ${within}` : `焊接相距不超过 ${within} 的顶点`;

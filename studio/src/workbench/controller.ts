@@ -1,4 +1,4 @@
-// What the bench does: it keeps the state, orders runs of the command, and tells whoever draws. It computes nothing itself.
+// Holds the state of the workbench, starts runs of the command, and notifies the view. It computes nothing itself.
 import type { Size, Vec3, View } from "../viewer";
 import { fovOf } from "../viewer/view";
 import type { Files, Outcome } from "./command";
@@ -16,7 +16,7 @@ import {
   without,
 } from "./document";
 import type { FunctionRow } from "./editor";
-import { type Part, boxOf, levels as levelsOf, parts as partsOf, standing, stood, withPictures } from "./glb";
+import { type Part, boxOf, levels as levelsOf, parts as partsOf, partToZUp, toZUp, withPictures } from "./glb";
 import { type Jobs, Stopped } from "./jobs";
 import { faultOf, reportOf, sliceOf } from "./outcome";
 import { type Box, awayFrom, fillingDistance } from "./pixels";
@@ -32,43 +32,43 @@ interface LanguageTable {
 }
 
 const HOME: View = { azimuth: -56, elevation: 22, distance: 6, target: [0, 0, 0] };
-/** How long the hand rests before the proof begins, and before a picture is taken from a new place. */
+/** The pause after the last change before the proof starts, and after a turn before a picture is rendered. */
 const REST_MS = 250;
-/** The cells of a draft, as a share of the diagonal: seen at once, and coarse enough to be there at once. */
+/** The tolerance of a draft, and so its cells, relative to the diagonal. Chosen: a smaller one takes visibly long. */
 const DRAFT = "1.5%";
 const MOST_STEPS = 100;
-/** What is typed without a pause of this length is one step. */
+/** Typing without a longer pause than this is one step of undo. */
 const PAUSE_MS = 1000;
 /**
- * Pixels are counted no nearer than at these shares of the distance at which the shape is as high as the picture. Chosen: the
- * budget follows a look from near only to twice its triangles, for it is met without having been asked for; levels are asked for.
+ * Pixels are never counted for a distance nearer than these shares of the one at which the shape fills the picture's height.
+ * Chosen: a view from near may at most about double the budget's triangles, because the proof runs unasked; levels run on demand.
  */
 const NEAREST = { budget: 1 / 2, levels: 1 / 8 };
-/** How the command ends when it does not know an option, and when a budget was not met. */
+/** Exit codes of the command: an unknown option, and a budget that was not met. */
 const USAGE = 2;
 const UNMET = 5;
-/** With it the best that was reached is written all the same. */
+/** With this option the command writes the best mesh even if it misses the budget. */
 const KEEP_BEST = "--keep-best";
-/** What a browser can hold several times over. */
+/** The largest total size of opened files. Chosen: a browser holds several copies of them in memory. */
 const MOST_BYTES = 600e6;
-/** From the middle of a box to the eye, in diagonals. */
+/** The initial distance from the centre of the box to the eye, in diagonals. */
 const AWAY = 2.4;
-/** A shape that many times as large or as small is another one. Chosen: the eye is still outside of it. */
+/** If the size changes by this factor, the view is reset. Chosen: up to it the eye stays outside of the shape. */
 const OTHER_SIZE = 3;
-/** Dots of a picture that is traced: as many as take about a second. */
+/** Pixels of a ray-traced picture: as many as take about a second. */
 const MOST_DOTS = 120_000;
-/** Cells along the longest side of a slice: a pixel or two each. */
+/** Cells along the longest side of a slice; each is shown as one or two pixels. */
 const SLICE_CELLS = "96";
 
 export class Controller {
   private timers = new Map<string, ReturnType<typeof setTimeout>>();
-  private seen: { name: string; up: string | null } | null = null;
+  private framed: { name: string; up: string | null } | null = null;
   state: State;
 
   constructor(
     private readonly jobs: Jobs<LaneName>,
     first: Bench,
-    private readonly changed: () => void,
+    private readonly notify: () => void,
   ) {
     this.state = {
       bench: first,
@@ -94,20 +94,20 @@ export class Controller {
     };
   }
 
-  /** Begins with the first shape. */
+  /** Starts the runs for the first input. */
   start(): void {
-    this.work(false);
+    this.restart(false);
   }
 
   get screen(): Screen {
-    const { bench: now, size, view } = this.state;
-    const { counted } = this;
-    // Those of the proof that is shown, which was made before its box was known.
-    if (counted && counted.bench === now && counted.view === view && counted.size === size) return counted.screen;
+    const { bench: current, size, view } = this.state;
+    const { proofScreen } = this;
+    // The screen of the current proof, because the box that is known only since must not change its command line.
+    if (proofScreen && proofScreen.bench === current && proofScreen.view === view && proofScreen.size === size) return proofScreen.screen;
     return this.screenBy(NEAREST.budget);
   }
 
-  private counted: { bench: Bench; view: View; size: Size; screen: Screen } | null = null;
+  private proofScreen: { bench: Bench; view: View; size: Size; screen: Screen } | null = null;
 
   private screenBy(nearest: number): Screen {
     const { size } = this.state;
@@ -117,99 +117,99 @@ export class Controller {
     return { width: size.width * ratio, height: size.height * ratio, fovDeg, distance: Math.max(this.away, least) };
   }
 
-  /** From the eye to the nearest point of the shape's box. */
+  /** The distance from the eye to the nearest point of the shape's box. */
   get away(): number {
     const { box } = this;
     return box ? awayFrom(box, this.state.view) : this.state.view.distance;
   }
 
-  /** Whether the eye is nearer than the budget's pixels are counted. */
+  /** Whether the eye is nearer than the distance for which pixels are counted. */
   get isNear(): boolean {
     return this.away < this.screen.distance;
   }
 
   private get box(): Box | undefined {
     const parts = this.state.shown?.parts ?? [];
-    if (this.boxed?.parts !== parts) this.boxed = { parts, box: boxOf(parts) };
-    return this.boxed.box;
+    if (this.boxCache?.parts !== parts) this.boxCache = { parts, box: boxOf(parts) };
+    return this.boxCache.box;
   }
-  private boxed: { parts: readonly Part[]; box: Box | undefined } | null = null;
+  private boxCache: { parts: readonly Part[]; box: Box | undefined } | null = null;
 
-  /** The line that makes the mesh that is asked for; of one that was not met, the best there is. */
+  /** The command line for the current mesh; with `--keep-best` if the budget was not met. */
   line(output = `${stem(this.state.bench.name)}.glb`): Line {
-    const { bench: now, shown } = this.state;
-    const isShort = shown?.isShort && this.provedOf === now;
-    const line = meshLine(now, this.screen, this.outputOf(output));
+    const { bench: current, shown } = this.state;
+    const isShort = shown?.isShort && this.provedOf === current;
+    const line = meshLine(current, this.screen, this.outputOf(output));
     return isShort ? keepingBest(line) : line;
   }
 
-  /** The line that takes the picture that is seen. */
+  /** The command line for the picture from the current view. */
   pictureLine(): Line {
-    const { bench: now, view, size } = this.state;
-    return ["render", ...reading(now), "--view", cameraText(view, size, this.seen?.up ?? null), "-o", this.outputOf(`${stem(now.name)}.png`)];
+    const { bench: current, view, size } = this.state;
+    return ["render", ...reading(current), "--view", cameraText(view, size, this.framed?.up ?? null), "-o", this.outputOf(`${stem(current.name)}.png`)];
   }
 
-  /** An output never has the input's name. */
+  /** Renames an output that would overwrite an input. */
   private outputOf(output: string): string {
     const { files } = this.state.bench;
     return output in files ? output.replace(/(\.[^.]*)$/, "-out$1") : output;
   }
 
-  /** Puts something else on the bench; it can be taken back. */
+  /** Replaces the input, as a step of undo. */
   put(next: Bench, isDragging = false): void {
-    const { bench: now, past } = this.state;
-    // While something is dragged, or typed without a pause, the state before it is one step.
-    if (!this.dragged && !this.isTyping) this.update({ past: [...past, now].slice(-MOST_STEPS), future: [] });
+    const { bench: current, past } = this.state;
+    // During a drag, or while typing without a pause, only the state before it is a step.
+    if (!this.dragged && !this.isTyping) this.update({ past: [...past, current].slice(-MOST_STEPS), future: [] });
     this.dragged = isDragging;
-    if (next.name !== now.name) this.forget();
+    if (next.name !== current.name) this.clearResults();
     this.update({ bench: next });
-    this.work(isDragging);
+    this.restart(isDragging);
   }
   private dragged = false;
   private isTyping = false;
-  private typed = -Infinity;
+  private lastTyped = -Infinity;
 
-  /** What is known of one file is not shown beside the name of another. */
-  private forget(): void {
+  /** Clears the results of the previous file, so that they are not shown under the name of another. */
+  private clearResults(): void {
     this.jobs.cancel("draft");
     this.update({ shown: null, fault: null, inspection: null, witnesses: [], picture: null });
   }
 
-  /** The hand is off what it dragged. */
+  /** Ends a drag. */
   rest(): void {
     if (this.dragged) this.put(this.state.bench);
   }
 
   undo(): void {
-    const { past, bench: now, future } = this.state;
+    const { past, bench: current, future } = this.state;
     const before = past.at(-1);
     if (!before) return;
     this.dragged = false;
-    if (before.name !== now.name) this.forget();
-    this.update({ bench: before, past: past.slice(0, -1), future: [now, ...future] });
-    this.work(false);
+    if (before.name !== current.name) this.clearResults();
+    this.update({ bench: before, past: past.slice(0, -1), future: [current, ...future] });
+    this.restart(false);
   }
 
   redo(): void {
-    const { past, bench: now, future } = this.state;
+    const { past, bench: current, future } = this.state;
     const after = future[0];
     if (!after) return;
     this.dragged = false;
-    if (after.name !== now.name) this.forget();
-    this.update({ bench: after, past: [...past, now], future: future.slice(1) });
-    this.work(false);
+    if (after.name !== current.name) this.clearResults();
+    this.update({ bench: after, past: [...past, current], future: future.slice(1) });
+    this.restart(false);
   }
 
-  /** A new text of the script. */
+  /** Replaces the script's text. */
   write(text: string, isDragging = false): void {
     const now = performance.now();
-    this.isTyping = !isDragging && now - this.typed < PAUSE_MS;
+    this.isTyping = !isDragging && now - this.lastTyped < PAUSE_MS;
     this.put(withText(this.state.bench, text), isDragging);
     this.isTyping = false;
-    if (!isDragging) this.typed = now;
+    if (!isDragging) this.lastTyped = now;
   }
 
-  /** Files that were dropped or opened. One of them is the shape, and others are what it names. Whether there is one. */
+  /** Opens files: one is the shape, the others are referenced by it. Returns whether there is a shape. */
   async open(list: readonly File[]): Promise<boolean> {
     const total = list.reduce((sum, file) => sum + file.size, 0);
     const main = list.find((file) => !/\.(bin|mtl|png|jpe?g|webp|raw|img)$/i.test(file.name)) ?? list[0];
@@ -218,106 +218,106 @@ export class Controller {
       this.update({ notice: "too-large" });
       return false;
     }
-    const number = ++this.opened;
+    const number = ++this.openCount;
     const files: Files = {};
     try {
       for (const file of list) files[nameOf(file)] = new Uint8Array(await file.arrayBuffer());
     } catch {
-      // A folder has no bytes.
+      // A dropped folder cannot be read.
       this.update({ notice: "unread" });
       return false;
     }
-    if (number !== this.opened) return true;
-    // Another file of the same name is another shape.
-    this.forget();
-    this.seen = null;
+    if (number !== this.openCount) return true;
+    // A file of the same name may be another shape, so nothing of the old one is kept.
+    this.clearResults();
+    this.framed = null;
     this.update({ notice: null });
     this.put(bench(nameOf(main), files));
     return true;
   }
-  private opened = 0;
+  private openCount = 0;
 
-  /** Puts the result of a verb in the place of the shape. */
+  /** Replaces the input by the result of a verb. */
   async step(verb: string, options: Line, output: string): Promise<void> {
-    const { bench: now } = this.state;
+    const { bench: current } = this.state;
     const name = this.outputOf(output);
-    const done = await this.reads("step", [verb, ...reading(now), ...options, "-o", name], now.files, false);
-    if (!done || now !== this.state.bench) return;
-    const { outcome, line } = done;
-    const made = outcome.made[name];
-    if (!made || outcome.exit !== 0) return this.update({ fault: faultOf(outcome) });
-    this.put({ ...bench(name, outcome.made, [...now.before, line]), budget: now.budget });
+    const run = await this.runSupported("step", [verb, ...reading(current), ...options, "-o", name], current.files, false);
+    if (!run || current !== this.state.bench) return;
+    const { outcome, line } = run;
+    const bytes = outcome.outputs[name];
+    if (!bytes || outcome.exit !== 0) return this.update({ fault: faultOf(outcome) });
+    this.put({ ...bench(name, outcome.outputs, [...current.before, line]), budget: current.budget });
   }
 
   async levels(): Promise<void> {
-    const { bench: now } = this.state;
-    const name = this.outputOf(`${stem(now.name)}-levels.glb`);
+    const { bench: current } = this.state;
+    const name = this.outputOf(`${stem(current.name)}-levels.glb`);
     const screen = viewText(this.screenBy(NEAREST.levels));
-    const done = await this.reads("levels", ["lod", ...reading(now), "--px", "1", "--view", screen, "-o", name], now.files, true);
-    if (!done || now !== this.state.bench) return;
-    const { outcome, line } = done;
-    const bytes = outcome.made[name];
+    const run = await this.runSupported("levels", ["lod", ...reading(current), "--px", "1", "--view", screen, "-o", name], current.files, true);
+    if (!run || current !== this.state.bench) return;
+    const { outcome, line } = run;
+    const bytes = outcome.outputs[name];
     const report = reportOf(outcome);
     if (!bytes || !report.certificate?.levels) return this.update({ fault: faultOf(outcome) });
     const { frame } = report.certificate;
-    const up = this.upOf(now, frame.up);
-    const parts = await drawn(() =>
-      Promise.all(levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => standing(part, up)))),
+    const up = this.upOf(current, frame.up);
+    const parts = await readOrUndefined(() =>
+      Promise.all(levelsOf(bytes, frame).map(async (level) => (await withPictures(level)).map((part) => partToZUp(part, up)))),
     );
-    if (now !== this.state.bench) return;
+    if (current !== this.state.bench) return;
     if (!parts) return this.update({ notice: "undrawn" });
     this.update({ levels: { parts, facts: report.certificate.levels.levels, bytes, line } });
   }
 
-  /** Shows the mesh again. */
+  /** Shows the mesh instead of the levels. */
   withoutLevels(): void {
     this.update({ levels: null });
   }
 
   /** Samples the field for slices. */
   async bake(): Promise<void> {
-    const { bench: now } = this.state;
-    const done = await this.reads("slice", ["bake", ...reading(now), "--cells", SLICE_CELLS, "-o", "slice.npy"], now.files, true);
-    if (!done || now !== this.state.bench) return;
-    const { outcome } = done;
-    const bytes = outcome.made["slice.npy"];
+    const { bench: current } = this.state;
+    const run = await this.runSupported("slice", ["bake", ...reading(current), "--cells", SLICE_CELLS, "-o", "slice.npy"], current.files, true);
+    if (!run || current !== this.state.bench) return;
+    const { outcome } = run;
+    const bytes = outcome.outputs["slice.npy"];
     if (!bytes) return this.update({ fault: faultOf(outcome) });
     this.update({ slice: sliceOf(bytes, reportOf(outcome)) });
   }
 
-  /** What scripts are written with, for the editor. */
+  /** The functions and words of the script language, for the editor. */
   async language(): Promise<{ functions: readonly FunctionRow[]; words: readonly string[] } | null> {
     const outcome = await this.run("language", ["language"], {}, true);
     if (!outcome || outcome.exit !== 0) return null;
     const { functions, constants, keywords } = JSON.parse(outcome.stdout) as LanguageTable;
     const rows = functions.map(({ worth, ...row }) => (worth === null ? row : { ...row, worth }));
-    return { functions: rows, words: [...(constants ?? []), ...(keywords ?? [])].map((one) => (typeof one === "string" ? one : one.name)) };
+    return { functions: rows, words: [...(constants ?? []), ...(keywords ?? [])].map((word) => (typeof word === "string" ? word : word.name)) };
   }
 
-  /** Files for the disk: those that a line makes. */
+  /** The files that a command line writes, for download. */
   async export(line: Line): Promise<Files | null> {
-    const done = await this.reads("export", line, this.state.bench.files, false);
-    if (!done) return null;
-    const { outcome } = done;
-    // The command says by its exit whether it made what was asked for: what a failed run leaves behind is nobody's file.
-    const isBest = outcome.exit === UNMET && done.line.includes(KEEP_BEST);
-    const isUseful = (outcome.exit === 0 || isBest) && Object.keys(outcome.made).length > 0;
+    const run = await this.runSupported("export", line, this.state.bench.files, false);
+    if (!run) return null;
+    const { outcome } = run;
+    // The outputs of a failed run may be incomplete, so they are dropped.
+    const isBest = outcome.exit === UNMET && run.line.includes(KEEP_BEST);
+    const isUseful = (outcome.exit === 0 || isBest) && Object.keys(outcome.outputs).length > 0;
     if (!isUseful) this.update({ fault: faultOf(outcome) });
-    return isUseful ? outcome.made : null;
+    return isUseful ? outcome.outputs : null;
   }
 
   look(view: View): void {
     this.update({ view });
-    this.later("picture", () => void this.draw());
-    // Pixels are counted at this distance.
-    if (this.state.bench.budget.by === "px") this.later("proof", () => void this.prove());
+    this.schedule("picture", () => void this.draw());
+    // A pixel budget depends on this distance.
+    if (this.state.bench.budget.by === "px") this.schedule("proof", () => void this.prove());
   }
 
   resize(size: Size): void {
     if (size.width === this.state.size.width && size.height === this.state.size.height) return;
     this.update({ size });
-    this.later("picture", () => void this.draw());
-    if (this.state.bench.budget.by === "px") this.later("proof", () => void this.prove());
+    this.schedule("picture", () => void this.draw());
+    if (this.state.bench.budget.by === "px") this.schedule("proof", () => void this.prove());
   }
 
   cancel(lane: LaneName): void {
@@ -333,11 +333,11 @@ export class Controller {
     this.update({ notice: null });
   }
 
-  private work(isDragging: boolean): void {
-    const { bench: now } = this.state;
+  private restart(isDragging: boolean): void {
+    const { bench: current } = this.state;
     this.update({ levels: null, slice: null, notice: null });
     for (const lane of ["levels", "slice", "step"] as const) this.jobs.cancel(lane);
-    if (isScript(now)) void this.draft();
+    if (isScript(current)) void this.draft();
     else this.jobs.cancel("draft");
     if (isDragging) {
       this.jobs.cancel("proof");
@@ -345,118 +345,118 @@ export class Controller {
       clearTimeout(this.timers.get("proof"));
       this.timers.delete("proof");
     } else {
-      this.later("proof", () => void this.prove());
+      this.schedule("proof", () => void this.prove());
       void this.inspect();
-      this.later("picture", () => void this.draw());
-      this.later("link", () => void pack(now).then((link) => now === this.state.bench && this.update({ link })));
+      this.schedule("picture", () => void this.draw());
+      this.schedule("link", () => void pack(current).then((link) => current === this.state.bench && this.update({ link })));
     }
   }
 
-  /** One draft is finished before the next is begun, so that there are some while the hand moves. */
+  /** Drafts run one after the other and are never cancelled, so that some are shown during a drag. */
   private draft(): Promise<void> {
-    this.isNewer = true;
-    this.drafting ??= this.drafts();
+    this.isDraftDue = true;
+    this.drafting ??= this.runDrafts();
     return this.drafting;
   }
   private drafting: Promise<void> | null = null;
-  private isNewer = false;
+  private isDraftDue = false;
 
-  private async drafts(): Promise<void> {
+  private async runDrafts(): Promise<void> {
     try {
-      // It is known that there are drafts before the first is begun.
+      // Lets the caller set `drafting` first: it must not still be null when the loop ends synchronously.
       await null;
-      while (this.isNewer && isScript(this.state.bench)) {
-        this.isNewer = false;
-        const { bench: now } = this.state;
-        const words = keepingBest(["mesh", ...reading(now), "--tol", DRAFT, "--require", "estimated", "-o", "draft.glb"]);
-        await this.mesh("draft", words, "draft.glb", now);
+      while (this.isDraftDue && isScript(this.state.bench)) {
+        this.isDraftDue = false;
+        const { bench: current } = this.state;
+        const words = keepingBest(["mesh", ...reading(current), "--tol", DRAFT, "--require", "estimated", "-o", "draft.glb"]);
+        await this.showMesh("draft", words, "draft.glb", current);
       }
     } finally {
       this.drafting = null;
     }
-    // A mistake may have had its answer before the shape that it was made in had its draft.
-    const { ended, bench: now } = this.state;
-    if (ended === now) void this.proveOlder(now);
+    // The proof of a faulty script may have ended before the draft of the last working one was ready.
+    const { ended, bench: current } = this.state;
+    if (ended === current) void this.proveOlder(current);
   }
 
   private async prove(): Promise<void> {
-    const { bench: now } = this.state;
-    const number = ++this.proofs;
+    const { bench: current } = this.state;
+    const number = ++this.proofCount;
     this.update({ ended: null });
-    // Pixels are counted from the box of the shape, which its draft shows first.
-    if (now.budget.by === "px" && this.drafting) {
+    // A pixel budget needs the box of the shape, which the draft shows first.
+    if (current.budget.by === "px" && this.drafting) {
       await this.drafting;
-      if (number !== this.proofs || now !== this.state.bench) return;
+      if (number !== this.proofCount || current !== this.state.bench) return;
     }
     const { view, size } = this.state;
-    this.counted = { bench: now, view, size, screen: this.screen };
-    const isMade = await this.proof(now);
-    if (isMade === false && number === this.proofs) await this.proveOlder(now);
-    if (number === this.proofs) this.update({ ended: now });
+    this.proofScreen = { bench: current, view, size, screen: this.screen };
+    const isMade = await this.runProof(current);
+    if (isMade === false && number === this.proofCount) await this.proveOlder(current);
+    if (number === this.proofCount) this.update({ ended: current });
   }
-  private proofs = 0;
+  private proofCount = 0;
 
-  private proof(of: Bench): Promise<boolean | null> {
-    const output = this.outputOf(`${stem(of.name)}.glb`);
-    return this.mesh("proof", keepingBest(meshLine(of, this.counted?.screen ?? this.screen, output)), output, of);
+  private runProof(input: Bench): Promise<boolean | null> {
+    const output = this.outputOf(`${stem(input.name)}.glb`);
+    return this.showMesh("proof", keepingBest(meshLine(input, this.proofScreen?.screen ?? this.screen, output)), output, input);
   }
 
-  /** The last shape that worked may not have got beyond its draft. */
-  private async proveOlder(now: Bench): Promise<void> {
+  /** If the script is faulty, the last working shape may be shown only as a draft: its proof is run then. */
+  private async proveOlder(current: Bench): Promise<void> {
     const { bench: newest, shown } = this.state;
-    if (now === newest && shown?.isDraft && shown.of !== now) await this.proof(shown.of);
+    if (current === newest && shown?.isDraft && shown.bench !== current) await this.runProof(shown.bench);
   }
 
-  /** Shows what a line makes. Whether there is something; `null` where nobody waits for it any more. */
-  private async mesh(lane: "draft" | "proof", words: Line, output: string, of: Bench): Promise<boolean | null> {
+  /** Runs a line and shows its mesh. Returns whether there is one; `null` if it is not needed any more. */
+  private async showMesh(lane: "draft" | "proof", words: Line, output: string, input: Bench): Promise<boolean | null> {
     const begun = performance.now();
-    const outcome = await this.run(lane, words, of.files, true);
-    if (!outcome || !this.isWanted(lane, of)) return null;
+    const outcome = await this.run(lane, words, input.files, true);
+    if (!outcome || !this.isWanted(lane, input)) return null;
     const { certificate } = reportOf(outcome);
-    const bytes = outcome.made[output];
-    const isNewest = of === this.state.bench;
+    const bytes = outcome.outputs[output];
+    const isNewest = input === this.state.bench;
     if (!bytes || !certificate) {
       if (lane === "draft" || isNewest) this.update({ fault: faultOf(outcome) });
       return false;
     }
-    const up = this.upOf(of, certificate.frame.up);
-    const read = await drawn(() => withPictures(partsOf(bytes, certificate.frame)));
-    const parts = (read ?? []).map((part) => standing(part, up));
-    if (!this.isWanted(lane, of)) return null;
-    if (lane === "proof") this.provedOf = of;
+    const up = this.upOf(input, certificate.frame.up);
+    const read = await readOrUndefined(() => withPictures(partsOf(bytes, certificate.frame)));
+    const parts = (read ?? []).map((part) => partToZUp(part, up));
+    if (!this.isWanted(lane, input)) return null;
+    if (lane === "proof") this.provedOf = input;
     const seconds = (performance.now() - begun) / 1000;
     const isShort = outcome.exit !== 0;
-    this.frame(of, parts, up);
-    const shown: Shown = { of, parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
-    // What is wrong with the newest stays where an older one is proved in its place.
+    this.frameShape(input, parts, up);
+    const shown: Shown = { bench: input, parts, certificate, bytes, seconds, isDraft: lane === "draft", isShort };
+    // If an older input is proved in place of a faulty one, the error of the newest input must stay visible.
     const isOld = lane === "proof" && !isNewest;
     const fault = isOld ? this.state.fault : isShort && lane === "proof" ? faultOf(outcome) : null;
     this.update({ shown, fault, ...(read ? {} : { notice: "undrawn" }) });
-    if (!isOld && this.drawnOf !== of && this.drawnOf !== shown) this.later("picture", () => void this.draw());
+    if (!isOld && this.drawnOf !== input && this.drawnOf !== shown) this.schedule("picture", () => void this.draw());
     return true;
   }
 
-  /** A proof is of what is there or shown. An older draft of it is better than none while one drags, until the proof is there. */
-  private isWanted(lane: "draft" | "proof", of: Bench): boolean {
-    const { bench: now } = this.state;
-    if (lane === "proof") return of === now || of === this.state.shown?.of;
-    return of.name === now.name && this.provedOf !== now && this.provedOf !== of;
+  /** A proof must be of the current or the shown input. A draft may be older during a drag, until the proof is shown. */
+  private isWanted(lane: "draft" | "proof", input: Bench): boolean {
+    const { bench: current } = this.state;
+    if (lane === "proof") return input === current || input === this.state.shown?.bench;
+    return input.name === current.name && this.provedOf !== current && this.provedOf !== input;
   }
   private provedOf: Bench | null = null;
-  /** What the last picture shows: the field of a bench, or triangles. */
+  /** The subject of the last picture: an input's field, or triangles. */
   private drawnOf: Bench | Shown | null = null;
 
-  /** The axis that is up: glTF's is y, if the report does not say. */
-  private upOf(now: Bench, up: string | null): string | null {
-    return up ?? (/\.(glb|gltf)$/i.test(now.name) ? "y" : null);
+  /** The up axis: glTF's is y if the report names none. */
+  private upOf(current: Bench, up: string | null): string | null {
+    return up ?? (/\.(glb|gltf)$/i.test(current.name) ? "y" : null);
   }
 
-  /** Stands before a new shape; a changed one is looked at as before, unless it is of quite another size. */
-  private frame(now: Bench, parts: readonly Part[], up: string | null): void {
-    const isNew = this.seen?.name !== now.name;
+  /** Sets the view for a new shape; for a changed one the view is kept unless the size is very different. */
+  private frameShape(current: Bench, parts: readonly Part[], up: string | null): void {
+    const isNew = this.framed?.name !== current.name;
     const box = boxOf(parts);
     if (isNew && !box) return;
-    this.seen = { name: now.name, up };
+    this.framed = { name: current.name, up };
     if (!box) return;
     const [low, high] = box;
     const diagonal = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
@@ -466,84 +466,84 @@ export class Controller {
     const grown = home.distance / this.state.home.distance;
     if (!isNew && (this.dragged || Math.max(grown, 1 / grown) < OTHER_SIZE)) return;
     this.update({ view: { ...home, azimuth, elevation }, home });
-    // What was proved for pixels was so from where nobody stands.
-    if (now.budget.by === "px") this.later("proof", () => void this.prove());
+    // The pixels were counted from the previous position.
+    if (current.budget.by === "px") this.schedule("proof", () => void this.prove());
   }
 
-  /** A place of the report in the picture. */
+  /** A point of the report in the picture's coordinates, with z up. */
   place(at: Vec3): Vec3 {
-    return stood(at, this.seen?.up ?? null);
+    return toZUp(at, this.framed?.up ?? null);
   }
 
   private async inspect(): Promise<void> {
-    const { bench: now } = this.state;
-    const done = await this.reads("inspect", ["inspect", ...reading(now)], now.files, true);
-    if (!done || now !== this.state.bench) return;
-    const { outcome } = done;
+    const { bench: current } = this.state;
+    const run = await this.runSupported("inspect", ["inspect", ...reading(current)], current.files, true);
+    if (!run || current !== this.state.bench) return;
+    const { outcome } = run;
     const { inspection, certificate } = reportOf(outcome);
     this.update({ inspection: inspection ?? null, witnesses: certificate?.valid?.witnesses ?? [] });
     if (!inspection) this.update({ fault: faultOf(outcome) });
   }
 
-  /** Puts something else beside the mesh. */
+  /** Chooses the picture beside the mesh. */
   besides(beside: Beside): void {
     this.update({ beside, picture: null });
     void this.draw();
   }
 
-  /** What stands beside the mesh, as the command sees it from where the mesh is seen. */
+  /** Renders the picture beside the mesh, from the same view. */
   private async draw(): Promise<void> {
-    const { bench: now, beside, view, size, shown } = this.state;
-    const what = besideOf(now, beside);
-    if (what === "sliced" || !shown || (what !== "traced" && shown.isDraft)) return;
-    // What is shaded is counted on the pixels of this screen.
-    const ratio = what === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
+    const { bench: current, beside, view, size, shown } = this.state;
+    const kind = besideOf(current, beside);
+    if (kind === "sliced" || !shown || (kind !== "traced" && shown.isDraft)) return;
+    // Overshading is counted per pixel of this screen, so its picture must not be smaller.
+    const ratio = kind === "overshade" ? globalThis.devicePixelRatio || 1 : Math.min(1, Math.sqrt(MOST_DOTS / (size.width * size.height)));
     const dots = { width: Math.round(size.width * ratio), height: Math.round(size.height * ratio) };
     const { parts, certificate } = shown;
-    const subject = { bench: now, parts, up: this.seen?.up ?? null, atMost: certificate.bound?.at_most ?? null };
-    const { line, files } = pictureLine(what, subject, view, dots);
-    const done = await this.reads("picture", line, files, true);
-    if (!done || now !== this.state.bench || beside !== this.state.beside) return;
-    const { outcome } = done;
-    const png = outcome.made["picture.png"];
-    this.drawnOf = what === "traced" ? now : shown;
+    const subject = { bench: current, parts, up: this.framed?.up ?? null, atMost: certificate.bound?.at_most ?? null };
+    const { line, files } = pictureLine(kind, subject, view, dots);
+    const run = await this.runSupported("picture", line, files, true);
+    if (!run || current !== this.state.bench || beside !== this.state.beside) return;
+    const { outcome } = run;
+    const png = outcome.outputs["picture.png"];
+    this.drawnOf = kind === "traced" ? current : shown;
     if (!png) return this.update({ fault: faultOf(outcome) });
-    this.update({ picture: { of: what, png, report: reportOf(outcome) } });
+    this.update({ picture: { kind, png, report: reportOf(outcome) } });
   }
 
-  /** Runs a line, without options of the bench that are for other verbs. The line that comes back is the one that was run. */
-  private async reads(lane: LaneName, line: Line, files: Files, isReport: boolean): Promise<{ outcome: Outcome; line: Line } | null> {
+  /** Runs a line. If the verb does not know an option of the bench, runs it again without. Returns the line that was run. */
+  private async runSupported(lane: LaneName, line: Line, files: Files, isReport: boolean): Promise<{ outcome: Outcome; line: Line } | null> {
     const outcome = await this.run(lane, line, files, isReport);
     if (!outcome) return null;
-    const other = outcome.exit === USAGE && /unexpected argument '(-[\w-]+)/.exec(`${outcome.stderr}${outcome.stdout}`)?.[1];
-    const less = other ? without(line, other) : line;
-    return less.length < line.length ? this.reads(lane, less, files, isReport) : { outcome, line };
+    const unknown = outcome.exit === USAGE && /unexpected argument '(-[\w-]+)/.exec(`${outcome.stderr}${outcome.stdout}`)?.[1];
+    const shorter = unknown ? without(line, unknown) : line;
+    return shorter.length < line.length ? this.runSupported(lane, shorter, files, isReport) : { outcome, line };
   }
 
   private async run(lane: LaneName, words: Line, files: Files, isReport: boolean): Promise<Outcome | null> {
-    const mark = (isOn: boolean) => {
+    const setRunning = (isOn: boolean) => {
       const { running, progress } = this.state;
       const { [lane]: _, ...rest } = progress;
       this.update({ running: isOn ? [...running.filter((one) => one !== lane), lane] : running.filter((one) => one !== lane), progress: rest });
     };
-    mark(true);
+    setRunning(true);
     try {
-      const all = isReport ? [...words, "--json"] : words;
-      return await this.jobs.run(lane, all, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: progress } }));
+      const args = isReport ? [...words, "--json"] : words;
+      return await this.jobs.run(lane, args, files, (progress) => this.update({ progress: { ...this.state.progress, [lane]: progress } }));
     } catch (error) {
       if (error instanceof Stopped && error.why === "unloaded") this.update({ notice: "unloaded" });
       else if (error instanceof Stopped && error.why === "trapped") {
-        // What stands before the last line are warnings, and the last one is the browser's own.
+        // The last line is the browser's, and the lines before it may be warnings.
         const last = error.message.split("\n").slice(0, -1).findLast((line) => line && !line.includes("warning:"));
         this.update({ notice: "trapped", fault: last ? { text: last } : null });
       } else if (!(error instanceof Stopped)) throw error;
       return null;
     } finally {
-      if (!this.jobs.isRunning(lane)) mark(false);
+      if (!this.jobs.isRunning(lane)) setRunning(false);
     }
   }
 
-  private later(name: string, act: () => void): void {
+  private schedule(name: string, act: () => void): void {
     clearTimeout(this.timers.get(name));
     const timer = setTimeout(() => {
       this.timers.delete(name);
@@ -556,14 +556,14 @@ export class Controller {
 
   private update(change: Partial<State>): void {
     this.state = { ...this.state, ...change };
-    this.changed();
+    this.notify();
   }
 }
 
-/** A name that the command does not take for an option. */
+/** A file name that the command does not parse as an option. */
 const nameOf = ({ name }: File): string => name.replace(/^-+/, "_");
 
 const keepingBest = (line: Line): Line => (line.includes(KEEP_BEST) ? line : [...line, KEEP_BEST]);
 
-/** What can be read of a file that was written; nothing where this page cannot. */
-const drawn = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);
+/** The result of reading a file; `undefined` if this page cannot read it. */
+const readOrUndefined = <T>(read: () => Promise<T>): Promise<T | undefined> => Promise.resolve().then(read).catch(() => undefined);

@@ -1,31 +1,30 @@
-// What is on the bench, and the words of the command that make something of it. The line that the page shows is the line that
-// was run.
+// The input on the bench, and the arguments of the command for it. The line that the page shows is the line that was run.
 import type { Files } from "./command";
 
 export type BudgetKind = "tol" | "px" | "triangles";
 
 export interface Budget {
   by: BudgetKind;
-  /** As the command takes it: 0.1, 0.1mm or 0.5%. */
+  /** In the command's notation: 0.1, 0.1mm or 0.5%. */
   tol: string;
   px: string;
   triangles: string;
 }
 
-/** A shape on the bench: a file, and the files that it names or that are combined with it. */
+/** The input on the bench: a file, and the files to which it refers or that are combined with it. */
 export interface Bench {
   /** The file's name. */
   name: string;
-  /** All files by name; the text of a script is among them. */
+  /** All files by name, among them the script. */
   files: Files;
   budget: Budget;
-  /** Values that take the place of those in a script, by the label of `param`. */
+  /** Values that replace the defaults of a script's parameters, by the label of `param`. */
   set: Readonly<Record<string, string>>;
   /** A solid that is combined with it, by its file's name. */
   combine: { how: "union" | "minus" | "intersect"; name: string } | null;
-  /** Options besides, as one writes them, such as `--iso 60`. */
+  /** Further options as text, such as `--iso 60`. */
   options: string;
-  /** The lines that made this file out of another one, oldest first. */
+  /** The command lines that produced this file from another one, oldest first. */
   before: readonly Line[];
 }
 
@@ -55,14 +54,14 @@ export const hasField = ({ name }: Bench): boolean => GRID_OR_FIELD.test(name);
 
 export const textOf = ({ name, files }: Bench): string => new TextDecoder().decode(files[name]);
 
-export function withText(of: Bench, text: string): Bench {
-  return { ...of, files: { ...of.files, [of.name]: new TextEncoder().encode(text) } };
+export function withText(bench: Bench, text: string): Bench {
+  return { ...bench, files: { ...bench.files, [bench.name]: new TextEncoder().encode(text) } };
 }
 
 /** A file's name without folder and ending. */
 export const stem = (name: string): string => name.replace(/^.*\//, "").replace(/(\.nii)?\.[^.]*$/, "") || "shape";
 
-/** The view of pixels: any eye at that distance, on a screen of that size. */
+/** The view for pixel budgets: any eye at that distance, with a screen of that size. */
 export interface Screen {
   width: number;
   height: number;
@@ -70,7 +69,7 @@ export interface Screen {
   distance: number;
 }
 
-/** Of a page that nobody looks at yet. */
+/** A placeholder at build time, when there is no screen. */
 export const NO_SCREEN: Screen = { width: 1, height: 1, fovDeg: 1, distance: 1 };
 
 const short = (value: number): string => String(Number(value.toPrecision(4)));
@@ -90,30 +89,30 @@ function limits({ budget }: Bench, screen: Screen): Line {
   }
 }
 
-/** What every verb takes that reads the file. */
-export const reading = (of: Bench): Line => [
-  of.name,
-  ...Object.entries(of.set).flatMap(([label, value]) => ["--set", `${label}=${value}`]),
-  ...split(of.options),
+/** The arguments for the input that every verb takes. */
+export const reading = (bench: Bench): Line => [
+  bench.name,
+  ...Object.entries(bench.set).flatMap(([label, value]) => ["--set", `${label}=${value}`]),
+  ...split(bench.options),
 ];
 
-export const meshLine = (of: Bench, screen: Screen, output: string): Line => [
+export const meshLine = (bench: Bench, screen: Screen, output: string): Line => [
   "mesh",
-  ...reading(of),
-  ...(of.combine ? [`--${of.combine.how}`, of.combine.name] : []),
-  ...limits(of, screen),
+  ...reading(bench),
+  ...(bench.combine ? [`--${bench.combine.how}`, bench.combine.name] : []),
+  ...limits(bench, screen),
   "-o",
   output,
 ];
 
-/** Words as a shell splits them: quotes hold together what stands between them. */
+/** Splits a text as a shell does: quotes keep their content together. */
 export function split(text: string): string[] {
   const words: string[] = [];
   for (const match of text.matchAll(/((?:[^\s"']+|"[^"]*"|'[^']*')+)/g)) words.push(match[0].replace(/["']/g, ""));
   return words;
 }
 
-/** Words without an option and its value, which may be a negative number. */
+/** Removes an option and its value, which may be a negative number. */
 export function without(words: Line, option: string): Line {
   const at = words.findIndex((word) => word === option || word.startsWith(`${option}=`));
   if (at < 1) return words;
@@ -122,28 +121,28 @@ export function without(words: Line, option: string): Line {
   return [...words.slice(0, at), ...words.slice(at + (isPair ? 2 : 1))];
 }
 
-/** A word as a shell needs it. */
+/** Quotes a word for a shell if necessary. */
 export const quoted = (word: string): string => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replace(/'/g, "'\\''")}'`);
 
 export const shell = (lines: readonly Line[]): string =>
   lines.map((line) => ["chordal", ...line].map(quoted).join(" ")).join("\n");
 
-/** A text as Python and Rust both write it. */
+/** A string literal that is valid in both Python and Rust. */
 const literal = (text: string): string => JSON.stringify(text);
 
-/** A number as the command takes it, and nothing else that Python might run. */
+/** Whether a text is a number, so that it is safe to paste into Python code. */
 export const isNumber = (text: string): boolean => /^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$/.test(text.trim());
 
-/** The mesh in Python. Steps before it, and options that the page does not know, are run as lines of the command. */
-export function python(of: Bench, screen: Screen, output: string): string {
-  const { budget } = of;
-  const steps = of.before.map((line) => `subprocess.run(${literalList(["chordal", ...line])}, check=True)`);
-  const values = Object.entries(of.set).map(([label, value]) => `, ${literal(label)}: ${isNumber(value) ? value.trim() : literal(value)}`);
-  // A boolean takes a length alone.
-  const isPlain = split(of.options).length === 0 && (!of.combine || budget.by === "tol");
-  const read = isScript(of)
-    ? `chordal.script(open(${literal(of.name)}).read()${values.length ? `, **{${values.join("").slice(2)}}` : ""})`
-    : `chordal.load(${literal(of.name)})`;
+/** Python code for the mesh. Previous steps and options without a counterpart are run as command lines. */
+export function python(bench: Bench, screen: Screen, output: string): string {
+  const { budget } = bench;
+  const steps = bench.before.map((line) => `subprocess.run(${literalList(["chordal", ...line])}, check=True)`);
+  const values = Object.entries(bench.set).map(([label, value]) => `, ${literal(label)}: ${isNumber(value) ? value.trim() : literal(value)}`);
+  // A boolean accepts only a length as budget.
+  const isPlain = split(bench.options).length === 0 && (!bench.combine || budget.by === "tol");
+  const read = isScript(bench)
+    ? `chordal.script(open(${literal(bench.name)}).read()${values.length ? `, **{${values.join("").slice(2)}}` : ""})`
+    : `chordal.load(${literal(bench.name)})`;
   const limit =
     budget.by === "tol"
       ? budget.tol.includes("%")
@@ -153,24 +152,24 @@ export function python(of: Bench, screen: Screen, output: string): string {
         ? `pixels=${Number(budget.px)}, view=${literal(viewText(screen))}`
         : `triangles=${Number(budget.triangles)}`;
   const operators = { union: "union", minus: "difference", intersect: "intersection" } as const;
-  const make = of.combine
-    ? `shape.combine((${literal(operators[of.combine.how])}, chordal.load(${literal(of.combine.name)})), ${limit})`
+  const make = bench.combine
+    ? `shape.combine((${literal(operators[bench.combine.how])}, chordal.load(${literal(bench.combine.name)})), ${limit})`
     : `shape.mesh(${limit})`;
   const code = isPlain
-    ? [`shape = ${read}`, `made = ${make}`, "print(made.bound)", `made.export(${literal(output)})`]
-    : [`subprocess.run(${literalList(["chordal", ...meshLine(of, screen, output)])}, check=True)`];
+    ? [`shape = ${read}`, `mesh = ${make}`, "print(mesh.bound)", `mesh.export(${literal(output)})`]
+    : [`subprocess.run(${literalList(["chordal", ...meshLine(bench, screen, output)])}, check=True)`];
   const imports = [...(steps.length || !isPlain ? ["import subprocess"] : []), ...(isPlain ? ["import chordal"] : [])];
   return [...imports, ...steps, ...code].join("\n");
 }
 
 const literalList = (words: readonly string[]): string => `[${words.map(literal).join(", ")}]`;
 
-/** The mesh in Rust, by the library of verbs. */
-export function rust(of: Bench, screen: Screen, output: string): string {
-  const { budget } = of;
-  if (of.before.length || of.combine || of.options.trim() || Object.keys(of.set).length) {
-    // What more than a budget takes is run as lines of the command.
-    const lines = [...of.before, meshLine(of, screen, output)];
+/** Rust code for the mesh, with the crate chordal-verbs. */
+export function rust(bench: Bench, screen: Screen, output: string): string {
+  const { budget } = bench;
+  if (bench.before.length || bench.combine || bench.options.trim() || Object.keys(bench.set).length) {
+    // Anything beyond a budget is run as command lines.
+    const lines = [...bench.before, meshLine(bench, screen, output)];
     return lines.map((line) => `std::process::Command::new("chordal").args([${line.map(literal).join(", ")}]).status()?;`).join("\n");
   }
   const limit =
@@ -182,11 +181,11 @@ export function rust(of: Bench, screen: Screen, output: string): string {
   const format = output.replace(/^.*\./, "");
   const named = format.charAt(0).toUpperCase() + format.slice(1);
   return [
-    `let bytes = std::fs::read(${literal(of.name)})?;`,
-    `let hint = FormatHint { name: Some(${literal(of.name)}), ..FormatHint::default() };`,
+    `let bytes = std::fs::read(${literal(bench.name)})?;`,
+    `let hint = FormatHint { name: Some(${literal(bench.name)}), ..FormatHint::default() };`,
     "let input = chordal_verbs::load(&bytes, hint, &Default::default())?;",
     `let spec = BudgetSpec { ${limit}, ..BudgetSpec::default() };`,
-    `let made = chordal_verbs::mesh(input, &spec, Format::${named}, &Job::default())?;`,
-    `made.write(&mut std::fs::File::create(${literal(output)})?)?;`,
+    `let mesh = chordal_verbs::mesh(input, &spec, Format::${named}, &Job::default())?;`,
+    `mesh.write(&mut std::fs::File::create(${literal(output)})?)?;`,
   ].join("\n");
 }

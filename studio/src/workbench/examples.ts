@@ -1,4 +1,4 @@
-// The shapes that the bench begins with: scripts of examples/.
+// The example scripts of the workbench, from examples/.
 import badge from "../../../examples/badge.star?raw";
 import bracket from "../../../examples/bracket.star?raw";
 import gear from "../../../examples/gear.star?raw";

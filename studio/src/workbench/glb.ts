@@ -1,27 +1,27 @@
-// Reads the triangles of a GLB that the command has written: no compression, one buffer. Of materials it takes colour and picture.
-import type { LaidPicture, Vec3 } from "../viewer";
+// Reads the triangles of a GLB that the command wrote: uncompressed, one buffer. Of materials only colour and texture.
+import type { DecodedPicture, Vec3 } from "../viewer";
 import { fromLinear } from "../viewer/color";
 
-/** What one node of the file shows. */
+/** The triangles of one node of the file. */
 export interface Part {
   name: string;
   positions: Float32Array;
   indices: Uint32Array;
   normals?: Float32Array;
-  /** Red, green, blue of each vertex, 0 to 1 as a screen has them. */
+  /** Red, green, blue of each vertex, 0 to 1 in sRGB. */
   colors?: Float32Array;
-  /** For each triangle the index of its paint, and the paints. */
+  /** The paint's index of each triangle, and the paints. */
   groups: Uint32Array;
   paints: (string | undefined)[];
-  /** Where each vertex is in the pictures, and the picture of each paint. */
+  /** The texture coordinates of each vertex, and the picture of each paint. */
   uv?: Float32Array;
-  pictures?: (Pictured | undefined)[];
-  /** The pictures again, once a browser has read them. */
-  laid?: readonly (LaidPicture | undefined)[];
+  pictures?: (EncodedPicture | undefined)[];
+  /** The decoded pictures, once a browser has read them. */
+  decoded?: readonly (DecodedPicture | undefined)[];
 }
 
-/** A picture in the file, and how it is laid on. */
-export interface Pictured {
+/** A picture of the file, and its wrap modes. */
+export interface EncodedPicture {
   bytes: Uint8Array;
   type: string;
   wrap: readonly [number, number];
@@ -54,37 +54,37 @@ interface Json {
 const WIDTHS: Record<string, number> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
 const TRIANGLES = 4;
 const REPEAT = 10497;
-/** Column by column, as the file has them. */
+/** Column-major, as in the file. */
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
-/** What a certificate says of the space that a shape is in. */
+/** The coordinate system of a shape, from its certificate. */
 export interface Frame {
   up: string | null;
   metres_per_unit: number | null;
 }
 
-/** The parts of the scene in the coordinates of the shape that they were made of, one for each node with triangles. */
+/** The parts of the scene in the coordinates of the original shape, one for each node with triangles. */
 export function parts(bytes: Uint8Array, frame: Frame): Part[] {
   const file = open(bytes);
   return placedNodes(file.json, frame).flatMap(({ node, above }) => partsOf(file, node, above));
 }
 
-/** The same parts with their pictures read. One that the browser cannot read is left out. */
-export function withPictures(all: readonly Part[]): Promise<Part[]> {
+/** Decodes the pictures of parts. A picture that the browser cannot decode is left out. */
+export function withPictures(parts: readonly Part[]): Promise<Part[]> {
   const seen = new Map<number, Promise<ImageBitmap | undefined>>();
-  const read = ({ bytes, type }: Pictured) => {
-    const known = seen.get(bytes.byteOffset) ?? createImageBitmap(new Blob([bytes as BlobPart], { type })).catch(() => undefined);
-    seen.set(bytes.byteOffset, known);
-    return known;
+  const read = ({ bytes, type }: EncodedPicture) => {
+    const image = seen.get(bytes.byteOffset) ?? createImageBitmap(new Blob([bytes as BlobPart], { type })).catch(() => undefined);
+    seen.set(bytes.byteOffset, image);
+    return image;
   };
-  const laid = async (one: Pictured | undefined): Promise<LaidPicture | undefined> => {
-    const image = one && (await read(one));
-    return image && { image, wrap: one.wrap };
+  const decode = async (picture: EncodedPicture | undefined): Promise<DecodedPicture | undefined> => {
+    const image = picture && (await read(picture));
+    return image && { image, wrap: picture.wrap };
   };
-  return Promise.all(all.map(async (part) => (part.pictures ? { ...part, laid: await Promise.all(part.pictures.map(laid)) } : part)));
+  return Promise.all(parts.map(async (part) => (part.pictures ? { ...part, decoded: await Promise.all(part.pictures.map(decode)) } : part)));
 }
 
-/** The levels of detail of a file that `chordal lod` has written, finest first: the parts of each. */
+/** The levels of detail of a file by `chordal lod`, finest first: the parts of each level. */
 export function levels(bytes: Uint8Array, frame: Frame): Part[][] {
   const file = open(bytes);
   const hosts = placedNodes(file.json, frame).map(({ node, above }) => ({
@@ -92,28 +92,28 @@ export function levels(bytes: Uint8Array, frame: Frame): Part[][] {
     nodes: [node, ...(node.extensions?.MSFT_lod?.ids ?? []).map((id) => file.json.nodes![id]!)],
   }));
   const count = Math.max(...hosts.map(({ nodes }) => nodes.length), 0);
-  // A part that has no more levels stays as coarse as it is.
+  // A part with fewer levels stays at its coarsest.
   return Array.from({ length: count }, (_, level) =>
     hosts.flatMap(({ above, nodes }) => partsOf(file, nodes[Math.min(level, nodes.length - 1)]!, above)),
   );
 }
 
-/** The nodes of the scene with a mesh, and where the nodes above them stand. */
+/** The nodes of the scene with a mesh, and the transform of the nodes above them. */
 function placedNodes(json: Json, frame: Frame): { node: Node; above: readonly number[] }[] {
-  const found: { node: Node; above: readonly number[] }[] = [];
-  // At the root the command turns the shape into glTF's space, y up and in metres, by one node each.
+  const placed: { node: Node; above: readonly number[] }[] = [];
+  // At the root the command adds one node for the change to y up and one for the scale to metres. Their transforms are skipped.
   let turns = Number(frame.up === "z") + Number(frame.metres_per_unit !== null && frame.metres_per_unit !== 1);
   const visit = (number: number, above: readonly number[]) => {
     const node = json.nodes?.[number];
     if (!node) return;
     const isTurn = turns > 0;
     if (isTurn) turns -= 1;
-    if (node.mesh !== undefined) found.push({ node, above });
-    const placed = isTurn ? above : times(above, matrixOf(node));
-    node.children?.forEach((child) => visit(child, placed));
+    if (node.mesh !== undefined) placed.push({ node, above });
+    const transform = isTurn ? above : times(above, matrixOf(node));
+    node.children?.forEach((child) => visit(child, transform));
   };
   json.scenes?.[json.scene ?? 0]?.nodes?.forEach((node) => visit(node, IDENTITY));
-  return found;
+  return placed;
 }
 
 interface Glb {
@@ -133,9 +133,9 @@ function partsOf(file: Glb, node: Node, above: readonly number[]): Part[] {
   const { json } = file;
   const { mesh, name = "" } = node;
   if (mesh === undefined) return [];
-  const placed = times(above, matrixOf(node));
+  const transform = times(above, matrixOf(node));
   const primitives = (json.meshes?.[mesh]?.primitives ?? []).filter((one) => (one.mode ?? TRIANGLES) === TRIANGLES);
-  // Primitives may share their vertices.
+  // Primitives may share their vertices, which are then read once.
   const starts = new Map<number, number>();
   const shared: Attributes[] = [];
   let count = 0;
@@ -147,8 +147,8 @@ function partsOf(file: Glb, node: Node, above: readonly number[]): Part[] {
       shared.push(attributes);
       count += json.accessors![position]!.count;
     }
-    const own = json.accessors![position]!.count;
-    const rows = indices === undefined ? Uint32Array.from({ length: own }, (_, i) => i) : read(file, indices);
+    const vertices = json.accessors![position]!.count;
+    const rows = indices === undefined ? Uint32Array.from({ length: vertices }, (_, i) => i) : read(file, indices);
     return [{ rows, start: starts.get(position)!, material, attributes }];
   });
   const corners = runs.reduce((sum, { rows }) => sum + rows.length, 0);
@@ -162,76 +162,76 @@ function partsOf(file: Glb, node: Node, above: readonly number[]): Part[] {
   const gathered = (of: (attributes: Attributes) => number | undefined, width: number) => joined(file, shared.map(of), width);
   const part: Part = {
     name,
-    positions: moved(gathered((from) => from["POSITION"], 3)!, placed, 1),
+    positions: moved(gathered((from) => from["POSITION"], 3)!, transform, 1),
     indices,
     groups,
     paints: runs.map(({ material }) => paintOf(json, material)),
   };
   const normals = gathered((from) => from["NORMAL"], 3);
-  if (normals) part.normals = moved(normals, placed, 0);
+  if (normals) part.normals = moved(normals, transform, 0);
   const colors = gathered((from) => from["COLOR_0"], 3);
   if (colors) part.colors = colors.map(fromLinear);
   const pictures = runs.map(({ material }) => pictureOf(file, material));
-  const laid = pictures.find(Boolean);
-  const uv = laid && gathered((from) => from[`TEXCOORD_${laid.texCoord}`], 2);
+  const first = pictures.find(Boolean);
+  const uv = first && gathered((from) => from[`TEXCOORD_${first.texCoord}`], 2);
   if (uv) Object.assign(part, { uv, pictures: pictures.map((one) => one && { bytes: one.bytes, type: one.type, wrap: one.wrap }) });
   return [part];
 }
 
 type Attributes = Record<string, number>;
 
-/** An attribute of all vertices, or nothing where some lack it. */
+/** An attribute of all vertices; `undefined` if some lack it. */
 function joined(file: Glb, accessors: readonly (number | undefined)[], width: number): Float32Array | undefined {
-  const all = accessors.map((accessor) => (accessor === undefined ? undefined : read(file, accessor, width)));
-  if (all.some((one) => !one)) return undefined;
-  const out = new Float32Array(all.reduce((sum, one) => sum + one!.length, 0));
+  const arrays = accessors.map((accessor) => (accessor === undefined ? undefined : read(file, accessor, width)));
+  if (arrays.some((array) => !array)) return undefined;
+  const values = new Float32Array(arrays.reduce((sum, array) => sum + array!.length, 0));
   let at = 0;
-  for (const one of all) {
-    out.set(one!, at);
-    at += one!.length;
+  for (const array of arrays) {
+    values.set(array!, at);
+    at += array!.length;
   }
-  return out;
+  return values;
 }
 
-/** The numbers of an accessor; of wider rows the first so many. Whole numbers that stand for shares become them. */
+/** The numbers of an accessor, at most `width` per row. Normalized integers become numbers from 0, or -1, to 1. */
 function read({ json, buffer }: Glb, accessor: number, width?: number): Float32Array | Uint32Array {
   const { bufferView, byteOffset = 0, componentType, count, type, normalized } = json.accessors![accessor]!;
-  const all = WIDTHS[type] ?? 1;
-  const kept = width ?? all;
-  const out = width === undefined ? new Uint32Array(count * kept) : new Float32Array(count * kept);
-  if (bufferView === undefined) return out;
+  const components = WIDTHS[type] ?? 1;
+  const kept = width ?? components;
+  const values = width === undefined ? new Uint32Array(count * kept) : new Float32Array(count * kept);
+  if (bufferView === undefined) return values;
   const view = json.bufferViews![bufferView]!;
   const size = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 }[componentType] ?? 4;
   const isSigned = componentType === 5120 || componentType === 5122;
-  const stride = view.byteStride ?? size * all;
+  const stride = view.byteStride ?? size * components;
   const first = (view.byteOffset ?? 0) + byteOffset;
-  const whole = normalized ? 2 ** (8 * size - Number(isSigned)) - 1 : 1;
+  const largest = normalized ? 2 ** (8 * size - Number(isSigned)) - 1 : 1;
   const number =
     componentType === 5126
       ? (at: number) => buffer.getFloat32(at, true)
       : size === 4
-        ? (at: number) => buffer.getUint32(at, true) / whole
+        ? (at: number) => buffer.getUint32(at, true) / largest
         : size === 2
-          ? (at: number) => (isSigned ? buffer.getInt16(at, true) : buffer.getUint16(at, true)) / whole
-          : (at: number) => (isSigned ? buffer.getInt8(at) : buffer.getUint8(at)) / whole;
-  for (let i = 0; i < count; i++) for (let k = 0; k < kept; k++) out[i * kept + k] = number(first + i * stride + k * size);
-  return out;
+          ? (at: number) => (isSigned ? buffer.getInt16(at, true) : buffer.getUint16(at, true)) / largest
+          : (at: number) => (isSigned ? buffer.getInt8(at) : buffer.getUint8(at)) / largest;
+  for (let i = 0; i < count; i++) for (let k = 0; k < kept; k++) values[i * kept + k] = number(first + i * stride + k * size);
+  return values;
 }
 
-/** The picture of the material's colour, where it is one that browsers know. */
-function pictureOf({ json, buffer }: Glb, material: number | undefined): (Pictured & { texCoord: number }) | undefined {
-  const laid = material === undefined ? undefined : json.materials?.[material]?.pbrMetallicRoughness?.baseColorTexture;
-  const texture = laid && json.textures?.[laid.index];
+/** The base colour texture of a material, if browsers can decode it. */
+function pictureOf({ json, buffer }: Glb, material: number | undefined): (EncodedPicture & { texCoord: number }) | undefined {
+  const reference = material === undefined ? undefined : json.materials?.[material]?.pbrMetallicRoughness?.baseColorTexture;
+  const texture = reference && json.textures?.[reference.index];
   const source = texture?.extensions?.EXT_texture_webp?.source ?? texture?.source;
   const { bufferView, mimeType } = (source === undefined ? undefined : json.images?.[source]) ?? {};
-  if (!laid || !texture || bufferView === undefined || !mimeType) return undefined;
+  if (!reference || !texture || bufferView === undefined || !mimeType) return undefined;
   const { byteOffset = 0, byteLength } = json.bufferViews![bufferView]!;
   const bytes = new Uint8Array(buffer.buffer, buffer.byteOffset + byteOffset, byteLength);
   const { wrapS = REPEAT, wrapT = REPEAT } = json.samplers?.[texture.sampler ?? -1] ?? {};
-  return { bytes, type: mimeType, wrap: [wrapS, wrapT], texCoord: laid.texCoord ?? 0 };
+  return { bytes, type: mimeType, wrap: [wrapS, wrapT], texCoord: reference.texCoord ?? 0 };
 }
 
-/** The material's colour, from linear light to what a screen has. */
+/** The base colour of a material, from linear to sRGB. */
 function paintOf(json: Json, material: number | undefined): string | undefined {
   const pbr = material === undefined ? undefined : json.materials?.[material]?.pbrMetallicRoughness;
   if (!pbr?.baseColorFactor) return undefined;
@@ -266,27 +266,27 @@ function moved(rows: Float32Array, m: readonly number[], w: 0 | 1): Float32Array
   return rows;
 }
 
-/** A point with z up, where the file has y up; and back. */
-export const stood = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" ? [x, -z, y] : [x, y, z]);
-export const lain = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" ? [x, z, -y] : [x, y, z]);
+/** Turns a point of a file with y up so that z is up; and back. */
+export const toZUp = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" ? [x, -z, y] : [x, y, z]);
+export const fromZUp = ([x, y, z]: Vec3, up: string | null): Vec3 => (up === "y" ? [x, z, -y] : [x, y, z]);
 
 /** The same for a part. */
-export const standing = (part: Part, up: string | null): Part => (up === "y" ? turned(part, (at) => stood(at, up)) : part);
-export const lying = (part: Part, up: string | null): Part => (up === "y" ? turned(part, (at) => lain(at, up)) : part);
+export const partToZUp = (part: Part, up: string | null): Part => (up === "y" ? turned(part, (at) => toZUp(at, up)) : part);
+export const partFromZUp = (part: Part, up: string | null): Part => (up === "y" ? turned(part, (at) => fromZUp(at, up)) : part);
 
 function turned(part: Part, turn: (at: Vec3) => Vec3): Part {
-  const rows = (of: Float32Array) => {
-    const out = new Float32Array(of.length);
-    for (let i = 0; i < of.length; i += 3) out.set(turn([of[i]!, of[i + 1]!, of[i + 2]!]), i);
-    return out;
+  const turnedRows = (rows: Float32Array) => {
+    const result = new Float32Array(rows.length);
+    for (let i = 0; i < rows.length; i += 3) result.set(turn([rows[i]!, rows[i + 1]!, rows[i + 2]!]), i);
+    return result;
   };
-  return { ...part, positions: rows(part.positions), ...(part.normals && { normals: rows(part.normals) }) };
+  return { ...part, positions: turnedRows(part.positions), ...(part.normals && { normals: turnedRows(part.normals) }) };
 }
 
-/** The box of all. */
-export function boxOf(all: readonly Part[]): readonly [Vec3, Vec3] | undefined {
+/** The bounding box of all parts. */
+export function boxOf(parts: readonly Part[]): readonly [Vec3, Vec3] | undefined {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  for (const { positions } of all) {
+  for (const { positions } of parts) {
     for (let i = 0; i < positions.length; i++) {
       const value = positions[i]!;
       if (value < low[i % 3]!) low[i % 3] = value;

@@ -1,9 +1,9 @@
-// The page's side of the workers. Work is in lanes, such as the preview and the proof: lanes run beside each other, and in a
-// lane the newest order takes the place of an older one, whose worker is ended. The module is compiled once for all.
+// The page's side of the workers. Runs are assigned to lanes, such as draft and proof: lanes run in parallel, and in a lane
+// a new run cancels the previous one by ending its worker. The module is compiled once for all workers.
 import type { Files, Outcome, Progress } from "./command";
 import type { Order, Reply } from "./worker";
 
-/** What a worker is to the lanes; tests bring their own. */
+/** The part of `Worker` that the lanes use; tests pass their own. */
 export interface WorkerLike {
   postMessage(order: Order): void;
   terminate(): void;
@@ -11,7 +11,7 @@ export interface WorkerLike {
   onerror: ((event: ErrorEvent) => void) | null;
 }
 
-/** How a run ended that gave no outcome. */
+/** Why a run ended without an outcome. */
 export class Stopped extends Error {
   constructor(
     readonly why: "newer" | "cancelled" | "trapped" | "unloaded",
@@ -35,41 +35,41 @@ interface Lane {
 
 export class Jobs<Name extends string> {
   private readonly lanes = new Map<Name, Lane>();
-  private next = 1;
+  private nextId = 1;
 
   constructor(
     private readonly module: () => Promise<WebAssembly.Module>,
     private readonly create: () => WorkerLike,
   ) {}
 
-  /** Runs the command. Rejected with [`Stopped`]: by a newer order of the lane, by [`cancel`], or by a trap. */
+  /** Runs the command. Rejects with [`Stopped`] after a newer run in the lane, [`cancel`], or a trap. */
   async run(name: Name, words: readonly string[], files: Files, progressed: (progress: Progress) => void = () => undefined): Promise<Outcome> {
-    const id = this.next++;
-    this.end(name, "newer");
+    const id = this.nextId++;
+    this.stop(name, "newer");
     const lane = this.lanes.get(name) ?? this.start(name);
-    const done = new Promise<Outcome>((resolve, reject) => {
+    const outcome = new Promise<Outcome>((resolve, reject) => {
       lane.running = { id, resolve, reject, progressed };
     });
-    // Whoever asks is told; here nobody needs to be.
-    done.catch(() => undefined);
+    // The caller handles the rejection; this only prevents an unhandled one while the module loads.
+    outcome.catch(() => undefined);
     const module = await this.module().catch((error: unknown) => {
       lane.running = null;
       throw new Stopped("unloaded", String(error));
     });
-    // While the module was loaded, a newer order may have come.
+    // A newer run may have started while the module was loading.
     if (lane.running?.id === id) lane.worker.postMessage({ id, module, words, files });
-    return done;
+    return outcome;
   }
 
   cancel(name: Name): void {
-    this.end(name, "cancelled");
+    this.stop(name, "cancelled");
   }
 
   isRunning(name: Name): boolean {
     return Boolean(this.lanes.get(name)?.running);
   }
 
-  private end(name: Name, why: "newer" | "cancelled"): void {
+  private stop(name: Name, why: "newer" | "cancelled"): void {
     const lane = this.lanes.get(name);
     if (!lane?.running) return;
     const { running } = lane;
@@ -93,7 +93,7 @@ export class Jobs<Name extends string> {
       if ("progress" in data) return running.progressed(data.progress);
       lane.running = null;
       if ("outcome" in data) return running.resolve(data.outcome);
-      // What a trap leaves behind is not used again.
+      // After a trap the instance may be in any state, so its worker is not reused.
       this.drop(name, lane);
       running.reject(new Stopped("trapped", data.trapped));
     };

@@ -1,4 +1,4 @@
-// Brings the workbench to life: reads the address, loads the command when it is first needed, draws at most once a frame.
+// Runs the workbench: reads the address, loads the command when it is first needed, draws at most once a frame.
 import { render } from "preact";
 import { App } from "./App";
 import { Controller } from "./controller";
@@ -12,11 +12,11 @@ const root = document.getElementById("app")!;
 const language: Language = document.documentElement.lang.startsWith("zh") ? "zh" : "en";
 
 let compiled: Promise<WebAssembly.Module> | undefined;
-/** Compiled once; a failure is not remembered, so that a next try may succeed. */
+/** Compiles the module once; after a failure the next call tries again. */
 function module(): Promise<WebAssembly.Module> {
   compiled ??= fetch(file).then(async (response) => {
     if (!response.ok) throw new Error(`${response.status}`);
-    // Not compileStreaming: that insists on a media type which some hosts do not send.
+    // Not compileStreaming, because it requires a media type that some hosts do not send.
     return WebAssembly.compile(await response.arrayBuffer());
   });
   compiled.catch(() => (compiled = undefined));
@@ -27,25 +27,25 @@ const worker = (): WorkerLike => new Worker(new URL("./worker.ts", import.meta.u
 
 let control: Controller;
 let frame = 0;
-let written: string | null = null;
+let writtenLink: string | null = null;
 
 function draw(): void {
   frame = 0;
   render(<App language={language} state={control.state} control={control} />, root);
   const { bench, ended, link, running, isWaiting } = control.state;
-  // While a link is made the old one stays; what has none leaves none.
-  if (link !== written && !isWaiting) {
-    written = link;
+  // Until a new link is ready the address keeps the old one; a bench that is too large for a link clears it.
+  if (link !== writtenLink && !isWaiting) {
+    writtenLink = link;
     history.replaceState(null, "", location.pathname + location.search + (link ? `#s=${link}` : ""));
   }
   const html = document.documentElement;
   html.dataset["ready"] = "1";
-  // For whoever drives the page by program.
+  // For programs that drive the page.
   if (running.length === 0 && !isWaiting && ended === bench) html.dataset["settled"] = "1";
   else delete html.dataset["settled"];
 }
 
-/** What `chordal studio FILE` has put on the bench. */
+/** The files that were given to `chordal studio FILE`. */
 async function filesOfCommand(): Promise<File[]> {
   const names = new URLSearchParams(location.search).getAll("open");
   const fetched = names.map(async (name, number) => {
@@ -56,14 +56,14 @@ async function filesOfCommand(): Promise<File[]> {
 }
 
 async function begin(): Promise<void> {
-  const coded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
-  const shared = coded ? await unpack(coded) : null;
+  const encoded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
+  const shared = encoded ? await unpack(encoded) : null;
   const opened = await filesOfCommand();
   control = new Controller(new Jobs(module, worker), shared ?? example("bracket"), () => {
     frame ||= requestAnimationFrame(draw);
   });
   root.replaceChildren();
-  // What was changed since the command opened a file is in the address.
+  // If the address has a link, it contains the changes since the command opened the file, so the link wins.
   const isOpen = opened.length > 0 && !shared && (await control.open(opened));
   if (!isOpen) {
     const { notice } = control.state;
@@ -75,9 +75,9 @@ async function begin(): Promise<void> {
 }
 
 addEventListener("hashchange", () => {
-  const coded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
-  if (!coded || coded === written) return;
-  void unpack(coded).then((bench) => (bench ? control.put(bench) : control.say("damaged")));
+  const encoded = /^#s=([\w-]+)$/.exec(location.hash)?.[1];
+  if (!encoded || encoded === writtenLink) return;
+  void unpack(encoded).then((bench) => (bench ? control.put(bench) : control.say("damaged")));
 });
 
 void begin();

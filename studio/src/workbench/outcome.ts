@@ -1,16 +1,16 @@
-// What a run of the command said, read: its report, what went wrong and where, samples.
+// Reads the outcome of a run: its report, its error with the place in the script, and samples of a field.
 import type { Vec3 } from "../viewer";
 import type { Outcome } from "./command";
 import type { Report } from "./report";
 
 export interface Fault {
   text: string;
-  /** Where in the script, from 1. */
+  /** The place in the script, counted from 1. */
   line?: number;
   column?: number;
 }
 
-/** A slice through a baked field. */
+/** The samples of a baked field, from which slices are drawn. */
 export interface Slice {
   size: readonly [number, number, number];
   origin: Vec3;
@@ -28,17 +28,17 @@ export function reportOf({ stdout }: Outcome): Report {
 
 const PLACE = /^[^:]*: line (\d+)(?:, column (\d+))?: ([^]*)$/;
 
-/** What went wrong, as the command says it; the first sentence, with its place in the script. */
+/** The error in the command's words: the first message, with its place in the script. */
 export function faultOf(outcome: Outcome): Fault {
   const { error } = reportOf(outcome);
-  const said = error?.messages[0] ?? outcome.stderr.split("\nchordal: ")[0]!.replace(/^chordal: /, "").trim();
-  const found = PLACE.exec(said);
-  if (!found) return { text: said };
-  const [, line, column, text] = found;
+  const message = error?.messages[0] ?? outcome.stderr.split("\nchordal: ")[0]!.replace(/^chordal: /, "").trim();
+  const match = PLACE.exec(message);
+  if (!match) return { text: message };
+  const [, line, column, text] = match;
   return { text: text!.split("\n")[0]!, line: Number(line), ...(column ? { column: Number(column) } : {}) };
 }
 
-/** numpy's format, of doubles, the first index running fastest. */
+/** Reads a NumPy file of doubles in Fortran order. */
 export function sliceOf(bytes: Uint8Array, report: Report): Slice | null {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const start = 10 + view.getUint16(8, true);

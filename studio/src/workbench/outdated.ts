@@ -1,9 +1,9 @@
-// Whether what is shown is of what is on the bench.
+// Whether the mesh that is shown belongs to the current input.
 import type { State } from "./state";
 
-/** What is shown is not of what is on the bench, and will not be: that failed or was stopped. */
+/** The mesh is of an older input and will stay, because the run for the current one failed or was cancelled. */
 export const isOutdated = ({ bench, shown, fault, ended }: State): boolean =>
-  shown !== null && shown.of !== bench && (fault !== null || ended === bench);
+  shown !== null && shown.bench !== bench && (fault !== null || ended === bench);
 
-/** What is on the bench makes no shape. */
-export const isBroken = ({ bench, shown, fault }: State): boolean => fault !== null && shown?.of !== bench;
+/** No mesh could be made of the current input. */
+export const isBroken = ({ bench, shown, fault }: State): boolean => fault !== null && shown?.bench !== bench;

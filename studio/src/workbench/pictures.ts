@@ -1,62 +1,62 @@
-// Pictures that the command takes of what is on the bench, from where the reader looks.
+// Pictures that the command renders of the input, from the reader's viewpoint.
 import type { Size, Vec3, View } from "../viewer";
 import { eyeOf, fovOf } from "../viewer/view";
 import { type Bench, type Line, hasField, isScript, reading } from "./document";
-import { type Part, lain, lying } from "./glb";
+import { type Part, fromZUp, partFromZUp } from "./glb";
 import { plyOf } from "./ply";
 import type { Report } from "./report";
 
-/** What stands beside the mesh: pictures of the command, and a slice that the page draws itself. */
+/** The pictures beside the mesh: rendered by the command, or a slice that the page draws. */
 export type Beside = "traced" | "sliced" | "distance" | "overshade";
 export type PictureKind = Exclude<Beside, "sliced">;
 
 export interface PictureOf {
-  of: PictureKind;
+  kind: PictureKind;
   png: Uint8Array;
   report: Report;
 }
 
-/** What can stand beside a shape. A distance is measured between triangles: the bound says what is known of a field's. */
-export function besides(of: Bench): readonly Beside[] {
-  if (isScript(of)) return ["traced", "sliced", "overshade"];
-  return hasField(of) || of.combine ? ["sliced", "overshade"] : ["sliced", "distance", "overshade"];
+/** The pictures that an input can have. Distances are measured between triangles, so for a field only the bound is known. */
+export function besides(bench: Bench): readonly Beside[] {
+  if (isScript(bench)) return ["traced", "sliced", "overshade"];
+  return hasField(bench) || bench.combine ? ["sliced", "overshade"] : ["sliced", "distance", "overshade"];
 }
 
-/** What stands beside it: what was chosen where the shape has that. */
-export const besideOf = (of: Bench, chosen: Beside): Beside => (besides(of).includes(chosen) ? chosen : besides(of)[0]!);
+/** The picture to show: the chosen one if the input can have it. */
+export const besideOf = (bench: Bench, chosen: Beside): Beside => (besides(bench).includes(chosen) ? chosen : besides(bench)[0]!);
 
-/** What is pictured. */
+/** The subject of a picture. */
 interface Subject {
   bench: Bench;
-  /** The triangles that are shown, with z up, and the axis that is up in the file. */
+  /** The triangles that are shown, with z up, and the up axis of the file. */
   parts: readonly Part[];
   up: string | null;
-  /** No triangle is farther away, as far as is known. */
+  /** An upper bound of their distance, if known, for the darkest colour. */
   atMost: number | null;
 }
 
-/** The line that takes a picture, and the files that it reads. */
-export function pictureLine(what: PictureKind, { bench, parts, up, atMost }: Subject, view: View, size: Size): { line: Line; files: Bench["files"] } {
-  const camera = cameraText(view, size, what === "distance" ? up : null);
-  const last = ["--view", camera, "-o", "picture.png"];
+/** The command line that renders a picture, and its input files. */
+export function pictureLine(kind: PictureKind, { bench, parts, up, atMost }: Subject, view: View, size: Size): { line: Line; files: Bench["files"] } {
+  const camera = cameraText(view, size, kind === "distance" ? up : null);
+  const viewAndOutput = ["--view", camera, "-o", "picture.png"];
   const shown = "the-triangles-that-are-shown.ply";
-  switch (what) {
+  switch (kind) {
     case "traced":
-      return { line: ["render", ...reading(bench), ...last], files: bench.files };
+      return { line: ["render", ...reading(bench), ...viewAndOutput], files: bench.files };
     case "overshade":
-      return { line: ["render", shown, "--show", "overshade", ...last], files: { [shown]: plyOf(parts) } };
+      return { line: ["render", shown, "--show", "overshade", ...viewAndOutput], files: { [shown]: plyOf(parts) } };
     case "distance": {
       const [name, ...options] = reading(bench);
       const darkest = atMost ? ["--darkest", String(atMost)] : [];
-      const line = ["render", shown, "--show", "deviation", "--against", name!, ...options, ...darkest, ...last];
-      return { line, files: { ...bench.files, [shown]: plyOf(parts.map((part) => lying(part, up))) } };
+      const line = ["render", shown, "--show", "deviation", "--against", name!, ...options, ...darkest, ...viewAndOutput];
+      return { line, files: { ...bench.files, [shown]: plyOf(parts.map((part) => partFromZUp(part, up))) } };
     }
   }
 }
 
-/** The eye of a view, as the command takes it, in a file's own coordinates. */
+/** A view as the command's option, in the file's coordinates. */
 export function cameraText(view: View, { width, height }: Size, up: string | null): string {
-  const numbers = (of: Vec3) => lain(of, up).map((value) => Number(value.toPrecision(7))).join(",");
+  const numbers = (v: Vec3) => fromZUp(v, up).map((value) => Number(value.toPrecision(7))).join(",");
   const eye = `eye=${numbers(eyeOf(view))} target=${numbers(view.target)} up=${numbers([0, 0, 1])}`;
   return `${width}x${height} fov=${fovOf({ width, height }).toFixed(3)} ${eye}`;
 }

@@ -1,4 +1,4 @@
-// Triangles as a file that the command reads: binary PLY, in single precision as they are shown.
+// Writes triangles as a file for the command: binary PLY in single precision, as shown on the page.
 import type { Part } from "./glb";
 
 const INDICES_OF_A_FACE = 3;

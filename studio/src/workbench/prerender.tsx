@@ -1,4 +1,4 @@
-// Writes the pages of the workbench as text, at build time: what a reader has before the command is loaded, or without it.
+// Writes the pages of the workbench as text at build time, for readers without script and until the command is loaded.
 import { renderToString } from "preact-render-to-string";
 import type { Written } from "../exhibits/prerender";
 import { TAGS } from "../exhibits/say";

@@ -1,4 +1,4 @@
-// What the page reads of a report: a part of docs/schema/report.schema.json.
+// The part of a report that the page reads; see docs/schema/report.schema.json.
 import type { Vec3 } from "../viewer";
 
 export interface BoundFacts {
@@ -20,7 +20,7 @@ export interface LevelFacts {
   distance: number;
 }
 
-/** How far the values of one attribute are off where triangles were simplified: what was found, which is no bound. */
+/** The error of one attribute after simplification: the largest that was found, which is no upper bound. */
 export interface AttributeFacts {
   semantic: "normal" | "tangent" | "texcoord" | "color" | "custom";
   name: string;

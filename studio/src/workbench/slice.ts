@@ -1,12 +1,12 @@
-// A slice through a sampled field as a picture: inside and outside in two colours, lines of equal distance, the surface.
+// A slice through a sampled field as a picture: inside and outside in two colours, iso-lines of the distance, the surface.
 import type { Slice } from "./outcome";
 
-/** Lines of equal distance across the picture. */
+/** Iso-lines between the surface and the largest distance. */
 const LINES = 14;
 const INSIDE = [31, 95, 184] as const;
 const OUTSIDE = [214, 160, 96] as const;
 const SURFACE = [198, 42, 18] as const;
-/** Dots of the picture for each cell: enough for lines to be smooth. */
+/** Pixels per cell of the field; enough for smooth lines. */
 const DOTS = 6;
 
 export function drawSlice(canvas: HTMLCanvasElement, { size, samples, spacing }: Slice, height: number): void {
@@ -17,26 +17,26 @@ export function drawSlice(canvas: HTMLCanvasElement, { size, samples, spacing }:
   const context = canvas.getContext("2d");
   if (!context) return;
   const image = context.createImageData(width, tall);
-  const at = (x: number, y: number) => samples[x + nx * (y + ny * layer)]!;
-  const far = (spacing * Math.max(nx, ny)) / 2;
-  const step = far / LINES;
+  const sample = (x: number, y: number) => samples[x + nx * (y + ny * layer)]!;
+  const largest = (spacing * Math.max(nx, ny)) / 2;
+  const step = largest / LINES;
   for (let row = 0; row < tall; row++) {
     for (let column = 0; column < width; column++) {
       const [u, v] = [column / DOTS, (tall - 1 - row) / DOTS];
       const [x, y] = [Math.floor(u), Math.floor(v)];
       const [s, t] = [u - x, v - y];
-      const value = (1 - t) * ((1 - s) * at(x, y) + s * at(x + 1, y)) + t * ((1 - s) * at(x, y + 1) + s * at(x + 1, y + 1));
-      const shade = 1 - 0.55 * Math.min(Math.abs(value) / far, 1);
+      const value = (1 - t) * ((1 - s) * sample(x, y) + s * sample(x + 1, y)) + t * ((1 - s) * sample(x, y + 1) + s * sample(x + 1, y + 1));
+      const shade = 1 - 0.55 * Math.min(Math.abs(value) / largest, 1);
       const line = Math.abs(value / step - Math.round(value / step)) * step;
       const isSurface = Math.abs(value) < spacing / 3;
       const base = isSurface ? SURFACE : value < 0 ? INSIDE : OUTSIDE;
       const dark = !isSurface && line < spacing / 8 ? 0.75 : 1;
-      const place = 4 * (row * width + column);
+      const offset = 4 * (row * width + column);
       for (let k = 0; k < 3; k++) {
         const paper = value < 0 ? 235 : 250;
-        image.data[place + k] = isSurface ? base[k]! : (base[k]! + (paper - base[k]!) * shade) * dark;
+        image.data[offset + k] = isSurface ? base[k]! : (base[k]! + (paper - base[k]!) * shade) * dark;
       }
-      image.data[place + 3] = 255;
+      image.data[offset + 3] = 255;
     }
   }
   context.putImageData(image, 0, 0);

@@ -1,4 +1,4 @@
-// What the bench shows and does at a moment.
+// The state of the workbench page.
 import type { Size, Vec3, View } from "../viewer";
 import type { Progress } from "./command";
 import type { Bench, Line } from "./document";
@@ -9,17 +9,17 @@ import type { Certificate, Inspection, LevelFacts } from "./report";
 
 export type LaneName = "draft" | "proof" | "inspect" | "picture" | "slice" | "levels" | "step" | "export" | "language";
 
-/** A mesh that is shown. */
+/** The mesh that is shown. */
 export interface Shown {
-  /** What was on the bench when it was made. */
-  of: Bench;
+  /** The input from which it was made. */
+  bench: Bench;
   parts: readonly Part[];
   certificate: Certificate;
   bytes: Uint8Array;
   seconds: number;
-  /** Its distance is not known; the proved one soon takes its place. */
+  /** Its error is unknown; the proved mesh soon replaces it. */
   isDraft: boolean;
-  /** The budget was not met: this is the best that was reached. */
+  /** The budget was not met: this is the best mesh that was reached. */
   isShort: boolean;
 }
 
@@ -37,11 +37,11 @@ export interface State {
   shown: Shown | null;
   fault: Fault | null;
   inspection: Inspection | null;
-  /** Where defects are, by the name of the finding. */
+  /** The places of defects, by the name of the finding. */
   witnesses: readonly { of: string; at: Vec3 }[];
   progress: Partial<Record<LaneName, Progress>>;
   running: readonly LaneName[];
-  /** What was chosen to stand beside the mesh, and the picture of it. */
+  /** The chosen picture beside the mesh, and its pixels. */
   beside: Beside;
   picture: PictureOf | null;
   slice: Slice | null;
@@ -50,11 +50,11 @@ export interface State {
   home: View;
   size: Size;
   notice: Notice | null;
-  /** The link of this bench; `null` where it is too large for one. */
+  /** The link of this bench; `null` if it is too large for one. */
   link: string | null;
-  /** Something begins once the hand has rested. */
+  /** Whether a run is scheduled after a pause. */
   isWaiting: boolean;
-  /** The bench whose proof has ended, in whatever way; `null` while one is under way. */
+  /** The bench whose proof has ended, successfully or not; `null` while one runs. */
   ended: Bench | null;
 }
 

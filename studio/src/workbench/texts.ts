@@ -1,4 +1,4 @@
-// The words of the workbench, in both languages. Sentences of the command stay as it says them.
+// The texts of the workbench, in both languages. The command's own sentences are in command_zh.ts.
 import type { Notice } from "./state";
 import type { Beside } from "./pictures";
 import type { AttributeFacts } from "./report";
@@ -14,7 +14,7 @@ export interface Texts {
   open: string;
   drop: string;
   example: string;
-  /** What stands in the list of examples where something else is on the bench. */
+  /** Shown in the list of examples if another file is open. */
   ownFile: string;
   examples: Record<"bracket" | "gear" | "vase" | "badge", string>;
   undo: string;
@@ -45,9 +45,9 @@ export interface Texts {
   bakeForSlice: string;
   certificate: string;
   draft: string;
-  /** Its proof failed or was stopped. */
+  /** For a draft whose proof failed or was stopped. */
   draftOnly: string;
-  /** What is shown is of an older shape. */
+  /** Shown if the mesh belongs to an older input. */
   outdated: string;
   waiting: string;
   cancel: string;
@@ -66,16 +66,16 @@ export interface Texts {
   genus: string;
   seconds: string;
   attributes: Record<AttributeFacts["semantic"], string>;
-  /** What was found of one; `which` of several, or the name of one that is of no kind. */
+  /** The label of an attribute's error; `which` is its number among several, or the name of a custom one. */
   attributeOff(what: string, which: string): string;
   noNumber: string;
   worst: string;
   short: string;
   findings: string;
   sound: string;
-  /** So many places that were found, all of them or the first. */
+  /** Shows `n` places, all or only the first. */
   showPlaces(n: string, isPart: boolean): string;
-  /** What it does. */
+  /** The button of a repair; `what` is its effect. */
   cure(what: string): string;
   cureAll: string;
   combine: string;
@@ -86,7 +86,7 @@ export interface Texts {
   makeLevels: string;
   distance: string;
   level(k: number, n: number, triangles: string): string;
-  /** What it is in pixels, where that is limited; the distance of one pixel, where one is nearer. */
+  /** A level's error; its size in pixels if finite, and the distance for one pixel if the eye is nearer. */
   levelError(error: string, pixels: string | null, from: string | null): string;
   withoutLevels: string;
   bake: string;
@@ -112,7 +112,7 @@ export interface Texts {
 export const TEXTS: Record<Language, Texts> = {
   en: {
     title: "Workbench",
-    lead: "Write a shape or drop a file; say how much error may be seen; take the triangles with their proof. Nothing leaves this page.",
+    lead: "Write a shape or drop a file, choose how much error may be visible, and get triangles with a proof. Nothing leaves this page.",
     skip: "To the picture",
     home: "Chordal",
     exhibits: "Exhibits",
@@ -126,18 +126,18 @@ export const TEXTS: Record<Language, Texts> = {
     script: "Script",
     file: "File",
     parameters: "Parameters",
-    reset: "As written",
+    reset: "Reset to defaults",
     options: "More options",
-    optionsHint: "as the command takes them: --iso 60, --extrude 2, --text Word",
+    optionsHint: "as for the command: --iso 60, --extrude 2, --text Word",
     budget: "How much error may be seen?",
     budgets: { tol: "Length", px: "Pixels", triangles: "Triangles" },
     budgetHints: {
       tol: "0.1, 0.1mm, or 0.5% of the diagonal",
       px: (screen, isNear) =>
         isNear
-          ? `on this screen, from where the shape is twice as high as the picture, or farther (you are nearer): ${screen}`
+          ? `on this screen, from the distance at which the shape is twice as high as the picture, or farther (you are nearer): ${screen}`
           : `on this screen, from here or farther: ${screen}`,
-      triangles: "the best mesh with no more than these",
+      triangles: "the best mesh with at most this many",
     },
     mesh: "Mesh",
     field: "Field",
@@ -146,23 +146,23 @@ export const TEXTS: Record<Language, Texts> = {
     show: "Mesh as",
     shows: { shaded: "Surface", wire: "Edges", normals: "Normals", culled: "Backs culled" },
     section: "Cut open",
-    cutAt: "Where, from front to back",
+    cutAt: "Position, from front to back",
     sliceAt: "Height of the cut",
     beside: "Beside it",
     besides: { traced: "Field, sphere-traced", sliced: "Field, a slice", distance: "Distance", overshade: "Overshading" },
     distanceSays: (darkest, found) => `From light to dark: 0 to ${darkest}. At one place the distance is at least ${found}.`,
     overshadeSays: (lanes, small, triangles) =>
-      `${lanes} lanes of the graphics processor for each pixel; ${small} of ${triangles} triangles are too small to be seen from here.`,
-    noField: "This shape is no field. Bake it to see its distance.",
+      `${lanes} GPU lanes per pixel; ${small} of ${triangles} triangles are too small to be seen from here.`,
+    noField: "This shape is not a field. Bake it to see its distance.",
     bakeForSlice: "Sample the distance",
     certificate: "Certificate",
-    draft: "A draft, off by nobody knows how much. The proof is under way.",
-    draftOnly: "A draft, off by nobody knows how much: its proof failed or was stopped.",
-    outdated: "Shown is the last shape that worked, not what is there now.",
+    draft: "A draft with unknown error. The proof is running.",
+    draftOnly: "A draft with unknown error: its proof failed or was stopped.",
+    outdated: "This is the last valid shape, not the current input.",
     waiting: "Working…",
     cancel: "Stop",
     proved: "proved",
-    provedIf: "proved if what was promised holds",
+    provedIf: "proved if the assumptions hold",
     measured: "measured",
     estimated: "estimated",
     atMost: (value) => `off by at most ${value}`,
@@ -176,47 +176,47 @@ export const TEXTS: Record<Language, Texts> = {
     genus: "Genus",
     seconds: "Seconds",
     attributes: { normal: "Normals", tangent: "Tangents", texcoord: "Texture coordinates", color: "Colours", custom: "Attribute" },
-    attributeOff: (what, which) => `${what}${which && ` ${which}`} off, as measured`,
-    noNumber: "no number",
+    attributeOff: (what, which) => `${what}${which && ` ${which}`}, measured error`,
+    noNumber: "not a number",
     worst: "Go to the worst place",
     short: "The budget was not met; this is the best that was reached.",
-    findings: "What is wrong with it",
-    sound: "Nothing was found: the mesh is sound.",
+    findings: "Defects",
+    sound: "No defects were found: the mesh is sound.",
     showPlaces: (n, isPart) => (isPart ? `Show the first ${n}` : n === "1" ? "Show it" : `Show all ${n}`),
-    cure: (what) => `Cure: ${what}`,
-    cureAll: "Cure all",
+    cure: (what) => `Repair: ${what}`,
+    cureAll: "Repair all",
     combine: "Combine with",
     how: { union: "Unite", minus: "Subtract", intersect: "Intersect" },
     combineWith: "Choose a file…",
     remove: "Remove",
     levels: "Levels of detail",
-    makeLevels: "Make levels for one pixel",
+    makeLevels: "Build levels for one pixel",
     distance: "Distance",
     level: (k, n, triangles) => `level ${k} of ${n}: ${triangles} triangles`,
     levelError: (error, pixels, from) =>
       `off by at most ${error}` +
       (pixels === null ? "" : `, which is at most ${pixels} px from here`) +
-      (from === null ? "" : `; at most one pixel from a distance of ${from} on`),
+      (from === null ? "" : `; at most one pixel beyond a distance of ${from}`),
     withoutLevels: "Back to the mesh",
     bake: "Bake into a field",
     cells: "Cells along the longest side",
-    bakeHint: "The samples take the place of the shape; mesh them to come back.",
+    bakeHint: "The samples replace the shape; mesh them to get triangles again.",
     export: "Export",
     exportHint: "Written by the command itself: the same bytes as on your machine.",
-    noExport: "There is nothing to export: what is there now makes no shape. The certificate says why.",
-    line: "The line that does the same",
+    noExport: "There is nothing to export: the current input gives no shape. The certificate shows why.",
+    line: "The same in code",
     copy: "Copy",
     copied: "Copied",
-    share: "The address of this page holds the shape and the budget.",
-    noLink: "The address does not hold this: only one small file, as it was opened or written, fits into a link.",
+    share: "The address of this page contains the shape and the budget.",
+    noLink: "The address does not contain this: a link holds only a single small file, as it was opened or written.",
     notices: {
       damaged: "The address was damaged; this is the first example.",
       "too-large": "These files are more than 600 MB, which a browser cannot hold. The command can.",
-      stopped: "Stopped. What is shown is from before.",
-      unread: "That could not be read: a folder, perhaps.",
-      unloaded: "The command could not be loaded: the network or the host did not give it. What is changed next tries again.",
-      undrawn: "The file was made, but this page cannot draw it: it is compressed. Its export is what the command writes.",
-      trapped: "The work ran out of memory or stack in this browser. A larger budget, or the command on your machine, may do it.",
+      stopped: "Stopped. The previous result is shown.",
+      unread: "This could not be read; it may be a folder.",
+      unloaded: "The command could not be loaded, because of the network or the host. The next change tries again.",
+      undrawn: "The file was written, but this page cannot draw it, because it is compressed. Its export is what the command writes.",
+      trapped: "The run was out of memory or stack in this browser. A larger budget, or the command on your machine, may succeed.",
     },
     dismiss: "Dismiss",
     turnHint: "Drag to turn, Shift-drag to shift; arrows turn, + and − zoom, Home goes back.",
@@ -274,7 +274,7 @@ export const TEXTS: Record<Language, Texts> = {
     waiting: "正在计算…",
     cancel: "停止",
     proved: "已证明",
-    provedIf: "在所作承诺成立时已证明",
+    provedIf: "在所作假设成立时已证明",
     measured: "实测",
     estimated: "估计",
     atMost: (value) => `偏差至多 ${value}`,
@@ -316,7 +316,7 @@ export const TEXTS: Record<Language, Texts> = {
     export: "导出",
     exportHint: "由命令本身写出：与在你机器上得到的字节相同。",
     noExport: "没有可导出的：现在的内容没有得到形状，原因见证书。",
-    line: "完成同样工作的一行",
+    line: "完成同样工作的代码",
     copy: "复制",
     copied: "已复制",
     share: "本页地址中含有形状和预算。",

@@ -1,4 +1,4 @@
-// What every part of the page is given, and numbers in the reader's language.
+// The properties of every part of the page, and numbers in the reader's language.
 import { useMemo } from "preact/hooks";
 import { Say } from "../exhibits/say";
 import type { Controller } from "./controller";
@@ -13,10 +13,10 @@ export interface Page {
   language: Language;
 }
 
-/** Zeros that a reader counts at a glance; with more, or with as many digits before the point, a number has its power of ten. */
+/** From four zeros after the point, or eight digits before it, a number is written with a power of ten. */
 const [SMALLEST, LARGEST] = [1e-4, 1e7];
 
-/** Numbers of any size: what is proved of a mesh may be its rounding alone. */
+/** Numbers of any size: the proved error of a mesh may be its rounding alone. */
 export class BenchSay extends Say {
   override number(value: number): string {
     const size = Math.abs(value);

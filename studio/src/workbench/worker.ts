@@ -1,5 +1,5 @@
-// Runs the command in a worker: one run after the other, each in an instance of its own. Whoever wants to stop a run ends the
-// worker.
+// Runs the command in a worker, one run after the other, each in its own instance. To cancel a run, the worker is
+// terminated.
 import { type Files, type Outcome, type Progress, Trapped, run } from "./command";
 
 export interface Order {
@@ -18,7 +18,7 @@ addEventListener("message", ({ data: { id, module, words, files } }: MessageEven
   const reply = (message: Reply, buffers: Transferable[] = []) => postMessage(message, { transfer: buffers });
   run(module, words, files, (progress) => reply({ id, progress })).then(
     (outcome) => {
-      const buffers = new Set(Object.values(outcome.made).map((bytes) => bytes.buffer as ArrayBuffer));
+      const buffers = new Set(Object.values(outcome.outputs).map((bytes) => bytes.buffer as ArrayBuffer));
       reply({ id, outcome }, [...buffers]);
     },
     (error: unknown) => reply({ id, trapped: error instanceof Trapped ? error.message : String(error) }),

@@ -1,5 +1,5 @@
-// How long a drag keeps the page's main thread. A busy machine makes any such number larger, so no test asks for it:
-// `make bench-studio` prints it, beside what the page's design is made for.
+// How long a drag blocks the page's main thread. The number depends on the machine, so no test checks it:
+// `make bench-studio` prints it, beside the goal of the page's design.
 import { loadavg } from "node:os";
 import { afterAll, beforeAll, test } from "vitest";
 import type { Locator, Page } from "playwright-core";
@@ -8,7 +8,7 @@ import { handleOf } from "../page/drag";
 import { Site, settled } from "../page/site";
 import { dragCost } from "./drag_cost";
 
-/** Half of a frame at 60 Hz: the other half is the browser's, for painting. */
+/** Half of a frame at 60 Hz: the browser needs the other half for painting. */
 const WANTED_MS = 8;
 
 let site: Site;
@@ -30,7 +30,7 @@ test.each([
   await page.context().close();
 });
 
-/** What one drags in an exhibit: its handle; else its slider; else the figure itself. */
+/** What is dragged in an exhibit: its handle; else its slider; else the figure itself. */
 async function handleIn(page: Page): Promise<Locator> {
   const all = [page.locator(".grip[role=slider] .dot").first(), page.locator(".panel input[type=range]").first(), page.locator(".scene")];
   for (const one of all) if (await one.count()) return one;

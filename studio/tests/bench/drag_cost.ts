@@ -1,4 +1,4 @@
-// What a drag costs the main thread of a page.
+// The cost of a drag on a page's main thread.
 import type { Locator, Page } from "playwright-core";
 import { wave } from "../page/drag";
 
@@ -13,7 +13,7 @@ interface TraceEvent {
   args: { data?: { type?: string } };
 }
 
-/** Of a drag: how many moves arrived, the time of the processor for each of them, and for the longest task, in milliseconds. */
+/** Of a drag: the number of moves, and the processor's time for each and for the longest task, in milliseconds. */
 export interface DragCost {
   moves: number;
   median: number;
@@ -21,7 +21,7 @@ export interface DragCost {
   longest: number;
 }
 
-/** The time that the processor spends on the page's main thread for each pointer move of a drag, from a trace. */
+/** Measures the processor's time on the page's main thread for each pointer move of a drag, from a trace. */
 export async function dragCost(page: Page, handle: Locator): Promise<DragCost> {
   const session = await page.context().newCDPSession(page);
   const events: TraceEvent[] = [];

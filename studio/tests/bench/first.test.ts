@@ -1,5 +1,5 @@
-// How soon the page shows something, and what it weighs by then, on a processor four times slower than this one. Like any
-// time it depends on the machine: `make bench-studio` prints it, beside what the page is made for.
+// How soon the page shows something, and how much is loaded by then, on a processor slowed down four times. The times depend on
+// the machine: `make bench-studio` prints them, beside the page's goals.
 import { existsSync, readFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { join } from "node:path";
@@ -7,7 +7,7 @@ import { gzipSync } from "node:zlib";
 import { afterAll, beforeAll, test } from "vitest";
 import { DIST, Site } from "../page/site";
 
-/** First picture, and the page's weight compressed. */
+/** The first picture, and the bytes loaded, compressed. */
 const WANTED = { ms: 1000, kB: 400 };
 const SLOWER = 4;
 const RUNS = 5;
@@ -18,10 +18,10 @@ beforeAll(async () => {
 });
 afterAll(() => site.close());
 
-/** The first page, the list, and exhibits in space, in the plane, and those whose first answer takes the core longest. */
+/** The first page, the list, and exhibits in 3D, in the plane, and with the slowest first answers. */
 const PAGES = ["", "zh.html", "exhibits.html", "quad.html", "inside.html", "doctor.html", "csg.zh.html", "budget.html", "levels.html"];
 
-test.each(PAGES)("the first picture, the first live one, and what was loaded for them, of '%s'", async (address) => {
+test.each(PAGES)("the first picture and the first live one of '%s', and the bytes loaded for them", async (address) => {
   // On the list nothing moves.
   const isLive = address !== "exhibits.html";
   const runs: [first: number, live: number][] = [];
@@ -51,7 +51,7 @@ test.each(PAGES)("the first picture, the first live one, and what was loaded for
     }, isLive);
     const { first, live } = await page.evaluate(() => (window as unknown as { times: { first: number; live: number } }).times);
     runs.push([first, live]);
-    // What stops the first picture: the page, its styles, and scripts that are not modules.
+    // The resources that block the first picture: the page, its styles, and scripts that are not modules.
     const blocking = await page.locator('link[rel=stylesheet], script[src]:not([type=module], [defer])').evaluateAll((all) =>
       all.map((one) => new URL((one as HTMLScriptElement).src || (one as HTMLLinkElement).href).pathname.replace("/some/where/", "")),
     );

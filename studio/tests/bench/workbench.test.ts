@@ -1,5 +1,5 @@
-// How soon the workbench shows something, and how soon it follows a hand. Like any time it depends on the machine, and on the
-// module: `make bench-studio` prints both beside it, with the module that pages have.
+// How soon the workbench shows something, and how soon it follows a drag. The times depend on the machine, and on the module:
+// `make bench-studio` prints both, with the module of the pages.
 import { readFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { join } from "node:path";
@@ -28,7 +28,7 @@ afterAll(() => site.close());
 const median = (all: readonly number[]) => [...all].sort((a, b) => a - b)[Math.floor(all.length / 2)]!;
 const load = () => `load ${loadavg()[0]!.toFixed(1)}, ${around}`;
 
-/** When things were seen, in milliseconds of the page's clock; 0 for never. */
+/** When each was first visible, in milliseconds of the page's clock; 0 for never. */
 interface Times {
   moved: number;
   up: number;
@@ -36,7 +36,7 @@ interface Times {
   proved: number;
 }
 
-/** Writes times down from the page's first script on. */
+/** Records the times from the page's first script on. */
 async function keepTimes(page: Page): Promise<void> {
   page.setDefaultTimeout(STEP_MS);
   await page.addInitScript(() => {
@@ -49,7 +49,7 @@ async function keepTimes(page: Page): Promise<void> {
       const big = document.querySelector(".certificate .big");
       if (!big || !document.querySelector('.scene[data-viewer="webgl"]')) return;
       if (big.classList.contains("draft")) seen("draft");
-      // What was proved before the hand was off is of before.
+      // A proof that was shown before the end of the drag belongs to the text before.
       else if (!times.moved || times.up) seen("proved");
     }).observe(document, { subtree: true, childList: true, attributes: true, characterData: true });
   });
@@ -59,7 +59,7 @@ const until = (page: Page, what: keyof Times) =>
   page.waitForFunction((what) => (window as unknown as { times: Times }).times[what] > 0, what);
 const timesOf = (page: Page): Promise<Times> => page.evaluate(() => (window as unknown as { times: Times }).times);
 
-test("the first mesh on an empty cache, and the proved one", async () => {
+test("the first mesh and its proof, with an empty cache", async () => {
   const runs: Times[] = [];
   for (let i = 0; i < RUNS; i++) {
     const { page } = await site.visit("workbench.html", { prepare: keepTimes });
@@ -71,7 +71,7 @@ test("the first mesh on an empty cache, and the proved one", async () => {
   console.log(`first mesh ${draft.toFixed(0)} ms after the address, proved after ${proved.toFixed(0)} ms; ${load()}`);
 });
 
-test.each(EXAMPLES)("a number that is dragged in the example %s", async (name) => {
+test.each(EXAMPLES)("a dragged number in the example %s", async (name) => {
   const { page } = await site.ready("workbench.html", { prepare: keepTimes });
   await page.locator(".cm-content").waitFor();
   await page.locator(".inputs select").selectOption(name);
@@ -87,7 +87,7 @@ test.each(EXAMPLES)("a number that is dragged in the example %s", async (name) =
       const { times } = window as unknown as { times: Times };
       Object.assign(times, { moved: 0, up: 0, draft: 0, proved: 0 });
     });
-    // There and back again.
+    // Back and forth.
     await page.mouse.move(left + (i % 2 ? -WAY_PX : WAY_PX), top);
     await until(page, "draft");
     await page.mouse.up();

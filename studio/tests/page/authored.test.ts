@@ -11,7 +11,7 @@ beforeAll(async () => {
 afterEach(() => expect(pages.errors).toEqual([]));
 afterAll(() => pages.close());
 
-test("bernstein: between the ends no weight is negative, beyond them one is; they always sum to one", async () => {
+test("bernstein: no weight is negative between the ends, one is beyond them, and they always sum to one", async () => {
   const page = await pages.at("bernstein.html");
   const before = (await pages.state("bernstein"))["t"] as number;
   await drag(page, grip(page), 60, -20);
@@ -32,7 +32,7 @@ test("bernstein: between the ends no weight is negative, beyond them one is; the
   expect(await digits(page, "weight-1")).toBeLessThan(0);
 });
 
-test("bernstein: whatever t is, nothing of the construction is cut off at the figure's edge", async () => {
+test("bernstein: the construction stays in the figure for every t", async () => {
   const page = await pages.on("bernstein.html", "#v=1");
   const opacities = await page.locator(".weighted .label").evaluateAll((all) => all.map((one) => getComputedStyle(one).fillOpacity));
   expect(opacities, "each name is as dark as the others").toEqual(["1", "1", "1", "1"]);
@@ -52,7 +52,7 @@ test("bernstein: whatever t is, nothing of the construction is cut off at the fi
   }
 });
 
-test("joins: what is kept stays, and the handle breaks the rest; the mirror's picture is one", async () => {
+test("joins: the chosen class is kept, the handle breaks higher ones, and the reflection is a picture", async () => {
   const page = await pages.at("joins.html");
   expect(await pages.number("joins")).toBe(1);
   for (const [keep, left] of [["C0", 0], ["C1", 1], ["C2", 2]] as const) {
@@ -78,7 +78,7 @@ test("joins: what is kept stays, and the handle breaks the rest; the mirror's pi
   expect(size).toEqual([320, 104]);
 });
 
-test("runge: the rest of the polynomial moves by several times what the point does, that of the spline hardly", async () => {
+test("runge: the rest of the polynomial moves several times as far as the point, the rest of the spline hardly", async () => {
   const page = await pages.at("runge.html#v=1&h=0.2");
   const one = await pages.number("runge");
   expect(one).toBeGreaterThan(5 * 0.2);
@@ -97,7 +97,7 @@ test("runge: the rest of the polynomial moves by several times what the point do
   expect(await digits(page, "polynomial-misses")).toBeCloseTo(1.916, 2);
 });
 
-test("cracks: different numbers gape, equal ones do not, and a side that is cut once never does", async () => {
+test("cracks: different numbers crack, equal ones do not, and a side that is cut once never does", async () => {
   const page = await pages.at("cracks.html");
   await live(page);
   const before = await pages.number("cracks");
@@ -105,7 +105,7 @@ test("cracks: different numbers gape, equal ones do not, and a side that is cut 
   expect(await digits(page, "components")).toBe(2);
   await page.locator(".scene").focus();
   for (let i = 0; i < 6; i++) await page.keyboard.press("-");
-  // Half as near, half as wide.
+  // At half the distance the crack is twice as wide.
   expect(await pages.number("cracks")).toBeLessThan(0.8 * before);
   await page.locator("#right").fill("3");
   expect(await pages.number("cracks")).toBe(0);
@@ -121,7 +121,7 @@ test("cracks: different numbers gape, equal ones do not, and a side that is cut 
   }
 });
 
-test("cage: each round has four times the faces and leaves about a quarter of the error, a crease delays it", async () => {
+test("cage: each round has four times the faces and leaves about a quarter of the error, and a crease delays that", async () => {
   const page = await pages.at("cage.html");
   await live(page);
   await page.locator("#level").fill("5");
@@ -143,7 +143,7 @@ test("cage: each round has four times the faces and leaves about a quarter of th
   expect(await page.locator(".ramp-scale rect").count()).toBe(8);
 });
 
-test("the way leads through the widget, in the language that it speaks, and not in a frame", async () => {
+test("the tour leads through the widget, in the reader's language, but not in a frame", async () => {
   const n = STOPS.indexOf(WIDGET);
   expect(fileOfStop(STOPS[n - 1]!, "en")).toBe("runge.html");
   expect(fileOfStop(STOPS[n + 1]!, "en")).toBe("cracks.html");

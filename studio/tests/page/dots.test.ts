@@ -1,4 +1,4 @@
-// Dots in space on screens of several densities: as wide as they are told to be, in CSS pixels.
+// Dots in 3D have the requested width in CSS pixels, on screens of several densities.
 import { readFile } from "node:fs/promises";
 import { extname, join } from "node:path";
 import { afterAll, beforeAll, expect, test } from "vitest";
@@ -32,7 +32,7 @@ test.each([1, 2, 3])("a dot of 9 pixels is that wide at a density of %s", async 
   await page.waitForFunction(() => "widthOfDot" in window);
   for (const size of [9, 15]) {
     const width = await page.evaluate((of) => widthOfDot(of), size);
-    // A pixel of the screen at each end may be half covered.
+    // A device pixel at each end may be half covered.
     expect(Math.abs(width - size), `${width} pixels for ${size}`).toBeLessThanOrEqual(1);
   }
   await page.context().close();

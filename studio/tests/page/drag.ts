@@ -1,9 +1,9 @@
-// A drag of sixty moves along a wave, as a hand makes it, for whoever counts or times what the page does meanwhile.
+// A drag of sixty moves along a wave, like a hand's, for tests and benches that count or time the page's work.
 import type { Locator, Page } from "playwright-core";
 
 const MOVES = 60;
 
-/** Drags by the middle of something. Each move waits for the answer and the frame that belong to it. */
+/** Drags the middle of an element. Each move waits for its answer and its frame. */
 export async function wave(page: Page, what: Locator, begin: () => Promise<unknown>): Promise<void> {
   const box = (await what.boundingBox())!;
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
@@ -19,7 +19,7 @@ export async function wave(page: Page, what: Locator, begin: () => Promise<unkno
 /** A handle of the first figure. */
 export const handleOf = (page: Page, n: number) => page.locator("svg[data-figure] [role=slider]").nth(n).locator(".dot");
 
-/** What the main thread did: pointer moves that arrived, questions to the worker, frames, nodes that were changed. */
+/** The main thread's work: pointer moves that arrived, questions to the worker, frames, changed nodes. */
 export interface Work {
   moves: number;
   questions: number;
@@ -27,7 +27,7 @@ export interface Work {
   mutations: number;
 }
 
-/** Counts from the page's first script on; `workOf` reads it. */
+/** Counts from the page's first script on; `workOf` reads the counts. */
 export async function countWork(page: Page): Promise<void> {
   await page.addInitScript(() => {
     const work = { moves: 0, questions: 0, frames: 0, mutations: 0 };
@@ -53,5 +53,5 @@ export async function countWork(page: Page): Promise<void> {
   });
 }
 
-/** What was counted so far. */
+/** The counts so far. */
 export const workOf = (page: Page): Promise<Work> => page.evaluate(() => ({ ...(window as unknown as { work: Work }).work }));

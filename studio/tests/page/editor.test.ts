@@ -10,7 +10,7 @@ import { ROOT, Site, isLong, seriousFindings } from "./site";
 
 declare global {
   var editor: ScriptEditor;
-  var told: [string, boolean][];
+  var changes: [string, boolean][];
   var setTable: (rows: FunctionRow[], words: string[]) => Promise<void>;
 }
 
@@ -31,8 +31,8 @@ let words: string[];
 beforeAll(async () => {
   const root = join(ROOT, "tests/page/editor_page");
   await build({ root, configFile: false, base: "./", logLevel: "warn", build: { outDir: BUILT, emptyOutDir: true, target: "es2022", assetsInlineLimit: 0, modulePreload: false } });
-  const said = execFileSync(process.env["CHORDAL"] ?? "chordal", ["language", "--json"], { encoding: "utf8" });
-  const language = JSON.parse(said) as Language;
+  const json = execFileSync(process.env["CHORDAL"] ?? "chordal", ["language", "--json"], { encoding: "utf8" });
+  const language = JSON.parse(json) as Language;
   rows = language.functions.map(({ name, usage, doc, worth }) => ({ name, usage, doc, ...(worth === null ? {} : { worth }) }));
   words = [...language.constants, ...language.keywords];
   site = await Site.open();
@@ -54,11 +54,11 @@ async function open(text = BLOCK, options: Parameters<Site["visit"]>[1] & { quer
 }
 
 const textOf = (page: Page) => page.evaluate(() => editor.text);
-const toldOf = (page: Page) => page.evaluate(() => told);
+const changesOf = (page: Page) => page.evaluate(() => changes);
 const content = (page: Page) => page.locator(".cm-content");
 const numberOf = (page: Page, text: string) => page.locator(".cm-number", { hasText: text }).first();
 
-/** The cursor to a line and a column, both from 0. */
+/** Moves the cursor to a line and a column, both counted from 0. */
 async function cursorTo(page: Page, line: number, column: number): Promise<void> {
   await content(page).focus();
   await page.keyboard.press("Control+Home");
@@ -79,7 +79,7 @@ async function drag(page: Page, text: string, by: readonly number[], during: (k:
   await page.mouse.up();
 }
 
-test("its styles work under the pages' policy", async () => {
+test("its styles work under the pages' content security policy", async () => {
   const { page, errors } = await open();
   expect(await page.locator(".cm-scroller").evaluate((element) => getComputedStyle(element).display)).toBe("flex");
   expect(await numberOf(page, "20").evaluate((element) => getComputedStyle(element).cursor)).toBe("ew-resize");
@@ -89,20 +89,20 @@ test("its styles work under the pages' policy", async () => {
   expect(errors).toEqual([]);
 });
 
-test("a dragged number follows, tells its page, and is one step of undo", async () => {
+test("a dragged number follows, notifies its page, and is one step of undo", async () => {
   const { page, errors } = await open();
   await drag(page, "20", [4, 10, 25, 24, 50]);
   const after = BLOCK.replace("20", "30");
   expect(await textOf(page)).toBe(after);
-  const told = await toldOf(page);
-  expect(told.map(([, isDragging]) => isDragging)).toEqual([...told.slice(1).map(() => true), false]);
-  expect(told.at(-1)).toEqual([after, false]);
-  expect(told.slice(0, -1).map(([text]) => /box\((-?\d+)/.exec(text)![1])).toEqual(["22", "25", "30"]);
+  const changes = await changesOf(page);
+  expect(changes.map(([, isDragging]) => isDragging)).toEqual([...changes.slice(1).map(() => true), false]);
+  expect(changes.at(-1)).toEqual([after, false]);
+  expect(changes.slice(0, -1).map(([text]) => /box\((-?\d+)/.exec(text)![1])).toEqual(["22", "25", "30"]);
   await page.keyboard.press("Control+z");
   expect(await textOf(page)).toBe(BLOCK);
   await page.keyboard.press("Control+y");
   expect(await textOf(page)).toBe(after);
-  // What was typed before is a step of its own, also at once and at the same place.
+  // Typing before the drag is a step of its own, even directly before it at the same place.
   await page.keyboard.type("5");
   await drag(page, "305", [-50]);
   expect(await textOf(page)).toBe(BLOCK.replace("20", "295"));
@@ -112,7 +112,7 @@ test("a dragged number follows, tells its page, and is one step of undo", async 
   expect(errors).toEqual([]);
 });
 
-test("Shift and Alt change the step in the middle of a drag, and decimals stay", async () => {
+test("Shift and Alt change the step during a drag, and decimals stay", async () => {
   const { page } = await open();
   await drag(page, "0.40", [25, 50, 75], async (k) => {
     if (k === 0) await page.keyboard.down("Shift");
@@ -128,19 +128,19 @@ test("Shift and Alt change the step in the middle of a drag, and decimals stay",
   expect(await textOf(page)).toContain("0.960)");
 });
 
-test("a drag that is given up, or comes to nothing, leaves nothing", async () => {
+test("a drag that is cancelled, or changes nothing, leaves no step of undo", async () => {
   const { page } = await open();
   await drag(page, "20", [50, 60], async (k) => k === 0 && page.keyboard.press("Escape"));
   expect(await textOf(page)).toBe(BLOCK);
-  expect((await toldOf(page)).at(-1)).toEqual([BLOCK, false]);
+  expect((await changesOf(page)).at(-1)).toEqual([BLOCK, false]);
   await drag(page, "20", [50, 0]);
   expect(await textOf(page)).toBe(BLOCK);
-  expect((await toldOf(page)).at(-1)).toEqual([BLOCK, false]);
+  expect((await changesOf(page)).at(-1)).toEqual([BLOCK, false]);
   await page.keyboard.press("Control+z");
   expect(await textOf(page)).toBe(BLOCK);
 });
 
-test("a click on a number sets the cursor, a second one selects it, and words are no handles", async () => {
+test("a click on a number sets the cursor, a double click selects it, and words are no handles", async () => {
   const { page } = await open();
   await numberOf(page, "20").click();
   await page.keyboard.press("Alt+ArrowUp");
@@ -152,7 +152,7 @@ test("a click on a number sets the cursor, a second one selects it, and words ar
   expect(all).toEqual(["0.40", "8", "2", "1", "-3"]);
 });
 
-test("keys and buttons step the number at the cursor, and what comes fast is one step of undo", async () => {
+test("keys and buttons step the number at the cursor, and quick repetitions are one step of undo", async () => {
   const { page } = await open();
   await cursorTo(page, 1, 5);
   await page.keyboard.press("Alt+ArrowUp");
@@ -164,19 +164,19 @@ test("keys and buttons step the number at the cursor, and what comes fast is one
   await page.getByRole("button", { name: "One step more" }).click();
   expect(await textOf(page)).toBe(BLOCK.replace("20", "21"));
   expect(await page.locator(".cm-stepper code").textContent()).toBe("21");
-  expect((await toldOf(page)).every(([, isDragging]) => !isDragging)).toBe(true);
+  expect((await changesOf(page)).every(([, isDragging]) => !isDragging)).toBe(true);
 });
 
-test("what the page sets is not told to it, keeps the cursor, and a slider's way is one step of undo", async () => {
+test("a text set by the page does not notify it, keeps the cursor, and a slider's drag is one step of undo", async () => {
   const { page } = await open();
   await cursorTo(page, 1, 0);
   await page.evaluate(() => {
     for (const value of ["0.41", "0.5", "12"]) editor.setText(editor.text.replace(/0\.\d+/, value), true);
     editor.setText(editor.text.replace(/12/, "0.75"), false);
-    // The same again, as a page does that gets its own answer back.
+    // The same text again, as if a page answered a change with its own text.
     editor.setText(editor.text);
   });
-  expect(await toldOf(page)).toEqual([]);
+  expect(await changesOf(page)).toEqual([]);
   await page.keyboard.type("#");
   const after = BLOCK.replace("0.40", "0.75");
   expect(await textOf(page)).toBe(after.replace("box", "#box"));
@@ -188,29 +188,29 @@ test("what the page sets is not told to it, keeps the cursor, and a slider's way
   expect(await textOf(page)).toBe("sphere(1)\nbox(1, 1, 1)");
 });
 
-test("a finger drags a number across, scrolls along, and hits beside it", async () => {
+test("a finger drags a number horizontally, scrolls vertically, and may miss the number a little", async () => {
   const { page } = await open(BLOCK, { hasTouch: true, isMobile: true, viewport: { width: 360, height: 740 } });
   const client: CDPSession = await page.context().newCDPSession(page);
   const touch = (type: "touchStart" | "touchMove" | "touchEnd", x: number, y: number) =>
     client.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y }] });
   const box = (await numberOf(page, "20").boundingBox())!;
-  // Above the digits, where a finger still means them.
+  // Above the digits, within the reach of a finger.
   const [x, y] = [box.x + box.width / 2, box.y - 5];
   await touch("touchStart", x, y);
   for (const way of [10, 20, 30, 40, 50]) await touch("touchMove", x + way, y);
   await touch("touchEnd", 0, 0);
   expect(await textOf(page)).toBe(BLOCK.replace("20", "30"));
-  expect((await toldOf(page)).at(-1)).toEqual([BLOCK.replace("20", "30"), false]);
+  expect((await changesOf(page)).at(-1)).toEqual([BLOCK.replace("20", "30"), false]);
   await touch("touchStart", x, y);
   for (const way of [10, 20, 30, 40, 50]) await touch("touchMove", x + 1, y + way);
   await touch("touchEnd", 0, 0);
   expect(await textOf(page)).toBe(BLOCK.replace("20", "30"));
   const height = await page.locator(".cm-number").first().evaluate((element) => Number.parseFloat(getComputedStyle(element, "::after").height));
-  // The border of a pixel is not counted.
+  // Without the border of one pixel.
   expect(height).toBeGreaterThanOrEqual(43);
 });
 
-test("names are completed from the table, with usage and sentence", async () => {
+test("names are completed from the table, with usage and description", async () => {
   const { page } = await open("");
   await content(page).focus();
   await page.keyboard.type("gyr");
@@ -219,7 +219,7 @@ test("names are completed from the table, with usage and sentence", async () => 
   expect(await option.textContent()).toBe("gyroid(period, level=0)");
   await page.locator(".cm-completionInfo").waitFor();
   expect(await page.locator(".cm-completionInfo").textContent()).toContain("One side of the gyroid, without end; with shell() it is a wall. Its value as a distance: a lower bound.");
-  // CodeMirror takes no Enter within 75 ms of opening the list: then it is a line, which is taken back.
+  // CodeMirror ignores Enter within 75 ms after it opened the list and inserts a line instead, which is undone.
   const enter = async () => {
     await page.keyboard.press("Enter");
     const text = await textOf(page);
@@ -230,7 +230,7 @@ test("names are completed from the table, with usage and sentence", async () => 
     return text;
   };
   await expect.poll(enter, { interval: 200 }).toBe("gyroid()");
-  // Within the parentheses, its parameters come first.
+  // Within the parentheses, the function's parameters come first.
   await page.keyboard.press("Control+Space");
   await page.getByRole("option").first().waitFor();
   expect(await page.getByRole("option").first().textContent()).toBe("period=parameter");
@@ -238,7 +238,7 @@ test("names are completed from the table, with usage and sentence", async () => 
   await page.keyboard.press("Escape");
   await page.keyboard.type("2, ");
   expect(await page.locator(".cm-help b").textContent()).toBe("level=0");
-  // Not in texts, comments and numbers.
+  // Not in strings, comments and numbers.
   for (const text of ['"gyr', "# gyr", "12"]) {
     await page.evaluate(() => editor.setText(""));
     await page.keyboard.type(text);
@@ -248,7 +248,7 @@ test("names are completed from the table, with usage and sentence", async () => 
   }
 });
 
-test("a name says what it is under a pointer, and at the cursor", async () => {
+test("a name is explained under the pointer and at the cursor", async () => {
   const { page } = await open();
   await page.getByText("cylinder").hover();
   await page.locator(".cm-tooltip-hover").waitFor();
@@ -257,7 +257,7 @@ test("a name says what it is under a pointer, and at the cursor", async () => {
   expect(await page.locator(".cm-help").textContent()).toContain("A box of these full sizes around the origin.");
 });
 
-test("an error stands at its place, and is reached and read without a mouse", async () => {
+test("an error is marked at its place, and is reached and read without a mouse", async () => {
   const { page } = await open("a = 1\né = box(1, a)\n");
   await page.evaluate(() => editor.setError({ line: 2, column: 5, message: "box() needs 'z'" }));
   expect(await page.locator(".cm-problem").textContent()).toBe("box");
@@ -272,7 +272,7 @@ test("an error stands at its place, and is reached and read without a mouse", as
   await page.evaluate(() => editor.setError(null));
   expect(await page.getByRole("status").textContent()).toBe("");
   expect(await content(page).getAttribute("aria-invalid")).toBe("false");
-  // Places that the text no longer has.
+  // Places that the new text does not have.
   for (const error of [{ line: 99, column: 99 }, { line: 0 }, { line: 1, column: 6 }, { line: 3 }]) {
     await page.evaluate((place) => editor.setError({ ...place, message: "?" }), error);
     expect(await page.getByRole("status").textContent()).toMatch(/^Line \d\?$/);
@@ -301,7 +301,7 @@ test("it has a name, Tab leaves it, and axe finds nothing, in both languages and
   }
 });
 
-test("after its end nothing of it is left", async () => {
+test("dispose removes everything", async () => {
   const { page } = await open();
   await page.evaluate(() => editor.dispose());
   expect(await page.evaluate(() => document.getElementById("place")!.childElementCount)).toBe(0);

@@ -1,4 +1,4 @@
-// An exhibit's page under test: opened, its state read from the address, its number compared with the core's.
+// An exhibit's page under test: opens it, reads its state from the address, and compares its number with the core's.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
@@ -29,7 +29,7 @@ export class ExhibitPages {
     return this.visit.page;
   }
 
-  /** In the page that is open, if it is of this file: its module still has what takes seconds to compute. */
+  /** Opens a state in the current page if it is of this file: its module has cached data that takes seconds to compute. */
   async on(...where: Parameters<Site["on"]>): Promise<Page> {
     this.visit = await this.site.on(...where);
     return this.visit.page;
@@ -43,7 +43,7 @@ export class ExhibitPages {
     return this.site.close();
   }
 
-  /** The state that the address holds once the hand rests. */
+  /** The state in the address, once it is written. */
   async state(id: string): Promise<Record<string, unknown>> {
     const page = this.visit!.page;
     await settled(page);
@@ -51,7 +51,7 @@ export class ExhibitPages {
     return read(new URL(page.url()).hash, defaults as Record<string, unknown>, parts).state;
   }
 
-  /** The live number, which is what the core says about the state in the address. */
+  /** The live number, after a check that it is the core's for the state in the address. */
   async number(id: string): Promise<number> {
     const page = this.visit!.page;
     const state = await this.state(id);
@@ -66,14 +66,14 @@ export class ExhibitPages {
     return value!;
   }
 
-  /** As `number`, of an exhibit that takes the core ten seconds: `make test` asks for them in the page alone. */
+  /** As `number`, for an exhibit whose answer takes the core ten seconds: in `make test` only the page computes it. */
   async costly(id: string): Promise<number> {
     if (isLong) return this.number(id);
     await settled(this.visit!.page);
     return digits(this.visit!.page, "live");
   }
 
-  /** The number that the core had for an exhibit as it is opened when its page was built. */
+  /** The core's number for an exhibit's initial state, from the build of its page. */
   written(file: string): number {
     const html = readFileSync(join(DIST, file), "utf8");
     return Number(/<data [^>]*data-name="live" value="([^"]+)"/.exec(html)![1]);
@@ -81,8 +81,8 @@ export class ExhibitPages {
 }
 
 /**
- * What a page gives the core for one answer, 15 seconds, is enough for the module that pages have. That of tests is half as fast, and
- * two others want the machine: an answer that is nearly there would be asked for anew.
+ * A page waits 15 seconds for an answer, which is enough for the module of the pages. The tests' module is half as fast, and two
+ * others run at the same time, so a page could give up on an answer that is nearly there and ask again.
  */
 const patient = (page: Page) =>
   page.addInitScript(() => {
@@ -90,13 +90,13 @@ const patient = (page: Page) =>
     Object.assign(window, { setTimeout: (act: () => void, ms?: number) => later(act, ms === 15_000 ? 50_000 : ms) });
   });
 
-/** Until the figure in space is drawn by the viewer. */
+/** Waits until the viewer draws the 3D figure. */
 export const live = (page: Page) => page.waitForSelector('.scene[data-viewer="webgl"]');
 
 /** The handle in the figure. */
 export const grip = (page: Page) => page.locator(".grip[role=slider]").first();
 
-/** Drags from the middle of something. */
+/** Drags from the middle of an element. */
 export async function drag(page: Page, what: ReturnType<Page["locator"]>, dx: number, dy: number, steps = 8) {
   const box = (await what.boundingBox())!;
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];

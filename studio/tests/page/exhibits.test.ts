@@ -1,5 +1,5 @@
-// What holds for every exhibit's page, and what surrounds them: text and figure before any script, numbers that are the core's,
-// axe, widths, frames, damaged addresses, the list of all, the viewer.
+// Checks of every exhibit's page and of their surroundings: text and figure before any script, the core's numbers, axe, widths,
+// frames, damaged addresses, the list of exhibits, the viewer.
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
@@ -10,7 +10,7 @@ import { ExhibitPages, live } from "./exhibit_page";
 import { DIST, digits, isLong, seriousFindings, settled } from "./site";
 
 let pages: ExhibitPages;
-/** Runs no script. */
+/** A browser without scripts. */
 let stillPage: Page;
 beforeAll(async () => {
   pages = await ExhibitPages.open();
@@ -19,15 +19,15 @@ beforeAll(async () => {
 afterAll(() => pages.close());
 
 /**
- * `make test` sees every third exhibit, in one of the two languages, and the next of them in the other; and others in a frame. Each
- * is opened by a test of its own besides, in the files that are named by the parts of the lesson.
+ * `make test` opens every third exhibit in one of the two languages, the next ones in the other, and others in a frame. Each
+ * exhibit has another test, in the file of its part of the lesson.
  */
 const numberOf = (id: string) => EXHIBITS.findIndex((entry) => entry.id === id);
 const isSeen = (id: string) => isLong || numberOf(id) % 3 === 0;
 const isFramed = (id: string) => isLong || numberOf(id) % 4 === 2;
 const languagesOf = (id: string): readonly Language[] => (isLong ? LANGUAGES : [LANGUAGES[numberOf(id) % LANGUAGES.length]!]);
 
-/** Each theme and language, once wide and once narrow; `make test` leaves half of them to `make test-long`. */
+/** Each theme and language, once wide and once narrow; half of them only in `make test-long`. */
 const LOOKS = {
   en: [["light", 1200], ["dark", 360]],
   zh: [["dark", 360], ["light", 1200]],
@@ -61,7 +61,7 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
       expect(await seriousFindings(page), `axe, ${colorScheme}, ${width} wide`).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth), "nothing sticks out").toBeLessThanOrEqual(width);
     }
-    // What was dark is on paper as anything else is.
+    // In print, dark colours become those of paper.
     await page.emulateMedia({ media: "print", colorScheme: "dark" });
     await settled(page);
     expect(await onPaper(page)).toEqual({ paper: "rgb(255, 255, 255)", ink: "rgb(0, 0, 0)", pressed: [], canvases: 0, isDrawn: true, isWhole: true });
@@ -78,7 +78,7 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
   });
 });
 
-/** What would be printed. */
+/** The pages that would be printed. */
 function onPaper(page: Page) {
   return page.evaluate(() => {
     const seen = (what: string) => [...document.querySelectorAll(what)].filter((one) => one.checkVisibility());
@@ -94,18 +94,18 @@ function onPaper(page: Page) {
   });
 }
 
-/** A4 without a centimetre on each side, at 96 pixels an inch. */
+/** A4 less a centimetre on each side, at 96 pixels an inch. */
 const SHEET = { width: Math.floor((190 / 25.4) * 96), height: (277 / 25.4) * 96 };
 
-// That of levels takes longest to open.
+// Levels takes longest to open.
 const PRINTED = isLong ? ["quad", "doctor", "levels"] : ["quad", "doctor"];
-test.each(PRINTED)("%s takes as many sheets as it fills, with its figure", async (id) => {
+test.each(PRINTED)("%s is printed without empty sheets, with its figure", async (id) => {
   const page = await pages.at(fileOf(id, "en"), { colorScheme: "dark" });
   await live(page);
   const margin = "10mm";
   const sheets = (await page.pdf({ format: "A4", margin: { top: margin, right: margin, bottom: margin, left: margin } })).toString("latin1");
   const count = sheets.match(/\/Type\s*\/Page\b/g)!.length;
-  // Afterwards the screen is as it was.
+  // Afterwards the screen is as before.
   expect(await page.locator(".scene canvas").isVisible()).toBe(true);
   await page.setViewportSize({ width: SHEET.width, height: 800 });
   await page.emulateMedia({ media: "print" });
@@ -114,7 +114,7 @@ test.each(PRINTED)("%s takes as many sheets as it fills, with its figure", async
   expect(count).toBe(Math.ceil(end / SHEET.height));
 });
 
-test("every exhibit is in a frame by the one address, in the reader's language, with its fragment", async () => {
+test("one address shows every exhibit in a frame, in the reader's language, with its fragment", async () => {
   const page = await pages.site.browser.newPage({ locale: "en-GB", serviceWorkers: "block" });
   const met = async (address: string, wanted: string) => {
     await page.setContent(`<iframe src="${pages.site.base}${address}" width="700" height="700" title="figure"></iframe>`);
@@ -133,7 +133,7 @@ test("every exhibit is in a frame by the one address, in the reader's language, 
   await met("zh.html?embed=1&exhibit=csg#v=1&b=difference", "csg.zh.html?embed=1#v=1&b=difference");
   await met("?exhibit=quad&embed=1#l=zh&v=1&h=0.3", "quad.zh.html?embed=1#v=1&h=0.3");
   await met("zh.html?exhibit=quad#v=1&h=0.3&l=en", "quad.html#v=1&h=0.3");
-  // What is no exhibit is the widget's frame, whatever it is called.
+  // An unknown name shows the widget's frame.
   for (const name of ["../quad", "__proto__", ...(isLong ? ["nothing", "javascript:alert(1)", ""] : [])]) {
     const address = `index.html?embed=1&exhibit=${encodeURIComponent(name)}#v=1&n=9`;
     const { frame } = await met(address, address);
@@ -142,7 +142,7 @@ test("every exhibit is in a frame by the one address, in the reader's language, 
   await page.close();
 });
 
-test("axe refuses what it should: a button without a name, words too pale to be read", async () => {
+test("axe finds what it should: a button without a name, text with too little contrast", async () => {
   const page = await pages.site.browser.newPage();
   await page.setContent('<html lang="en"><title>x</title><button></button><p style="color: #aaa; background: #fff">pale</p>');
   const rules = (await seriousFindings(page)).map((finding) => finding.split(":")[0]);
@@ -150,7 +150,7 @@ test("axe refuses what it should: a button without a name, words too pale to be 
   await page.close();
 });
 
-test("every page names itself in both languages, by files that are there, and has an icon", async () => {
+test("every page links to its versions in both languages, which exist, and has an icon", async () => {
   const names = readdirSync(DIST).filter((name) => name.endsWith(".html"));
   expect(names).toContain("workbench.zh.html");
   for (const name of names) {
@@ -163,7 +163,7 @@ test("every page names itself in both languages, by files that are there, and ha
   }
 });
 
-test("the list of all has a figure and a link for each, and works without script", async () => {
+test("the list of exhibits has a figure and a link for each, and works without script", async () => {
   for (const language of isLong ? LANGUAGES : LANGUAGES.slice(0, 1)) {
     await stillPage.goto(pages.site.base + fileOf("exhibits", language));
     for (const { id, title } of EXHIBITS) {
@@ -185,7 +185,7 @@ test("the other language's page opens with the same state", async () => {
   expect(await pages.number("quad")).toBeCloseTo(0.3, 12);
 });
 
-test("the viewer rests when nothing changes, and a lost context comes back", async () => {
+test("the viewer draws only after a change, and a lost context is restored", async () => {
   const page = await pages.at("culling.html", {
     prepare: (page) =>
       page.addInitScript(() => {
@@ -204,7 +204,7 @@ test("the viewer rests when nothing changes, and a lost context comes back", asy
   });
   await live(page);
   const draws = () => page.evaluate(() => (window as unknown as { work: { draws: number } }).work.draws);
-  // Whatever was asked for is drawn within a few frames; after that there is nothing to do for as long as one looks.
+  // A request is drawn within a few frames; after that nothing is drawn without a change.
   await page.evaluate(async (frames) => {
     const { work } = window as unknown as { work: { draws: number } };
     for (let before = -1, still = 0; still < frames; still = work.draws === before ? still + 1 : 0) {
@@ -228,7 +228,7 @@ test("the viewer rests when nothing changes, and a lost context comes back", asy
     await gone;
     const before = work.draws;
     const back = next("webglcontextrestored");
-    // The browser lets a context be restored once its loss was handled.
+    // The browser restores a context only after its loss was handled.
     setTimeout(() => extension.restoreContext(), 50);
     await back;
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
@@ -237,7 +237,7 @@ test("the viewer rests when nothing changes, and a lost context comes back", asy
   expect(lost).toBeGreaterThan(0);
 });
 
-test("without WebGL the figure is drawn flat, and still turns and counts", async () => {
+test("without WebGL the figure is drawn as flat shapes, and still turns and counts", async () => {
   const page = await pages.at("culling.html#v=1&f=", {
     prepare: (page) =>
       page.addInitScript(() => {

@@ -1,4 +1,4 @@
-// The exhibits of fields and of cost as readers meet them: their numbers are the core's and change as their claims say.
+// The exhibits of fields and of cost: their numbers are the core's and change as their claims say.
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
 import { ExhibitPages, grip, live } from "./exhibit_page";
 import { digits, isLong, seriousFindings, settled } from "./site";
@@ -10,7 +10,7 @@ beforeAll(async () => {
 afterEach(() => expect(pages.errors).toEqual([]));
 afterAll(() => pages.close());
 
-test("field: the sign is the side, field and mesh agree on it, and differ by no more than is proved", async () => {
+test("field: the sign is the side, field and mesh agree on it, and differ by no more than the proved bound", async () => {
   const page = await pages.at("field.html");
   const places = [["6,4", "outside"], ["9.3,4.8", "inside"], ["1,1", "outside"], ["10.2,6.2", "outside"]] as const;
   for (const [place, is] of isLong ? places : places.slice(0, 2)) {
@@ -28,7 +28,7 @@ test("field: the sign is the side, field and mesh agree on it, and differ by no 
   expect(await digits(page, "edges")).toBeGreaterThan(edges);
 });
 
-test("field: keys carry the point into the hole, where the sign turns", async () => {
+test("field: keys move the point into the hole, where the sign flips", async () => {
   const page = await pages.on("field.html", "#v=1&p=6,1.9");
   expect(await pages.number("field")).toBeLessThan(0);
   await grip(page).focus();
@@ -37,7 +37,7 @@ test("field: keys carry the point into the hole, where the sign turns", async ()
   expect(await grip(page).getAttribute("aria-valuetext")).toContain("outside");
 });
 
-test("csg: the value is the distance outside a union and less of it where the parts overlap; it never says more", async () => {
+test("csg: the value is the distance outside a union and less inside where the parts overlap; it is never larger", async () => {
   const page = await pages.at("csg.html");
   expect(await pages.number("csg")).toBeLessThan(0.9);
   for (const [operation, place, isLess] of [
@@ -55,7 +55,7 @@ test("csg: the value is the distance outside a union and less of it where the pa
   }
 });
 
-test("tracing: head on a few steps are enough, grazing takes many; each step leaves less or goes on", async () => {
+test("tracing: a direct ray takes few steps, a grazing one many", async () => {
   const page = await pages.at("tracing.html#v=1&p=6.1,6");
   const direct = await pages.number("tracing");
   await page.evaluate(() => (location.hash = "#v=1&p=7.4,2.97"));
@@ -77,18 +77,18 @@ test("squares: twice as fine a lattice still cuts corners off, and the mesher th
   expect(await digits(page, "ambiguous")).toBeGreaterThan(0);
   await page.locator("#cells").fill("48");
   const fine = await pages.number("squares");
-  // Four times as many cells: a smooth outline would be a sixteenth off.
+  // Four times as many cells: a smooth outline would have a sixteenth of the error.
   expect(fine).toBeGreaterThan(coarse / 8);
   await page.locator("input[name=method][value=corners]").check();
   expect(await pages.number("squares")).toBeLessThan(fine / 4);
   expect(await digits(page, "segments")).toBeLessThan(60);
 });
 
-test("squares: one cube, whose corners are switched by keys and by a press, and which the address restores", async () => {
+test("squares: one cube has corners that keys and presses switch, and the address restores it", async () => {
   const page = await pages.on("squares.html", "#v=1");
   await page.locator("input[name=look][value=cube]").check();
   await live(page);
-  // Two corners across a face: two triangles, two pieces, and one face with two readings.
+  // Two opposite corners of a face: two triangles, two pieces, and one ambiguous face.
   expect(await pages.number("squares")).toBe(1);
   const facts = async () => Promise.all(["triangles", "pieces", "readings"].map((name) => digits(page, name)));
   expect(await facts()).toEqual([2, 2, 2]);
@@ -125,7 +125,7 @@ test("squares: one cube, whose corners are switched by keys and by a press, and 
   expect(view).not.toEqual((pages.exhibits.get("squares")!.defaults as { view: unknown }).view);
 });
 
-test("squares: the address opens one cube with the tip of a box, which it loses", async () => {
+test("squares: the address opens one cube with the corner of a box, which marching cubes cuts off", async () => {
   const page = await pages.at("squares.zh.html#v=1&k=cube&g=1&t=1");
   await live(page);
   expect(await pages.number("squares")).toBe(0);
@@ -138,7 +138,7 @@ test("squares: the address opens one cube with the tip of a box, which it loses"
   expect(await page.locator("svg.flat .lattice").count()).toBe(1);
 });
 
-test("baking: the two bounds add up, what is measured is within, and smaller cells lose less", async () => {
+test("baking: the two bounds add up, the measured error is within, and smaller cells have smaller errors", async () => {
   const page = await pages.at("baking.html#v=1&n=8");
   let before = Infinity;
   for (const cells of isLong ? ["8", "16", "28"] : ["8", "16"]) {
@@ -151,7 +151,7 @@ test("baking: the two bounds add up, what is measured is within, and smaller cel
   }
 });
 
-test("levels: farther away fewer triangles are within a pixel, and the mountain keeps its own until it is far", async () => {
+test("levels: farther away fewer triangles are within a pixel, and the mountain keeps its triangles until it is far", async () => {
   const page = await pages.at("levels.html");
   expect(await pages.costly("levels")).toBe(pages.written("levels.html"));
   const counts: number[] = [];
@@ -160,7 +160,7 @@ test("levels: farther away fewer triangles are within a pixel, and the mountain 
     counts.push(await pages.costly("levels"));
     for (const name of ["teapot", "mountain"]) expect(await digits(page, `${name}-pixels`)).toBeLessThanOrEqual(1);
   }
-  // Ten times as far, the teapot has lost nearly all of its triangles, and the mountain none; at 19 km it has, too.
+  // At ten times the distance the teapot has lost nearly all of its triangles and the mountain none; at 19 km it has, too.
   expect(counts[0]! - counts[1]!).toBeGreaterThan(0.5 * counts[0]!);
   expect(counts[2]).toBeGreaterThan(0.8 * counts[1]!);
   expect(counts[3]).toBeLessThan(0.5 * counts[2]!);
@@ -193,7 +193,7 @@ test("budget: half the error takes √2 times the segments and about twice the t
   }
 });
 
-test("budget: samples take their cells whatever may be lost, a mesh fewer than any; both end where their source does", async () => {
+test("budget: samples give the triangles of their cells for any budget, a mesh the fewest; both end at the error of their source", async () => {
   const page = await pages.on("budget.html", "#v=1&s=volume&n=0");
   expect(await pages.costly("budget")).toBe(0);
   const cells = await digits(page, "count");
@@ -222,8 +222,8 @@ test("budget: samples take their cells whatever may be lost, a mesh fewer than a
   }
 });
 
-test("budget: no word of the chart is cut off or lies on another, wide and narrow, in both languages", async () => {
-  // In `make test` wide in one and narrow in the other.
+test("budget: no label of the chart is cut off or overlaps another, wide and narrow, in both languages", async () => {
+  // In `make test`, wide in one language and narrow in the other.
   const looks = [[1200, "curve"], [360, "mesh"]] as const;
   for (const [k, file] of ["budget.html", "budget.zh.html"].entries()) {
     const page = await pages.on(file, "#v=1&s=curve&n=4");
@@ -240,7 +240,7 @@ test("budget: no word of the chart is cut off or lies on another, wide and narro
         const names = words.filter((one) => one.classList.contains("name")).map((one) => one.getBoundingClientRect());
         // A line of text is a quarter higher than its letters.
         const lie = names.filter((box, i) => names.some((other, k) => k < i && Math.abs(other.top - box.top) < 0.75 * box.height));
-        // The lengths stand side by side.
+        // The lengths are side by side.
         const lengths = words.filter((one) => /^0\.\d+$/.test(one.textContent!)).map((one) => one.getBoundingClientRect());
         const touch = lengths.filter((box, i) => i > 0 && box.left < lengths[i - 1]!.right + 2);
         return [...words.filter((one) => isOut(one.getBoundingClientRect())).map((one) => one.textContent), ...lie, ...touch];
@@ -250,7 +250,7 @@ test("budget: no word of the chart is cut off or lies on another, wide and narro
   }
 });
 
-test("questions: each number is the one that its exhibit shows when it is opened, and leads there", async () => {
+test("questions: each number is the initial number of its exhibit, and links to it", async () => {
   const page = await pages.at("questions.html");
   const seen = new Map<string, [label: string, value: number, shown: string, card: string]>();
   const all = ["triangles", "normals", "winding", "joins", "fields", "cost"];

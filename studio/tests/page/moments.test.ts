@@ -1,5 +1,5 @@
-// The widget's two moments, judging by eye and halving the gap, and what surrounds them: what is in sight at first, the
-// film, formula and code, Back, print, narrow frames, the reader's language before any script has run.
+// The widget's two points, judging by eye and halving the gap, and their surroundings: the first screen, the film, formula and
+// code, Back, print, narrow frames, the reader's language before any script has run.
 import { readFileSync } from "node:fs";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import type { Page } from "playwright-core";
@@ -21,7 +21,7 @@ async function open(...where: Parameters<Site["at"]>): Promise<Page> {
   visit = await site.at(...where);
   return visit.page;
 }
-/** In the page that is open, where it is this one. */
+/** Opens a fragment in the current page, if it is this one. */
 async function stay(fragment = "#v=1", options: Opening = {}): Promise<Page> {
   visit = await site.on("", fragment, options);
   return visit.page;
@@ -32,7 +32,7 @@ const stateOf = async (page: Page) => {
   await settled(page);
   return read(new URL(page.url()).hash).state;
 };
-/** What the core says of the figure as it stands, with another number of segments beside it. */
+/** The core's answer for the current figure, with another number of segments for comparison. */
 async function study(page: Page, change: { segments: number; other: number }, { control = DEFAULTS.control, density = 1 } = {}) {
   const width = await page.evaluate(() => Math.round(document.querySelector(".stage .drawing")!.getBoundingClientRect().width));
   const { goal, t } = DEFAULTS;
@@ -40,7 +40,7 @@ async function study(page: Page, change: { segments: number; other: number }, { 
 }
 
 describe("judging by eye", () => {
-  test("what the screen draws is the chain alone, one thick stroke without dots, and flips against the true curve", async () => {
+  test("what the screen draws is the chain alone, one thick stroke without dots, and flips to the true curve", async () => {
     const page = await open();
     const chain = await page.locator(".stage path.chain").getAttribute("d");
     const curve = await page.locator(".stage path.curve").getAttribute("d");
@@ -56,7 +56,7 @@ describe("judging by eye", () => {
     await button(page, "Flip between what the screen draws and the true curve").click();
     await settled(page);
     expect(await stroke.getAttribute("d")).toBe(curve);
-    // Nothing but the shape tells them apart.
+    // Only the shape of the stroke may differ.
     expect(await look()).toEqual(asChain);
     expect(read(new URL(page.url()).hash).state.look).toBe("curve");
     await button(page, "Flip between what the screen draws and the true curve").click();
@@ -65,7 +65,7 @@ describe("judging by eye", () => {
     expect(visit.errors).toEqual([]);
   });
 
-  test("points still move by keys while one judges, and show then", async () => {
+  test("points can be moved by keys while the strokes are compared, and are visible then", async () => {
     const page = await stay("#v=1&e=s");
     const handle = page.locator("svg[data-figure] [role=slider]").nth(1);
     const faint = Number(await handle.evaluate((one) => getComputedStyle(one).opacity));
@@ -77,7 +77,7 @@ describe("judging by eye", () => {
     expect(Number(await handle.evaluate((one) => getComputedStyle(one).opacity))).toBe(1);
   });
 
-  test("the switch works by keys, and is spoken", async () => {
+  test("the switch works by keys, and is announced", async () => {
     const page = await stay();
     await page.locator("input[name=look][value=both]").focus();
     await page.keyboard.press("ArrowRight");
@@ -88,10 +88,10 @@ describe("judging by eye", () => {
 });
 
 describe("halving", () => {
-  test("beside 2× stands what it did, as the core says it, and the old chain stays as a ghost", async () => {
+  test("2× reports its effect with the core's numbers, and the old chain stays as a ghost", async () => {
     const page = await stay();
     const before = await page.locator(".stage path.chain").getAttribute("d");
-    expect(await page.locator(".halving").innerText()).toContain("of 6 segments it makes 12");
+    expect(await page.locator(".halving").innerText()).toContain("from 6 to 12 segments");
     await button(page, "Twice as many segments").click();
     await settled(page);
     const { even, other } = await study(page, { segments: 12, other: 6 });
@@ -107,7 +107,7 @@ describe("halving", () => {
     expect(line.y - (twice.y + twice.height)).toBeLessThan(20);
   });
 
-  test("a point that is moved keeps the comparison, another number ends it", async () => {
+  test("moving a point keeps the comparison, another number ends it", async () => {
     const page = await stay("#v=1&n=12&b=6");
     await page.locator("svg[data-figure] [role=slider]").nth(2).focus();
     await page.keyboard.press("ArrowDown");
@@ -120,14 +120,14 @@ describe("halving", () => {
     expect((await stateOf(page)).before).toBe(null);
   });
 
-  test("half as many is told as so many times more", async () => {
+  test("half as many segments are reported as so many times the gap", async () => {
     const page = await stay("#v=1&n=12");
     await button(page, "Half as many segments").click();
     await settled(page);
     expect((await page.locator(".halving").innerText()).replace(/\s+/g, " ")).toMatch(/^12 → 6: .* 4\.0 times more$/);
   });
 
-  test("the plot has the slope's triangle, with the core's factor, and names its goals", async () => {
+  test("the plot has the slope triangle, with the core's factor, and labels its goals", async () => {
     const page = await stay("#v=1&n=12&b=6");
     await page.locator("svg.plot").scrollIntoViewIfNeeded();
     await settled(page);
@@ -143,7 +143,7 @@ describe("halving", () => {
   });
 });
 
-describe("at first sight", () => {
+describe("the first screen", () => {
   // In `make test` each in one language.
   const [en, zh] = ["", "#v=1&l=zh"];
   test.each([
@@ -161,7 +161,7 @@ describe("at first sight", () => {
         expect(box.y + box.height, `${what} ${address}`).toBeLessThanOrEqual(height);
       }
       if (width > 1000) {
-        // And what it does to the gap.
+        // And its effect on the gap.
         for (const what of [".halving", ".flip"]) {
           const box = (await page.locator(what).boundingBox())!;
           expect(box.y + box.height, `${what} ${address}`).toBeLessThanOrEqual(height);
@@ -170,7 +170,7 @@ describe("at first sight", () => {
     }
   });
 
-  test("formula and code stand beside the figure, with the core's numbers", async () => {
+  test("formula and code are next to the figure, with the core's numbers", async () => {
     const page = await stay();
     const { formula, needed } = await study(page, { segments: 6, other: 12 });
     expect(await digits(page, "formula-segments")).toBe(formula.segments);
@@ -181,7 +181,7 @@ describe("at first sight", () => {
     expect((await page.locator(".recipe code").innerText()).split("\n").length).toBe(6);
   });
 
-  test("the first number that is proved is called so, and a larger one that fails is named with its gap", async () => {
+  test("the first proved number is labelled so, and a larger one that fails is named with its gap", async () => {
     // A hairpin, on screens of three densities.
     const hairpin = "c=840,560,20,300,260,350,650,430";
     const control = read(`v=1&${hairpin}`).state.control;
@@ -218,7 +218,7 @@ describe("at first sight", () => {
 });
 
 describe("the film", () => {
-  test("it plays from stop to stop to the last, by one press, and is one step of the history", async () => {
+  test("it plays from stop to stop to the last, after one press, and is one step of the history", async () => {
     const page = await open("#v=1&n=80", { isFirst: true });
     const shown = page.evaluate(
       () =>
@@ -233,7 +233,7 @@ describe("the film", () => {
     );
     const length = await page.evaluate(() => history.length);
     await page.getByRole("button", { name: /^Play/ }).click();
-    // On a machine that is slow to draw, two of them may share a frame.
+    // On a machine that draws slowly, two of them may share a frame.
     const [stops, drawn] = [STOPS.filter((n) => n > 80), await shown];
     expect(drawn).toEqual(stops.filter((n) => drawn.includes(n)));
     expect(2 * drawn.length).toBeGreaterThan(stops.length);
@@ -243,7 +243,7 @@ describe("the film", () => {
     expect((await stateOf(page)).segments).toBe(128);
   });
 
-  test("a touch of the slider takes over", async () => {
+  test("a touch of the slider ends it", async () => {
     const page = await open("#v=1&n=2");
     await page.getByRole("button", { name: /^Play/ }).click();
     await page.waitForFunction(() => document.querySelector("output[for=segments]")!.textContent === "4");
@@ -254,7 +254,7 @@ describe("the film", () => {
   });
 });
 
-test("a straight curve that turns back beyond its chain is measured so", async () => {
+test("a straight curve that turns back beyond its chain has a measured gap", async () => {
   const page = await stay("#v=1&n=5&c=500,300,900,300,100,300,500,300");
   const x = (t: number) => 5 * (1 - t) ** 3 + 27 * t * (1 - t) ** 2 + 3 * t * t * (1 - t) + 5 * t ** 3;
   expect(await digits(page, "gap-units")).toBeCloseTo(x((3 - Math.sqrt(3)) / 6) - x(0.2), 12);
@@ -262,7 +262,7 @@ test("a straight curve that turns back beyond its chain is measured so", async (
 });
 
 describe("Back", () => {
-  test("it undoes step by step and does not leave the page before that", async () => {
+  test("it undoes all steps before it leaves the page", async () => {
     const page = await open("", { isFirst: true });
     await button(page, "One segment more").click();
     await settled(page);
@@ -296,7 +296,7 @@ describe("Back", () => {
     for (let i = 1; i <= 12; i++) {
       const before = page.url();
       await page.mouse.move(box.x + 5 + 5 * i, box.y + 5 + 3 * i);
-      // The hand rests until the address is written.
+      // Waits until the address is written.
       if (i % 6 === 0) await page.waitForFunction((before) => location.href !== before, before);
     }
     await page.mouse.up();
@@ -308,15 +308,15 @@ describe("Back", () => {
 });
 
 describe("languages", () => {
-  test("a reader of Chinese sees no English page first", async () => {
-    // Whatever the modules do comes too late: they do not arrive at all.
+  test("a reader of Chinese never sees an English page", async () => {
+    // The modules are blocked, so that only earlier scripts can redirect.
     const prepare = (page: Page) => page.route("**/assets/*.js", (route) => route.abort());
     const readers = new Map<string, Page>();
     const met = async (address: string, locale: string) => {
       const known = readers.get(locale);
       const page = known ?? (await site.visit(address, { locale, prepare })).page;
       readers.set(locale, page);
-      // Away from the address, for it may be the same but for its fragment.
+      // Leave the page first: the address may differ only in its fragment.
       await known?.goto("about:blank");
       await known?.goto(site.base + address);
       const heading = await page.locator("h1").innerText();
@@ -346,7 +346,7 @@ describe("languages", () => {
   });
 });
 
-test("curvatures at the joint have their sign, and are the core's", async () => {
+test("curvatures at the joint have signs, and are the core's", async () => {
   const page = await stay("#v=1&w=s");
   const { seam } = DEFAULTS;
   const curves = { first: seam.slice(0, 4) as never, second: seam.slice(4) as never };
@@ -358,7 +358,7 @@ test("curvatures at the joint have their sign, and are the core's", async () => 
   expect(await page.locator('[data-name="curvature-after"]').innerText()).toMatch(/^\+/);
 });
 
-test("a frame of any width shows no figure of a negative size", async () => {
+test("figures have no negative size in a frame of any width", async () => {
   const page = await site.browser.newPage();
   const errors: string[] = [];
   page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
@@ -377,7 +377,7 @@ test("a frame of any width shows no figure of a negative size", async () => {
 });
 
 describe("on paper", () => {
-  test("everything is there: no part is left out, cut through or blank, and nothing to press", async () => {
+  test("everything is printed: no part is left out, split or blank, and there are no controls", async () => {
     for (const address of ["#v=1", "#v=1&h=d", "#v=1&w=s"]) {
       const page = await stay(address, { viewport: { width: 900, height: 700 } });
       await page.emulateMedia({ media: "print" });
@@ -395,7 +395,7 @@ describe("on paper", () => {
         .locator("button:not(.needed button), input[type=range], select, nav")
         .evaluateAll((all) => all.filter((one) => one.checkVisibility()).length);
       expect(pressed, address).toBe(0);
-      // On paper it is ink on white, whatever the screen was.
+      // In print it is ink on white, with any theme.
       expect(await page.evaluate(() => getComputedStyle(document.body).backgroundColor)).toBe("rgb(255, 255, 255)");
     }
   });

@@ -1,5 +1,5 @@
-// Without a network: pages that were visited are there, new versions take the place of old ones, and nothing is kept where
-// nothing should be.
+// Without a network: visited pages are available, new versions replace old ones, and nothing is cached where it should not
+// be.
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
@@ -8,7 +8,7 @@ import { bench } from "../../src/workbench/document";
 import { pack } from "../../src/workbench/share";
 import { DIST, Site, digits, isLong, settled } from "./site";
 
-/** What the command is given for one step: as a test's module it is half as fast as that of pages. */
+/** The time for one step of the command: the tests' module is half as fast as that of the pages. */
 const WORK_MS = 50_000;
 
 let site: Site;
@@ -23,7 +23,7 @@ afterEach(async () => {
 });
 afterAll(() => site.close());
 
-/** Opens an address where pages may be kept, and waits until this one is. */
+/** Opens an address where pages may be cached, and waits until this one is. */
 async function keep(address: string): Promise<void> {
   ({ page } = await site.ready(address, { serviceWorkers: "allow" }));
   await page.waitForSelector("html[data-offline]");
@@ -40,7 +40,7 @@ const names = () => page.evaluate(() => caches.keys());
 const kept = () => page.evaluate(async () => (await (await caches.open((await caches.keys())[0]!)).keys()).map(({ url }) => new URL(url).pathname));
 const registrations = () => page.evaluate(async () => (await navigator.serviceWorker.getRegistrations()).map(({ scope }) => scope));
 
-test("what was visited works without a network: loaded again, by a deep link, and from a folder's address", async () => {
+test("visited pages work without a network: reloaded, by a deep link, and from a folder's address", async () => {
   await keep("quad.html");
   expect(await registrations()).toEqual([site.base]);
   await page.goto(site.base);
@@ -68,7 +68,7 @@ test("what was visited works without a network: loaded again, by a deep link, an
 });
 
 const BENCHES = isLong ? ["workbench.html", "workbench.zh.html"] : ["workbench.html"];
-test.each(BENCHES)("%s works without a network: it proves, draws beside the mesh, and writes", async (file) => {
+test.each(BENCHES)("%s works without a network: it proves, renders, and writes files", async (file) => {
   const ball = bench("ball.star", { "ball.star": new TextEncoder().encode("sphere(1)") });
   const address = `${file}#s=${await pack(ball)}`;
   page = (await site.ready(address, { serviceWorkers: "allow" })).page;
@@ -80,7 +80,7 @@ test.each(BENCHES)("%s works without a network: it proves, draws beside the mesh
   try {
     await open(address);
     expect(await digits(page, "bound")).toBe(proved);
-    // What is loaded when it is needed is there, too: the editor, the viewer, the archive.
+    // Modules that are loaded on demand are available, too: the editor, the viewer, the archive.
     await page.locator(".cm-content").waitFor();
     await page.waitForSelector('.scene[data-viewer="webgl"]');
     await page.locator(".field-picture").waitFor();
@@ -96,8 +96,8 @@ test.each(BENCHES)("%s works without a network: it proves, draws beside the mesh
   }
 }, 4 * WORK_MS);
 
-// Once, in a run of all tests, and never by itself, a page waited here, and nothing said for what: tried twice, it says what is kept.
-test("a new version takes the place of the old one, with the pages that were visited", { retry: 1 }, async () => {
+// In a run of all tests, but never alone, a page once waited here for an unknown reason: a second try prints the cached files.
+test("a new version replaces the old one, with the visited pages", { retry: 1 }, async () => {
   await keep("quad.html");
   await page.goto(`${site.base}inside.html`);
   await page.waitForSelector("html[data-offline]");
@@ -106,10 +106,10 @@ test("a new version takes the place of the old one, with the pages that were vis
   const worker = await readFile(join(DIST, "service-worker.js"), "utf8");
   site.instead.files.set("quad.html", html.replace(/<title>.*?<\/title>/, "<title>Newer</title>"));
   site.instead.files.set("service-worker.js", worker.replace(/const VERSION = "\w+"/, 'const VERSION = "newer"'));
-  // The page is new at once, whoever keeps it.
+  // The new page appears at once, with any worker.
   await open("quad.html");
   expect(await page.title()).toBe("Newer");
-  // The worker is once no page of the old one is open.
+  // The new worker starts once no page of the old one is open.
   await page.waitForFunction(async () => (await navigator.serviceWorker.getRegistration())?.waiting);
   await page.goto("about:blank");
   await page.goto(`${site.base}exhibits.html`);
@@ -128,7 +128,7 @@ test("a new version takes the place of the old one, with the pages that were vis
   }
 });
 
-test("only pages and what they are made of are kept, and each once", async () => {
+test("only pages and their files are cached, each once", async () => {
   await keep("workbench.html?open=part.star#s=x");
   await page.goto(`${site.base}quad.html?id=1#v=1&h=0.2`);
   await page.waitForSelector("html[data-offline]");
@@ -140,7 +140,7 @@ test("only pages and what they are made of are kept, and each once", async () =>
   expect(files.some((file) => file.includes("opened"))).toBe(false);
 });
 
-test("nothing is kept in a frame, nor where the host wants nothing kept", async () => {
+test("nothing is cached in a frame, nor if the host says no-store", async () => {
   const asked: string[] = [];
   const prepare = async (page: Page) => page.on("request", (request) => asked.push(new URL(request.url()).pathname));
   ({ page } = await site.ready("quad.html?embed=1", { serviceWorkers: "allow", prepare }));

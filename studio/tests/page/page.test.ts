@@ -1,4 +1,4 @@
-// The page as readers meet it: by hand, by keys, by address, embedded, broken, and without script.
+// The page in a browser: by hand, by keys, by address, embedded, broken, and without script.
 import { readFileSync } from "node:fs";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import type { Page } from "playwright-core";
@@ -21,7 +21,7 @@ async function open(...where: Parameters<Site["at"]>): Promise<Page> {
   visit = await site.at(...where);
   return visit.page;
 }
-/** In the page that is open, where it is this one. */
+/** Opens a fragment in the current page, if it is this one. */
 async function stay(fragment = "#v=1", options: Opening = {}): Promise<Page> {
   visit = await site.on("", fragment, options);
   return visit.page;
@@ -29,13 +29,13 @@ async function stay(fragment = "#v=1", options: Opening = {}): Promise<Page> {
 
 const handle = (page: Page, i: number) => page.locator("svg[data-figure] [role=slider]").nth(i);
 
-/** The state that the address holds once the hand rests. */
+/** The state in the address, once it is written. */
 async function stateOf(page: Page): Promise<State> {
   await settled(page);
   return read(new URL(page.url()).hash).state;
 }
 
-/** What the core says about the page's state at the page's scale. */
+/** The core's answer for the page's state, at the page's scale. */
 async function expected(page: Page, state: State) {
   const { width, density } = await page.evaluate(() => ({
     width: Math.round(document.querySelector(".stage .drawing")!.getBoundingClientRect().width),
@@ -59,7 +59,7 @@ async function expectNumbers(page: Page, state: State) {
   }
 }
 
-/** Sections are laid out as they come in sight, which moves those below: so twice. */
+/** Twice, because sections are laid out when they come into view, which moves those below. */
 async function intoSight(page: Page, what: string) {
   for (let i = 0; i < 2; i++) {
     await page.locator(what).scrollIntoViewIfNeeded();
@@ -114,7 +114,7 @@ describe("one curve", () => {
     expect(state.control[0]![0]).toBeGreaterThan(DEFAULTS.control[0]![0] + 0.5);
   });
 
-  test("every handle moves by keys and speaks its place", async () => {
+  test("every handle moves by keys and announces its position", async () => {
     const page = await stay();
     for (let i = 0; i < 4; i++) {
       await handle(page, i).focus();
@@ -132,7 +132,7 @@ describe("one curve", () => {
     await expectNumbers(page, state);
   });
 
-  test("the number of segments by slider, by buttons and in the plot", async () => {
+  test("the number of segments is chosen by slider, by buttons and in the plot", async () => {
     const page = await stay();
     const slider = page.getByLabel("Segments", { exact: true });
     await slider.focus();
@@ -151,7 +151,7 @@ describe("one curve", () => {
     expect((await stateOf(page)).segments).toBeGreaterThan(120);
   });
 
-  test("the smallest number that is enough is offered, shown, and enough", async () => {
+  test("the first proved number is offered, shown, and sufficient", async () => {
     const page = await stay();
     await page.locator("input[name=goal][value='0.25']").check();
     await settled(page);
@@ -165,7 +165,7 @@ describe("one curve", () => {
     expect(await page.locator(".headline").textContent()).toContain("It looks smooth");
   });
 
-  test("a denser screen makes the same gap more pixels", async () => {
+  test("on a denser screen the same gap is more pixels", async () => {
     const page = await stay();
     const once = await digits(page, "gap-pixels");
     for (const density of [1, 2, 3]) {
@@ -195,14 +195,14 @@ describe("one curve", () => {
     expect(await slider.getAttribute("aria-valuetext")).toBe("0% of the way, at x 1.00, y 0.80");
   });
 
-  test("the points can be moved by plain sliders too", async () => {
+  test("the points can be moved by plain sliders, too", async () => {
     const page = await stay();
     await page.getByText("Move the points by numbers").click();
     await page.getByLabel("Control point 2, x").fill("4.25");
     expect((await stateOf(page)).control[1]).toEqual([4.25, 5.8]);
   });
 
-  test("all four points in one place are said to be so", async () => {
+  test("four coincident points are reported", async () => {
     const page = await open("#v=1&c=300,300,300,300,300,300,300,300");
     expect(await page.locator(".headline").textContent()).toContain("nothing to draw");
     expect(visit.errors).toEqual([]);
@@ -210,7 +210,7 @@ describe("one curve", () => {
 });
 
 describe("two curves", () => {
-  test("C0, C1 and C2 are made, stay made under the hand, and are what the core says", async () => {
+  test("C0, C1 and C2 are established, kept during a drag, and confirmed by the core", async () => {
     const page = await stay("#v=1&w=s");
     for (const [wish, level] of [["C1", 1], ["C2", 2], ["C0", 0]] as const) {
       await page.locator(`input[name=smoothness][value=${wish}]`).check();
@@ -225,7 +225,7 @@ describe("two curves", () => {
     expect(visit.errors).toEqual([]);
   });
 
-  test("the second curve leads when its handle is dragged", async () => {
+  test("the second curve leads if its handle is dragged", async () => {
     const page = await stay("#v=1&w=s&k=1");
     const second = page.getByRole("slider", { name: "Second curve, control point 2", exact: true });
     const i = await page.locator("svg[data-figure] [role=slider]").evaluateAll((all) => all.findIndex((one) => one.getAttribute("aria-label") === "Second curve, control point 2"));
@@ -236,7 +236,7 @@ describe("two curves", () => {
     await second.focus();
   });
 
-  test("the joint takes its neighbours along, by keys", async () => {
+  test("the joint moves its neighbours, too, by keys", async () => {
     const page = await stay("#v=1&w=s&k=2");
     await page.getByRole("slider", { name: "The joint" }).focus();
     await page.keyboard.press("ArrowUp");
@@ -248,7 +248,7 @@ describe("two curves", () => {
     expect(await digits(page, "parametric")).toBe(2);
   });
 
-  test("curves that are not joined are apart", async () => {
+  test("curves that are not joined stay apart", async () => {
     const page = await stay("#v=1&w=s");
     await page.locator("input[name=smoothness][value=none]").check();
     await settled(page);
@@ -260,20 +260,20 @@ describe("two curves", () => {
 });
 
 describe("address, language, surroundings", () => {
-  test("a link brings back what it was made from", async () => {
+  test("a link restores the state from which it was made", async () => {
     const page = await open("#v=1&n=33&s=f&g=4&d=2&c=100,100,200,500,800,500,900,100&t=700");
     const state = read(new URL(page.url()).hash).state;
     expect([state.segments, state.spacing, state.goal, state.density, state.t]).toEqual([33, "fewest", 0.25, 2, 0.7]);
     await expectNumbers(page, state);
     expect(await page.locator(".slider output").first().textContent()).toBe("33");
-    // Another link on the same page, as when one pastes it into the address bar.
+    // Another link on the same page, as if pasted into the address bar.
     await page.evaluate(() => (location.hash = "#v=1&n=3"));
     await settled(page);
     expect(await page.locator(".slider output").first().textContent()).toBe("3");
     await expectNumbers(page, { ...DEFAULTS, segments: 3 });
   });
 
-  test("a corrupt address gives the usual page and a quiet note that can be closed", async () => {
+  test("a corrupt address gives the default page and a note that can be closed", async () => {
     const more = ["#v=7&n=3", "#v=1&c=1e999,0,0,0,0,0,0,0"];
     for (const hash of ["#v=1&n=9e99&c=NaN", "#%%%", "#v=1&k=__proto__&j=1,2", ...(isLong ? more : [])]) {
       const page = await open(hash);
@@ -295,9 +295,9 @@ describe("address, language, surroundings", () => {
     expect(await page.title()).toBe("要分多少段，曲线看起来才光滑？");
     expect(await page.locator("h1").textContent()).toBe("要分多少段，曲线看起来才光滑？");
     expect(await page.locator(".headline").textContent()).toMatch(/^6 段，弦高误差/);
-    // Whatever is not a name, a number or a unit is Chinese.
+    // Everything except names, numbers and units must be Chinese.
     const english = await page.evaluate(() => {
-      // Formula and code are the same everywhere.
+      // Formula and code are the same in all languages.
       document.querySelectorAll("main :is(math, pre)").forEach((one) => one.remove());
       return [...(document.querySelector("main")!.innerText.match(/\b[a-z]{3,}\b/g) ?? [])];
     });
@@ -307,14 +307,14 @@ describe("address, language, surroundings", () => {
     expect(await visit.page.locator("html").getAttribute("lang")).toBe("zh-CN");
   });
 
-  test("a reader whose browser speaks Chinese is met in Chinese, and zh.html always is", async () => {
+  test("a reader whose browser speaks Chinese gets the Chinese page, and zh.html is always Chinese", async () => {
     let page = await open("", { locale: "zh-CN" });
     expect(await page.locator("html").getAttribute("lang")).toBe("zh-CN");
     page = await open("zh.html");
     expect(await page.locator("html").getAttribute("lang")).toBe("zh-CN");
   });
 
-  test("embedded it is the figure and its controls alone", async () => {
+  test("embedded, the page is only the figure and its controls", async () => {
     const page = await open("?embed=1#v=1&n=9");
     expect(await page.locator("header, footer, .plot, .closing").count()).toBe(0);
     expect(await page.locator("svg[data-figure=curve]").count()).toBe(1);
@@ -326,7 +326,7 @@ describe("address, language, surroundings", () => {
     await other.close();
   });
 
-  test("at 360 pixels nothing sticks out, in both views and languages", async () => {
+  test("at 360 pixels nothing overflows, in both views and languages", async () => {
     // In `make test` each view has one language.
     for (const address of ["", "#v=1&l=zh&w=s", "?embed=1", ...(isLong ? ["#v=1&w=s", "#v=1&l=zh"] : [])]) {
       const page = await open(address, { viewport: { width: 360, height: 740 } });
@@ -346,14 +346,14 @@ describe("address, language, surroundings", () => {
     expect(await paper(page)).toBe(light);
   });
 
-  test("nothing moves by itself where motion is not wanted", async () => {
+  test("nothing moves by itself with prefers-reduced-motion", async () => {
     const page = await open("", { reducedMotion: "reduce" });
     const durations = await page.locator("*").evaluateAll((all) => all.map((one) => getComputedStyle(one).transitionDuration));
     expect(new Set(durations)).toEqual(new Set(["0s"]));
   });
 });
 
-describe("without script, and when things break", () => {
+describe("without script, and after failures", () => {
   test("without script there is the text and a figure, in both languages", async () => {
     for (const [file, words] of [["", "How many segments"], ["zh.html", "要分多少段"]] as const) {
       const { page } = await site.visit(file, { javaScriptEnabled: false });
@@ -367,12 +367,12 @@ describe("without script, and when things break", () => {
     }
   });
 
-  test("h83: a module that traps is replaced, and the reader is told", async () => {
+  test("a module that traps is replaced, with a note to the reader", async () => {
     let loads = 0;
     const prepare = (page: Page) =>
       page.route("**/*.wasm", async (route) => {
         loads += 1;
-        // The first module traps at the first question; those after it are good.
+        // The first module traps at the first question; later ones work.
         await (loads === 1 ? route.fulfill({ body: Buffer.from(TRAPPING) }) : route.continue());
       });
     const page = await open("", { prepare });
@@ -383,7 +383,7 @@ describe("without script, and when things break", () => {
     await expectNumbers(page, await stateOf(page));
   });
 
-  test("h83: where the module never works the still page stays and says so", async () => {
+  test("if the module never works, the still page stays, with a note", async () => {
     const prepare = (page: Page) => page.route("**/*.wasm", (route) => route.fulfill({ body: Buffer.from(TRAPPING) }));
     visit = await site.visit("", { prepare });
     await visit.page.waitForSelector(".note");
@@ -392,8 +392,8 @@ describe("without script, and when things break", () => {
   });
 });
 
-describe("for everybody", () => {
-  test("axe has nothing serious to say, in both views, themes and languages, nor of the still page", async () => {
+describe("accessibility and cost", () => {
+  test("axe finds nothing serious, in both views, themes and languages, nor on the still page", async () => {
     for (const view of ["c", "s"]) {
       for (const theme of ["l", "d"]) {
         for (const language of ["en", "zh"]) {
@@ -411,12 +411,12 @@ describe("for everybody", () => {
     await still.page.context().close();
   });
 
-  // In `make test` where there is more to do.
+  // In `make test` only the taller window, in which more has to be drawn.
   const windows = [
     ["with the plot in sight as well", 1700],
     ["in a usual window", 900],
   ] as const;
-  test.each(isLong ? windows : windows.slice(0, 1))("a move of a drag asks two questions and changes a hundred nodes at the most, %s", async (_, height) => {
+  test.each(isLong ? windows : windows.slice(0, 1))("a move of a drag asks two questions and changes at most a hundred nodes, %s", async (_, height) => {
     const page = await open("", { viewport: { width: 1200, height }, prepare: countWork });
     let before = await workOf(page);
     await wave(page, handleOf(page, 1), async () => (before = await workOf(page)));
@@ -426,14 +426,14 @@ describe("for everybody", () => {
     expect(moves).toBeGreaterThan(40);
     // The figure's question and the plot's.
     expect(done("questions")).toBeLessThanOrEqual(2 * moves);
-    // Where an answer is slow, once without it and once with it; then the plot.
+    // If an answer is slow, a frame without it and one with it; then the plot.
     expect(done("frames")).toBeLessThanOrEqual(3 * moves);
-    // 83 for each move, measured.
+    // Measured: 83 for each move.
     expect(done("mutations")).toBeLessThanOrEqual(100 * moves);
   });
 });
 
-/** The still page is drawn 720 pixels wide, for one dot a pixel. */
+/** The still page is drawn 720 pixels wide, at one device pixel per CSS pixel. */
 const QUESTION_OF_STILL = { other: 1, pixels_per_unit: new Frame(720).scale, pixels: 1, t: 0, near: 1 };
 
 /** A module with a memory and a `chordal_alloc` that traps. */

@@ -1,4 +1,4 @@
-// The page as `chordal studio` serves it, and what it weighs.
+// The page as served by `chordal studio`, and its size.
 import { spawn, spawnSync, type ChildProcess } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -18,11 +18,11 @@ beforeAll(async () => {
   site = await Site.open();
   studio = spawn(command, ["studio"], { stdio: ["ignore", "pipe", "inherit"] });
   link = await new Promise((found, failed) => {
-    let said = "";
+    let output = "";
     studio.stdout!.on("data", (text) => {
-      said += text;
-      const url = /http:\S+/.exec(said);
-      if (url && said.includes("\n")) found(url[0]);
+      output += text;
+      const url = /http:\S+/.exec(output);
+      if (url && output.includes("\n")) found(url[0]);
     });
     studio.on("error", failed);
     studio.on("exit", (code) => failed(new Error(`chordal studio ended with ${code}`)));
@@ -47,7 +47,7 @@ test("the link opens the page, which runs under the server's strict policy; it w
   expect(await page.locator(".headline").textContent()).toContain("6 segments");
   expect(errors).toEqual([]);
   expect(await page.evaluate(() => document.cookie), "scripts do not see the cookie").toBe("");
-  // What is served with no-store is not kept: it is there for who holds the cookie, while the command runs.
+  // Pages served with no-store are not cached: they are only for the holder of the cookie, while the command runs.
   expect(await page.evaluate(async () => (await fetch("service-worker.js")).headers.get("cache-control"))).toBe("no-store");
   expect(await page.evaluate(async () => (await navigator.serviceWorker.getRegistrations()).length)).toBe(0);
   await page.reload();
@@ -80,9 +80,9 @@ test("the page's module and the command give the same points, bit for bit", asyn
     const answer = core.ask("study", { control, segments, other: segments, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
     for (const spacing of ["even", "fewest"] as const) {
       const run = spawnSync(command, ["mesh", file, "--segments", String(segments), "--spacing", spacing, "-o", "-", "--to", "json", "-q"]);
-      const made = JSON.parse(run.stdout.toString());
-      expect(made.polylines[0].points, `seed ${seed}`).toEqual(answer[spacing].points);
-      expect(made.report.certificate.bound.at_most, `seed ${seed}`).toBe(answer[spacing].bound.at_most);
+      const mesh = JSON.parse(run.stdout.toString());
+      expect(mesh.polylines[0].points, `seed ${seed}`).toEqual(answer[spacing].points);
+      expect(mesh.report.certificate.bound.at_most, `seed ${seed}`).toBe(answer[spacing].bound.at_most);
     }
   }
   rmSync(folder, { recursive: true });
@@ -90,7 +90,7 @@ test("the page's module and the command give the same points, bit for bit", asyn
 
 test("all pages together weigh less than five megabytes, compressed, without the command, and the first one loads less than 400 kB", async () => {
   const entries = readdirSync(DIST, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
-  // The command is what only the workbench loads; and tests build one that is not small, as they do with the module of the exhibits: 3.2 MB with the ones that are shipped.
+  // Only the workbench loads the command. The tests' modules are larger than those of the pages, with which it is 3.2 MB.
   const files = entries.filter(({ name }) => !/^command-.*\.wasm$/.test(name));
   expect(entries.length - files.length).toBe(1);
   const weight = (path: string) => gzipSync(readFileSync(path), { level: 9 }).length;
@@ -115,9 +115,9 @@ test("the page asks no other host for anything", () => {
     if (!/\.(html|js|css)$/.test(entry.name)) continue;
     const text = readFileSync(join(entry.parentPath, entry.name), "utf8");
     const hosts = [...text.matchAll(/https?:\/\/([\w.-]+)/g)].map((match) => match[1]);
-    // The names of the SVG and MathML vocabularies look like addresses and are none.
+    // The names of the SVG and MathML vocabularies look like addresses, but are not fetched.
     expect(hosts.filter((host) => host !== "www.w3.org"), entry.name).toEqual([]);
-    // A library asks whether there is such a thing; nobody makes one.
+    // A library checks whether this exists; it is never fetched.
     expect(text).not.toMatch(/new SharedArrayBuffer/);
   }
 });

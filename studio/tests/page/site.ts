@@ -1,5 +1,5 @@
-// A browser and a plain static host for the built page. The host serves it under a path of its own, sends no header that
-// a simple host would not send, and lets a test replace a file.
+// A browser and a plain static host for the built page. The host serves it below a path, sends no header that a simple host
+// would not send, and lets a test replace a file.
 import type axe from "axe-core";
 import { existsSync, readFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
@@ -16,7 +16,7 @@ export const DIST = join(ROOT, "dist/page");
 export const WASM = join(ROOT, "wasm/chordal.wasm");
 export const EXHIBITS_WASM = join(ROOT, "wasm/exhibits.wasm");
 
-/** Whether what `make test` leaves out is asked for. */
+/** Whether the cases that `make test` leaves out are run. */
 export const isLong = process.env["CHORDAL_LONG"] !== undefined;
 
 const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
@@ -34,23 +34,23 @@ const FLAGS = [
 
 /** How a page is opened. */
 export type Opening = BrowserContextOptions & {
-  /** Before its first address. */
+  /** Prepares the page before its first address. */
   prepare?: (page: Page) => Promise<unknown>;
-  /** In a page without a history. */
+  /** Opens a page without a history. */
   isFirst?: true;
 };
 
 export class Site {
-  /** The visit of `at`, and whether any address can be visited in the same page. */
+  /** The current visit of `at`, and whether further addresses can be opened in the same page. */
   private visited: Visit | undefined;
   private isShared = false;
   private constructor(
     readonly browser: Browser,
     private readonly server: Server,
     readonly base: string,
-    /** What the host is changed to. */
+    /** Changes to the host. */
     readonly instead: Instead,
-    /** What every page is prepared with. */
+    /** Prepares every page. */
     private readonly prepare: (page: Page) => Promise<unknown>,
   ) {}
 
@@ -70,7 +70,7 @@ export class Site {
     this.server.close();
   }
 
-  /** As if the host were not to be reached, until `up`. */
+  /** Makes the host unreachable, until `up`. */
   async down(): Promise<void> {
     const closed = new Promise((done) => this.server.close(done));
     this.server.closeAllConnections();
@@ -81,7 +81,7 @@ export class Site {
     await new Promise<void>((done) => this.server.listen(Number(new URL(this.base).port), "127.0.0.1", done));
   }
 
-  /** A page of its own. Whatever the page logs as an error, or throws, ends up in `errors`. */
+  /** Opens a new page. Errors that it logs or throws are added to `errors`. */
   async visit(address = "", options: Opening = {}): Promise<Visit> {
     const { prepare, isFirst: _, ...context } = options;
     const opened = await this.browser.newContext({ viewport: VIEWPORT, locale: "en-GB", bypassCSP: false, serviceWorkers: "block", ...context });
@@ -102,8 +102,8 @@ export class Site {
   }
 
   /**
-   * The visit of one test after the other, once it is settled: in the page of the one before unless the browser has to be
-   * another one, which takes as long as everything else. What pages store is forgotten.
+   * Opens an address for a test and waits until it is settled: in the page of the previous test unless the browser's settings
+   * differ, because a new one takes as long as the rest of a test. The page's storage is cleared.
    */
   async at(address = "", options: Opening = {}): Promise<Visit> {
     const { viewport: _, colorScheme: __, reducedMotion: ___, ...others } = options;
@@ -111,7 +111,7 @@ export class Site {
     if (this.visited && this.isShared && isShared) {
       const { page, errors } = this.visited;
       await page.evaluate(() => localStorage.clear());
-      // Away from the address, for it may be the same but for its fragment.
+      // Leave the page first: the address may differ only in its fragment.
       await page.goto("about:blank");
       await seen(page, options);
       errors.length = 0;
@@ -128,8 +128,8 @@ export class Site {
   }
 
   /**
-   * As `at`, for what does not depend on how a page was loaded: where the file's page is open, its fragment takes the place of the
-   * one before, and with it all of its state. What is tried again is opened.
+   * As `at`, for tests that do not depend on how a page was loaded: if the file's page is open, only its fragment is replaced,
+   * and with it its whole state. A retried test opens the page again.
    */
   async on(file: string, fragment: string, options: Opening = {}): Promise<Visit> {
     const { visited } = this;
@@ -152,13 +152,13 @@ export class Site {
   }
 }
 
-/** Lets a page that was opened be seen in another way. */
+/** Changes the media settings of an open page. */
 export async function seen(page: Page, { viewport, colorScheme, reducedMotion }: Opening): Promise<void> {
   await page.setViewportSize(viewport ?? VIEWPORT);
   await page.emulateMedia({ media: null, colorScheme: colorScheme ?? "light", reducedMotion: reducedMotion ?? "no-preference" });
 }
 
-/** Of a page that is opened without further wishes. */
+/** The settings of a page that is opened without any. */
 const VIEWPORT = { width: 1200, height: 900 };
 
 export interface Visit {
@@ -166,7 +166,7 @@ export interface Visit {
   errors: string[];
 }
 
-/** Files and headers of the host that are others than those that were built. */
+/** Files and headers of the host that differ from the build. */
 export interface Instead {
   files: Map<string, string>;
   headers: Record<string, string>;
@@ -177,7 +177,7 @@ async function serve(url: string, response: import("node:http").ServerResponse, 
   try {
     const body = instead.files.get(path) ?? (await readFile(join(DIST, path === "" ? "index.html" : path)));
     for (const [name, value] of Object.entries(instead.headers)) response.setHeader(name, value);
-    // A host that has never heard of WebAssembly.
+    // As on a host that does not know WebAssembly's media type.
     response.setHeader("content-type", TYPES[extname(path || "index.html")] ?? "application/octet-stream");
     response.end(body);
   } catch {
@@ -186,10 +186,10 @@ async function serve(url: string, response: import("node:http").ServerResponse, 
   }
 }
 
-/** axe as it runs in a page. Its driver for Playwright opens a page of its own for each run, which takes four times as long. */
+/** Runs axe in the page. Its driver for Playwright opens a new page for each run, which takes four times as long. */
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-/** What axe calls serious or critical, as one line each. */
+/** The findings of axe that are serious or critical, one line each. */
 export async function seriousFindings(page: Page): Promise<string[]> {
   if (!(await page.evaluate(() => "axe" in window))) await page.evaluate(AXE);
   return page.evaluate(async () => {
@@ -206,7 +206,7 @@ export async function digits(page: Page, name: string): Promise<number> {
   return Number(await page.locator(`data[data-name="${name}"]`).first().getAttribute("value"));
 }
 
-/** Until the page has drawn the answer to its newest question, and has looked once more at its own size. */
+/** Waits until the page shows the answer to its newest question and has measured itself again. */
 export async function settled(page: Page): Promise<void> {
   await page.evaluate(async () => {
     const frame = () => new Promise(requestAnimationFrame);

@@ -1,4 +1,4 @@
-// The reader's colours: chosen on any page, worn on all of them before anything is drawn, remembered where that is allowed.
+// The reader's colours: chosen on any page, applied on all before anything is drawn, remembered if storage is allowed.
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { live } from "./exhibit_page";
@@ -13,7 +13,7 @@ afterAll(() => site.close());
 const paper = (page: Page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 const choose = (page: Page, theme: string) => page.locator("select[data-themes]").selectOption(theme);
 
-test("what is chosen on one page is worn on every other, until it is the system's again", async () => {
+test("a choice on one page applies to every other, until it is the system's again", async () => {
   const { page, errors } = await site.visit("exhibits.html");
   const light = await paper(page);
   await choose(page, "dark");
@@ -40,7 +40,7 @@ test("what is chosen on one page is worn on every other, until it is the system'
   await page.context().close();
 });
 
-test("another page that is open follows", async () => {
+test("other open pages follow", async () => {
   const { page } = await site.at("quad.html");
   const other = await page.context().newPage();
   await other.goto(`${site.base}inside.html`);
@@ -49,7 +49,7 @@ test("another page that is open follows", async () => {
   await other.close();
 });
 
-test.each(["index.html", "quad.zh.html", "exhibits.html", "workbench.html"])("%s wears it before its first frame, without its modules", async (file) => {
+test.each(["index.html", "quad.zh.html", "exhibits.html", "workbench.html"])("%s applies it before its first frame, without its modules", async (file) => {
   const prepare = async (page: Page) => {
     await page.route("**/assets/*.js", (route) => route.abort());
     await page.addInitScript(() => {
@@ -70,7 +70,7 @@ test.each(["index.html", "quad.zh.html", "exhibits.html", "workbench.html"])("%s
   await page.context().close();
 });
 
-test("where nothing can be stored it lasts as long as the page", async () => {
+test("without storage the choice lasts as long as the page", async () => {
   const prepare = (page: Page) =>
     page.addInitScript(() => {
       const refuse = () => {
@@ -93,7 +93,7 @@ test("where nothing can be stored it lasts as long as the page", async () => {
   await page.context().close();
 });
 
-test("a figure in space is the same to the last pixel, whoever chose the colours", async () => {
+test("a 3D figure is the same to the last pixel, with the reader's theme or the system's", async () => {
   const picture = async (colorScheme: "light" | "dark", theme: string) => {
     const { page } = await site.at("quad.html", { colorScheme });
     await live(page);
@@ -107,7 +107,7 @@ test("a figure in space is the same to the last pixel, whoever chose the colours
   expect(await picture("dark", "light")).toBe(day);
 });
 
-test("the first page's address may name others, which are not remembered; the reader's choice takes their place", async () => {
+test("the widget's address may name a theme, which is not remembered; a choice by the reader replaces it", async () => {
   const { page } = await site.at("#v=1&n=9&h=d");
   expect(await page.locator("html").getAttribute("data-theme")).toBe("dark");
   expect(await page.locator("select[data-themes]").inputValue()).toBe("dark");
@@ -121,7 +121,7 @@ test("the first page's address may name others, which are not remembered; the re
   expect(await page.locator("html").getAttribute("data-theme")).toBe("light");
 });
 
-test("without script there is nothing to choose with", async () => {
+test("without script there is no control for it", async () => {
   const { page } = await site.visit("quad.html", { javaScriptEnabled: false });
   expect(await page.locator("select[data-themes]").isVisible()).toBe(false);
   await page.context().close();

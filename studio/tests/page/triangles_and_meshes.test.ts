@@ -31,7 +31,7 @@ test("quad: lifting D by mouse and keys moves the number and the middle; three c
   }
 });
 
-test("quad: a finger turns the figure sideways, two keys turn it back", async () => {
+test("quad: a horizontal stroke of a finger turns the figure, two keys turn it back", async () => {
   const page = await pages.at("quad.html", { hasTouch: true, viewport: { width: 400, height: 800 } });
   await live(page);
   const box = (await page.locator(".scene").boundingBox())!;
@@ -84,7 +84,7 @@ test("weights: the smallest is positive inside and negative outside, they sum to
   }
   expect(Math.max(...seen)).toBeGreaterThan(0.2);
   expect(Math.min(...seen)).toBeLessThan(-0.1);
-  // At a corner its own weight is one, and the others have no say.
+  // At a corner its own weight is one, and the others are zero.
   await page.evaluate(() => (location.hash = "#v=1&p=1.4,1.1"));
   expect(await pages.number("weights")).toBe(0);
   expect(await page.locator(".live .meaning").textContent()).toContain("On an edge");
@@ -98,11 +98,11 @@ test("weights: the smallest is positive inside and negative outside, they sum to
   expect(Math.max(...differences)).toBeCloseTo(gap, 12);
 });
 
-test("weights: what the browser blends at a place is the colour that the core says", async () => {
+test("weights: the browser's blend at a point is the core's colour", async () => {
   const page = await pages.on("weights.html", "#v=1&p=8,3");
   const shown = await page.locator("svg.flat").screenshot();
   const box = (await page.locator("svg.flat").boundingBox())!;
-  // Beside the probe and its spokes; the core is asked about the same place.
+  // Beside the probe and its lines; the core gets the same point.
   const place = [4.4, 2.2] as const;
   const { question } = pages.exhibits.get("weights")!;
   const answer = pages.core.ask("exhibit", { exhibit: "weights", ...question({ probe: place, corners: "3", cut: "first" }) }) as {
@@ -138,7 +138,7 @@ test("index: bytes are 12 a vertex and 6 a triangle, and 36 a triangle without",
       const n = await digits(page, "triangles");
       const vertices = await digits(page, "vertices");
       const each = await digits(page, "per-vertex");
-      // Three corners a triangle, so many at a vertex.
+      // Three corners a triangle, divided by the vertices.
       expect(vertices * each).toBeCloseTo(3 * n, 6);
       expect(bytes).toBe(storage === "indexed" ? 12 * vertices + 6 * n : 36 * n);
     }
@@ -146,7 +146,7 @@ test("index: bytes are 12 a vertex and 6 a triangle, and 36 a triangle without",
   expect(await digits(page, "ring")).toBeGreaterThan(3);
 });
 
-test("normals: a cube has 24 vertices below 90°, 8 above; a ball's normals cost nothing where it is smooth", async () => {
+test("normals: a cube has 24 vertices below 90°, 8 above; a smooth ball needs no additional vertices", async () => {
   const page = await pages.at("normals.html");
   await live(page);
   const slider = page.locator("#crease");
@@ -164,7 +164,7 @@ test("normals: a cube has 24 vertices below 90°, 8 above; a ball's normals cost
   expect(await digits(page, "positions")).toBe(162);
 });
 
-test("culling: a pressed triangle is turned, breaks three edges and leaves a hole; from behind there is none", async () => {
+test("culling: a pressed triangle is turned over, breaks three edges and leaves a hole, which is invisible from behind", async () => {
   const page = await pages.at("culling.html#v=1&f=");
   await live(page);
   expect(await pages.number("culling")).toBe(0);
@@ -184,7 +184,7 @@ test("culling: a pressed triangle is turned, breaks three edges and leaves a hol
   expect(await digits(page, "inconsistent")).toBe(0);
 });
 
-test("culling: whatever is turned over, culled or painted, the sentence says what is seen", async () => {
+test("culling: the sentence describes the picture for any turned triangles, culled or painted", async () => {
   const all = Array.from({ length: 80 }, (_, i) => i);
   const page = await pages.on("culling.html", "#v=1");
   const said = async (flipped: readonly number[], backs: string) => {
@@ -200,7 +200,7 @@ test("culling: whatever is turned over, culled or painted, the sentence says wha
   const front = { culled: /left (a hole|holes)/, painted: /orange/ };
   const none = { culled: /leaves out the far half/, painted: /none shows/ };
   const far = { culled: /far side/, painted: /far side/ };
-  const out = { culled: /inside out: culling/, painted: /inside out: whatever/ };
+  const out = { culled: /inside out: culling/, painted: /inside out: every/ };
   for (const backs of ["culled", "painted"] as const) {
     const whole = await said([], backs);
     expect([whole.holes, whole.disagree]).toEqual([0, 0]);
@@ -214,7 +214,7 @@ test("culling: whatever is turned over, culled or painted, the sentence says wha
     // One that faces the eye, and one that does not; then all but one.
     const ways = [[47], [0], [20], all.slice(1)];
     const some = [];
-    // In `make test` two of them where backs are painted.
+    // In `make test` two of them with painted backs.
     for (const way of isLong || backs === "culled" ? ways : ways.slice(0, 2)) some.push(await said(way, backs));
     for (const { holes, meaning, volume, disagree } of some) {
       expect(meaning).toMatch(holes ? front[backs] : far[backs]);
@@ -224,7 +224,7 @@ test("culling: whatever is turned over, culled or painted, the sentence says wha
   }
 });
 
-test("doctor: every patient is healed by the buttons that are offered", async () => {
+test("doctor: the offered buttons repair every mesh", async () => {
   const page = await pages.at("doctor.html");
   const patients = ["hole", "seam", "crack", "flipped", "branch", "double"];
   // Every second one in `make test`, from the seam on.

@@ -1,4 +1,4 @@
-// A file on the workbench that is as large as files get: what was found comes, or a sentence, and the page goes on.
+// A very large file on the workbench: its findings appear, or a message, and the page keeps working.
 import { closeSync, mkdtempSync, openSync, rmSync, writeSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -6,7 +6,7 @@ import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { Site, isLong, settled } from "./site";
 import { PATIENCE, Workbenches } from "./workbench_page";
 
-/** What the largest file is given. */
+/** The time limit for the largest file. */
 const LARGE_MS = 600_000;
 vi.setConfig({ ...PATIENCE, testTimeout: 2 * LARGE_MS, expect: { poll: { timeout: LARGE_MS } } });
 
@@ -23,7 +23,7 @@ afterAll(async () => {
   rmSync(folder, { recursive: true });
 });
 
-/** A torus of `2 * around * across` triangles but for one, as a binary STL; 50 bytes each. */
+/** A torus of `2 * around * across` triangles without one of them, as a binary STL; 50 bytes each. */
 function torus(path: string, around: number, across: number): void {
   const file = openSync(path, "w");
   const head = Buffer.alloc(84);
@@ -56,10 +56,10 @@ test.each(isLong ? [[1000, 20], [2000, 1000]] : [[1000, 20]])("2 times %i times 
   const said = async (where: string) => (await page.locator(where).allTextContents()).join(" ");
   const refused = "p.fault, .note";
   await expect.poll(() => said(`.findings, ${refused}`)).toMatch(/.{20,}/);
-  // What is too much for a browser says so; what is not is counted.
+  // A file that is too large for a browser gives a message; in any other the defect is counted.
   if (!(await said(refused))) expect(await said(".findings")).toContain("3 boundary edges");
   expect(await said(refused)).toMatch(around * across < 1e6 ? /^$/ : /^$|memory/);
-  // The mesh of so many triangles takes minutes; the page goes on with something else.
+  // The mesh of so many triangles takes minutes; the page must accept other input meanwhile.
   await page.locator(".inputs select").selectOption("bracket");
   await page.locator(".cm-content").waitFor();
   await settled(page);

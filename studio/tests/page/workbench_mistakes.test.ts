@@ -1,4 +1,4 @@
-// The workbench where something is wrong or near: what is shown is said to be of what, and nothing is promised that does not hold.
+// The workbench after mistakes and from near: the page says to which input the mesh belongs, and promises nothing wrong.
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
@@ -19,20 +19,20 @@ afterAll(() => site.close());
 const certificate = (page: Page) => page.locator(".certificate").textContent();
 const exportsOf = (page: Page) => page.locator("[data-export]").evaluateAll((all) => all.map((one) => (one as HTMLButtonElement).disabled));
 
-test("a mistake that is typed leaves the shape before it, proved and said to be old", async () => {
+test("a typing mistake leaves the previous shape, proved and marked as old", async () => {
   const { page } = await pages.open();
   const before = await digits(page, "triangles");
   await page.locator(".cm-content").click();
   await page.keyboard.press("Control+End");
-  // A key at a time: what stands in between is a shape, too, and has a draft.
+  // Key by key: the texts in between are shapes, too, and get drafts.
   await page.keyboard.type(" | box(3, 1, 1)", { delay: 30 });
   await expect.poll(() => digits(page, "triangles")).not.toBe(before);
   await page.keyboard.type(" - (");
   await page.locator(".fault").waitFor();
   await settled(page);
   expect(await digits(page, "triangles")).not.toBe(before);
-  expect(await certificate(page)).toContain("the last shape that worked");
-  expect(await certificate(page)).not.toContain("under way");
+  expect(await certificate(page)).toContain("the last valid shape");
+  expect(await certificate(page)).not.toContain("is running");
   expect(await page.locator(".certificate .big.old").textContent()).toMatch(/^off by at most/);
   expect(await page.locator(".stage-column .outdated").count()).toBe(1);
   expect(await page.locator(".fault").textContent()).toContain("Line 1");
@@ -41,7 +41,7 @@ test("a mistake that is typed leaves the shape before it, proved and said to be 
   expect([await page.locator(".fault, .outdated").count(), await page.locator(".certificate .big.proved").count()]).toEqual([0, 1]);
 });
 
-test("an emptied script has no green certificate and nothing to export, and says so", async () => {
+test("an emptied script has no green certificate and nothing to export, with a message", async () => {
   const { page } = await pages.open(await small("sphere(1)", ".zh"));
   expect(new Set(await exportsOf(page))).toEqual(new Set([false]));
   await page.locator(".cm-content").click();
@@ -60,7 +60,7 @@ test("an emptied script has no green certificate and nothing to export, and says
   expect(new Set(await exportsOf(page))).toEqual(new Set([false]));
 });
 
-test("a proof that is stopped leaves a draft that says so", async () => {
+test("a cancelled proof leaves a draft with a message", async () => {
   const { page } = await pages.open();
   await page.locator(".budget input[type=text]").fill("0.0001%");
   await page.keyboard.press("Enter");
@@ -70,20 +70,20 @@ test("a proof that is stopped leaves a draft that says so", async () => {
   expect(await certificate(page)).toContain("its proof failed or was stopped");
 });
 
-/** What the page says of a level: its error, its pixels, and the distance of one pixel. */
+/** The page's data on a level: its error in pixels, the distance for one pixel, and the current distance. */
 async function level(page: Page): Promise<{ pixels: number; from: number | null; away: number }> {
   const panel = page.locator(".known .panel", { has: page.locator("#distance") });
-  const said = (await panel.textContent())!;
-  const [, pixels] = /which is at most ([\d.]+) px from here/.exec(said)!;
-  const from = /at most one pixel from a distance of ([\d.]+) on/.exec(said)?.[1];
+  const text = (await panel.textContent())!;
+  const [, pixels] = /which is at most ([\d.]+) px from here/.exec(text)!;
+  const from = /at most one pixel beyond a distance of ([\d.]+)/.exec(text)?.[1];
   return { pixels: Number(pixels), from: from ? Number(from) : null, away: Number(await panel.locator("output").textContent()) };
 }
 
-test("levels say how many pixels they are from here, and are made for where one stands", async () => {
-  // In `make test` it is small.
+test("levels show their error in pixels from here, and are built for the current view", async () => {
+  // In `make test` the input is small.
   const { page } = await pages.open(isLong ? "workbench.html" : undefined);
   const make = async () => {
-    await page.getByRole("button", { name: "Make levels for one pixel" }).click();
+    await page.getByRole("button", { name: "Build levels for one pixel" }).click();
     await page.locator("#distance").waitFor();
     await settled(page);
   };
@@ -94,16 +94,16 @@ test("levels say how many pixels they are from here, and are made for where one 
   await expect.poll(async () => (await level(page)).pixels).toBeGreaterThan(1.5);
   const near = await level(page);
   expect(near.from).toBeGreaterThan(near.away);
-  // Pixels are as the distance is small.
+  // Nearer, an error is more pixels.
   expect((near.pixels * near.away) / near.from!).toBeCloseTo(1, 1);
   await page.getByRole("button", { name: "Back to the mesh" }).click();
   await make();
-  const made = await level(page);
-  expect(made.away).toBeCloseTo(near.away, 1);
-  expect([made.pixels <= 1, made.from]).toEqual([true, null]);
+  const levelHere = await level(page);
+  expect(levelHere.away).toBeCloseTo(near.away, 1);
+  expect([levelHere.pixels <= 1, levelHere.from]).toEqual([true, null]);
 });
 
-test("the worst place is gone to without a budget of a hundred times the triangles", async () => {
+test("the view of the worst place does not lead to a hundred times the triangles", async () => {
   const { page } = await pages.open(await small("(box(2, 1, 1) | box(1, 2, 0.5)) - cylinder(0.3, 3)"));
   await page.locator('input[name=budget][value="px"]').check({ force: true });
   await expect.poll(() => line(page)).toContain("--px 1 --view");
@@ -119,7 +119,7 @@ test("the worst place is gone to without a budget of a hundred times the triangl
   expect(await page.locator(".fault").count()).toBe(0);
 });
 
-test("a script of ten times the size is looked at from before it, and from the same side", async () => {
+test("after growth to ten times the size the view is reset, from the same side", async () => {
   const { page } = await pages.open(await small("box(2, 1, 1)"));
   await page.locator('input[name=budget][value="px"]').check({ force: true });
   await expect.poll(() => line(page)).toContain("--px 1 --view");
@@ -129,14 +129,14 @@ test("a script of ten times the size is looked at from before it, and from the s
   await settled(page);
   await expect.poll(async () => (await distance(page)) / before).toBeCloseTo(10, 1);
   expect(await page.locator(".budget").textContent()).toContain("from here or farther");
-  // What grows a little is looked at as before, and is nearer.
+  // If the shape grows a little, the view is kept, and the eye is nearer.
   await write(page, "box(22, 10, 10)");
   await expect.poll(async () => (await distance(page)) / before).toBeLessThan(10);
 });
 
 const distance = async (page: Page) => Number(/dist=([\d.]+)/.exec((await line(page))!)![1]);
 
-test("a file is in the list of examples, its attributes are in the certificate, and its link brings it back", async () => {
+test("a file is in the list of examples, its attributes are in the certificate, and its link restores it", async () => {
   const { page } = await pages.open();
   const picker = page.locator(".inputs input[type=file]");
   await picker.setInputFiles(join(ROOT, "../tests/web/painted.gltf"));
@@ -146,8 +146,8 @@ test("a file is in the list of examples, its attributes are in the certificate, 
   await settled(page);
   expect(await page.locator(".inputs select option:checked").textContent()).toBe("None: a file is open");
   const facts = page.locator(".certificate .facts");
-  expect(await facts.locator('[data-attribute="normal"]').textContent()).toMatch(/^Normals off, as measured[\d.]+°$/);
-  expect(await facts.locator('[data-attribute="texcoord 0"]').textContent()).toMatch(/^Texture coordinates off, as measured0\.\d+$/);
+  expect(await facts.locator('[data-attribute="normal"]').textContent()).toMatch(/^Normals, measured error[\d.]+°$/);
+  expect(await facts.locator('[data-attribute="texcoord 0"]').textContent()).toMatch(/^Texture coordinates, measured error0\.\d+$/);
   // Any small file has a link.
   const stl = Buffer.alloc(84 + 50);
   stl.writeUInt32LE(1, 80);
@@ -155,15 +155,15 @@ test("a file is in the list of examples, its attributes are in the certificate, 
   await picker.setInputFiles({ name: "one.stl", mimeType: "model/stl", buffer: stl });
   await settled(page);
   await page.waitForFunction(() => location.hash.startsWith("#s="));
-  expect(await page.locator(".line").textContent()).toContain("The address of this page holds the shape");
+  expect(await page.locator(".line").textContent()).toContain("The address of this page contains the shape");
   const address = page.url();
-  // What does not fit is said to be too much, not too large a file.
+  // The note is about the number of files, not their size.
   await picker.setInputFiles([
     { name: "one.obj", mimeType: "text/plain", buffer: Buffer.from("mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") },
     { name: "one.mtl", mimeType: "text/plain", buffer: Buffer.from("newmtl a\n") },
   ]);
   await settled(page);
-  await expect.poll(() => page.locator(".line").textContent()).toContain("only one small file");
+  await expect.poll(() => page.locator(".line").textContent()).toContain("only a single small file");
   await pages.close();
   const other = await pages.open(address.slice(address.indexOf("workbench.html")));
   await expect.poll(() => digits(other.page, "triangles")).toBe(1);

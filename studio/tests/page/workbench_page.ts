@@ -1,4 +1,4 @@
-// The workbench in a browser, opened with something small, for tests of the page.
+// The workbench in a browser with a small input, for tests of the page.
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
@@ -7,9 +7,9 @@ import { bench } from "../../src/workbench/document";
 import { pack } from "../../src/workbench/share";
 import { type Opening, ROOT, Site, type Visit, seen, settled } from "./site";
 
-/** How long one step may take: the module that tests build is half as fast as the one that pages have. */
+/** The time limit of a step: the tests' module is half as fast as that of the pages. */
 const STEP_MS = 120_000;
-/** What tests of the workbench are given. */
+/** The fixture of the workbench's tests. */
 export const PATIENCE = { testTimeout: 2 * STEP_MS, hookTimeout: 60_000, expect: { poll: { timeout: STEP_MS } } };
 
 /** The command as a module. */
@@ -21,14 +21,14 @@ export async function commandModule(): Promise<WebAssembly.Module> {
 
 export const text = (of: string) => new TextEncoder().encode(of);
 
-/** A small script in the address: what the page opens with by itself takes a second of work. */
+/** A small script in the address: the page's own example takes a second of work. */
 export async function small(of = "sphere(1)", language = ""): Promise<string> {
   return `workbench${language}.html#s=${await pack(bench("bracket.star", { "bracket.star": text(of) }))}`;
 }
 
 /**
- * Pages of one test after the other. A test has a page of its own, loaded afresh, but in a tab that an earlier one has left: there
- * the browser still has the module compiled, which takes longer than most tests.
+ * Pages for one test after the other. Each test gets a freshly loaded page, but in the tab of an earlier test: there the
+ * browser still has the compiled module, and compiling takes longer than most tests.
  */
 export class Workbenches {
   private readonly opened: { visit: Visit; kind: string }[] = [];
@@ -36,7 +36,7 @@ export class Workbenches {
   constructor(private readonly site: Site) {}
 
   async open(address?: string, options: Omit<Opening, "prepare" | "isFirst"> = {}): Promise<Visit> {
-    // What `seen` cannot change.
+    // Settings that `seen` cannot change.
     const { viewport: _, colorScheme: __, reducedMotion: ___, ...others } = options;
     const kind = JSON.stringify(others);
     const at = this.left.findIndex((one) => one.kind === kind);
@@ -57,7 +57,7 @@ export class Workbenches {
     return visit;
   }
 
-  /** After each test. Their work ends with the pages; nobody goes on in the tab of one that failed. */
+  /** Call after each test. Pages are closed to end their work; the tab of a failed test is not reused. */
   close = async ({ task }: { task?: { result?: { state: string } | undefined } } = {}) => {
     const isFine = task?.result?.state !== "fail";
     for (const { visit, kind } of this.opened.splice(0)) {
@@ -73,14 +73,14 @@ export class Workbenches {
   };
 }
 
-/** Chromium styles what it inserts into an editable text, and reports that the policy keeps it from it. */
+/** Chromium styles text that it inserts into an editable element, and reports that the policy blocks it. */
 export const faults = (errors: readonly string[]) =>
   errors.filter((error) => !error.startsWith("Applying inline style violates"));
 
-/** The line that the page shows. */
+/** The command line that the page shows. */
 export const line = (page: Page) => page.locator(".line code").textContent();
 
-/** The script that is in the editor. */
+/** The script in the editor. */
 export async function write(page: Page, text: string): Promise<void> {
   await page.locator(".cm-content").click();
   await page.keyboard.press("Control+a");

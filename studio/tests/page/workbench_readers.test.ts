@@ -1,4 +1,4 @@
-// The workbench for every reader: without script, on a phone, in either language, in dark and light.
+// The workbench for every reader: without script, on a phone, in both languages, in dark and light.
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { Site, isLong, seriousFindings, settled } from "./site";
 import { PATIENCE, Workbenches, faults, small, write } from "./workbench_page";
@@ -24,16 +24,16 @@ test.each([
   expect(await note.textContent()).toContain(words);
   expect(await note.locator("code[lang=en]").textContent()).toBe("chordal mesh bracket.star --tol 0.5% -o bracket.glb");
   await page.context().close();
-  // With script nothing is said of it; in `make test` in one language.
+  // With script there is no such note; in `make test` only in one language.
   if (!isLong && file.includes(".zh")) return;
   const live = await pages.open(await small("sphere(1)", file.includes(".zh") ? ".zh" : ""));
   expect(await live.page.locator("noscript").count()).toBe(0);
 });
 
-/** A tetrahedron that lacks a face, and a vertex that nobody uses. */
+/** A tetrahedron without a face, and an unused vertex. */
 const SICK = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 5 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
 
-/** Each language and each theme once, and every pair of them where there is time. */
+/** Each language and each theme once; in `make test-long` every pair. */
 const LOOKS = [
   ["workbench.html", "light", 1366],
   ["workbench.zh.html", "dark", 360],
@@ -47,7 +47,7 @@ test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (f
   const fits = () => page.evaluate(() => document.documentElement.scrollWidth);
   expect(await fits()).toBeLessThanOrEqual(width);
   expect(await seriousFindings(page)).toEqual([]);
-  // What only a file has: what was found, cures, and another figure beside the mesh.
+  // Parts that only a file has: findings, repairs, and another picture beside the mesh.
   const picker = page.locator(".inputs input[type=file]");
   await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
   await page.locator(".findings li").nth(1).waitFor();
@@ -57,15 +57,15 @@ test.each(looks)("%s fits and has no serious findings, %s and %i wide", async (f
   expect(faults(errors)).toEqual([]);
 });
 
-test("findings are in the page's language, and what is not says that it is English", async () => {
+test("findings are in the page's language, and English texts are marked", async () => {
   const { page } = await pages.open(await small("sphere(1)", ".zh"));
   const picker = page.locator(".inputs input[type=file]");
   await picker.setInputFiles({ name: "sick.obj", mimeType: "text/plain", buffer: Buffer.from(SICK) });
   await page.locator(".findings li").nth(1).waitFor();
-  const said = await page.locator(".findings").textContent();
+  const findings = await page.locator(".findings").textContent();
   const sentences = ["3 条边界边", "曲面到此为止", "显示 3 处", "修复：补孔", "1 个未使用的顶点"];
-  expect(sentences.filter((words) => !said!.includes(words))).toEqual([]);
-  // Letters outside 中文 stand in what is marked as English, or are code in a sentence.
+  expect(sentences.filter((words) => !findings!.includes(words))).toEqual([]);
+  // Latin letters must be marked as English, or be code in a sentence.
   const unmarked = await page.locator(".findings").evaluate((panel) => {
     const copy = panel.cloneNode(true) as Element;
     for (const marked of copy.querySelectorAll("[lang=en]")) marked.remove();
@@ -78,7 +78,7 @@ test("findings are in the page's language, and what is not says that it is Engli
   expect(await page.locator("p.fault b").textContent()).toBe("错误：");
 });
 
-test("a mistake in a script is said in English, and marked so, in the editor too", async () => {
+test("a mistake in a script is reported in English, and marked so, also in the editor", async () => {
   const { page } = await pages.open(await small("sphere(1)", ".zh"));
   await write(page, "box(1, 2");
   await expect.poll(() => page.locator(".cm-problemText[lang=en]").textContent()).toMatch(/\w{4,}/);

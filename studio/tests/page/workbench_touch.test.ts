@@ -1,4 +1,4 @@
-// The workbench under fingers: numbers are dragged in the script, one finger turns the shape, two go nearer.
+// The workbench by touch: numbers of the script are dragged, one finger turns the shape, two zoom.
 import type { CDPSession, Locator, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test, vi } from "vitest";
 import { Site, digits, settled } from "./site";
@@ -27,7 +27,7 @@ class Hand {
     return this.session.send("Input.dispatchTouchEvent", { type, touchPoints: at.map(([x, y], id) => ({ x, y, id })) });
   }
 
-  /** Each finger goes from its first place to its last one. */
+  /** Moves each finger from its first position to its last. */
   async stroke(from: readonly Point[], to: readonly Point[]): Promise<void> {
     await this.send("touchStart", from);
     for (let i = 1; i <= MOVES; i++) {
@@ -41,14 +41,14 @@ const MOVES = 10;
 
 const phone = { hasTouch: true, isMobile: true, viewport: { width: 390, height: 844 } };
 
-/** Where the middle of something is, once it is in sight. */
+/** The middle of an element, after it was scrolled into view. */
 async function middleOf(what: Locator): Promise<Point> {
   await what.scrollIntoViewIfNeeded();
   const { x, y, width, height } = (await what.boundingBox())!;
   return [x + width / 2, y + height / 2];
 }
 
-test("a finger drags a number of the script, and what it leaves is proved and one step back", async () => {
+test("a finger drags a number of the script; the result is proved, and one step of undo", async () => {
   const { page, errors } = await pages.open(await small("box(2, 1, 1)"), phone);
   const before = await digits(page, "bound");
   const number = page.locator(".cm-number").first();
@@ -65,16 +65,16 @@ test("a finger drags a number of the script, and what it leaves is proved and on
   expect(await digits(page, "bound")).not.toBe(before);
   await page.getByRole("button", { name: "Undo" }).tap();
   await expect.poll(script).toBe("box(2, 1, 1)");
-  // Up and down is meant for the page.
+  // A vertical stroke scrolls the page.
   await hand.stroke([[x, y]], [[x + 2, y - 100]]);
   expect(await script()).toBe("box(2, 1, 1)");
   expect(faults(errors)).toEqual([]);
 });
 
-test("one finger turns the shape, two go nearer, and up and down scrolls the page", async () => {
+test("one finger turns the shape, two zoom, and a vertical stroke scrolls the page", async () => {
   const { page, errors } = await pages.open(await small("box(4, 1, 1)"), phone);
   await page.locator('input[name=budget][value="px"]').check({ force: true });
-  // Pixels are counted from the eye to the box: what the line says of the view.
+  // Pixels are counted from the eye to the box: the view in the command line.
   const away = async () => {
     await settled(page);
     return Number(/dist=([\d.]+)/.exec((await line(page))!)![1]);
@@ -87,7 +87,7 @@ test("one finger turns the shape, two go nearer, and up and down scrolls the pag
   await hand.stroke([[x - 80, y]], [[x + 80, y]]);
   const turned = await away();
   expect(Math.abs(turned / first - 1)).toBeGreaterThan(0.01);
-  // From 60 pixels apart to 150, and back: the eye goes to the middle of the box, and not all of that way is before the box.
+  // From 60 pixels apart to 150, and back: the eye moves towards the centre, and only part of that way is outside of the box.
   await hand.stroke([[x - 30, y], [x + 30, y]], [[x - 75, y], [x + 75, y]]);
   const near = await away();
   expect(near).toBeLessThan(0.5 * turned);
@@ -97,7 +97,7 @@ test("one finger turns the shape, two go nearer, and up and down scrolls the pag
   const [was, still] = [await scrolled(), await away()];
   await hand.stroke([[x, y]], [[x + 2, y - 150]]);
   await expect.poll(scrolled).toBeGreaterThan(was + 50);
-  // It turns by what the finger does before the browser takes it for scrolling.
+  // The figure turns until the browser takes the stroke for scrolling.
   expect(Math.abs((await away()) / still - 1)).toBeLessThan(0.005);
   expect(faults(errors)).toEqual([]);
 });

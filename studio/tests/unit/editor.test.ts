@@ -1,4 +1,4 @@
-// Numbers and parameters of scripts: which are found, and what they become.
+// Numbers and parameters of scripts: which are found, and how steps change them.
 import { Text } from "@codemirror/state";
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
@@ -13,7 +13,7 @@ import { tokens } from "../../src/workbench/editor/tokens";
 const numbers = (text: string) => numbersOf(text).map(({ from, to }) => text.slice(from, to));
 const example = (name: string) => readFileSync(new URL(`../../../examples/${name}.star`, import.meta.url), "utf8");
 
-test("numbers are found where they are numbers", () => {
+test("numbers are found", () => {
   expect(numbers("box(2, 0.25, 1e-3) # 7\n")).toEqual(["2", "0.25", "1e-3"]);
   expect(numbers("a1 = r2d2 + _3 + 4")).toEqual(["4"]);
   expect(numbers('"5" + \'6\' + """7\n8""" + r"9\\\\" + 10')).toEqual(["10"]);
@@ -24,12 +24,12 @@ test("numbers are found where they are numbers", () => {
   expect(numbers(".5 + 5. + 1.5E+6 + 1.e5")).toEqual([".5", "5.", "1.5E+6", "1.e5"]);
 });
 
-test("what only looks like a number is left alone", () => {
+test("text that only looks like a number is ignored", () => {
   expect(numbers("0x1F + 0o7 + 0b1 + 12abc + 1_000 + 5j + 1e + 2.append + 1..2")).toEqual([]);
   expect(numbers("半径2 = 3")).toEqual(["3"]);
 });
 
-test("a minus is the sign of a number where nothing stands before it to be taken from", () => {
+test("a minus is the sign of a number if there is no operand before it", () => {
   expect(numbers("-1")).toEqual(["-1"]);
   expect(numbers("a = -1")).toEqual(["-1"]);
   expect(numbers("f(-1, -2, [-3], k=-4)")).toEqual(["-1", "-2", "-3", "-4"]);
@@ -44,14 +44,14 @@ test("a minus is the sign of a number where nothing stands before it to be taken
   expect(numbers("(a # (\n-1)\n-2")).toEqual(["1", "-2"]);
 });
 
-test("the number at a place is the one that holds it or ends there", () => {
+test("the number at a place contains it or ends there", () => {
   const text = "box(2, -13)";
-  const found = numbersOf(text);
-  const at = (place: number) => (numberAt(found, place) ? text.slice(numberAt(found, place)!.from, numberAt(found, place)!.to) : null);
+  const result = numbersOf(text);
+  const at = (place: number) => (numberAt(result, place) ? text.slice(numberAt(result, place)!.from, numberAt(result, place)!.to) : null);
   expect([3, 4, 5, 6, 7, 9, 10, 11].map(at)).toEqual([null, "2", "2", null, "-13", "-13", "-13", null]);
 });
 
-test("a step changes the last digit that is written", () => {
+test("a step changes the last digit as written", () => {
   for (const [literal, tenths, after] of [
     ["5", 10, "6"],
     ["5", -10, "4"],
@@ -82,17 +82,17 @@ test("a step changes the last digit that is written", () => {
   }
 });
 
-test("there and back is the same text", () => {
+test("steps back and forth restore the text", () => {
   for (const literal of ["5", "0.250", "-7.5", "1e-3", "5.", "0"]) {
     for (const tenths of [1, 7, 10, 100, 1230]) expect(stepped(stepped(literal, 10 * tenths), -10 * tenths)).toBe(literal);
   }
 });
 
-test("a step is worth what it adds", () => {
+test("the value of a step is the difference that it makes", () => {
   expect(["5", "0.25", "-3.0", "1e-3", "1.5E6", ".5", "5."].map(stepOf)).toEqual([1, 0.01, 0.1, 1e-3, 1e5, 0.1, 1]);
 });
 
-test("a value is written with the decimals that were there, and without noise", () => {
+test("a value is written with the previous decimals, and without rounding noise", () => {
   expect(rewritten("0.40", 0.5)).toBe("0.50");
   expect(rewritten("2", 0.1 + 0.2)).toBe("0.3");
   expect(rewritten("2", 3)).toBe("3");
@@ -102,15 +102,15 @@ test("a value is written with the decimals that were there, and without noise", 
   expect(rewritten("0.5", -1.25)).toBe("-1.25");
 });
 
-test("a sign that goes leaves no word without its end", () => {
+test("removing a sign does not join the number to a word", () => {
   const text = "return-1";
   expect(fitting(text, { from: 6, to: 8 }, "2")).toBe(" 2");
   expect(fitting(text, { from: 6, to: 8 }, "-2")).toBe("-2");
   expect(fitting("f(-1)", { from: 2, to: 4 }, "2")).toBe("2");
 });
 
-test("every token ends where the next may start, in any text", () => {
-  // Pieces of which any text may be made; a linear congruence picks them (Numerical Recipes, 2nd ed., section 7.1).
+test("tokens do not overlap, in any text", () => {
+  // Random texts of such pieces, chosen by a linear congruence (Numerical Recipes, 2nd ed., section 7.1).
   const pieces = ["'", '"', '"""', "\\", "\n", "#", "-", "1", ".", "e", "x", "(", ")", " ", "é", "=", "param"];
   let seed = 12;
   const next = () => (seed = (seed * 1664525 + 1013904223) % 2 ** 32) / 2 ** 32;
@@ -125,16 +125,16 @@ test("every token ends where the next may start, in any text", () => {
 
 test("parameters are found with their variables, labels and defaults", () => {
   const text = 'r = param("radius", 0.40)\nn = int(param(\'n\', 7))\nbox(param("w", -2), 1, 1)\n';
-  const found = paramsOf(text);
-  expect(found.map(({ name, label, value, step }) => [name, label, value, step])).toEqual([
+  const result = paramsOf(text);
+  expect(result.map(({ name, label, value, step }) => [name, label, value, step])).toEqual([
     ["r", "radius", 0.4, 0.01],
     ["n", "n", 7, 1],
     [null, "w", -2, 1],
   ]);
-  expect(found.map(({ from, to }) => text.slice(from, to))).toEqual(["0.40", "7", "-2"]);
+  expect(result.map(({ from, to }) => text.slice(from, to))).toEqual(["0.40", "7", "-2"]);
 });
 
-test("a default in parentheses is a number, and an expression is none", () => {
+test("a default in parentheses is a number, an expression is not", () => {
   const labels = (text: string) => paramsOf(text).map(({ name, label, value }) => [name, label, value]);
   expect(labels('a = ((param("a", ((-1.5)))))')).toEqual([["a", "a", -1.5]]);
   expect(labels('a = f(g(param("a", 1,)))')).toEqual([["a", "a", 1]]);
@@ -150,13 +150,13 @@ test("a default in parentheses is a number, and an expression is none", () => {
   ]);
 });
 
-test("what is no call of param is none", () => {
+test("only calls of param are parameters", () => {
   expect(paramsOf('# r = param("r", 1)\ns = "param(\'q\', 2)"\nparams("a", 1)\nx.param("b", 2)\ndef param(a, b): pass\nparam(name, 1)\nparam("no spaces", 1)')).toEqual([]);
   expect(paramsOf('param("r", 1')).toEqual([]);
   expect(paramsOf('a = param( # the radius\n  "a", # of it\n  3)\n').map(({ name, value }) => [name, value])).toEqual([["a", 3]]);
 });
 
-test("another value of a parameter changes all of its defaults and nothing else", () => {
+test("setting a parameter changes all of its defaults and nothing else", () => {
   expect(withParam('r = param("r", 0.40)\nbox(param("r", 0.4), 1, 1) # param("r", 0.4)\n', "r", 0.5)).toBe(
     'r = param("r", 0.50)\nbox(param("r", 0.5), 1, 1) # param("r", 0.4)\n',
   );
@@ -172,9 +172,9 @@ test("the parameters of the examples are found", () => {
   expect(paramsOf(example("gear")).length).toBeGreaterThan(2);
 });
 
-test("every function and every worth is said in Chinese", () => {
+test("every function and every degree of exactness has a Chinese text", () => {
   const source = (path: string) => readFileSync(new URL(`../../../${path}`, import.meta.url), "utf8");
-  // The page has every function of the table: a test of chordal-script sees to it.
+  // A test of chordal-script checks that the page has every function of the table.
   const rows = [...source("docs/shape-scripts.md").matchAll(/^\| `(\w+)\((.*?)\)` \|(.*)\|$/gm)];
   const names = rows.map((row) => row[1]!);
   const builtIns = source("crates/chordal-script/src/words.rs").split("#[cfg(test)]")[0]!;
@@ -193,15 +193,15 @@ test("every function and every worth is said in Chinese", () => {
 const row = (usage: string) => ({ name: usage.split("(")[0]!, usage, doc: "." });
 const rows = new Map(["box(x, y, z)", "union(*shapes, fillet=0, chamfer=0)", "polygon(points, tolerance=None)", "pi_of()"].map((usage) => [row(usage).name, row(usage)]));
 
-/** The function and the parameter at the bar in a text. */
+/** The call at the bar in a text: its function and parameter. */
 function called(marked: string): [string, number] | null {
   const place = marked.indexOf("|");
   const text = marked.replace("|", "");
-  const found = callAt(text, tokens(text), place, rows);
-  return found && [found.row.name, found.parameter];
+  const result = callAt(text, tokens(text), place, rows);
+  return result && [result.row.name, result.parameter];
 }
 
-test("the call around the cursor is the innermost that is known, with the parameter that is being given", () => {
+test("the call around the cursor is the innermost known one, with its current parameter", () => {
   expect(called("box(|)")).toEqual(["box", 0]);
   expect(called("box(1, 2|, 3)")).toEqual(["box", 1]);
   expect(called("box(1, 2, |")).toEqual(["box", 2]);
@@ -234,7 +234,7 @@ test("parameters are read from a usage", () => {
   expect(parametersOf(row("pi_of()"))).toEqual([]);
 });
 
-test("what makes one text of another is one stretch", () => {
+test("the difference of two texts is a single range", () => {
   for (const [before, after] of [
     ["", "a"],
     ["a", ""],
@@ -250,7 +250,7 @@ test("what makes one text of another is one stretch", () => {
   expect(difference("a", "a")).toBeNull();
 });
 
-test("an error is at a word, a sign, the line, or at the start of the line where nothing is left", () => {
+test("an error is at a word, a sign, the line, or at the start of a line without text", () => {
   const doc = Text.of(["a = 1", "  é𝒳 = box(1, a)  ", ""]);
   const at = (line: number, column?: number) => {
     const { from, to } = problemAt(doc, { line, message: "", ...(column === undefined ? {} : { column }) });

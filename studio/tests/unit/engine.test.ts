@@ -1,9 +1,9 @@
-// The page's side of the worker: the newest question wins, and a worker that breaks is replaced.
+// The page's side of the worker: the newest question wins, and a failed worker is replaced.
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { Engine, type Trouble, type WorkerLike } from "../../src/core/engine";
 import type { Call, Kind, QuestionOf, Reply } from "../../src/core/types";
 
-/** A worker that does what the test says. */
+/** A worker that is controlled by the test. */
 class Puppet implements WorkerLike {
   calls: Call[] = [];
   isTerminated = false;
@@ -43,7 +43,7 @@ beforeEach(() => {
 });
 afterEach(() => vi.useRealTimers());
 
-test("one call at a time, and of those that wait only the newest of a kind", () => {
+test("one call runs at a time, and only the newest question of a kind waits", () => {
   for (const n of [1, 2, 3, 4]) engine.ask("study", question(n));
   engine.ask("ladder", {} as never);
   expect(last().calls.map((call) => call.question)).toEqual([question(1)]);
@@ -66,7 +66,7 @@ test("the figure under the finger comes before the plot", () => {
   expect(last().calls.map((call) => call.kind)).toEqual(["ladder", "study", "seam", "ladder"]);
 });
 
-test("a refusal is said and the worker goes on", () => {
+test("a refusal is reported and the worker goes on", () => {
   engine.ask("study", question(0));
   last().reply({ refused: "segments: from 1" });
   expect(troubles).toEqual([{ what: "refused", why: "segments: from 1" }]);
@@ -76,7 +76,7 @@ test("a refusal is said and the worker goes on", () => {
   expect(answered.length).toBe(1);
 });
 
-test("h83: after a trap the worker is rebuilt and the newest question asked again", () => {
+test("after a trap the worker is rebuilt and the newest question asked again", () => {
   engine.ask("study", question(1));
   engine.ask("study", question(2));
   const first = last();
@@ -84,14 +84,14 @@ test("h83: after a trap the worker is rebuilt and the newest question asked agai
   expect([first.isTerminated, workers.length]).toEqual([true, 2]);
   expect(troubles).toEqual([{ what: "rebuilt" }]);
   expect(last().calls.map((call) => call.question)).toEqual([question(2)]);
-  // What the dead worker still had to say is of no interest.
+  // Replies of the dead worker must be ignored.
   first.reply({ answer: "late" });
   expect(answered).toEqual([]);
   last().reply({ answer: "good" });
   expect(answered).toEqual([["study", "good", question(2)]]);
 });
 
-test("a question that breaks the module alone is asked again", () => {
+test("a question that breaks the module is asked again", () => {
   engine.ask("study", question(7));
   last().reply({ broken: "unreachable" });
   expect(last().calls.map((call) => call.question)).toEqual([question(7)]);
@@ -105,7 +105,7 @@ test("a worker that does not start or does not answer is replaced", () => {
   expect(workers.length).toBe(3);
 });
 
-test("a worker that breaks three times in a row is given up, once and for all", () => {
+test("after three failures in a row the engine gives up for good", () => {
   engine.ask("study", question(1));
   for (let i = 0; i < 3; i++) last().reply({ broken: "unreachable" });
   expect(troubles.at(-1)).toEqual({ what: "lost" });
@@ -115,7 +115,7 @@ test("a worker that breaks three times in a row is given up, once and for all", 
   expect(workers.every((worker) => worker.isTerminated)).toBe(true);
 });
 
-test("an answer in between forgives earlier failures", () => {
+test("an answer resets the count of failures", () => {
   for (let i = 0; i < 10; i++) {
     engine.ask("study", question(1));
     last().reply({ broken: "unreachable" });

@@ -1,4 +1,4 @@
-// The exhibits without a browser: their addresses, their texts, and what the core answers them.
+// The exhibits without a browser: their addresses, their texts, and the core's answers.
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { beforeAll, describe, expect, test } from "vitest";
@@ -18,10 +18,10 @@ beforeAll(async () => {
 });
 
 describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, entry) => {
-  const made = () => loaded.get(id)!;
+  const loadedExhibit = () => loaded.get(id)!;
 
-  test("the state at the start needs no address, and every state that is written is read back", () => {
-    const { defaults, parts } = made();
+  test("the initial state has an empty fragment, and every written state is read back", () => {
+    const { defaults, parts } = loadedExhibit();
     expect(write(defaults, defaults, parts)).toBe("");
     for (const [name, [, part]] of Object.entries(parts) as [
       string,
@@ -31,15 +31,15 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     }
   });
 
-  test("what is wrong in an address is left out and told", () => {
-    const { defaults, parts } = made();
+  test("an invalid part of an address is ignored and reported", () => {
+    const { defaults, parts } = loadedExhibit();
     for (const bad of ["x", "v=2", "v=1&p=a,b&o=NaN,0,1,0,0,0&n=1e9&c=%&h=99&f=3,x&a=-1&b=cow", `v=1&${"o".repeat(3000)}`]) {
       expect(read(bad, defaults, parts), bad).toEqual({ state: defaults, isDamaged: true });
     }
   });
 
-  test("the core answers, with a number that both languages can tell", () => {
-    const { defaults, texts, question } = made();
+  test("the core answers, with a number that both languages can show", () => {
+    const { defaults, texts, question } = loadedExhibit();
     const answer = core.ask("exhibit", { exhibit: id, ...question(defaults) });
     for (const language of ["en", "zh"] as const) {
       const page = {
@@ -51,14 +51,14 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
         isStill: true,
         isSmall: false,
       };
-      const { value, shown, label, meaning } = made().number(page);
+      const { value, shown, label, meaning } = loadedExhibit().number(page);
       expect(Number.isFinite(value)).toBe(true);
       for (const text of [shown, label, meaning]) expect(text).not.toMatch(/undefined|NaN|\{/);
     }
   });
 
-  test("the texts are there in both languages, and each is in its own", () => {
-    const { texts } = made();
+  test("all texts exist in both languages, each in its own", () => {
+    const { texts } = loadedExhibit();
     const han = /\p{Script=Han}/u;
     const all = (language: "en" | "zh") => {
       const { story, attempts, hint } = texts[language];
@@ -67,16 +67,16 @@ describe.each(EXHIBITS.map((entry) => [entry.id, entry] as const))("%s", (id, en
     expect(all("en").length).toBe(all("zh").length);
     for (const text of all("en")) expect(text).not.toMatch(han);
     for (const text of all("zh")) expect(text).toMatch(han);
-    // An emphasis that is opened is closed.
+    // Every emphasis is closed.
     for (const text of [...all("en"), ...all("zh")]) expect(text.split("*").length % 2, text).toBe(1);
   });
 });
 
-test("frame texts say the same in both languages", () => {
+test("both languages have the same frame texts", () => {
   expect(Object.keys(FRAME.zh)).toEqual(Object.keys(FRAME.en));
 });
 
-test("every part reads what it writes and refuses what it would not write", () => {
+test("every part reads the texts that it writes and refuses all others", () => {
   expect(number(0, 1, 100).read("0.505")).toBe(0.51);
   for (const bad of ["", "1e3", "Infinity", "--1", "2", " 1"]) expect(number(0, 1, 100).read(bad), bad).toBeUndefined();
   expect(word("a", "b").read("c")).toBeUndefined();
@@ -94,7 +94,7 @@ test("every part reads what it writes and refuses what it would not write", () =
   expect(view.read(view.write(looked))).toEqual(looked);
 });
 
-test("large arrays of an answer are typed arrays of their own length", () => {
+test("large arrays of an answer are typed arrays of their exact length", () => {
   const { mesh, face_normals } = core.ask("exhibit", { exhibit: "normals", shape: "cube", crease_deg: 30 }) as {
     mesh: { positions: Float32Array; indices: Uint32Array };
     face_normals: Float32Array;
@@ -104,7 +104,7 @@ test("large arrays of an answer are typed arrays of their own length", () => {
   expect(Math.max(...mesh.indices)).toBe(23);
 });
 
-test("numbers read as they should", () => {
+test("numbers are formatted as specified", () => {
   const say = new Say("en");
   expect(say.fixed(-0.001)).toBe("0.00");
   expect(say.fixed(-1.5)).toBe("−1.50");

@@ -1,4 +1,4 @@
-// The film of segment numbers: every stop once, to the end, from the start again, and stopped at once.
+// The film of segment numbers: shows every stop once, to the end, then from the start again, and stops at once.
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { Film } from "../../src/state/film";
 import { STOPS } from "../../src/state/state";
@@ -6,35 +6,35 @@ import { STOPS } from "../../src/state/state";
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-function film() {
+function startFilm() {
   const shown: number[] = [];
   let ends = 0;
-  const made = new Film((n) => shown.push(n), () => (ends += 1));
-  return { film: made, shown, ends: () => ends };
+  const film = new Film((n) => shown.push(n), () => (ends += 1));
+  return { film, shown, ends: () => ends };
 }
 
-test("it shows every stop from where it stands, once, and ends", () => {
-  const { film: played, shown, ends } = film();
-  played.start(6);
-  expect(played.isPlaying).toBe(true);
+test("it shows every later stop once, and ends", () => {
+  const { film, shown, ends } = startFilm();
+  film.start(6);
+  expect(film.isPlaying).toBe(true);
   vi.runAllTimers();
   expect(shown).toEqual(STOPS.filter((n) => n >= 6));
-  expect([played.isPlaying, ends()]).toEqual([false, 1]);
+  expect([film.isPlaying, ends()]).toEqual([false, 1]);
 });
 
-test("from the last stop it begins at the first", () => {
-  const { film: played, shown } = film();
-  played.start(128);
+test("at the last stop it starts again from the first", () => {
+  const { film, shown } = startFilm();
+  film.start(128);
   vi.runAllTimers();
   expect(shown).toEqual(STOPS);
 });
 
-test("stopped it shows nothing more, and says so once", () => {
-  const { film: played, shown, ends } = film();
-  played.start(1);
+test("after a stop it shows nothing more, and reports its end once", () => {
+  const { film, shown, ends } = startFilm();
+  film.start(1);
   vi.advanceTimersByTime(1200);
-  played.stop();
-  played.stop();
+  film.stop();
+  film.stop();
   const seen = shown.length;
   vi.runAllTimers();
   expect([shown.length, ends()]).toEqual([seen, 1]);

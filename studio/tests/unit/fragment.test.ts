@@ -1,4 +1,4 @@
-// The state in the address: what is written is read again, and whatever else stands there does no harm.
+// The state in the address: written states are read back, and any other text does no harm.
 import { expect, test } from "vitest";
 import { VERSION, read, write } from "../../src/state/fragment";
 import { DEFAULTS, type State } from "../../src/state/state";
@@ -34,18 +34,18 @@ const OTHER: State = {
   theme: "dark",
 };
 
-/** Numbers from a seed that is printed where a test fails. */
+/** Random numbers from a seed, which is printed if a test fails. */
 function random(seed: number): () => number {
   return () => (seed = (seed * 48271) % 2147483647) / 2147483647;
 }
 
-test("the defaults take no room in the address", () => {
+test("the defaults are an empty fragment", () => {
   expect(write(DEFAULTS)).toBe("");
   expect(read("")).toEqual({ state: DEFAULTS, isDamaged: false });
   expect(read("#")).toEqual({ state: DEFAULTS, isDamaged: false });
 });
 
-test("what was written is read again, exactly", () => {
+test("written states are read back exactly", () => {
   expect(read(write(OTHER))).toEqual({ state: OTHER, isDamaged: false });
   expect(read(`#${write(OTHER)}`).state).toEqual(OTHER);
   expect(write(OTHER).length).toBeLessThan(200);
@@ -55,7 +55,7 @@ test("what was written is read again, exactly", () => {
   }
 });
 
-test("random states are read again, exactly", () => {
+test("random states are read back exactly", () => {
   const seed = 1 + Math.floor(Math.random() * 1e9);
   const next = random(seed);
   const point = () => [Math.round(next() * 1000) / 100, Math.round(next() * 600) / 100] as const;
@@ -71,12 +71,12 @@ test("random states are read again, exactly", () => {
   }
 });
 
-test("commas that were escaped on the way are understood", () => {
+test("escaped commas are understood", () => {
   const escaped = write(OTHER).replaceAll(",", "%2C");
   expect(read(escaped)).toEqual({ state: OTHER, isDamaged: false });
 });
 
-test("a part that makes no sense is as if it were not there, and the rest stays", () => {
+test("an invalid part is ignored, and the others are kept", () => {
   for (const bad of [
     "n=0", "n=129", "n=1e3", "n=-5", "n=NaN", "n=", "n=5.5", "n=99999999999999999999",
     "c=1,2,3", "c=1,2,3,4,5,6,7,x", "c=1,2,3,4,5,6,7,601", "c=NaN,0,0,0,0,0,0,0", "c=,,,,,,,", "c=1e999,0,0,0,0,0,0,0",
@@ -88,7 +88,7 @@ test("a part that makes no sense is as if it were not there, and the rest stays"
   }
 });
 
-test("anything at all is read without an exception", () => {
+test("any text is read without an exception", () => {
   const seed = 1 + Math.floor(Math.random() * 1e9);
   const next = random(seed);
   const good = `v=${VERSION}&${write(OTHER)}`;
@@ -101,7 +101,7 @@ test("anything at all is read without an exception", () => {
   }
 });
 
-test("another version and an endless address are the defaults, and said", () => {
+test("another version and a very long address give the defaults, and are reported", () => {
   for (const text of ["v=2&n=5", "n=5", "rubbish", "v=1&c=" + "1,".repeat(100000), "=", "&&&", "v=1=1"]) {
     expect(read(text), text.slice(0, 20)).toEqual({ state: DEFAULTS, isDamaged: true });
   }

@@ -1,4 +1,4 @@
-// The real module behind its typed function: refusals are typed, a trap is final, and any number of calls is the same.
+// The real module behind its typed function: refusals are typed, a trap is final, and calls do not affect later ones.
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { beforeAll, expect, test } from "vitest";
@@ -16,7 +16,7 @@ beforeAll(async () => {
   core = await Core.load(bytes);
 });
 
-test("the chain has as many segments as asked, and the gap lies within the bound", () => {
+test("the chain has the requested number of segments, and the gap is within the bound", () => {
   for (const segments of [1, 2, 3, 8, 64, 128]) {
     const { even, fewest } = core.ask("study", { ...QUESTION, segments });
     expect(even.points.length).toBe(segments + 1);
@@ -31,7 +31,7 @@ test("the chain has as many segments as asked, and the gap lies within the bound
   }
 });
 
-test("the number of segments that is said to be needed is enough, and one less is not", () => {
+test("the number of segments that is called needed is enough, and one less is not", () => {
   for (const pixels of [1, 0.5, 0.25]) {
     const { needed } = core.ask("study", { ...QUESTION, pixels });
     for (const spacing of ["even", "fewest"] as const) {
@@ -49,7 +49,7 @@ test("twice the segments, a quarter of the error", () => {
   expect(ratio).toBeLessThan(4.2);
 });
 
-test("a doubling tells both gaps and how many times the one is the other", () => {
+test("a doubling gives both gaps and their ratio", () => {
   const question = { ...QUESTION, segments: 12, other: 6 };
   const { even, other } = core.ask("study", question);
   const turned = core.ask("study", { ...question, segments: 6, other: 12 });
@@ -60,7 +60,7 @@ test("a doubling tells both gaps and how many times the one is the other", () =>
   expect(other.times.even!).toBeLessThan(4.2);
 });
 
-test("by equal steps more may be too few again, and from a number on none is", () => {
+test("in equal steps a larger number may be too small, but none is from a certain number on", () => {
   // A hairpin: one vertex more moves all of them away from its tip.
   const control = [[8.4, 5.6], [0.2, 3], [2.6, 3.5], [6.5, 4.3]] as const;
   const question = { ...QUESTION, control, pixels_per_unit: 720 / 10.8 };
@@ -91,7 +91,7 @@ test("curvatures at a joint have the sign of the turn", () => {
   expect(join.curvatures[1]).toBeCloseTo(-2 / 3, 12);
 });
 
-test("a joint is as smooth as is wished, whichever curve leads", () => {
+test("a joint has the chosen smoothness, with either curve leading", () => {
   const levels = { none: null, C0: 0, C1: 1, C2: 2 } as const;
   for (const leader of ["first", "second"] as const) {
     for (const smoothness of ["none", "C0", "C1", "C2"] as const) {
@@ -105,7 +105,7 @@ test("a joint is as smooth as is wished, whichever curve leads", () => {
   }
 });
 
-test("degenerate curves are answered: all points one, all on a line, turning back, a cusp", () => {
+test("degenerate curves are answered: all points equal, all on a line, turning back, a cusp", () => {
   const p = [3, 3] as const;
   for (const control of [
     [p, p, p, p],
@@ -121,7 +121,7 @@ test("degenerate curves are answered: all points one, all on a line, turning bac
   }
 });
 
-test("what makes no sense is refused in a sentence, and the module is as good as before", () => {
+test("an invalid question is refused with a message, and the module still works", () => {
   const before = JSON.stringify(core.ask("study", QUESTION));
   for (const wrong of [
     { segments: 0 }, { segments: 1e9 }, { segments: 2.5 }, { segments: "8" }, { t: 2 }, { pixels: 0 }, { pixels: -1 },
@@ -134,27 +134,27 @@ test("what makes no sense is refused in a sentence, and the module is as good as
   expect(JSON.stringify(core.ask("study", QUESTION))).toBe(before);
 });
 
-test("h83: many calls grow and detach the memory, and every answer stays the same", () => {
+test("many calls grow and detach the memory, and every answer stays the same", () => {
   const before = JSON.stringify(core.ask("study", QUESTION));
   for (let i = 0; i < 40; i++) core.ask("study", { ...QUESTION, segments: 1 + ((i * 367) % 1024) });
   expect(JSON.stringify(core.ask("study", QUESTION))).toBe(before);
 });
 
-test("h83: after a trap nothing is asked of the module again", async () => {
+test("after a trap the module is never called again", async () => {
   const broken = await Core.load(trapping());
   expect(() => broken.ask("study", QUESTION)).toThrow(Broken);
   expect(() => broken.ask("study", QUESTION)).toThrow(/trapped before/);
 });
 
-test("h83: more memory than a module can have is a trap, and never a wrong address", async () => {
+test("more memory than a module can have is a trap, and never a wrong address", async () => {
   const { instance } = await WebAssembly.instantiate(bytes, HOST);
   const { chordal_alloc, memory } = instance.exports as { chordal_alloc(n: number): number; memory: WebAssembly.Memory };
   const before = memory.buffer.byteLength;
-  for (const much of [2 ** 32 - 1, 2 ** 31]) expect(() => chordal_alloc(much)).toThrow(WebAssembly.RuntimeError);
+  for (const size of [2 ** 32 - 1, 2 ** 31]) expect(() => chordal_alloc(size)).toThrow(WebAssembly.RuntimeError);
   expect(memory.buffer.byteLength).toBe(before);
 });
 
-test("what is no module is a typed error", async () => {
+test("bytes that are no module give a typed error", async () => {
   await expect(Core.load(new Uint8Array([1, 2, 3]))).rejects.toThrow(Broken);
   await expect(Core.load(bytes.subarray(0, 1000))).rejects.toThrow(Broken);
 });

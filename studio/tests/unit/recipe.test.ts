@@ -1,4 +1,4 @@
-// The six lines of code beside the figure run, and give what the core gives.
+// The six lines of code beside the figure run, and give the core's result.
 import { spawnSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
@@ -9,7 +9,7 @@ import { CODE } from "../../src/view/Recipe";
 
 const wasm = readFileSync(fileURLToPath(new URL("../../wasm/chordal.wasm", import.meta.url)));
 
-test("six lines that give the formula's number of points, on the curve", async () => {
+test("the six lines give the formula's number of points, on the curve", async () => {
   expect(CODE.split("\n").length).toBe(6);
   const core = await Core.load(wasm);
   for (const goal of [1, 0.5, 0.25]) {
@@ -20,9 +20,9 @@ test("six lines that give the formula's number of points, on the curve", async (
     const program = `${CODE}\nimport json\nprint(json.dumps([[z.real, z.imag] for z in polyline([${points}], ${formula.length})]))`;
     const run = spawnSync("python3", ["-c", program], { encoding: "utf8" });
     expect(run.stderr).toBe("");
-    const made = JSON.parse(run.stdout) as [number, number][];
-    expect(made.length).toBe(formula.segments + 1);
-    made.forEach(([x, y], i) => {
+    const result = JSON.parse(run.stdout) as [number, number][];
+    expect(result.length).toBe(formula.segments + 1);
+    result.forEach(([x, y], i) => {
       expect(x).toBeCloseTo(even.points[i]![0], 12);
       expect(y).toBeCloseTo(even.points[i]![1], 12);
     });

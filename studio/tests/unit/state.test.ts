@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import { MOST_SEGMENTS, STOPS, onGrid, stopOf } from "../../src/state/state";
 import { Frame } from "../../src/view/frame";
 
-test("the slider stops at every number while they are few, and reaches the end", () => {
+test("the slider stops at every small number, and reaches the end", () => {
   expect(STOPS.slice(0, 24)).toEqual(Array.from({ length: 24 }, (_, i) => i + 1));
   expect(STOPS.at(-1)).toBe(MOST_SEGMENTS);
   STOPS.forEach((n, i) => expect(stopOf(n)).toBe(i));
@@ -15,7 +15,7 @@ test("a point stays inside the drawing, on the grid", () => {
   expect(onGrid([1.23456, 2.99999])).toEqual([1.23, 3]);
 });
 
-test("a frame maps there and back", () => {
+test("a frame maps back and forth", () => {
   for (const width of [280, 360, 720, 1234]) {
     const frame = new Frame(width);
     const [x, y] = frame.from(frame.to([3.25, 1.5]));

@@ -1,4 +1,4 @@
-// The catalogues say the same things, all of them are used, and numbers read as they should.
+// The catalogues have the same texts, all of them are used, and numbers are formatted as specified.
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -13,7 +13,7 @@ test("every catalogue has the same keys in the same order", () => {
   for (const catalogue of Object.values(CATALOGUES)) expect(Object.keys(catalogue)).toEqual(Object.keys(en));
 });
 
-test("every text has the same places to fill in, and is not empty", () => {
+test("every text has the same placeholders, and is not empty", () => {
   for (const key of Object.keys(en) as Key[]) {
     expect(places(zh[key]), key).toEqual(places(en[key]));
     expect(zh[key].trim(), key).not.toBe("");
@@ -32,7 +32,7 @@ test("every text is used", () => {
   const root = fileURLToPath(new URL("../../src", import.meta.url));
   const files = readdirSync(root, { recursive: true, encoding: "utf8" }).filter((name) => /\.tsx?$/.test(name) && !/i18n.(en|zh)\.ts$/.test(name));
   const source = files.map((name) => readFileSync(join(root, name), "utf8")).join("\n");
-  // A key stands there whole, or as the start of a template such as `verdict.${found}`.
+  // A key occurs as a whole, or as the start of a template such as `verdict.${result}`.
   const isUsed = (key: string) => source.includes(`"${key}"`) || source.includes(`\`${key.slice(0, key.lastIndexOf(".") + 1)}\${`);
   const counted = (key: string) => /^(segments|pixels|units)\.(one|other)$/.test(key);
   expect(Object.keys(en).filter((key) => !isUsed(key) && !counted(key))).toEqual([]);
@@ -51,7 +51,7 @@ test("numbers have three digits, and one is one", () => {
   expect(new Speaker("zh").pixels(17.6630204)).toBe("17.7 像素");
 });
 
-test("factors show a decimal, and signs are shown where they say something", () => {
+test("factors have a decimal, and signs are shown except for zero", () => {
   const english = new Speaker("en");
   expect(english.times(4.0004)).toBe("4.0");
   expect(english.times(11.96)).toBe("12.0");
@@ -60,18 +60,18 @@ test("factors show a decimal, and signs are shown where they say something", () 
   expect(english.signed(0)).toBe("0");
 });
 
-test("the words that a reader of a Chinese graphics textbook knows are used, and no others for the same thing", () => {
+test("the Chinese terms are those of graphics textbooks, and no others are used for the same thing", () => {
   const all = Object.values(zh).join("\n");
   for (const term of ["弦高误差", "已证明的上界", "参数等分", "曲率突变", "德卡斯特里奥算法", "浅色粗线", "像素密度翻倍"]) expect(all).toContain(term);
   for (const other of ["间隙", "宽带", "加密一倍", "等步长", "跳变", "作图法", "偏差 {px}"]) expect(all).not.toContain(other);
 });
 
-test("a text keeps a place that nobody filled, and takes values as they are", () => {
+test("a text keeps a placeholder without a value, and inserts values unchanged", () => {
   expect(fill("{a} and {b}", { a: "{b}" })).toBe("{b} and {b}");
   expect(fill("{a}", { a: "$& <b>" })).toBe("$& <b>");
 });
 
-test("the reader's own language is taken, else English", () => {
+test("the reader's own language is chosen, else English", () => {
   expect(preferred(["zh-TW", "en"])).toBe("zh");
   expect(preferred(["de-DE", "zh"])).toBe("zh");
   expect(preferred(["en-GB", "zh"])).toBe("en");

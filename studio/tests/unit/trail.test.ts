@@ -1,41 +1,41 @@
-// What becomes a step of the browser's history, and what is written into the one that is there.
+// Which changes become a step of the browser's history, and which are written into the current one.
 import { expect, test } from "vitest";
 import { Trail } from "../../src/state/trail";
 
-function trail(start = "") {
-  const said: string[] = [];
-  const made = new Trail({ push: (to) => said.push(`push ${to}`), replace: (to) => said.push(`replace ${to}`) }, start);
-  return { trail: made, said };
+function startTrail(start = "") {
+  const calls: string[] = [];
+  const trail = new Trail({ push: (to) => calls.push(`push ${to}`), replace: (to) => calls.push(`replace ${to}`) }, start);
+  return { trail, calls };
 }
 
-test("each thing that is changed is a step, and a run of the same changes is one", () => {
-  const { trail: made, said } = trail();
-  made.touch(["segments", "before"]);
-  made.write("n=7", 1000);
-  made.touch(["segments", "before"]);
-  made.write("n=8", 1800);
-  made.touch(["spacing"]);
-  made.write("n=8&s=f", 2200);
-  made.touch(["spacing"]);
-  made.write("n=8", 9000);
-  expect(said).toEqual(["push n=7", "replace n=8", "push n=8&s=f", "push n=8"]);
+test("each kind of change is a step, and a run of the same changes is one", () => {
+  const { trail, calls } = startTrail();
+  trail.touch(["segments", "before"]);
+  trail.write("n=7", 1000);
+  trail.touch(["segments", "before"]);
+  trail.write("n=8", 1800);
+  trail.touch(["spacing"]);
+  trail.write("n=8&s=f", 2200);
+  trail.touch(["spacing"]);
+  trail.write("n=8", 9000);
+  expect(calls).toEqual(["push n=7", "replace n=8", "push n=8&s=f", "push n=8"]);
 });
 
-test("language and theme are no steps, and what is unchanged is not written", () => {
-  const { trail: made, said } = trail("n=7");
-  made.touch(["segments"]);
-  made.write("n=7", 0);
-  made.touch(["language"]);
-  made.write("n=7&l=zh", 5000);
-  expect(said).toEqual(["replace n=7&l=zh"]);
+test("language and theme are no steps, and an unchanged state is not written", () => {
+  const { trail, calls } = startTrail("n=7");
+  trail.touch(["segments"]);
+  trail.write("n=7", 0);
+  trail.touch(["language"]);
+  trail.write("n=7&l=zh", 5000);
+  expect(calls).toEqual(["replace n=7&l=zh"]);
 });
 
 test("after going back, the next change is a new step", () => {
-  const { trail: made, said } = trail();
-  made.touch(["segments"]);
-  made.write("n=7", 1000);
-  made.arrive("");
-  made.touch(["segments"]);
-  made.write("n=5", 1100);
-  expect(said).toEqual(["push n=7", "push n=5"]);
+  const { trail, calls } = startTrail();
+  trail.touch(["segments"]);
+  trail.write("n=7", 1000);
+  trail.arrive("");
+  trail.touch(["segments"]);
+  trail.write("n=5", 1100);
+  expect(calls).toEqual(["push n=7", "push n=5"]);
 });

@@ -1,4 +1,4 @@
-// The viewer without a graphics processor: the camera, edges, picking, still pictures, colours.
+// The viewer without WebGL: the camera, edges, picking, still pictures, colours.
 import { expect, test } from "vitest";
 import { onRamp, vertexColors } from "../../src/viewer/color";
 import { edgesOf, exploded, middles, segments, silhouette } from "../../src/viewer/geometry";
@@ -8,7 +8,7 @@ import { type View, eyeOf, pick, projector, shifted, turned, zoomed } from "../.
 
 const SIZE = { width: 600, height: 400 };
 const VIEW: View = { azimuth: 30, elevation: 20, distance: 6, target: [0, 0, 0] };
-// A cube of edge 2 by its corners' bits.
+// A cube of edge 2, with its corners numbered by bits.
 const positions = new Float32Array(Array.from({ length: 8 }, (_, i) => [0, 1, 2].map((k) => ((i >> k) & 1) * 2 - 1)).flat());
 const quads = [
   [0, 2, 3, 1],
@@ -21,7 +21,7 @@ const quads = [
 const indices = new Uint32Array(quads.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]));
 const cube: MeshLayer = { kind: "mesh", id: "cube", positions, indices, paint: "#808080", shading: "flat", sides: "both" };
 
-test("the target is in the middle, up is up, and a ray goes back to where it came from", () => {
+test("the target is in the middle, z is up, and a ray through a projected point hits it", () => {
   const at = projector(VIEW, SIZE);
   expect(at.to([0, 0, 0]).slice(0, 2)).toEqual([300, 200]);
   expect(at.to([0, 0, 1])[1]).toBeLessThan(200);
@@ -39,7 +39,7 @@ test("the target is in the middle, up is up, and a ray goes back to where it cam
   }
 });
 
-test("turning keeps the distance and stops before the poles; zoom keeps its range; a shift moves what is under the hand", () => {
+test("turning keeps the distance and stops before the poles; zoom keeps its range; a pan follows the pointer", () => {
   const high = turned(VIEW, 10, 10_000);
   expect(high.elevation).toBe(89);
   expect(Math.hypot(...eyeOf(high))).toBeCloseTo(6, 9);
@@ -50,7 +50,7 @@ test("turning keeps the distance and stops before the poles; zoom keeps its rang
   expect(moved[1]).toBeCloseTo(175, 6);
 });
 
-test("a cube has 18 edges, also where its corners are split, and two triangles at each", () => {
+test("a cube has 18 edges, even if its corners are split, and two triangles at each", () => {
   const apart = exploded({ positions, indices }, 0);
   for (const mesh of [{ positions, indices }, apart]) {
     const edges = edgesOf(mesh.positions, mesh.indices);
@@ -67,24 +67,24 @@ test("the silhouette of a cube seen from a corner is a hexagon; an open edge is 
   expect(silhouette(positions, open, edgesOf(positions, open), eye).length).toBe(3 * 6);
 });
 
-test("the nearest triangle is picked, and none beside the body", () => {
+test("the nearest triangle is picked, and none outside of the body", () => {
   const at = projector({ ...VIEW, azimuth: 0, elevation: 0 }, SIZE);
-  // From +x one sees the last quad.
+  // From +x the last quad is visible.
   expect([10, 11]).toContain(pick(at, 300, 200, positions, indices));
   expect(pick(at, 5, 5, positions, indices)).toBeUndefined();
 });
 
-test("triangles drawn in towards their middles keep them", () => {
+test("shrunk triangles keep their centroids", () => {
   const apart = exploded({ positions, indices }, 0.3);
   const [a, b] = [middles(positions, indices), middles(apart.positions, apart.indices)];
   a.forEach((x, i) => expect(b[i]).toBeCloseTo(x, 5));
 });
 
-test("a still picture draws far triangles first, and culling leaves out the backs", () => {
-  const all = still({ layers: [cube] }, VIEW, SIZE);
+test("a still picture draws far triangles first, and culling omits back faces", () => {
+  const shapes = still({ layers: [cube] }, VIEW, SIZE);
   const fronts = still({ layers: [{ ...cube, sides: "front" }] }, VIEW, SIZE);
-  expect([all.length, fronts.length]).toEqual([12, 6]);
-  expect(all.map(({ depth }) => depth)).toEqual(all.map(({ depth }) => depth).sort((a, b) => b - a));
+  expect([shapes.length, fronts.length]).toEqual([12, 6]);
+  expect(shapes.map(({ depth }) => depth)).toEqual(shapes.map(({ depth }) => depth).sort((a, b) => b - a));
   const backs = still({ layers: [{ ...cube, back: "#ff0000", shading: "none" }] }, VIEW, SIZE);
   expect(backs.filter(({ fill }) => fill === "#ff0000").length).toBe(6);
 });

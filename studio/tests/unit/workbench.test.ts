@@ -8,7 +8,7 @@ import { beforeAll, describe, expect, test, vi } from "vitest";
 import { type Outcome, Trapped, run } from "../../src/workbench/command";
 import { Controller } from "../../src/workbench/controller";
 import { bench, meshLine, python, quoted, reading, rust, shell, split, viewText, withText, without } from "../../src/workbench/document";
-import { boxOf, levels, parts, standing } from "../../src/workbench/glb";
+import { boxOf, levels, parts, partToZUp } from "../../src/workbench/glb";
 import { type PictureKind, besides, besideOf, pictureLine } from "../../src/workbench/pictures";
 import { Jobs, Stopped, type WorkerLike } from "../../src/workbench/jobs";
 import { type Box, awayFrom, distanceOf, fillingDistance, pixelsOf, towards } from "../../src/workbench/pixels";
@@ -16,7 +16,7 @@ import { pack, unpack } from "../../src/workbench/share";
 import type { LaneName } from "../../src/workbench/state";
 import { BenchSay } from "../../src/workbench/words";
 
-// The module that tests build is small in nothing and quick in nothing.
+// The tests' module is neither small nor fast.
 vi.setConfig({ testTimeout: 180_000, hookTimeout: 60_000 });
 
 const SCREEN = { width: 1366, height: 768, fovDeg: 28, distance: 12.3456789 };
@@ -24,7 +24,7 @@ const text = (of: string) => new TextEncoder().encode(of);
 const block = bench("block.star", { "block.star": text("box(1, 2, 3)") });
 
 describe("the line", () => {
-  test("is what one would type", () => {
+  test("is the line that one would type", () => {
     expect(shell([meshLine(block, SCREEN, "block.glb")])).toBe("chordal mesh block.star --tol 0.5% -o block.glb");
     const set = { ...block, set: { "wall width": "2.5" }, options: `--iso 60 --text "A b"` };
     expect(shell([meshLine(set, SCREEN, "a.stl")])).toBe(
@@ -35,7 +35,7 @@ describe("the line", () => {
     expect(quoted("it's")).toBe("'it'\\''s'");
     expect(split(`a 'b c' d"e f"g`)).toEqual(["a", "b c", "de fg"]);
   });
-  test("in Python and Rust says the same budget", () => {
+  test("in Python and Rust has the same budget", () => {
     expect(python(block, SCREEN, "block.glb")).toContain('shape.mesh(rel="0.5%")');
     expect(python({ ...block, budget: { ...block.budget, tol: "0.1" } }, SCREEN, "b.glb")).toContain("shape.mesh(tol=0.1)");
     expect(python({ ...block, budget: { ...block.budget, by: "triangles" } }, SCREEN, "b.glb")).toContain("triangles=5000");
@@ -45,26 +45,26 @@ describe("the line", () => {
 });
 
 describe("the link", () => {
-  test("brings back the script, the budget and the options", async () => {
+  test("restores the script, the budget and the options", async () => {
     const of = { ...withText(block, "sphere(2)  # 球\n"), set: { r: "3" }, options: "--iso 1" };
     const back = await unpack((await pack(of))!);
     expect(back).toEqual(of);
   });
-  test("brings back a small file of any bytes, as it was", async () => {
+  test("restores a small file of any bytes", async () => {
     const marked = [0xef, 0xbb, 0xbf, 0x31];
     for (const bytes of [Uint8Array.of(0, 255, 254), new Uint8Array(60_000).fill(200), Uint8Array.from(marked)]) {
       const of = bench("a.stl", { "a.stl": bytes });
       expect(await unpack((await pack(of))!)).toEqual(of);
     }
   });
-  test("is none for what is too large", async () => {
+  test("does not exist for a large input", async () => {
     expect(await pack(bench("a.stl", { "a.stl": new Uint8Array(randomBytes(60_000)) }))).toBeNull();
-    // Small as it is packed, and larger than what is unpacked again.
+    // Small when compressed, but larger than the limit when decompressed.
     expect(await pack(bench("a.stl", { "a.stl": new Uint8Array(300_000).fill(200) }))).toBeNull();
     const noise = randomBytes(60_000).toString("base64");
     expect(await pack(bench("a.obj", { "a.obj": text(noise) }))).toBeNull();
   });
-  test("is refused where it is damaged, and where it would unpack to more than it may", async () => {
+  test("is refused if it is damaged, or decompresses to more than the limit", async () => {
     for (const coded of ["", "AAAA", "!!!", (await pack(block))!.slice(0, 20)]) expect(await unpack(coded)).toBeNull();
     const packed = async (value: unknown) => {
       const stream = new Blob([JSON.stringify(value)]).stream().pipeThrough(new CompressionStream("deflate-raw"));
@@ -106,37 +106,37 @@ describe("lanes", () => {
       () => new Worker() as WorkerLike,
     );
   };
-  const outcome = { exit: 0, stdout: "", stderr: "", made: {} };
-  const rest = () => new Promise((done) => setTimeout(done, 0));
+  const outcome = { exit: 0, stdout: "", stderr: "", outputs: {} };
+  const nextTask = () => new Promise((done) => setTimeout(done, 0));
 
-  test("run beside each other, and the newest order ends an older one", async () => {
+  test("run in parallel, and a newer run cancels an older one", async () => {
     const all = jobs();
     const old = all.run("a", ["x"], {});
     const other = all.run("b", ["y"], {});
-    await rest();
+    await nextTask();
     const young = all.run("a", ["z"], {});
     await expect(old).rejects.toMatchObject({ why: "newer" });
     expect(Worker.all.map(({ isEnded }) => isEnded)).toEqual([true, false, false]);
-    await rest();
+    await nextTask();
     Worker.all[1]!.reply({ id: Worker.all[1]!.orders[0]!.id, outcome });
     Worker.all[2]!.reply({ id: Worker.all[2]!.orders[0]!.id, outcome });
     expect(await other).toBe(outcome);
     expect(await young).toBe(outcome);
-    // A worker that is done is used again.
+    // An idle worker is used again.
     void all.run("a", ["again"], {});
-    await rest();
+    await nextTask();
     expect(Worker.all.length).toBe(3);
   });
 
-  test("are stopped, and survive a trap", async () => {
+  test("are cancelled, and survive a trap", async () => {
     const all = jobs();
     const one = all.run("a", [], {});
-    await rest();
+    await nextTask();
     all.cancel("a");
     await expect(one).rejects.toBeInstanceOf(Stopped);
     expect(all.isRunning("a")).toBe(false);
     const two = all.run("a", [], {});
-    await rest();
+    await nextTask();
     const last = Worker.all.at(-1)!;
     last.reply({ id: last.orders[0]!.id, trapped: "unreachable" });
     await expect(two).rejects.toMatchObject({ why: "trapped", message: "unreachable" });
@@ -157,45 +157,45 @@ describe("the command as a module", () => {
   const files = (name: string) => ({ [name]: readFileSync(EXAMPLES + name) });
   const work = async (words: string[], of: Record<string, Uint8Array>) => run(module, words, of);
 
-  test("makes a mesh, says its bound, and leaves the input alone", async () => {
-    const made = await work(["mesh", "block.star", "--tol", "1%", "-o", "block.glb", "--json"], files("block.star"));
-    expect(made.exit).toBe(0);
-    expect(Object.keys(made.made)).toEqual(["block.glb"]);
-    expect(JSON.parse(made.stdout).certificate.bound.evidence).toBe("proved");
-    const [part] = parts(made.made["block.glb"]!, JSON.parse(made.stdout).certificate.frame);
-    expect(part!.indices.length).toBe(3 * JSON.parse(made.stdout).certificate.output.triangles);
+  test("makes a mesh, reports its bound, and does not change the input", async () => {
+    const outcome = await work(["mesh", "block.star", "--tol", "1%", "-o", "block.glb", "--json"], files("block.star"));
+    expect(outcome.exit).toBe(0);
+    expect(Object.keys(outcome.outputs)).toEqual(["block.glb"]);
+    expect(JSON.parse(outcome.stdout).certificate.bound.evidence).toBe("proved");
+    const [part] = parts(outcome.outputs["block.glb"]!, JSON.parse(outcome.stdout).certificate.frame);
+    expect(part!.indices.length).toBe(3 * JSON.parse(outcome.stdout).certificate.output.triangles);
     expect(part!.normals?.length).toBe(part!.positions.length);
   });
 
-  test("triangles have the coordinates of the shape, whatever its file's axis and unit are", async () => {
+  test("gives triangles in the coordinates of the shape, for any up axis and unit", async () => {
     const words = ["teapot.bpt", "--unit", "mm"];
     for (const line of [["mesh", ...words, "--tol", "2%"], ["lod", ...words, "--px", "1"]]) {
-      const made = await work([...line, "-o", "t.glb", "--json"], files("teapot.bpt"));
-      const { frame } = JSON.parse(made.stdout).certificate;
+      const outcome = await work([...line, "-o", "t.glb", "--json"], files("teapot.bpt"));
+      const { frame } = JSON.parse(outcome.stdout).certificate;
       expect(frame).toEqual({ up: "z", metres_per_unit: 0.001 });
-      const [low, high] = boxOf(line[0] === "lod" ? levels(made.made["t.glb"]!, frame)[0]! : parts(made.made["t.glb"]!, frame))!;
+      const [low, high] = boxOf(line[0] === "lod" ? levels(outcome.outputs["t.glb"]!, frame)[0]! : parts(outcome.outputs["t.glb"]!, frame))!;
       // Newell's teapot stands on z = 0 and is 3.15 high.
       expect([low[2], high[2]]).toEqual([expect.closeTo(0, 2), expect.closeTo(3.15, 1)]);
       expect(high[0]).toBeCloseTo(3.43, 1);
     }
   });
 
-  test("takes the pictures that stand beside a mesh", async () => {
+  test("renders the pictures beside a mesh", async () => {
     const teapot = { ...bench("teapot.bpt", files("teapot.bpt")), options: "--unit mm" };
-    const made = await work(["mesh", ...reading(teapot), "--tol", "2%", "-o", "t.glb", "--json"], teapot.files);
-    const { certificate } = JSON.parse(made.stdout);
-    const shown = parts(made.made["t.glb"]!, certificate.frame);
+    const outcome = await work(["mesh", ...reading(teapot), "--tol", "2%", "-o", "t.glb", "--json"], teapot.files);
+    const { certificate } = JSON.parse(outcome.stdout);
+    const shown = parts(outcome.outputs["t.glb"]!, certificate.frame);
     const view = { azimuth: 30, elevation: 20, distance: 14, target: [0, 0, 1.5] as const };
     for (const up of ["y", "z"]) {
-      const subject = { bench: teapot, parts: shown.map((part) => standing(part, up)), up, atMost: certificate.bound.at_most };
+      const subject = { bench: teapot, parts: shown.map((part) => partToZUp(part, up)), up, atMost: certificate.bound.at_most };
       const report = async (what: PictureKind) => {
         const { line, files } = pictureLine(what, subject, view, { width: 120, height: 80 });
-        const taken = await work([...line, "--json"], files);
-        expect(taken.exit, taken.stderr).toBe(0);
-        expect([...taken.made["picture.png"]!.subarray(1, 4)]).toEqual([..."PNG"].map((c) => c.charCodeAt(0)));
-        return JSON.parse(taken.stdout).certificate;
+        const picture = await work([...line, "--json"], files);
+        expect(picture.exit, picture.stderr).toBe(0);
+        expect([...picture.outputs["picture.png"]!.subarray(1, 4)]).toEqual([..."PNG"].map((c) => c.charCodeAt(0)));
+        return JSON.parse(picture.stdout).certificate;
       };
-      // The distance is that of the bound: nothing was turned on the way.
+      // The distance matches the bound, so the two meshes were not rotated against each other.
       const { bound } = await report("distance");
       expect(bound.at_least).toBeLessThanOrEqual(certificate.bound.at_most);
       expect(bound.at_most).toBeGreaterThanOrEqual(certificate.bound.at_least);
@@ -204,7 +204,7 @@ describe("the command as a module", () => {
     }
   });
 
-  test("tells mistakes in a sentence, with their place", async () => {
+  test("reports mistakes in a sentence, with their place", async () => {
     const said = await work(["mesh", "a.star", "--tol", "1%", "-o", "a.glb", "--json"], { "a.star": text("box(1, 2") });
     expect(said.exit).toBe(3);
     expect(JSON.parse(said.stdout).error.messages[0]).toMatch(/^a\.star: line 1/);
@@ -215,7 +215,7 @@ describe("the command as a module", () => {
     expect(usage.stderr).toContain("required");
   });
 
-  test("refuses what memory cannot hold, and does not trap", async () => {
+  test("refuses inputs that memory cannot hold, and does not trap", async () => {
     const refused = await work(["mesh", "block.star", "--tol", "1e-9", "-o", "b.glb", "--json"], files("block.star")).catch((error: unknown) => {
       if (error instanceof Trapped) throw new Error(`trapped: ${error.message}`);
       throw error;
@@ -224,18 +224,18 @@ describe("the command as a module", () => {
     expect(JSON.parse(refused.stdout).error.messages[0]).toMatch(/^.{20,}/);
   });
 
-  test("writes levels that are told apart", async () => {
-    const made = await work(["lod", "cube.obj", "--px", "1", "-o", "l.glb", "--json"], files("cube.obj"));
-    const found = levels(made.made["l.glb"]!, JSON.parse(made.stdout).certificate.frame);
-    const facts = JSON.parse(made.stdout).certificate.levels.levels as { triangles: number }[];
+  test("writes levels that can be read separately", async () => {
+    const outcome = await work(["lod", "cube.obj", "--px", "1", "-o", "l.glb", "--json"], files("cube.obj"));
+    const found = levels(outcome.outputs["l.glb"]!, JSON.parse(outcome.stdout).certificate.frame);
+    const facts = JSON.parse(outcome.stdout).certificate.levels.levels as { triangles: number }[];
     expect(found.map((level) => level.reduce((sum, { indices }) => sum + indices.length / 3, 0))).toEqual(facts.map(({ triangles }) => triangles));
   });
 
-  test("has the pixels and distances of levels that the page says", async () => {
+  test("has the same pixels and distances of levels as the page", async () => {
     const bracket = files("bracket.star");
     const words = ["--px", "1", "--view", "553x321 fov=28", "-o", "l.glb", "--json"];
-    const made = await work(["lod", "bracket.star", ...words], bracket);
-    const { levels, shown } = JSON.parse(made.stdout).certificate.levels;
+    const outcome = await work(["lod", "bracket.star", ...words], bracket);
+    const { levels, shown } = JSON.parse(outcome.stdout).certificate.levels;
     const screen = (distance: number) => ({ width: 553, height: 321, fovDeg: 28, distance });
     for (const { at_most, distance } of levels) {
       expect(pixelsOf(at_most, screen(distance))).toBeCloseTo(1, 5);
@@ -246,13 +246,13 @@ describe("the command as a module", () => {
     }
     expect(shown[0].pixels).toBeGreaterThan(3);
     expect(pixelsOf(1, screen(1))).toBe(Infinity);
-    // Where nothing else is said, the finest level is for the shape as high as the picture.
+    // By default the finest level is for a view in which the shape is as high as the picture.
     const inspected = await work(["inspect", "bracket.star", "--json"], bracket);
     const box = JSON.parse(inspected.stdout).inspection.box as Box;
     expect(fillingDistance(box, 28) / levels[0].distance).toBeCloseTo(1, 1);
   });
 
-  test("gives the bytes that the command gives", async () => {
+  test("gives the same bytes as the native command", async () => {
     expect(CHORDAL, "make test-studio names the command").toBeDefined();
     const folder = mkdtempSync(join(tmpdir(), "chordal-bench-"));
     for (const [name, words, output] of [
@@ -267,16 +267,16 @@ describe("the command as a module", () => {
     ] as const) {
       writeFileSync(join(folder, name), readFileSync(EXAMPLES + name));
       execFileSync(CHORDAL!, [...words, output, "--force", "-q"], { cwd: folder });
-      const made = await work([...words, output], files(name));
-      expect(made.exit, made.stderr).toBe(0);
-      for (const [file, bytes] of Object.entries(made.made)) {
+      const outcome = await work([...words, output], files(name));
+      expect(outcome.exit, outcome.stderr).toBe(0);
+      for (const [file, bytes] of Object.entries(outcome.outputs)) {
         expect(Buffer.compare(readFileSync(join(folder, file)), bytes), `${words.join(" ")} ${file}`).toBe(0);
       }
     }
   });
 });
 
-test("a link holds what it brings back, and nothing that runs", async () => {
+test("a link restores only known fields, and nothing that could run", async () => {
   const other = { ...block, files: { ...block.files, "b.stl": text("solid b") } };
   expect(await pack({ ...other, combine: { how: "minus", name: "b.stl" } })).toBeNull();
   expect(await pack({ ...block, before: [["mend", "a.stl", "-o", "block.star"]] })).toBeNull();
@@ -285,7 +285,7 @@ test("a link holds what it brings back, and nothing that runs", async () => {
   expect(await unpack(coded!)).toEqual({ ...block, set: { width: "2.5" }, options: "--allow mesh" });
 });
 
-test("an option leaves a line with its value, and with nothing else", () => {
+test("an option is removed from a line with its value, and nothing else", () => {
   const line = ["mend", "a.npy", "--iso", "-5", "--cap", "-o", "b.npy"];
   expect(without(line, "--iso")).toEqual(["mend", "a.npy", "--cap", "-o", "b.npy"]);
   expect(without(line, "--cap")).toEqual(["mend", "a.npy", "--iso", "-5", "-o", "b.npy"]);
@@ -293,30 +293,30 @@ test("an option leaves a line with its value, and with nothing else", () => {
   expect(without(line, "--text")).toEqual(line);
 });
 
-test("lines in Python and Rust run what the page runs", () => {
+test("lines in Python and Rust run the same as the page", () => {
   const named = { ...bench("球.star", {}), set: { width: "1e-3", "it's": "2" } };
   expect(python(named, SCREEN, "a.glb")).toContain('chordal.script(open("球.star").read(), **{"width": 1e-3, "it\'s": 2})');
   expect(python({ ...named, set: { width: "print(1)" } }, SCREEN, "a.glb")).toContain('"width": "print(1)"');
   const cut = { ...bench("a.stl", {}), combine: { how: "minus", name: "b.stl" } as const };
   expect(python(cut, SCREEN, "a.glb")).toContain('shape.combine(("difference", chordal.load("b.stl")), rel="0.5%")');
-  // A boolean in Python takes a length alone; by pixels it is a line of the command.
+  // In Python a boolean accepts only a length; with a pixel budget it becomes a command line.
   expect(python({ ...cut, budget: { ...cut.budget, by: "px" } }, SCREEN, "a.glb")).toContain("subprocess.run");
   expect(rust(cut, SCREEN, "a.glb")).toBe(
     'std::process::Command::new("chordal").args(["mesh", "a.stl", "--minus", "b.stl", "--tol", "0.5%", "-o", "a.glb"]).status()?;',
   );
 });
 
-test("what stands beside a shape is what it has", () => {
+test("the pictures beside a shape are those that it can have", () => {
   const one = (name: string) => bench(name, {});
   expect(besides(one("a.star"))).not.toContain("distance");
   expect(besideOf(one("a.star"), "traced")).toBe("traced");
   expect(besideOf(one("a.ply"), "traced")).toBe("sliced");
   expect(besideOf(one("a.ply"), "distance")).toBe("distance");
-  // A mesh less another solid is not to be near the whole mesh.
+  // A mesh less another solid cannot be compared with the whole mesh.
   expect(besides({ ...one("a.ply"), combine: { how: "minus", name: "b.star" } })).not.toContain("distance");
 });
 
-test("the worst place is looked at from its own side, outside of the box", () => {
+test("the view of the worst place is from its side, outside of the box", () => {
   const box: Box = [[-1, -1, -1], [1, 1, 1]];
   const diagonal = Math.hypot(2, 2, 2);
   const home = { azimuth: -56, elevation: 22, distance: 2.4 * diagonal, target: [0, 0, 0] as const };
@@ -327,7 +327,7 @@ test("the worst place is looked at from its own side, outside of the box", () =>
   }
 });
 
-test("numbers of any size are read at a glance", () => {
+test("numbers of any size are short", () => {
   const [en, zh] = [new BenchSay("en"), new BenchSay("zh")];
   expect([3.37e-14, 0.0323, -2e-9, 0, 1234567, 5e20].map((value) => en.number(value))).toEqual([
     "3.4·10⁻¹⁴", "0.0323", "−2.0·10⁻⁹", "0", "1230000", "5.0·10²⁰",
@@ -335,36 +335,36 @@ test("numbers of any size are read at a glance", () => {
   expect(zh.number(3.37e-14)).toBe("3.4·10⁻¹⁴");
 });
 
-test("a file with y up stands", () => {
+test("a file with y up is turned upright", () => {
   const part = { name: "", positions: Float32Array.from([1, 2, 3]), indices: new Uint32Array(), groups: new Uint32Array(), paints: [] };
-  expect([...standing(part, "y").positions]).toEqual([1, -3, 2]);
-  expect(standing(part, "z")).toBe(part);
+  expect([...partToZUp(part, "y").positions]).toEqual([1, -3, 2]);
+  expect(partToZUp(part, "z")).toBe(part);
 });
 
 describe("an export", () => {
-  /** A bench whose command does nothing but end like this. */
+  /** A controller whose command only ends like this. */
   const controller = (outcome: Outcome) =>
     new Controller({ run: async () => outcome, isRunning: () => false, cancel: () => undefined } as unknown as Jobs<LaneName>, block, () => undefined);
-  const ended = (exit: number, made: Outcome["made"]): Outcome => ({ exit, stdout: "", stderr: "chordal: block.star: no levels of this\n", made });
+  const ended = (exit: number, outputs: Outcome["outputs"]): Outcome => ({ exit, stdout: "", stderr: "chordal: block.star: no levels of this\n", outputs });
 
-  test("is what the command made, where it says that it did", async () => {
-    const made = { "tiles/tileset.json": text("{}") };
-    const control = controller(ended(0, made));
-    expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBe(made);
+  test("has the command's outputs if it succeeded", async () => {
+    const outputs = { "tiles/tileset.json": text("{}") };
+    const control = controller(ended(0, outputs));
+    expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBe(outputs);
     expect(control.state.fault).toBeNull();
   });
-  test("is none of what a failed run leaves behind, and the command's sentence is shown", async () => {
+  test("ignores the outputs of a failed run, and shows the command's message", async () => {
     for (const exit of [1, 2, 3, 4, 5]) {
       const control = controller(ended(exit, { "tiles/.chordal.lock": new Uint8Array() }));
       expect(await control.export(["lod", "block.star", "-o", "tiles/"])).toBeNull();
       expect(control.state.fault?.text).toContain("no levels of this");
     }
   });
-  test("is the best that there is only where the line asks for it", async () => {
-    const made = { "block.glb": text("best") };
+  test("is the best mesh for a missed budget only if the line asks for it", async () => {
+    const outputs = { "block.glb": text("best") };
     const line = ["mesh", "block.star", "-o", "block.glb", "--keep-best"];
-    expect(await controller(ended(5, made)).export(line)).toBe(made);
-    expect(await controller(ended(4, made)).export(line)).toBeNull();
-    expect(await controller(ended(5, made)).export(line.slice(0, -1))).toBeNull();
+    expect(await controller(ended(5, outputs)).export(line)).toBe(outputs);
+    expect(await controller(ended(4, outputs)).export(line)).toBeNull();
+    expect(await controller(ended(5, outputs)).export(line.slice(0, -1))).toBeNull();
   });
 });

@@ -1,4 +1,4 @@
-// The words of the workbench: the same in both languages, and all of them used.
+// The texts of the workbench: the same in both languages, and all of them used.
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { expect, test } from "vitest";
@@ -6,13 +6,13 @@ import { TEXTS } from "../../src/workbench/texts";
 
 const FOLDER = new URL("../../src/workbench/", import.meta.url).pathname;
 
-/** The source of the workbench, without its words. */
+/** The source of the workbench, without its texts. */
 const source = readdirSync(FOLDER, { recursive: true, encoding: "utf8" })
   .filter((name) => /\.tsx?$/.test(name) && name !== "texts.ts")
   .map((name) => readFileSync(join(FOLDER, name), "utf8"))
   .join("\n");
 
-/** Every text by its path, such as `shows.wire`, and how many values it takes. */
+/** Every text by its path, such as `shows.wire`, and its number of parameters. */
 function paths(of: object, prefix = ""): [path: string, values: number][] {
   return Object.entries(of).flatMap(([key, value]): [string, number][] => {
     if (value !== null && typeof value === "object") return paths(value, `${prefix}${key}.`);
@@ -20,7 +20,7 @@ function paths(of: object, prefix = ""): [path: string, values: number][] {
   });
 }
 
-test("are the same in both languages, in the same order, and take the same values", () => {
+test("are the same in both languages, in the same order, and take the same parameters", () => {
   expect(paths(TEXTS.zh)).toEqual(paths(TEXTS.en));
 });
 
@@ -30,7 +30,7 @@ test("are all used", () => {
     new RegExp(`(words|TEXTS\\[\\w+\\])\\.${key}\\b|const \\{[^}]*\\b${key}\\b[^}]*\\} = words`).test(source) ||
     (source.includes("words[") && source.includes(`"${key}"`));
   expect(Object.keys(TEXTS.en).filter((key) => !isUsed(key))).toEqual([]);
-  // What is one of several is chosen by its name, which stands somewhere in quotes; an example is named after its file.
+  // A text of a record is chosen by its key, which occurs in quotes somewhere; an example has the name of its file.
   const names = paths(TEXTS.en).filter(([path]) => path.includes(".")).map(([path]) => path.split(".").at(-1)!);
   expect(names.filter((name) => !source.includes(`"${name}"`) && !source.includes(`import ${name} from`))).toEqual([]);
 });

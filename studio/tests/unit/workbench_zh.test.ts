@@ -1,4 +1,4 @@
-// What the command says, in 中文: all that it can say of a mesh has a sentence, in the words of the exhibit about it.
+// The command's sentences in Chinese: everything that it can say about a mesh has a translation, in the exhibit's words.
 import { readFileSync, readdirSync } from "node:fs";
 import { beforeAll, describe, expect, test, vi } from "vitest";
 import { DOCTOR } from "../../src/exhibits/doctor_texts";
@@ -6,22 +6,22 @@ import { run } from "../../src/workbench/command";
 import { CURES, CURES_EN, NAMES, STAGES, cureIn, joining, nameIn, sentenceIn, stageIn } from "../../src/workbench/command_zh";
 import type { FindingFacts, Report } from "../../src/workbench/report";
 
-// The module that tests build is half as fast as the one that pages have.
+// The tests' module is half as fast as that of the pages.
 vi.setConfig({ testTimeout: 120_000, hookTimeout: 60_000 });
 
 const PROJECT = new URL("../../../", import.meta.url).pathname;
 const source = (path: string) => readFileSync(PROJECT + path, "utf8");
 const isChinese = ({ text, lang }: { text: string; lang?: string }) => lang === undefined && /\p{Script=Han}/u.test(text);
 
-describe("every sentence of the command's", () => {
-  /** The words of a function of `Defect`, whose source is one table. */
+describe("every sentence of the command", () => {
+  /** The texts of a function of `Defect`, whose source is one table. */
   const wordsOf = (name: string) => {
     const one = new RegExp(`pub fn ${name}\\(self\\)[^{]*\\{([^]*?)\\n    \\}`);
     const [, body] = one.exec(source("crates/chordal/src/check/defect.rs"))!;
     return [...body!.matchAll(/"([^"]+)"/g)].map((match) => match[1]!);
   };
 
-  test("about a defect has one in 中文", () => {
+  test("about a defect has a translation", () => {
     const names = wordsOf("name");
     expect(names.length).toBe(13);
     expect(Object.keys(NAMES).sort()).toEqual(names.sort());
@@ -30,25 +30,25 @@ describe("every sentence of the command's", () => {
     expect(sentences.filter((words) => !isChinese(sentenceIn("zh", words)))).toEqual([]);
   });
 
-  test("about a cure has one in 中文", () => {
+  test("about a repair has a translation", () => {
     const { $defs } = JSON.parse(source("docs/schema/report.schema.json"));
     expect(Object.keys(CURES).sort()).toEqual([...$defs.finding.properties.cures.items.enum].sort());
   });
 
-  test("about a stage of its work has one in 中文", () => {
+  test("about a stage of its progress has a translation", () => {
     const folder = `${PROJECT}crates/chordal/src/`;
     const files = readdirSync(folder, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".rs"));
     const stages = files.flatMap((name) => [...readFileSync(folder + name, "utf8").matchAll(/(?:stage: |\breport\()"([^"]+)"/g)]);
     expect(Object.keys(STAGES)).toEqual([...new Set(stages.map((match) => match[1]!))].sort());
   });
 
-  test("uses the words of the exhibit about sick meshes", () => {
+  test("uses the words of the exhibit about defective meshes", () => {
     const { defects, cures } = DOCTOR.zh;
     expect(NAMES).toEqual(Object.fromEntries(Object.entries(defects).map(([of, [name]]) => [of, name])));
     expect(CURES).toEqual(Object.fromEntries(Object.entries(cures).map(([cure, words]) => [`--${cure}`, words])));
   });
 
-  test("that nobody has translated stays as it is, and says that it is English", () => {
+  test("without a translation stays as it is, marked as English", () => {
     expect(sentenceIn("zh", "it hums")).toEqual({ text: "it hums", lang: "en" });
     expect(sentenceIn("zh", "no triangle has a corner there; it hums")).toMatchObject({ lang: "en" });
     expect(nameIn("zh", { of: "hums", words: "hums" })).toEqual({ text: "hums", lang: "en" });
@@ -59,7 +59,7 @@ describe("every sentence of the command's", () => {
   });
 });
 
-/** Files with all kinds of defects, and with what is said besides. */
+/** Files with all kinds of defects, and with remarks. */
 const SICK: Record<string, string> = {
   "hole.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 5 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\n",
   "seam.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1.0000001 0 0\nv 1 1 0\nv 0 1.0000001 0\nf 1 2 3\nf 4 5 6\n",
@@ -86,12 +86,12 @@ describe("findings of files", () => {
     findings = [];
     for (const [name, text] of Object.entries(SICK)) {
       const file = { [name]: new TextEncoder().encode(text) };
-      const made = await run(module, ["inspect", name, "--self-intersections", "--json"], file);
-      findings.push(...((JSON.parse(made.stdout) as Report).inspection?.findings ?? []));
+      const outcome = await run(module, ["inspect", name, "--self-intersections", "--json"], file);
+      findings.push(...((JSON.parse(outcome.stdout) as Report).inspection?.findings ?? []));
     }
   });
 
-  test("are in 中文 from the first word to the last", () => {
+  test("are completely in Chinese", () => {
     const english = findings.flatMap((finding) => {
       const { means, advice, cures } = finding;
       const said = [nameIn("zh", finding), sentenceIn("zh", means), ...(advice ? [sentenceIn("zh", advice)] : [])];
@@ -101,13 +101,13 @@ describe("findings of files", () => {
     expect(english).toEqual([]);
     const kinds = new Set(findings.map(({ of }) => of));
     expect(Object.keys(NAMES).filter((of) => !kinds.has(of))).toEqual([]);
-    // What is said besides a meaning was met, too.
+    // The files must lead to remarks after a meaning, too.
     const said = findings.flatMap(({ means, advice }) => [means, advice ?? ""]).join("\n");
     const besides = ["what fills it may cross", "which `mend --weld=", "an open sheet", "ties equal positions"];
     expect(besides.filter((words) => !said.includes(words))).toEqual([]);
   });
 
-  test("name no options of the command's, but where one types", () => {
+  test("contain no options of the command, except where the reader types them", () => {
     expect(Object.keys(CURES_EN)).toEqual(Object.keys(CURES));
     const said = (["en", "zh"] as const).flatMap((language) =>
       findings.flatMap(({ means, cures }) => [
@@ -118,7 +118,7 @@ describe("findings of files", () => {
     expect(said.filter((words) => words.includes("--"))).toEqual([]);
   });
 
-  test("say the number that the command says, and have its cure", () => {
+  test("contain the command's number, and have its repair", () => {
     const seam = findings.find(({ means }) => means.includes("--weld="))!;
     expect(joining(seam.means)).toEqual(["--weld=1.1e-7"]);
     expect(cureIn("en", "--weld=1.1e-7")).toBe("weld vertices within 1.1e-7");

@@ -1,5 +1,5 @@
-// What judges a viewer's picture of a tileset: which tiles it shows against the formula, and its silhouette against that of the
-// finest tiles. Shares no code with what writes tilesets.
+// Judges a viewer's picture of a tileset: the tiles that it shows against the formula, and their silhouette against that of the
+// finest tiles. Shares no code with the writer of tilesets.
 import { mkdir, readFile } from "node:fs/promises";
 import { basename, extname, join, resolve } from "node:path";
 import { withPage } from "../browser.mjs";
@@ -7,7 +7,7 @@ import { withPage } from "../browser.mjs";
 export const WIDTH = 320;
 export const HEIGHT = 240;
 export const FOV_Y_DEG = 45;
-/** Samples along a pixel, which viewers take by a larger canvas for the same picture: cracks are often less than a pixel wide. */
+/** Samples along a pixel; viewers draw the same picture on a larger canvas, because cracks are often less than a pixel wide. */
 export const SCALE = 4;
 const [COLUMNS, ROWS] = [WIDTH * SCALE, HEIGHT * SCALE];
 const TAN = Math.tan((FOV_Y_DEG * Math.PI) / 360);
@@ -17,21 +17,21 @@ const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 
-/** The axis-aligned box of a tile, and the distance of a point to it, 0 inside. */
+/** Half the size of a tile's axis-aligned box, and the distance of a point to the box, 0 inside. */
 const half = (box) => [box[3], box[7], box[11]];
 const distance = (box, p) => Math.hypot(...p.map((x, k) => Math.max(Math.abs(x - box[k]) - half(box)[k], 0)));
 
-/** Pixels that a tile's error may take: the formula of 3D Tiles for a tile in the middle of the picture. */
+/** A tile's error in pixels: the formula of 3D Tiles for a tile in the middle of the picture. */
 const pixels = (tile, eye) => (tile.geometricError * HEIGHT) / (2 * distance(tile.boundingVolume.box, eye) * TAN);
 
-/** The contents that the formula asks for, if all is in view: down from the root until the error fits. */
+/** The tiles that the formula requires if all are in view: down from the root until the error fits. */
 export function chosen(tile, eye, target) {
   const fits = !tile.children || pixels(tile, eye) <= target;
   if (!fits) return tile.children.flatMap((child) => chosen(child, eye, target));
   return tile.content ? [tile] : [];
 }
 
-/** Where a point is in the picture, or nothing where it is beside or behind the eye. */
+/** The position of a point in the picture; `undefined` if it is beside or behind the eye. */
 function project(camera, point) {
   const forward = unit(sub(camera.target, camera.position));
   const right = unit(cross(forward, camera.up));
@@ -45,18 +45,18 @@ function project(camera, point) {
 
 const corners = (box) => [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => box[k] + (i & (1 << k) ? 1 : -1) * half(box)[k]));
 
-/** Whether the middle of a tile is in the picture, and so the tile shown for sure. */
+/** Whether the middle of a tile is in the picture, so that the tile must be shown. */
 function isCentral(camera, box) {
   const at = project(camera, box.slice(0, 3));
   return at && at[0] > 0 && at[0] < WIDTH && at[1] > 0 && at[1] < HEIGHT;
 }
 
-/** A mask without the samples within `r` of one that is not in it, or of the border of the picture, beyond which nobody looked. */
+/** A mask without the samples within `r` of one outside of it, or of the border of the picture. */
 function eroded(mask, r) {
   const pass = (from, step, n, other, m) => {
     const to = new Uint8Array(from.length);
     for (let j = 0; j < m; j++)
-      // Of 2r + 1 samples that are in it without a gap the middle one stays.
+      // The middle one of 2r + 1 consecutive samples in the mask stays.
       for (let i = 0, run = 0; i < n; i++) {
         run = from[j * other + i * step] ? run + 1 : 0;
         if (run > 2 * r) to[j * other + (i - r) * step] = 1;
@@ -66,12 +66,12 @@ function eroded(mask, r) {
   return pass(pass(mask, 1, COLUMNS, COLUMNS, ROWS), COLUMNS, ROWS, 1, COLUMNS);
 }
 
-/** How many samples at least `r` inside one silhouette the other does not cover. */
+/** The number of samples at least `r` inside one silhouette that the other does not cover. */
 function uncovered(inner, outer, r) {
   return eroded(inner, r).reduce((n, inside, i) => n + (inside && !outer[i] ? 1 : 0), 0);
 }
 
-/** How many samples of one silhouette are farther than `r` from all of the other. */
+/** The number of samples of one silhouette that are farther than `r` from all of the other. */
 function farther(from, to, r) {
   const reach = Math.floor(r);
   let n = 0;
@@ -87,7 +87,7 @@ function farther(from, to, r) {
   return n;
 }
 
-/** Cameras about the box, at distances between those at which its tiles are switched, and at them, where near tiles are finer. */
+/** Cameras around the box: at distances between the switching distances, and at them, where near tiles are finer. */
 export function cameras(tileset, target) {
   const box = tileset.root.boundingVolume.box;
   const centre = box.slice(0, 3);
@@ -96,7 +96,7 @@ export function cameras(tileset, target) {
   const collect = (tile) => (errors.add(tile.geometricError), (tile.children ?? []).forEach(collect));
   collect(tileset.root);
   const switches = [...errors].filter((error) => error > 0).map((error) => (error * HEIGHT) / (2 * target * TAN));
-  // Near enough to be seen, and not within the box.
+  // Near enough for a visible size, and not within the box.
   const inSight = (d) => d > 1.2 * radius && d < (radius * HEIGHT) / 8;
   const view = (d, direction) => ({
     position: centre.map((c, k) => c + unit(direction)[k] * d),
@@ -120,17 +120,17 @@ export function cameras(tileset, target) {
 }
 
 /**
- * Opens a viewer's page on a tileset and looks at it from all cameras. Returns complaints, one line each.
+ * Opens a viewer's page on a tileset and checks its pictures from all cameras. Returns complaints, one line each.
  *
  * @param options.isClosed whether the shape has no border, so that background within its silhouette is a crack
- * @param options.folders what is served: the viewer, its page, and the tileset below /tiles/
+ * @param options.folders the folders that are served: the viewer, its page, and the tileset below /tiles/
  * @param options.page the address of the page, which has `openTileset` and `look`
  */
 export async function judge({ name, folder, isClosed, folders, page: address, targets, pictures }) {
   const tileset = JSON.parse(await readFile(join(folder, "tileset.json"), "utf8"));
   const complaints = [];
   const seen = { views: 0, cracks: 0, mixed: 0, contents: new Set() };
-  // GLBs of closed shapes are made one-sided, so that the inside of one hides no crack.
+  // GLBs of closed shapes are made one-sided, so that no back face hides a crack.
   const changed = (body, file) =>
     isClosed && extname(file) === ".glb" ? Buffer.from(body.toString("latin1").replace('"doubleSided":true', '"doubleSidex":true'), "latin1") : body;
   const served = { folders: { "/tiles/": folder, ...folders }, address: `${address}?scale=${SCALE}`, viewport: { width: WIDTH, height: HEIGHT }, changed };
@@ -171,7 +171,7 @@ export async function judge({ name, folder, isClosed, folders, page: address, ta
           if (outside.length) complaints.push(`${here}: ${outside.length} samples lie outside the box`);
         }
         const finest = await look(camera, 1e-9);
-        // What moved by the target covers a sample within the diagonal of one of that.
+        // A sample that moves by the target covers samples within the diagonal of one at the new place.
         const r = target * SCALE + Math.SQRT2;
         const off = farther(finest.mask, found.mask, r) + farther(found.mask, finest.mask, r);
         if (off) complaints.push(`${here}: ${off} samples are farther than ${target} pixels from the silhouette of the finest tiles`);
@@ -182,13 +182,13 @@ export async function judge({ name, folder, isClosed, folders, page: address, ta
   });
   complaints.push(...troubles.map((line) => `${name}: ${line}`));
   if (seen.views === 0) complaints.push(`${name}: there is no distance to look from`);
-  // Where regions take each other's place one by one, borders between levels are what is judged.
+  // If regions are refined independently, the borders between levels must have been judged, too.
   const branches = (tile) => (tile.children?.length ?? 0) > 1 || (tile.children ?? []).some(branches);
   if (branches(tileset.root) && seen.mixed === 0) complaints.push(`${name}: no view shows several levels at once`);
   return { complaints, seen: { ...seen, contents: seen.contents.size } };
 }
 
-/** Judges the folders that the command line names, and ends with its exit code. */
+/** Judges the folders on the command line, and exits with the result. */
 export async function judgeAll(viewer, { folders, page }) {
   const flags = process.argv.slice(2).filter((arg) => arg.startsWith("--"));
   const names = process.argv.slice(2).filter((arg) => !arg.startsWith("--"));

@@ -1,4 +1,4 @@
-// Completion by the language's own table, and what is shown where a pointer rests on a name or on an error.
+// Completion from the language's table, and tooltips on names and errors.
 import { type Completion, type CompletionContext, type CompletionResult, autocompletion } from "@codemirror/autocomplete";
 import type { Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip } from "@codemirror/view";
@@ -12,10 +12,10 @@ import { tokenBefore } from "./tokens";
 const WORD = /[\p{L}_][\p{L}\p{N}_]*/u;
 const ONLY_WORD = /^[\p{L}\p{N}_]*$/u;
 
-/** How far up a completion stands, of 99: parameters of the call first, in their order, then what the script names itself. */
+/** The order of completions, at most 99: parameters of the call first, in their order, then names defined in the script. */
 const BOOST = { parameter: 99, own: 1 };
 
-/** Puts a function in with its parentheses, and the cursor between them where there is something to give. */
+/** Inserts a function with parentheses; the cursor goes between them if it has parameters. */
 function called(row: FunctionRow): Completion["apply"] {
   return (view: EditorView, _: Completion, from: number, to: number) => {
     const isCalled = view.state.sliceDoc(to, to + 1) === "(";
@@ -26,13 +26,13 @@ function called(row: FunctionRow): Completion["apply"] {
   };
 }
 
-/** The names that a script gives, but not those of arguments in calls. */
-function ownNames({ text, tokens }: Scan, place: number, isKnown: (name: string) => boolean): string[] {
+/** The names that a script defines, without the names of arguments in calls. */
+function definedNames({ text, tokens }: Scan, place: number, isKnown: (name: string) => boolean): string[] {
   const names = new Set<string>();
   tokens.forEach(({ kind, from, to, depth }, k) => {
     const next = tokens[k + 1];
     const isArgument = depth > 0 && next !== undefined && text.slice(next.from, next.to) === "=";
-    // What is being typed is no name yet.
+    // A name that is still being typed is not defined yet.
     const isTyped = from < place && place <= to;
     if (kind === "name" && !isArgument && !isTyped) names.add(text.slice(from, to));
   });
@@ -44,15 +44,15 @@ function complete(phrases: EditorPhrases) {
     const word = context.matchBefore(WORD);
     if (!word && !context.explicit) return null;
     const from = word?.from ?? context.pos;
-    const found = scan(context.state);
-    const at = tokenBefore(found.tokens, context.pos);
-    // Right behind a string is outside of it; a comment and a number go on there.
-    const isText = at && (at.kind === "string" ? at.to > context.pos : ["comment", "number", "odd"].includes(at.kind));
-    if (isText || found.text[from - 1] === ".") return null;
+    const scanned = scan(context.state);
+    const token = tokenBefore(scanned.tokens, context.pos);
+    // A string is over directly after its end; a comment or a number could continue there.
+    const isText = token && (token.kind === "string" ? token.to > context.pos : ["comment", "number", "odd"].includes(token.kind));
+    if (isText || scanned.text[from - 1] === ".") return null;
     const { rows, words } = context.state.facet(table);
-    const call = callAt(found.text, found.tokens, from, rows);
-    const ownCall = call && /[(,]\s*$/.test(found.text.slice(0, from)) ? parametersOf(call.row) : [];
-    const parameters = ownCall.filter((parameter) => !parameter.startsWith("*"));
+    const call = callAt(scanned.text, scanned.tokens, from, rows);
+    const callParameters = call && /[(,]\s*$/.test(scanned.text.slice(0, from)) ? parametersOf(call.row) : [];
+    const parameters = callParameters.filter((parameter) => !parameter.startsWith("*"));
     const isKnown = (name: string) => rows.has(name) || words.includes(name);
     const options: Completion[] = [
       ...parameters.map((parameter, k) => ({
@@ -61,7 +61,7 @@ function complete(phrases: EditorPhrases) {
         detail: phrases.parameter,
         boost: BOOST.parameter - k,
       })),
-      ...ownNames(found, context.pos, isKnown).map((label) => ({
+      ...definedNames(scanned, context.pos, isKnown).map((label) => ({
         label,
         type: "variable",
         detail: phrases.ownName,
@@ -93,9 +93,9 @@ function hover(phrases: EditorPhrases): Extension {
       return { pos: problem.from, end: problem.to, create };
     }
     const { text, tokens } = scan(state);
-    const found = functionAt(text, tokens, place, state.facet(table).rows);
-    if (!found) return null;
-    return { pos: found.token.from, end: found.token.to, create: () => ({ dom: card(found.row, -1, phrases) }) };
+    const named = functionAt(text, tokens, place, state.facet(table).rows);
+    if (!named) return null;
+    return { pos: named.token.from, end: named.token.to, create: () => ({ dom: card(named.row, -1, phrases) }) };
   });
 }
 

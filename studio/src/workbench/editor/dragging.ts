@@ -1,39 +1,39 @@
-// Numbers of the script as handles: dragged with a mouse or a finger, stepped with keys and buttons.
+// Makes the script's numbers draggable by mouse or finger, and steppable with keys and buttons.
 import { type EditorState, EditorSelection, type Extension, RangeSetBuilder } from "@codemirror/state";
 import { type Command, Decoration, type DecorationSet, EditorView, ViewPlugin, type ViewUpdate, keymap } from "@codemirror/view";
 import { LiveEdit } from "./live";
 import { type NumberPlace, STEP, fitting, numberAt, stepped } from "./numbers";
 import { scan } from "./scan";
 
-/** The way of the pointer that is one step, in CSS pixels: a hundred are twenty steps. Chosen by trying. */
+/** The pointer's way for one step, in CSS pixels: a hundred are twenty steps. Chosen by trying. */
 const STEP_PX = 5;
-/** From how far on it is a drag and no click: a mouse stands still, a finger does not. Chosen by trying. */
+/** From this way on a press is a drag, not a click; larger for a finger, which is never still. Chosen by trying. */
 const CLICK_PX = { mouse: 3, touch: 8 };
-/** How far beside a number a finger still means it, in CSS pixels: half of the 44 that WCAG 2.5.5 asks for. */
+/** How far beside a number a finger still hits it, in CSS pixels: half of the 44 that WCAG 2.5.5 asks for. */
 const REACH_PX = 22;
 
 const NUMBER_CLASS = "cm-number";
-/** On the part that scrolls, for as long as a number is dragged. */
+/** Set on the scrolling element while a number is dragged. */
 const DRAGGING_CLASS = "cm-dragging";
 
 export interface DragListener {
-  /** After a drag: the text is as it stays. */
+  /** Called after a drag, when the text is final. */
   ended(): void;
 }
 
-/** One pointer that is down on a number. */
+/** A pointer that is down on a number. */
 interface Hold {
   pointerId: number;
   isTouch: boolean;
   place: NumberPlace;
-  /** As it was when the pointer came down. */
+  /** The number's text when the pointer came down. */
   literal: string;
   startX: number;
   startY: number;
-  /** Up to where the way has been turned into steps. */
-  paidX: number;
+  /** The position up to which the pointer's way has been turned into steps. */
+  steppedX: number;
   tenths: number;
-  /** Once it is a drag. */
+  /** Set once the press has become a drag. */
   edit: LiveEdit | null;
 }
 
@@ -42,7 +42,7 @@ const tenthsOf = (event: { shiftKey: boolean; altKey: boolean }): number => {
   return event.shiftKey ? STEP.coarse : STEP.plain;
 };
 
-/** Puts a literal in the place of a number; the cursor stays behind it. */
+/** Replaces a number by a literal; the cursor stays behind it. */
 function put(view: EditorView, edit: LiveEdit, place: NumberPlace, literal: string): NumberPlace {
   const insert = fitting(scan(view.state).text, place, literal);
   const to = place.from + insert.length;
@@ -77,7 +77,7 @@ class NumberHandles {
     return this.hold?.edit != null;
   }
 
-  /** Gives the number up that is being dragged, and leaves it as it is. */
+  /** Ends a drag and keeps the number as it is. */
   drop(): void {
     if (this.hold) this.finish(true);
   }
@@ -89,21 +89,21 @@ class NumberHandles {
     if (!place) return;
     const literal = this.view.state.sliceDoc(place.from, place.to);
     const { clientX, clientY, pointerId } = event;
-    this.hold = { pointerId, isTouch, place, literal, startX: clientX, startY: clientY, paidX: clientX, tenths: 0, edit: null };
+    this.hold = { pointerId, isTouch, place, literal, startX: clientX, startY: clientY, steppedX: clientX, tenths: 0, edit: null };
     window.addEventListener("pointermove", this.moved);
     window.addEventListener("pointerup", this.lifted);
     window.addEventListener("pointercancel", this.cancelled);
     window.addEventListener("keydown", this.keyed, true);
   }
 
-  /** A click with a mouse, in place of CodeMirror's: dragging is not to select. A tap is left to the browser. */
+  /** Replaces CodeMirror's mouse handling, which would select while dragging. Taps are left to the browser. */
   mousedown(event: MouseEvent): boolean {
     const { hold, view } = this;
     if (!hold || hold.isTouch) return false;
     const place = view.posAtCoords({ x: event.clientX, y: event.clientY }) ?? hold.place.to;
     const line = view.state.doc.lineAt(place);
     let selection = EditorSelection.range(event.shiftKey ? view.state.selection.main.anchor : place, place);
-    // The second click of a double one takes the number, the third its line.
+    // A double click selects the number, a triple click its line.
     if (event.detail === 2) selection = EditorSelection.range(hold.place.from, hold.place.to);
     if (event.detail > 2) selection = EditorSelection.range(line.from, line.to);
     view.focus();
@@ -117,17 +117,17 @@ class NumberHandles {
     if (!hold.edit) {
       const [across, along] = [Math.abs(event.clientX - hold.startX), Math.abs(event.clientY - hold.startY)];
       if (across < (hold.isTouch ? CLICK_PX.touch : CLICK_PX.mouse)) return;
-      // What goes up or down is meant for the page.
+      // A vertical stroke scrolls the page.
       if (hold.isTouch && along > across) return this.release();
       hold.edit = new LiveEdit(view);
       view.scrollDOM.classList.add(DRAGGING_CLASS);
-      // The number's own element goes with its text.
+      // The pointer is captured by the scroller, because the number's own element is replaced with its text.
       view.scrollDOM.setPointerCapture(event.pointerId);
     }
     event.preventDefault();
-    const n = Math.trunc((event.clientX - hold.paidX) / STEP_PX);
+    const n = Math.trunc((event.clientX - hold.steppedX) / STEP_PX);
     if (n === 0) return;
-    hold.paidX += n * STEP_PX;
+    hold.steppedX += n * STEP_PX;
     hold.tenths += n * tenthsOf(event);
     hold.place = put(view, hold.edit, hold.place, stepped(hold.literal, hold.tenths));
   };
@@ -165,22 +165,22 @@ class NumberHandles {
     window.removeEventListener("keydown", this.keyed, true);
   }
 
-  /** The number that a mouse is on. */
+  /** The number under a mouse pointer. */
   private under(event: PointerEvent): NumberPlace | undefined {
     const element = event.target instanceof Element ? event.target.closest(`.${NUMBER_CLASS}`) : null;
     return element ? this.placeOf(element) : undefined;
   }
 
-  /** The number that a finger means: the areas of neighbours overlap. */
+  /** The number nearest to a finger, because the enlarged areas of neighbours overlap. */
   private nearest(event: PointerEvent): NumberPlace | undefined {
     if (!this.under(event)) return undefined;
-    let [best, least] = [undefined as Element | undefined, REACH_PX];
+    let [best, smallest] = [undefined as Element | undefined, REACH_PX];
     for (const element of this.view.contentDOM.querySelectorAll(`.${NUMBER_CLASS}`)) {
       for (const { left, right, top, bottom } of element.getClientRects()) {
         const across = Math.max(left - event.clientX, 0, event.clientX - right);
         const along = Math.max(top - event.clientY, 0, event.clientY - bottom);
-        const away = Math.hypot(across, along);
-        if (away < least) [best, least] = [element, away];
+        const distance = Math.hypot(across, along);
+        if (distance < smallest) [best, smallest] = [element, distance];
       }
     }
     return best && this.placeOf(best);
@@ -195,16 +195,16 @@ const handle = Decoration.mark({ class: NUMBER_CLASS });
 
 function handles(view: EditorView): DecorationSet {
   const builder = new RangeSetBuilder<Decoration>();
-  const seen = (place: NumberPlace) => view.visibleRanges.some(({ from, to }) => place.from >= from && place.to <= to);
-  for (const place of scan(view.state).numbers) if (seen(place)) builder.add(place.from, place.to, handle);
+  const isVisible = (place: NumberPlace) => view.visibleRanges.some(({ from, to }) => place.from >= from && place.to <= to);
+  for (const place of scan(view.state).numbers) if (isVisible(place)) builder.add(place.from, place.to, handle);
   return builder.finish();
 }
 
-/** The number that the cursor stands at. */
+/** The number at the cursor. */
 export const numberAtCursor = (state: EditorState): NumberPlace | undefined =>
   numberAt(scan(state).numbers, state.selection.main.head);
 
-/** Changes the number at the cursor, and says what it is now to who cannot see it. */
+/** Changes the number at the cursor, and announces the new value to screen readers. */
 export function stepNumber(tenths: number): Command {
   return (view) => {
     const place = numberAtCursor(view.state);
@@ -214,7 +214,7 @@ export function stepNumber(tenths: number): Command {
     view.dispatch({
       changes: { ...place, insert },
       selection: { anchor: place.from + insert.length },
-      // Without an event of its own what comes fast is one step of undo, as typing is.
+      // Without a user event, quick repetitions are one step of undo, like typing.
       effects: EditorView.announce.of(literal),
       scrollIntoView: true,
     });
@@ -244,7 +244,7 @@ export function dragging(listener: DragListener): Dragging {
       mousedown(event) {
         return this.mousedown(event);
       },
-      // A number that is selected is changed, and not carried off.
+      // Prevents the browser's drag and drop of a selected number.
       dragstart() {
         return this.isHeld;
       },

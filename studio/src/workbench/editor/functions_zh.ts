@@ -1,4 +1,4 @@
-// The functions of scripts in Chinese: what each makes, and what its value is worth. The names are those of the language.
+// The help on script functions in Chinese: their results, and how exact their distances are. Names are those of the language.
 import type { FunctionRow } from "./table";
 
 export const SENTENCES: Record<string, string> = {
@@ -108,7 +108,7 @@ export const SENTENCES: Record<string, string> = {
   zip: "依次取各列表的第一项、第二项……组成元组，到最短的列表为止。",
 };
 
-/** What values are worth, by the sentences of the table. */
+/** How exact a function's distance is, by the English sentences of the table. */
 export const WORTHS: Record<string, string> = {
   exact: "精确",
   "a lower bound": "下界",
@@ -135,7 +135,7 @@ export const WORTHS: Record<string, string> = {
   "exact; where outlines cross, of what they fill": "精确；轮廓相交处以所填充的区域为准",
 };
 
-/** The table in Chinese; what is not known here stays as it is. */
+/** The table in Chinese; sentences without a translation stay English. */
 export function inChinese(table: readonly FunctionRow[]): FunctionRow[] {
   return table.map((row) => ({
     ...row,

@@ -1,4 +1,4 @@
-// Below the text: what is wrong and where, what the function at the cursor is, and buttons for the number at the cursor.
+// The panel below the text: the error with its place, help on the function at the cursor, and buttons for its number.
 import { selectedCompletion } from "@codemirror/autocomplete";
 import type { EditorState, Extension } from "@codemirror/state";
 import { EditorView, type Panel, type ViewUpdate, showPanel } from "@codemirror/view";
@@ -14,15 +14,15 @@ export const KEYS_ID = "editor-keys";
 export const PROBLEM_ID = "editor-problem";
 
 function button(text: string, label: string, press: () => void): HTMLButtonElement {
-  const made = document.createElement("button");
-  made.type = "button";
-  made.textContent = text;
-  if (label) made.setAttribute("aria-label", label);
-  // The text keeps the keyboard, and a phone its keys on the screen.
-  made.addEventListener("pointerdown", (event) => event.preventDefault());
-  made.addEventListener("mousedown", (event) => event.preventDefault());
-  made.addEventListener("click", press);
-  return made;
+  const created = document.createElement("button");
+  created.type = "button";
+  created.textContent = text;
+  if (label) created.setAttribute("aria-label", label);
+  // Keeps the focus, and with it a phone's keyboard, in the editor.
+  created.addEventListener("pointerdown", (event) => event.preventDefault());
+  created.addEventListener("mousedown", (event) => event.preventDefault());
+  created.addEventListener("click", press);
+  return created;
 }
 
 class HelpPanel implements Panel {
@@ -33,7 +33,7 @@ class HelpPanel implements Panel {
   private readonly help = document.createElement("div");
   private readonly stepper = document.createElement("div");
   private readonly value = document.createElement("code");
-  private shown = "";
+  private shownError = "";
 
   constructor(
     private readonly view: EditorView,
@@ -42,11 +42,11 @@ class HelpPanel implements Panel {
     this.place = button("", "", () => goToProblem(view));
     this.problem.id = PROBLEM_ID;
     this.problem.className = "cm-problemPanel";
-    // It is there from the start, or nothing is read out when it fills.
+    // A live region must exist before it is filled, or screen readers ignore it.
     this.problem.setAttribute("role", "status");
     this.problem.setAttribute("aria-live", "polite");
     this.message.className = "cm-problemText";
-    // The command's own words.
+    // The command's messages are English.
     this.message.lang = "en";
     this.help.className = "cm-help";
     this.stepper.className = "cm-stepper";
@@ -61,8 +61,8 @@ class HelpPanel implements Panel {
 
   update(update: ViewUpdate): void {
     const { startState, state } = update;
-    const shown = (of: EditorState) => [of.facet(table), of.field(problemField), selectedCompletion(of)];
-    const [before, after] = [shown(startState), shown(state)];
+    const shownIn = (state: EditorState) => [state.facet(table), state.field(problemField), selectedCompletion(state)];
+    const [before, after] = [shownIn(startState), shownIn(state)];
     if (update.docChanged || update.selectionSet || after.some((part, k) => part !== before[k])) this.show();
   }
 
@@ -70,22 +70,22 @@ class HelpPanel implements Panel {
     const { state } = this.view;
     const problem = state.field(problemField);
     const line = problemLine(state);
-    const said = problem && line !== null ? `${line} ${problem.message}` : "";
-    // A live region is read out again when it is written again.
-    if (said !== this.shown) {
-      this.shown = said;
+    const error = problem && line !== null ? `${line} ${problem.message}` : "";
+    // Writing the same text again would make screen readers repeat it.
+    if (error !== this.shownError) {
+      this.shownError = error;
       this.place.textContent = line === null ? "" : this.phrases.line(line);
       this.message.textContent = problem?.message ?? "";
       this.problem.replaceChildren(...(problem ? [this.place, this.message] : []));
     }
-    this.help.replaceChildren(this.helped());
+    this.help.replaceChildren(this.helpAtCursor());
     const number = numberAtCursor(state);
     this.stepper.hidden = !number;
     this.value.textContent = number ? state.sliceDoc(number.from, number.to) : "";
   }
 
-  /** What is chosen of the completions, the name at the cursor, else the call around it, else what can be done here. */
-  private helped(): Node {
+  /** Help on the selected completion, else on the name at the cursor, else on the call around it, else a general hint. */
+  private helpAtCursor(): Node {
     const { state } = this.view;
     const { head } = state.selection.main;
     const { text, tokens } = scan(state);

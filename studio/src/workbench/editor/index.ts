@@ -1,7 +1,7 @@
-// The editor of shape scripts: CodeMirror with the language's own table, errors at their place, and numbers as handles.
+// The editor of shape scripts: CodeMirror with the language's own table, errors at their place, and draggable numbers.
 //
-// It lives in a shadow tree. There CodeMirror's styles are constructable sheets, which `style-src 'self'` lets pass; in the
-// document itself they would be a <style> element, which it does not.
+// It lives in a shadow tree. There CodeMirror adds its styles as constructable style sheets, which the page's policy
+// `style-src 'self'` allows; in the document it would add a <style> element, which the policy blocks.
 import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, historyKeymap } from "@codemirror/commands";
 import { LanguageSupport, bracketMatching, indentOnInput, indentUnit } from "@codemirror/language";
@@ -24,23 +24,23 @@ export { EDITOR_PHRASES, type EditorPhrases } from "./phrases";
 export type { EditorError } from "./problem";
 export type { FunctionRow } from "./table";
 
-/** The table in a language: the command's own sentences are English. */
+/** The table in a language. The command's own sentences are English. */
 export async function tableIn(language: Language, functions: readonly FunctionRow[]): Promise<readonly FunctionRow[]> {
   return language === "zh" ? (await import("./functions_zh")).inChinese(functions) : functions;
 }
 
 export interface EditorOptions {
   text: string;
-  /** What a screen reader calls it. */
+  /** The label for screen readers. */
   label: string;
   phrases: EditorPhrases;
-  /** After every change that is not the page's own; during a drag each time, and once at its end. */
+  /** Called after every change by the reader; during a drag each time, and once at its end. */
   change(text: string, isDragging: boolean): void;
 }
 
 export interface ScriptEditor {
   readonly text: string;
-  /** While a slider of the page is dragged, all of its texts are one step of undo: up to the first with `isDragging` false. */
+  /** Texts with `isDragging` (from a slider of the page) are one step of undo, up to the first without. */
   setText(text: string, isDragging?: boolean): void;
   setError(error: EditorError | null): void;
   /** Functions to complete and explain, and other words to complete. */
@@ -49,18 +49,18 @@ export interface ScriptEditor {
   dispose(): void;
 }
 
-/** The host has this class: outside of a shadow tree an event's target is the host. */
+/** The class of the shadow host, which is the target of the editor's events outside of the shadow tree. */
 export const HOST_CLASS = "script-editor";
 
 export function createEditor(parent: HTMLElement, options: EditorOptions): ScriptEditor {
   const { phrases, change } = options;
-  const known = new Compartment();
-  // What the page changes itself it is not told.
+  const tableConfig = new Compartment();
+  // The page is not notified of its own changes.
   let isOfPage = false;
-  let ofSlider: LiveEdit | null = null;
+  let sliderEdit: LiveEdit | null = null;
 
   const handles = dragging({ ended: () => change(view.state.doc.toString(), false) });
-  const told = EditorView.updateListener.of((update) => {
+  const changeListener = EditorView.updateListener.of((update) => {
     if (update.docChanged && !isOfPage) change(update.state.doc.toString(), handles.isDragging(view));
   });
 
@@ -92,13 +92,13 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
     help(phrases),
     look,
     EditorView.lineWrapping,
-    // Tab is not among them, and so leaves the editor.
+    // Tab is not bound, so that it leaves the editor.
     keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...historyKeymap]),
     EditorState.phrases.of(phrases.editor),
     EditorView.contentAttributes.of({ tabindex: "0", "aria-label": options.label, translate: "no" }),
     EditorView.contentAttributes.of({ spellcheck: "false", autocorrect: "off", autocapitalize: "off" }),
-    known.of([]),
-    told,
+    tableConfig.of([]),
+    changeListener,
   ];
   const view = new EditorView({ root, parent: root, state: EditorState.create({ doc: options.text, extensions }) });
 
@@ -107,17 +107,17 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
       return view.state.doc.toString();
     },
     setText(text, isDragging = false) {
-      // The document has one kind of line end.
+      // CodeMirror normalizes line ends.
       const changes = difference(view.state.doc.toString(), text.replace(/\r\n?/g, "\n"));
       isOfPage = true;
       if (changes) {
         handles.drop(view);
-        ofSlider ??= new LiveEdit(view);
-        ofSlider.change(changes);
+        sliderEdit ??= new LiveEdit(view);
+        sliderEdit.change(changes);
       }
       if (!isDragging) {
-        ofSlider?.end(true);
-        ofSlider = null;
+        sliderEdit?.end(true);
+        sliderEdit = null;
       }
       isOfPage = false;
     },
@@ -126,7 +126,7 @@ export function createEditor(parent: HTMLElement, options: EditorOptions): Scrip
     },
     setTable(functions, words) {
       const rows = new Map(functions.map((row) => [row.name, row]));
-      view.dispatch({ effects: known.reconfigure(table.of({ rows, words })) });
+      view.dispatch({ effects: tableConfig.reconfigure(table.of({ rows, words })) });
     },
     focus: () => view.focus(),
     dispose() {

@@ -1,25 +1,25 @@
-// Changes that belong together, as those of a drag, are one step of undo, however long they take; and what the page changes
-// itself is told apart from what its reader changes.
+// Undo steps: changes that belong together, such as those of a drag, are one step however long they take. Changes by the page
+// are kept apart from those by the reader.
 import { history, undo } from "@codemirror/commands";
 import { Annotation, type ChangeSpec, type EditorSelection, type Extension, StateField, Transaction } from "@codemirror/state";
 import type { EditorView } from "@codemirror/view";
 
-/** The number of the edit that a change is part of. */
-const partOf = Annotation.define<number>();
+/** The number of the edit to which a change belongs. */
+const editOf = Annotation.define<number>();
 
 interface LastEdit {
   time: number;
-  part: number | undefined;
+  edit: number | undefined;
 }
 
 const lastEdit = StateField.define<LastEdit>({
-  create: () => ({ time: 0, part: undefined }),
-  update: (last, tr) => (tr.docChanged ? { time: tr.annotation(Transaction.time)!, part: tr.annotation(partOf) } : last),
+  create: () => ({ time: 0, edit: undefined }),
+  update: (last, tr) => (tr.docChanged ? { time: tr.annotation(Transaction.time)!, edit: tr.annotation(editOf) } : last),
 });
 
 /** Typing within so many milliseconds is one step: CodeMirror's own default. */
 const TYPED_TOGETHER = 500;
-/** In milliseconds, a day: it leaves the decision to `joinToEvent`. What is isolated is as old as the epoch. */
+/** A day, in milliseconds, so that `joinToEvent` always decides. An isolated change has the time 0 and is not joined. */
 const ALWAYS_ASK = 86_400_000;
 
 export const steps: Extension = [
@@ -28,8 +28,8 @@ export const steps: Extension = [
     newGroupDelay: ALWAYS_ASK,
     joinToEvent: (tr, isAdjacent) => {
       const last = tr.startState.field(lastEdit);
-      const part = tr.annotation(partOf);
-      if (part !== undefined || last.part !== undefined) return part === last.part;
+      const edit = tr.annotation(editOf);
+      if (edit !== undefined || last.edit !== undefined) return edit === last.edit;
       return isAdjacent && tr.annotation(Transaction.time)! - last.time < TYPED_TOGETHER;
     },
   }),
@@ -37,9 +37,9 @@ export const steps: Extension = [
 
 let count = 0;
 
-/** One edit made of many changes. */
+/** One step of undo that consists of many changes. */
 export class LiveEdit {
-  private readonly part = (count += 1);
+  private readonly edit = (count += 1);
   private readonly before: string;
   private isChanged = false;
 
@@ -48,19 +48,19 @@ export class LiveEdit {
   }
 
   change(changes: ChangeSpec, selection?: EditorSelection): void {
-    this.view.dispatch({ changes, annotations: partOf.of(this.part), ...(selection ? { selection } : {}) });
+    this.view.dispatch({ changes, annotations: editOf.of(this.edit), ...(selection ? { selection } : {}) });
     this.isChanged = true;
   }
 
-  /** Ends it. What is not kept, or has come to nothing, leaves no step behind. */
+  /** Ends the edit. If it is not kept, or changes nothing in total, it is undone and leaves no step. */
   end(isKept: boolean): void {
     if (!this.isChanged) return;
-    const isNothing = this.view.state.doc.toString() === this.before;
-    if ((!isKept || isNothing) && this.view.state.field(lastEdit).part === this.part) undo(this.view);
+    const isUnchanged = this.view.state.doc.toString() === this.before;
+    if ((!isKept || isUnchanged) && this.view.state.field(lastEdit).edit === this.edit) undo(this.view);
   }
 }
 
-/** What makes one text of the other: one stretch, so that the cursor stays where it was outside of it. */
+/** The change from one text to another as a single range, so that a cursor outside of it keeps its place. */
 export function difference(before: string, after: string): { from: number; to: number; insert: string } | null {
   if (before === after) return null;
   let from = 0;

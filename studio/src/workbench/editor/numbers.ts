@@ -1,17 +1,17 @@
-// The numbers of a script: where they stand, and what they become a step further. All in the digits as they are written,
-// so that 0.30 has two decimals after any number of steps and no rounding ever shows.
+// The numbers of a script: their places, and their values after steps. All arithmetic is on the written decimal digits, so
+// that 0.30 keeps two decimals after any number of steps and rounding never shows.
 import { type Token, tokens } from "./tokens";
 
 export interface NumberPlace {
   from: number;
-  /** A minus that belongs to it is part of it. */
+  /** A minus sign is part of it. */
   to: number;
 }
 
-/** Words after which a minus is a sign and not a difference. */
+/** Keywords after which a minus is a sign, not a difference. */
 const BEFORE_OPERAND = new Set(["and", "or", "not", "in", "if", "elif", "else", "for", "return", "lambda", "while"]);
 
-/** Whether a minus that stands right before a number is its sign, given what comes before the minus. */
+/** Whether a minus directly before a number is its sign, given the token before the minus. */
 function isSign(text: string, before: Token | undefined): boolean {
   switch (before?.kind) {
     case undefined:
@@ -26,13 +26,13 @@ function isSign(text: string, before: Token | undefined): boolean {
   }
 }
 
-export function numbersOf(text: string, all: readonly Token[] = tokens(text)): NumberPlace[] {
-  const spoken = all.filter(({ kind }) => kind !== "comment");
-  return spoken.flatMap((token, k): NumberPlace[] => {
+export function numbersOf(text: string, allTokens: readonly Token[] = tokens(text)): NumberPlace[] {
+  const significant = allTokens.filter(({ kind }) => kind !== "comment");
+  return significant.flatMap((token, k): NumberPlace[] => {
     if (token.kind !== "number") return [];
-    const minus = spoken[k - 1];
+    const minus = significant[k - 1];
     const isMinus = minus?.kind === "sign" && text[minus.from] === "-" && minus.to === token.from;
-    return [{ from: isMinus && isSign(text, spoken[k - 2]) ? minus.from : token.from, to: token.to }];
+    return [{ from: isMinus && isSign(text, significant[k - 2]) ? minus.from : token.from, to: token.to }];
   });
 }
 
@@ -41,7 +41,7 @@ export function numberAt(numbers: readonly NumberPlace[], place: number): Number
   return numbers.find(({ from, to }) => from <= place && place <= to);
 }
 
-/** A number as it is written: `digits` times ten to the power of -`decimals`, and what stands around that. */
+/** A number in the form in which it is written: `digits` times ten to the power of -`decimals`, and the notation. */
 interface Written {
   digits: bigint;
   decimals: number;
@@ -72,10 +72,10 @@ function write({ digits, decimals, endsInPoint, startsWithPoint, exponent }: Wri
   return `${digits < 0n ? "-" : ""}${shown}${decimals > 0 || endsInPoint ? "." : ""}${fraction}${exponent}`;
 }
 
-/** What a step is worth, in tenths of the last digit that is written. */
+/** The size of a step, in tenths of the last written digit. */
 export const STEP = { fine: 1, plain: 10, coarse: 100 } as const;
 
-/** The literal so many tenths of its last digit further; one more decimal only where the tenths need it. */
+/** The literal after a change by `tenths` of its last digit; it gets one more decimal only if necessary. */
 export function stepped(literal: string, tenths: number): string {
   const written = read(literal);
   const digits = written.digits * 10n + BigInt(tenths);
@@ -83,16 +83,16 @@ export function stepped(literal: string, tenths: number): string {
   return write({ ...written, digits, decimals: written.decimals + 1 });
 }
 
-/** The value of one step: of 5 it is 1, of 0.25 it is 0.01, of 2e-3 it is 0.001. */
+/** The value of one step: for 5 it is 1, for 0.25 it is 0.01, for 2e-3 it is 0.001. */
 export function stepOf(literal: string): number {
   const { decimals, exponent } = read(literal);
   return Number(`1e${Number(exponent.slice(1) || 0) - decimals}`);
 }
 
-/** Digits that a binary number keeps of a decimal one: a slider's 0.1 + 0.2 is 0.3. */
+/** Decimal digits that survive binary arithmetic, so that a slider's 0.1 + 0.2 is 0.3. */
 const KEPT_DIGITS = 12;
 
-/** A value in the form of a literal: at least as many decimals, and no rounding noise. */
+/** A value in the form of a literal: with at least as many decimals, and no rounding noise. */
 export function rewritten(literal: string, value: number): string {
   const short = String(Number(value.toPrecision(KEPT_DIGITS)));
   const { decimals, endsInPoint, exponent } = read(literal);
@@ -102,7 +102,7 @@ export function rewritten(literal: string, value: number): string {
   return `${whole}${shown || endsInPoint ? "." : ""}${shown}`;
 }
 
-/** A text for the place of a number that runs into no word before it, as `return-5` with 4 would. */
+/** The text for a number's place, with a space if it would join the word before it, as `return-5` with 4 would. */
 export function fitting(text: string, place: NumberPlace, literal: string): string {
   const isGlued = text[place.from] === "-" && !literal.startsWith("-") && /[\p{L}\p{N}_]/u.test(text[place.from - 1] ?? "");
   return isGlued ? ` ${literal}` : literal;

@@ -1,12 +1,12 @@
-// What the editor says besides the script and its functions.
+// The editor's own texts, besides the script and the help on its functions.
 import type { Language } from "../texts";
 
 export interface EditorPhrases {
-  /** How to use it, for who cannot see it. */
+  /** Instructions for screen readers. */
   keys: string;
-  /** In place of a function's help, while the cursor stands in none. */
+  /** Shown instead of a function's help if the cursor is in none. */
   hint: string;
-  /** The same for a finger. */
+  /** The same for touch screens. */
   hintForTouch: string;
   /** Between two sentences. */
   gap: string;
@@ -17,7 +17,7 @@ export interface EditorPhrases {
   parameter: string;
   word: string;
   ownName: string;
-  /** CodeMirror's own words, by the English ones. */
+  /** Translations of CodeMirror's own texts. */
   editor: Record<string, string>;
 }
 

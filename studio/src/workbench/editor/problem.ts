@@ -1,12 +1,12 @@
-// The error of a script at its place: a line under the words, a mark beside the line, and a sentence below the text.
+// Shows a script's error at its place: underlined text and a marked line number. The panel below shows the message.
 import { type EditorState, type Extension, type Range, RangeSet, StateEffect, StateField, type Text } from "@codemirror/state";
 import { type Command, Decoration, type DecorationSet, EditorView } from "@codemirror/view";
 import { GutterMarker, gutterLineClass, keymap } from "@codemirror/view";
 
 export interface EditorError {
-  /** From 1 on. */
+  /** Counted from 1. */
   line: number;
-  /** From 1 on, in characters as the command counts them: one for each code point. */
+  /** Counted from 1, in code points as the command counts them. */
   column?: number;
   message: string;
 }
@@ -19,7 +19,7 @@ export interface Problem {
 
 export const setProblem = StateEffect.define<Problem | null>();
 
-/** Moves with the text until the page says what is wrong with the new one. */
+/** Moves with the text until the page sets the error of the new text. */
 export const problemField = StateField.define<Problem | null>({
   create: () => null,
   update(problem, tr) {
@@ -44,7 +44,7 @@ class LineMark extends GutterMarker {
 const lineMark = new LineMark();
 
 const underline = Decoration.mark({ class: "cm-problem" });
-/** Where nothing is left to underline, as at the end of a line. */
+/** Marks the line if there is no text to underline, as at the end of a line. */
 const spot = Decoration.line({ class: "cm-problemSpot" });
 
 function marks(problem: Problem | null): DecorationSet {
@@ -56,7 +56,7 @@ function marks(problem: Problem | null): DecorationSet {
 
 const WORD = /^[\p{L}\p{N}_]+/u;
 
-/** Where an error is in a text: the word at its column, or all of its line. */
+/** The place of an error in a text: the word at its column, or the whole line. */
 export function problemAt(doc: Text, { line, column, message }: EditorError): Problem {
   const { from, text } = doc.line(Math.min(Math.max(1, Math.trunc(line) || 1), doc.lines));
   const start = text.length - text.trimStart().length;
@@ -67,7 +67,7 @@ export function problemAt(doc: Text, { line, column, message }: EditorError): Pr
   return lineStart(doc, { from: from + before, to: from + before + (rest.trim() === "" ? 0 : word.length), message });
 }
 
-/** A mark of a whole line stands at its start. */
+/** Moves an empty range to the start of its line, where a line decoration must be. */
 function lineStart(doc: Text, problem: Problem): Problem {
   if (problem.to > problem.from) return problem;
   const { from } = doc.lineAt(problem.from);
@@ -79,7 +79,7 @@ export const problemLine = (state: EditorState): number | null => {
   return problem && state.doc.lineAt(problem.from).number;
 };
 
-/** The cursor to the error. */
+/** Moves the cursor to the error. */
 export const goToProblem: Command = (view) => {
   const problem = view.state.field(problemField);
   if (!problem) return false;

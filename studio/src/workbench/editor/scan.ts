@@ -1,4 +1,4 @@
-// The words and numbers of the document as it is, scanned once for each of its versions.
+// The tokens and numbers of the document, scanned once for each version of it.
 import type { EditorState, Text } from "@codemirror/state";
 import { type NumberPlace, numbersOf } from "./numbers";
 import { type Token, tokens } from "./tokens";
@@ -9,15 +9,15 @@ export interface Scan {
   numbers: readonly NumberPlace[];
 }
 
-const known = new WeakMap<Text, Scan>();
+const cache = new WeakMap<Text, Scan>();
 
 export function scan({ doc }: EditorState): Scan {
-  let found = known.get(doc);
-  if (!found) {
+  let scanned = cache.get(doc);
+  if (!scanned) {
     const text = doc.toString();
-    const all = tokens(text);
-    found = { text, tokens: all, numbers: numbersOf(text, all) };
-    known.set(doc, found);
+    const allTokens = tokens(text);
+    scanned = { text, tokens: allTokens, numbers: numbersOf(text, allTokens) };
+    cache.set(doc, scanned);
   }
-  return found;
+  return scanned;
 }

@@ -1,4 +1,4 @@
-// The functions that scripts know, as the editor needs them: by name, with their parameters, and at a place of a text.
+// The functions of the script language for the editor: by name, with their parameters, and at a place in a text.
 import { Facet } from "@codemirror/state";
 import { type Token, tokenBefore } from "./tokens";
 
@@ -6,9 +6,9 @@ export interface FunctionRow {
   name: string;
   /** As in `gyroid(period, level=0)`. */
   usage: string;
-  /** What it makes, in a sentence or two. */
+  /** Its result, in a sentence or two. */
   doc: string;
-  /** How far its value can be trusted as a distance. */
+  /** How exact its value is as a distance. */
   worth?: string;
 }
 
@@ -19,39 +19,39 @@ export interface Table {
 
 export const table = Facet.define<Table, Table>({ combine: (tables) => tables[0] ?? { rows: new Map(), words: [] } });
 
-/** The parameters of a function as they are written: `shapes`, with a star before it, or `level=0`. */
+/** The parameters of a function in their notation: `*shapes`, or `level=0`. */
 export function parametersOf({ usage }: FunctionRow): string[] {
   const inside = usage.slice(usage.indexOf("(") + 1, usage.lastIndexOf(")"));
   return inside === "" ? [] : inside.split(/,\s*/);
 }
 
-/** The name of a parameter as a call gives it. */
+/** The name of a parameter, as in a call. */
 export const parameterName = (parameter: string): string => parameter.replace(/^\*|=.*$/g, "");
 
 export interface Call {
   row: FunctionRow;
-  /** Which of its parameters is being given; -1 where it cannot be told. */
+  /** The index of the parameter at the place; -1 if it is unknown. */
   parameter: number;
 }
 
-/** The call in whose parentheses a place is, the innermost first, of functions that are known. */
+/** The innermost call of a known function whose parentheses contain a place. */
 export function callAt(text: string, all: readonly Token[], place: number, rows: Table["rows"]): Call | null {
   const open: { name: string; commas: number; last: Token | null }[] = [];
   const word = (token: Token | undefined) => (token ? text.slice(token.from, token.to) : "");
   const before = all.filter(({ kind, to }) => to <= place && kind !== "comment");
   before.forEach((token, k) => {
-    const said = token.kind === "sign" ? word(token) : "";
+    const sign = token.kind === "sign" ? word(token) : "";
     const top = open.at(-1);
-    if ("([{".includes(said) && said) {
-      const called = before[k - 1];
-      const isCall = said === "(" && called?.kind === "name" && called.to === token.from;
-      open.push({ name: isCall ? word(called) : "", commas: 0, last: null });
-    } else if (")]}".includes(said) && said) {
+    if ("([{".includes(sign) && sign) {
+      const callee = before[k - 1];
+      const isCall = sign === "(" && callee?.kind === "name" && callee.to === token.from;
+      open.push({ name: isCall ? word(callee) : "", commas: 0, last: null });
+    } else if (")]}".includes(sign) && sign) {
       open.pop();
-    } else if (said === "," && top) {
+    } else if (sign === "," && top) {
       top.commas += 1;
       top.last = null;
-    } else if (said === "=" && top && before[k - 1]?.kind === "name") {
+    } else if (sign === "=" && top && before[k - 1]?.kind === "name") {
       top.last = before[k - 1]!;
     }
   });
@@ -62,11 +62,11 @@ export function callAt(text: string, all: readonly Token[], place: number, rows:
   return null;
 }
 
-/** Given by name, or by how many came before; what takes any number of arguments takes all of these. */
+/** The parameter by its name, or else by its position; a starred parameter takes all further positions. */
 function parameterIndex(parameters: readonly string[], commas: number, name: string | null): number {
   if (name !== null) return parameters.findIndex((parameter) => parameterName(parameter) === name);
-  const rest = parameters.findIndex((parameter) => parameter.startsWith("*"));
-  if (rest >= 0 && commas >= rest) return rest;
+  const starred = parameters.findIndex((parameter) => parameter.startsWith("*"));
+  if (starred >= 0 && commas >= starred) return starred;
   return commas < parameters.length ? commas : -1;
 }
 
@@ -75,9 +75,9 @@ export interface NamedFunction {
   token: Token;
 }
 
-/** The function whose name stands at a place, or ends there. */
+/** The function whose name is at a place, or ends there. */
 export function functionAt(text: string, all: readonly Token[], place: number, rows: Table["rows"]): NamedFunction | null {
-  // Of `a(b` at the bracket the name is before, and of `(b` it begins there.
+  // In `a(b`, at the parenthesis the name ends; in `(b`, it starts behind it.
   for (const token of [tokenBefore(all, place), tokenBefore(all, place + 1)]) {
     const row = token?.kind === "name" && token.from <= place ? rows.get(text.slice(token.from, token.to)) : undefined;
     if (token && row) return { row, token };

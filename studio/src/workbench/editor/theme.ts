@@ -1,10 +1,10 @@
-// The look of the editor, in the page's own colours: custom properties reach into a shadow tree, so light and dark follow.
+// The look of the editor, in the page's colours: custom properties are inherited by the shadow tree, so themes apply.
 import { HighlightStyle, syntaxHighlighting } from "@codemirror/language";
 import type { Extension } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 
-/** A finger: WCAG 2.5.5 asks for 44 by 44 CSS pixels. */
+/** Touch screens. WCAG 2.5.5 asks for targets of 44 by 44 CSS pixels. */
 const FINGER = "@media (pointer: coarse)";
 const row = { display: "flex", gap: "var(--space-3)" };
 const focusRing = { outline: "3px solid var(--focus)", outlineOffset: "0" };
@@ -18,8 +18,8 @@ const floating = {
 const theme = EditorView.theme({
   "&": { height: "100%", backgroundColor: "var(--raised)", color: "var(--ink)" },
   "&.cm-focused": focusRing,
-  // Across, a finger drags numbers, and lines are wrapped. It is said of all of the text, and not of numbers: a number's element
-  // is another one as soon as its text changes, and Chromium then goes by what is around it.
+  // Horizontal strokes drag numbers, and lines are wrapped, so only vertical panning is left to the browser. Set on the whole
+  // text, because a number's element is replaced when its text changes, and Chromium then uses its ancestor's value.
   ".cm-scroller": { font: "var(--text-control)/1.6 var(--mono)", overflow: "auto", touchAction: "pan-y pinch-zoom" },
   ".cm-scroller.cm-dragging, .cm-scroller.cm-dragging *": { cursor: "ew-resize !important" },
   ".cm-content": { caretColor: "var(--ink)", minHeight: "6rem", minWidth: "0" },
@@ -29,7 +29,7 @@ const theme = EditorView.theme({
   "&.cm-focused .cm-matchingBracket": { backgroundColor: "var(--curve)", color: "inherit" },
   "&.cm-focused .cm-nonmatchingBracket": { backgroundColor: "transparent", color: "var(--gap)" },
 
-  // A number is a handle, and looks like one also where no pointer rests on it.
+  // A number must be recognizable as a handle without hovering, too.
   ".cm-number": { cursor: "ew-resize", borderBottom: "1px dotted var(--other)", position: "relative" },
   ".cm-number:hover": { borderBottomStyle: "solid", backgroundColor: "color-mix(in srgb, var(--other) 14%, transparent)" },
 
@@ -40,9 +40,9 @@ const theme = EditorView.theme({
 
   ".cm-panels": { backgroundColor: "var(--paper)", color: "var(--ink)", font: "var(--text-small)/1.5 var(--sans)", zIndex: "1" },
   ".cm-panels.cm-panels-bottom": { borderTop: "1px solid var(--line)" },
-  // Empty it has no height, but is there: what is hidden is no live region.
+  // Empty but not hidden: a hidden element is no live region.
   ".cm-problemPanel:not(:empty)": { ...row, alignItems: "baseline", padding: "var(--space-1) var(--space-3)" },
-  // As high as a line of usage and two of a sentence, so that the text does not jump as the cursor goes.
+  // The height of a line of usage and two of text, so that the editor does not jump when the cursor moves.
   ".cm-below": { ...row, alignItems: "start", minHeight: "4.9rem", padding: "var(--space-2) var(--space-3)" },
   ".cm-help": { flex: "1", minWidth: "0", color: "var(--soft)" },
   ".cm-help p, .cm-card p": { margin: "0", font: "var(--text-small)/1.5 var(--sans)" },
@@ -77,12 +77,12 @@ const theme = EditorView.theme({
   ".cm-completionMatchedText": { textDecoration: "underline", textDecorationThickness: "2px" },
   ".cm-tooltip.cm-completionInfo": { ...floating, padding: "0", maxWidth: "min(22rem, 80vw)" },
 
-  // There it would lie on the other completions; the panel below says the same.
+  // There it would cover the other completions; the panel below has the same text.
   "@media (max-width: 40rem)": { ".cm-tooltip.cm-completionInfo": { display: "none" } },
   [FINGER]: {
-    // From 16 px on no phone enlarges the page to write in it.
+    // Below 16 px, phones zoom the page when a text is edited.
     ".cm-scroller": { fontSize: "16px", lineHeight: "2" },
-    // 20 px of digits and the 12 px to the text above and below.
+    // 20 px of digits and 12 px above and below make 44.
     ".cm-number::after": { content: "''", position: "absolute", inset: "-12px -13px" },
     ".cm-panels button": { minWidth: "44px", minHeight: "44px" },
     ".cm-tooltip.cm-tooltip-autocomplete > ul > li": { padding: "0.6rem var(--space-2)" },

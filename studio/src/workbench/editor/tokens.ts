@@ -1,12 +1,12 @@
-// The words of a script, by a scanner of its own: it stays right where a text is unfinished, and knows Starlark's numbers.
+// A scanner for scripts. Unlike the parser it keeps working on unfinished text, and it knows Starlark's numbers.
 export type TokenKind = "name" | "number" | "odd" | "string" | "comment" | "sign" | "end";
 
 export interface Token {
-  /** `odd` looks like a number and is none that can be changed: 0x1F, 12abc. `end` is the end of a statement. */
+  /** `odd` starts like a number but cannot be changed as one: 0x1F, 12abc. `end` is the end of a statement. */
   kind: TokenKind;
   from: number;
   to: number;
-  /** How many brackets are open before it. */
+  /** The number of open brackets before it. */
   depth: number;
 }
 
@@ -16,16 +16,16 @@ const WORD_GOES_ON = /[\p{L}\p{N}_.]+/uy;
 const STRING_PREFIX = /^(?:[rbf]|br|rb)$/i;
 const COMMENT = /#[^\n]*/y;
 
-const at = (pattern: RegExp, text: string, from: number): number => {
+const matchEnd = (pattern: RegExp, text: string, from: number): number => {
   pattern.lastIndex = from;
   return pattern.test(text) ? pattern.lastIndex : from;
 };
 
 export function tokens(text: string): Token[] {
-  const found: Token[] = [];
+  const result: Token[] = [];
   let [from, depth] = [0, 0];
   const add = (kind: TokenKind, to: number) => {
-    found.push({ kind, from, to, depth });
+    result.push({ kind, from, to, depth });
     from = to;
   };
   while (from < text.length) {
@@ -34,20 +34,20 @@ export function tokens(text: string): Token[] {
       if (depth === 0) add("end", from + 1);
       else from += 1;
     } else if (/\s/.test(c) || c === "\\") {
-      // A backslash takes the end of its line along.
+      // A backslash joins the next line.
       from += c === "\\" && text[from + 1] === "\n" ? 2 : 1;
     } else if (c === "#") {
-      add("comment", at(COMMENT, text, from));
+      add("comment", matchEnd(COMMENT, text, from));
     } else if (c === '"' || c === "'") {
       add("string", stringEnd(text, from));
-    } else if (at(NAME, text, from) > from) {
-      const to = at(NAME, text, from);
+    } else if (matchEnd(NAME, text, from) > from) {
+      const to = matchEnd(NAME, text, from);
       const isPrefix = (text[to] === '"' || text[to] === "'") && STRING_PREFIX.test(text.slice(from, to));
       if (isPrefix) add("string", stringEnd(text, to));
       else add("name", to);
-    } else if (at(NUMBER, text, from) > from) {
-      const to = at(NUMBER, text, from);
-      const end = at(WORD_GOES_ON, text, to);
+    } else if (matchEnd(NUMBER, text, from) > from) {
+      const to = matchEnd(NUMBER, text, from);
+      const end = matchEnd(WORD_GOES_ON, text, to);
       add(end > to ? "odd" : "number", end);
     } else if ("([{".includes(c)) {
       add("sign", from + 1);
@@ -59,10 +59,10 @@ export function tokens(text: string): Token[] {
       add("sign", from + 1);
     }
   }
-  return found;
+  return result;
 }
 
-/** Where the string ends whose quote stands at `from`; an unfinished one ends with its line, or with the text. */
+/** The end of the string whose quote is at `from`; an unfinished one ends with its line, or with the text. */
 function stringEnd(text: string, from: number): number {
   const quote = text[from]!;
   const isLong = text.startsWith(quote.repeat(3), from);
@@ -75,7 +75,7 @@ function stringEnd(text: string, from: number): number {
   return text.length;
 }
 
-/** The token that holds a place: it starts before, and ends behind it or right there. */
+/** The token at a place: it starts before the place, and ends at or behind it. */
 export function tokenBefore(all: readonly Token[], place: number): Token | undefined {
   let [low, high] = [0, all.length];
   while (low < high) {

@@ -1,8 +1,8 @@
-// The viewer with one dot in its middle, for a test that measures it.
+// The viewer with one dot in its middle, for the test that measures it.
 import { Viewer } from "../../../src/viewer/viewer";
 
 declare global {
-  /** How wide the dot is along the middle row, in CSS pixels. */
+  /** The width of the dot along the middle row, in CSS pixels. */
   var widthOfDot: (size: number) => number;
 }
 
@@ -12,7 +12,7 @@ viewer.look({ azimuth: 0, elevation: 0, distance: 6, target: [0, 0, 0] });
 
 globalThis.widthOfDot = (size) => {
   viewer.draw({ layers: [{ kind: "points", id: "dot", positions: new Float32Array(3), paint: "#ff0000", size }] });
-  // Read in the moment in which it is drawn: later the buffer is empty.
+  // Read in the task that draws it: later the buffer is cleared.
   const drawn = viewer.now();
   const copy = Object.assign(document.createElement("canvas"), { width: drawn.width, height: drawn.height });
   const context = copy.getContext("2d")!;
@@ -20,6 +20,6 @@ globalThis.widthOfDot = (size) => {
   const row = context.getImageData(0, Math.floor(drawn.height / 2), drawn.width, 1).data;
   let painted = 0;
   for (let i = 3; i < row.length; i += 4) painted += row[i]! > 127 ? 1 : 0;
-  // The viewer may draw fewer pixels than the screen has.
+  // The viewer may use a lower pixel ratio than the screen has.
   return (painted * root.clientWidth) / drawn.width;
 };
